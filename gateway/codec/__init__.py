@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""CDR to values, JSON and pictures, and back; pure computation."""

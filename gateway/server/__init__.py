@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The WebSocket server; the only importer of websockets."""

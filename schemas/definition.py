@@ -1,0 +1,298 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a ROS 2 message type is: its fields, constants and words, read from a `.msg` text.
+
+The grammar is the one of the ROS 2 interface definition
+(https://docs.ros.org/en/jazzy/Concepts/Basic/About-Interfaces.html): one field or constant a
+line, ``#`` comments, arrays ``T[]``, ``T[N]`` and ``T[<=N]``, bounded strings ``string<=N``.
+"""
+
+import ast
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+INTEGER_RANGES: Final = {
+    "int8": (-(2**7), 2**7 - 1),
+    "uint8": (0, 2**8 - 1),
+    "int16": (-(2**15), 2**15 - 1),
+    "uint16": (0, 2**16 - 1),
+    "int32": (-(2**31), 2**31 - 1),
+    "uint32": (0, 2**32 - 1),
+    "int64": (-(2**63), 2**63 - 1),
+    "uint64": (0, 2**64 - 1),
+    # the two historical names: an octet and, in ROS 2, an unsigned 8-bit character
+    "byte": (0, 2**8 - 1),
+    "char": (0, 2**8 - 1),
+}
+FLOATS: Final = frozenset({"float32", "float64"})
+STRINGS: Final = frozenset({"string", "wstring"})
+PRIMITIVES: Final = frozenset(INTEGER_RANGES) | FLOATS | STRINGS | {"bool"}
+OCTETS: Final = frozenset({"uint8", "byte", "char"})
+
+Scalar = bool | int | float | str
+Value = Scalar | tuple[Scalar, ...]
+
+
+class DefinitionError(ValueError):
+    """A message definition cannot be read; the text names the type, the line and the reason."""
+
+
+@dataclass(frozen=True, slots=True)
+class FieldType:
+    """The type of a field: a primitive or ``pkg/msg/Name``, possibly an array of it.
+
+    ``length`` is the size of a fixed array, ``bound`` the largest size of a sequence
+    (``None``: unbounded), ``string_bound`` the largest length of a string.
+    """
+
+    base: str
+    is_sequence: bool = False
+    length: int | None = None
+    bound: int | None = None
+    string_bound: int | None = None
+
+    @property
+    def is_primitive(self) -> bool:
+        return self.base in PRIMITIVES
+
+    @property
+    def is_array(self) -> bool:
+        """Whether the field holds several values: a fixed array or a sequence."""
+        return self.is_sequence or self.length is not None
+
+    @property
+    def is_octets(self) -> bool:
+        """Whether the field holds raw bytes, which travel as base64."""
+        return self.is_array and self.base in OCTETS
+
+    def __str__(self) -> str:
+        base = self.base if self.string_bound is None else f"{self.base}<={self.string_bound}"
+        if self.length is not None:
+            return f"{base}[{self.length}]"
+        if self.is_sequence:
+            return f"{base}[]" if self.bound is None else f"{base}[<={self.bound}]"
+        return base
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """One field of a message; ``default`` is ``None`` where the definition states none."""
+
+    name: str
+    type: FieldType
+    default: Value | None = None
+    comment: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Constant:
+    """One named constant of a message."""
+
+    name: str
+    type: str
+    value: Scalar
+    comment: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Definition:
+    """A message type: its full name (``pkg/msg/Name``), members, words and source text."""
+
+    name: str
+    fields: tuple[Field, ...]
+    constants: tuple[Constant, ...] = ()
+    comment: str = ""
+    text: str = ""
+    type_hash: str | None = None  # REP-2011, "RIHS01_..."; None where none is installed
+
+    @property
+    def package(self) -> str:
+        return self.name.split("/")[0]
+
+    @property
+    def short_name(self) -> str:
+        return self.name.rsplit("/", 1)[1]
+
+    def nested(self) -> tuple[str, ...]:
+        """Name the message types that the fields use directly, each once, in order."""
+        return tuple(dict.fromkeys(f.type.base for f in self.fields if not f.type.is_primitive))
+
+
+_TYPE = re.compile(
+    r"(?P<base>[A-Za-z][A-Za-z0-9_]*(?:/[A-Za-z0-9_]+)*)"
+    r"(?:<=(?P<string_bound>\d+))?"
+    r"(?P<array>\[(?:(?P<at_most><=)?(?P<size>\d+))?\])?"
+)
+_FIELD_NAME = re.compile(r"[a-z](?:_?[a-z0-9]+)*_?", re.IGNORECASE)
+_CONSTANT_NAME = re.compile(r"[A-Z](?:_?[A-Z0-9]+)*_?", re.IGNORECASE)
+# Types of ROS 1 that the ROS 2 generators still accept.
+_ALIASES: Final = {
+    "time": "builtin_interfaces/msg/Time",
+    "duration": "builtin_interfaces/msg/Duration",
+}
+
+
+def parse_definition(name: str, text: str, type_hash: str | None = None) -> Definition:
+    """Parse the text of one message (a `.msg` file, or one part of a `.srv` or `.action`).
+
+    Raises:
+        DefinitionError: a line is neither a comment, a field nor a constant.
+    """
+    fields: list[Field] = []
+    constants: list[Constant] = []
+    message_comment: list[str] | None = None
+    for line_number, above, declaration, beside in _declarations(text):
+        if message_comment is None:
+            # The first block of comments describes the message, unless it touches a field.
+            *blocks, own = above
+            message_comment = [line for block in blocks for line in [*block, ""]]
+        else:
+            own = above[-1]
+        if not declaration:
+            if not fields and not constants:
+                message_comment += own
+            continue
+        comment = "\n".join([*own, beside] if beside else own).strip()
+        try:
+            member = _parse_member(name.split("/")[0], declaration, comment)
+        except ValueError as error:
+            raise DefinitionError(f"{name}, line {line_number}: {error}") from error
+        if isinstance(member, Field):
+            fields.append(member)
+        else:
+            constants.append(member)
+    comment = "\n".join(message_comment or []).strip()
+    return Definition(name, tuple(fields), tuple(constants), comment, text, type_hash)
+
+
+def _declarations(text: str) -> Iterator[tuple[int, list[list[str]], str, str]]:
+    """Yield line number, blocks of comments above, declaration, comment beside it.
+
+    Ends with one empty declaration that carries the comments after the last one.
+    """
+    blocks: list[list[str]] = [[]]
+    number = 0
+    for number, line in enumerate(text.splitlines(), start=1):
+        stripped = line.strip()
+        if not stripped:
+            if blocks[-1]:
+                blocks.append([])
+        elif stripped.startswith("#"):
+            blocks[-1].append(_uncommented(stripped))
+        else:
+            declaration, beside = _split_comment(stripped)
+            yield number, blocks, declaration, beside
+            blocks = [[]]
+    yield number, blocks, "", ""
+
+
+def _uncommented(comment: str) -> str:
+    return comment.lstrip("#").removeprefix(" ").rstrip()
+
+
+def _split_comment(line: str) -> tuple[str, str]:
+    """Split a declaration from the comment behind it; a ``#`` inside quotes is no comment."""
+    quote = ""
+    escaped = False
+    for index, character in enumerate(line):
+        if escaped:
+            escaped = False
+        elif character == "\\":
+            escaped = True
+        elif quote:
+            quote = "" if character == quote else quote
+        elif character in "\"'":
+            quote = character
+        elif character == "#":
+            return line[:index].rstrip(), _uncommented(line[index:])
+    return line, ""
+
+
+def _parse_member(package: str, declaration: str, comment: str) -> Field | Constant:
+    type_text, _, rest = declaration.partition(" ")
+    field_type = parse_field_type(type_text, package)
+    rest = rest.strip()
+    constant, equals, value = rest.partition("=")
+    # "string<=3 x" has its "=" inside the type, and a default may hold one inside quotes
+    if equals and _CONSTANT_NAME.fullmatch(constant.strip()):
+        parsed = _parse_value(field_type, value.strip())
+        if isinstance(parsed, tuple):
+            raise ValueError(f"constant {constant.strip()} is an array")
+        return Constant(constant.strip(), field_type.base, parsed, comment)
+    field, _, default = rest.partition(" ")
+    if not _FIELD_NAME.fullmatch(field):
+        raise ValueError(f"{field!r} is no field name")
+    default = default.strip()
+    value_or_none = _parse_value(field_type, default) if default else None
+    return Field(field, field_type, value_or_none, comment)
+
+
+def parse_field_type(text: str, package: str) -> FieldType:
+    """Parse a type such as ``float64[<=3]`` as written in a definition of *package*.
+
+    Raises:
+        ValueError: the text is no type.
+    """
+    match = _TYPE.fullmatch(text)
+    if match is None:
+        raise ValueError(f"{text!r} is no type")
+    base = match["base"]
+    if base not in PRIMITIVES:
+        base = _ALIASES.get(base) or _qualified(base, package)
+    elif match["string_bound"] and base not in STRINGS:
+        raise ValueError(f"{base} takes no length")
+    size = int(match["size"]) if match["size"] else None
+    is_sequence = match["array"] is not None and (size is None or match["at_most"] is not None)
+    return FieldType(
+        base,
+        is_sequence,
+        length=None if is_sequence else size,
+        bound=size if is_sequence else None,
+        string_bound=int(match["string_bound"]) if match["string_bound"] else None,
+    )
+
+
+def _qualified(name: str, package: str) -> str:
+    match name.split("/"):
+        case [short]:
+            return f"{package}/msg/{short}"
+        case [other, short]:
+            return f"{other}/msg/{short}"
+        case [_, _, _]:
+            return name
+    raise ValueError(f"{name!r} is no type name")
+
+
+def _parse_value(field_type: FieldType, text: str) -> Value:
+    """Read a default or a constant in the notation of `.msg` files."""
+    if not field_type.is_primitive:
+        raise ValueError(f"a {field_type.base} has no literal")
+    if not field_type.is_array:
+        return _parse_scalar(field_type.base, text)
+    if not (text.startswith("[") and text.endswith("]")):
+        raise ValueError(f"{text!r} is no array")
+    if field_type.base in STRINGS:
+        return tuple(str(value) for value in ast.literal_eval(text))
+    items = [item.strip() for item in text[1:-1].split(",")]
+    return tuple(_parse_scalar(field_type.base, item) for item in items if item)
+
+
+def _parse_scalar(base: str, text: str) -> Scalar:
+    if base == "bool":
+        if text.lower() in {"true", "1"}:
+            return True
+        if text.lower() in {"false", "0"}:
+            return False
+        raise ValueError(f"{text!r} is no bool")
+    if base in FLOATS:
+        return float(text)
+    if base in STRINGS:
+        if len(text) >= 2 and text[0] == text[-1] and text[0] in "\"'":
+            return text[1:-1].replace(f"\\{text[0]}", text[0])
+        return text
+    value = int(text, 0)
+    low, high = INTEGER_RANGES[base]
+    if not low <= value <= high:
+        raise ValueError(f"{value} is no {base}")
+    return value
