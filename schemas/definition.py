@@ -54,6 +54,7 @@ class FieldType:
 
     @property
     def is_primitive(self) -> bool:
+        """Whether it is built in, so that no other definition is needed to read it."""
         return self.base in PRIMITIVES
 
     @property
@@ -108,10 +109,12 @@ class Definition:
 
     @property
     def package(self) -> str:
+        """The package that the type belongs to."""
         return self.name.split("/")[0]
 
     @property
     def short_name(self) -> str:
+        """The name without package."""
         return self.name.rsplit("/", 1)[1]
 
     def nested(self) -> tuple[str, ...]:
@@ -169,12 +172,20 @@ def parse_definition(name: str, text: str, type_hash: str | None = None) -> Defi
 def _declarations(text: str) -> Iterator[tuple[int, list[list[str]], str, str]]:
     """Yield line number, blocks of comments above, declaration, comment beside it.
 
+    A comment beside a declaration goes on in the indented comment lines right below it.
     Ends with one empty declaration that carries the comments after the last one.
     """
     blocks: list[list[str]] = [[]]
+    declared: tuple[int, list[list[str]], str, str] | None = None
     number = 0
     for number, line in enumerate(text.splitlines(), start=1):
         stripped = line.strip()
+        if declared is not None:
+            if declared[3] and line[:1].isspace() and stripped.startswith("#"):
+                declared = (*declared[:3], f"{declared[3]}\n{_uncommented(stripped)}")
+                continue
+            yield declared
+            declared = None
         if not stripped:
             if blocks[-1]:
                 blocks.append([])
@@ -182,8 +193,10 @@ def _declarations(text: str) -> Iterator[tuple[int, list[list[str]], str, str]]:
             blocks[-1].append(_uncommented(stripped))
         else:
             declaration, beside = _split_comment(stripped)
-            yield number, blocks, declaration, beside
+            declared = (number, blocks, declaration, beside)
             blocks = [[]]
+    if declared is not None:
+        yield declared
     yield number, blocks, "", ""
 
 

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from schemas.definition import Definition, parse_definition
+from schemas.definition import Definition, DefinitionError, parse_definition
 
 _TYPE_NAME = re.compile(r"(?P<package>[a-z][a-z0-9_]*)/msg/(?P<name>[A-Z][A-Za-z0-9]*)")
 
@@ -56,18 +56,24 @@ class InstalledDefinitions:
         return sorted(name for name in found if wanted is None or name.split("/")[0] in wanted)
 
     def closure(self, names: Iterable[str]) -> list[Definition]:
-        """Return the definitions of *names* and of all they nest, nested ones first."""
+        """Return the definitions of *names* and of all they nest, nested ones first.
+
+        Raises:
+            UnknownTypeError, DefinitionError: as for `get`; also for a type that nests itself.
+        """
         ordered: dict[str, Definition] = {}
 
-        def visit(name: str) -> None:
+        def visit(name: str, within: tuple[str, ...]) -> None:
+            if name in within:
+                raise DefinitionError(f"{name} nests itself")
             if name not in ordered:
                 definition = self.get(name)
                 for nested in definition.nested():
-                    visit(nested)
+                    visit(nested, (*within, name))
                 ordered[name] = definition
 
         for name in names:
-            visit(name)
+            visit(name, ())
         return list(ordered.values())
 
     def _read(self, name: str) -> Definition:
@@ -77,7 +83,8 @@ class InstalledDefinitions:
         for prefix in self._prefixes:
             path = prefix / "share" / match["package"] / "msg" / f"{match['name']}.msg"
             if path.is_file():
-                text = path.read_text(encoding="utf-8")
+                # what is no UTF-8 stands in comments, where it harms nobody
+                text = path.read_text(encoding="utf-8", errors="replace")
                 return parse_definition(name, text, _type_hash(path.with_suffix(".json"), name))
         raise UnknownTypeError(f"no definition of {name} is installed")
 

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The model of any message type: checked in where it fits, else built in memory at run time."""
+
+import importlib
+from typing import Any, Self
+
+from schemas import message as ros
+from schemas.definition import Definition
+from schemas.generate.json_schemas import Schema, schema_of
+from schemas.generate.python_models import class_names, class_source
+from schemas.installed import InstalledDefinitions
+from schemas.message import Message
+from schemas.type_hash import type_hash
+
+
+class Models:
+    """The models of the types that some definitions describe, built when first asked for.
+
+    A checked-in model is used where its type hash is that of the installed definition, so a
+    robot whose messages differ from ours is served by its own. Not safe across threads.
+    """
+
+    def __init__(self, definitions: InstalledDefinitions) -> None:
+        self._definitions = definitions
+        self._known: dict[str, type[Message]] = {}
+
+    @classmethod
+    def installed(cls) -> Self:
+        """Return the models of what this machine has installed."""
+        return cls(InstalledDefinitions())
+
+    def get(self, name: str) -> type[Message]:
+        """Return the model of ``pkg/msg/Name``.
+
+        Raises:
+            UnknownTypeError: it, or a type that it nests, is not installed.
+            DefinitionError: a definition cannot be parsed.
+        """
+        known = self._known.get(name)
+        if known is None:
+            # Nested types first, so that each class finds those that its fields need.
+            for definition in self._definitions.closure([name]):
+                if definition.name not in self._known:
+                    self._known[definition.name] = self._model(definition)
+            known = self._known[name]
+        return known
+
+    def json_schema(self, name: str) -> Schema:
+        """Return the JSON Schema of ``pkg/msg/Name``, nested types included.
+
+        Raises:
+            UnknownTypeError, DefinitionError: as for `get`.
+        """
+        definition = self._definitions.get(name)
+        nested = self._definitions.closure(definition.nested())
+        return schema_of(definition, nested, type_hash(definition, self._definitions))
+
+    def _model(self, definition: Definition) -> type[Message]:
+        expected_hash = type_hash(definition, self._definitions)
+        return _checked_in(definition, expected_hash) or self._executed(definition, expected_hash)
+
+    def _executed(self, definition: Definition, hash_: str) -> type[Message]:
+        names = class_names([definition])
+        module = f"schemas.models.{definition.package}"
+        namespace: dict[str, Any] = {"__name__": module, "ros": ros}
+        namespace |= {names[nested]: self._known[nested] for nested in definition.nested()}
+        source = class_source(definition, hash_, names)
+        # Every name and text in it went through the parser's patterns or a literal's quoting.
+        exec(compile(source, f"<{definition.name}>", "exec"), namespace)  # noqa: S102
+        model: type[Message] = namespace[names[definition.name]]
+        return model
+
+
+def model_for(name: str, definitions: InstalledDefinitions) -> type[Message]:
+    """Return the model of one type; who needs several keeps a `Models`, which remembers.
+
+    Raises:
+        UnknownTypeError, DefinitionError: as for `Models.get`.
+    """
+    return Models(definitions).get(name)
+
+
+def json_schema(name: str, definitions: InstalledDefinitions) -> Schema:
+    """Return the JSON Schema of one type.
+
+    Raises:
+        UnknownTypeError, DefinitionError: as for `Models.json_schema`.
+    """
+    return Models(definitions).json_schema(name)
+
+
+def _checked_in(definition: Definition, expected_hash: str) -> type[Message] | None:
+    module_name = f"schemas.models.{definition.package}"
+    try:
+        module = importlib.import_module(module_name)
+    except ModuleNotFoundError as error:
+        if error.name != module_name:
+            raise
+        return None
+    model = getattr(module, definition.short_name, None)
+    if not (isinstance(model, type) and issubclass(model, Message)):
+        return None
+    # The hash covers the full name, so a class imported from another package never fits.
+    return model if model.ros_type_hash == expected_hash else None

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Write JSON Schemas (2020-12): a self-contained file per type, describing what the wire carries.
+
+They cover both directions: what the gateway sends, and all that it takes.
+"""
+
+import json
+import math
+from collections.abc import Iterable, Mapping
+from typing import Final
+
+from schemas.definition import INTEGER_RANGES, Definition, Field, FieldType, Scalar, Value
+from schemas.generate.catalogue import GENERATED, Catalogue
+
+Schema = dict[str, object]
+
+_DIALECT: Final = "https://json-schema.org/draft/2020-12/schema"
+_NO_NUL: Final = "^[^\\u0000]*$"
+_TIMES: Final = frozenset({"builtin_interfaces/msg/Duration", "builtin_interfaces/msg/Time"})
+_NANOSECONDS: Final[Schema] = {"type": "integer", "minimum": 0, "maximum": 10**9 - 1}
+_ROS1_NAMES: Final = {"sec": "secs", "nanosec": "nsecs"}
+
+
+def write(catalogue: Catalogue) -> dict[str, str]:
+    """Return the schema of each row's type."""
+    files = {}
+    for row in catalogue.rows:
+        definition = catalogue.definitions[row.name]
+        nested = _closure(definition, catalogue.definitions)
+        schema = schema_of(definition, nested, catalogue.hashes[row.name])
+        text = json.dumps({"$comment": GENERATED, **schema}, indent=2, ensure_ascii=False)
+        files[f"schemas/json/{definition.package}/{definition.short_name}.json"] = text + "\n"
+    return files
+
+
+def schema_of(definition: Definition, nested: Iterable[Definition], type_hash: str) -> Schema:
+    """Return the schema of one type, *nested* being all the types below it."""
+    schema: Schema = {"$schema": _DIALECT, "title": definition.name}
+    schema |= _message(definition)
+    if definition.constants:
+        schema["x-ros-constants"] = {
+            constant.name: _finite(constant.value) for constant in definition.constants
+        }
+    schema["x-ros-type-hash"] = type_hash
+    schemas = {_key(other.name): _message(other) for other in nested}
+    if schemas:
+        schema["$defs"] = dict(sorted(schemas.items()))
+    return schema
+
+
+def _closure(definition: Definition, known: Mapping[str, Definition]) -> list[Definition]:
+    found: dict[str, Definition] = {}
+    waiting = list(definition.nested())
+    while waiting:
+        name = waiting.pop()
+        if name not in found:
+            found[name] = known[name]
+            waiting += known[name].nested()
+    return list(found.values())
+
+
+def _message(definition: Definition) -> Schema:
+    schema: Schema = {"description": definition.comment} if definition.comment else {}
+    properties = {field.name: _field(definition, field) for field in definition.fields}
+    if definition.name == "std_msgs/msg/Header":
+        properties["seq"] = {"description": "As in ROS 1; ignored", "type": "integer"}
+    this = schema | _object(properties)
+    if definition.name not in _TIMES:
+        return this
+    ros1 = {_ROS1_NAMES.get(name, name): field for name, field in properties.items()}
+    spellings = [_object(properties), _object(ros1)]
+    if definition.name == "builtin_interfaces/msg/Time":
+        spellings.append({"description": "The ROS time when it arrives", "const": "now"})
+    return schema | {"anyOf": spellings}
+
+
+def _object(properties: Mapping[str, Schema]) -> Schema:
+    return {"type": "object", "properties": dict(properties), "additionalProperties": False}
+
+
+def _field(definition: Definition, field: Field) -> Schema:
+    described: Schema = {"description": field.comment} if field.comment else {}
+    if definition.name in _TIMES and field.name == "nanosec":
+        return described | _NANOSECONDS
+    schema = described | _type(field.type)
+    if field.default is not None and not field.type.is_octets:
+        schema["default"] = _finite(field.default)
+    return schema
+
+
+def _type(field_type: FieldType) -> Schema:
+    if field_type.is_octets:
+        return _octets(field_type)
+    if not field_type.is_array:
+        return _single(field_type)
+    return {"type": "array", "items": _single(field_type), **_sizes(field_type, "Items")}
+
+
+def _single(field_type: FieldType) -> Schema:
+    match field_type.base:
+        case "bool":
+            return {"type": "boolean"}
+        case "float32":
+            bound = 2.0**128 - 2.0**103  # from here on single precision rounds to infinity
+            return {
+                "type": ["number", "null"],
+                "exclusiveMinimum": -bound,
+                "exclusiveMaximum": bound,
+            }
+        case "float64":
+            return {"type": ["number", "null"]}
+        case "string" | "wstring":
+            schema: Schema = {"type": "string", "pattern": _NO_NUL}
+            if field_type.string_bound is not None:
+                # Counted in characters; the gateway counts UTF-8 bytes or UTF-16 units.
+                schema["maxLength"] = field_type.string_bound
+            return schema
+        case base if base in INTEGER_RANGES:
+            low, high = INTEGER_RANGES[base]
+            return {"type": "integer", "minimum": low, "maximum": high}
+        case base:
+            return {"$ref": f"#/$defs/{_key(base)}"}
+
+
+def _octets(field_type: FieldType) -> Schema:
+    """Base64 text, or the integers themselves."""
+    text: Schema = {"type": "string", "contentEncoding": "base64"}
+    sizes = _sizes(FieldType("uint8", True, field_type.length, field_type.bound), "Length")
+    text |= {name: math.ceil(size / 3) * 4 for name, size in sizes.items()}
+    octet = {"type": "integer", "minimum": 0, "maximum": 255}
+    return {"anyOf": [text, {"type": "array", "items": octet, **_sizes(field_type, "Items")}]}
+
+
+def _sizes(field_type: FieldType, of: str) -> dict[str, int]:
+    if field_type.length is not None:
+        return {f"min{of}": field_type.length, f"max{of}": field_type.length}
+    return {} if field_type.bound is None else {f"max{of}": field_type.bound}
+
+
+def _key(name: str) -> str:
+    return name.replace("/", ".")  # a slash would need escapes in every $ref
+
+
+def _finite(value: Value) -> Scalar | list[Scalar | None] | None:
+    """Return a value as JSON has it: what is not finite is null."""
+    if isinstance(value, tuple):
+        return [None if isinstance(v, float) and not math.isfinite(v) else v for v in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

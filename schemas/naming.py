@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How the fields and constants of ROS messages are called as Python attributes."""
+
+import keyword
+from typing import Final
+
+# Public attributes of pydantic.BaseModel. Spelt out, so that what is generated does not
+# depend on the pydantic at hand; those that begin with "model_" are covered as such.
+_BASE_MODEL: Final = frozenset(
+    {
+        "construct",
+        "copy",
+        "dict",
+        "from_orm",
+        "json",
+        "parse_file",
+        "parse_obj",
+        "parse_raw",
+        "schema",
+        "schema_json",
+        "update_forward_refs",
+        "validate",
+    }
+)
+# Names that the bodies of generated classes use: a field of that name would hide them from
+# the lines below it.
+_OF_GENERATED_CLASSES: Final = frozenset(
+    {"bool", "bytes", "float", "int", "list", "ros", "ros_type", "ros_type_hash", "str"}
+)
+_TAKEN: Final = frozenset(keyword.kwlist) | _BASE_MODEL | _OF_GENERATED_CLASSES
+
+
+def attribute(field_name: str) -> str:
+    """Return the Python attribute that holds a field of a message: mostly its own name.
+
+    A trailing underscore is added where the name is taken: by Python (``from``), by the base
+    class (``copy``, ``model_...``), or by classes and constants, which begin with a capital.
+    Different fields always get different attributes.
+    """
+    bare = field_name.rstrip("_")  # "from_" must make room for the "from" beside it
+    if bare in _TAKEN or bare.startswith("model_") or field_name[0].isupper():
+        return f"{field_name}_"
+    return field_name
+
+
+def constant_attribute(constant_name: str) -> str:
+    """Return the Python attribute that holds a constant of a message."""
+    bare = constant_name.rstrip("_")
+    if bare in _TAKEN or bare.startswith("model_"):
+        return f"{constant_name}_"
+    return constant_name

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The message table: which types have a number, which way they travel and what they are for."""
+
+import re
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Annotated, Final, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+
+TABLE_PATH: Final = Path(__file__).with_name("messages.toml")
+
+_TYPE_SPELLING: Final = re.compile(
+    r"(?P<package>[a-z][a-z0-9_]*)/(?:msg/)?(?P<name>[A-Z][A-Za-z0-9]*)"
+)
+# Ten times the digits that a table will ever need; int() of endless digits is slow.
+_NUMBER: Final = re.compile(r"[0-9]{1,9}", re.ASCII)
+
+
+class TableError(ValueError):
+    """A message table cannot be used; the text names the file and the reason."""
+
+
+class TypeSpellingError(ValueError):
+    """What a client wrote as a type names none; the text says what was expected."""
+
+
+class Row(BaseModel):
+    """One type of the table, its number being part of the API."""
+
+    model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
+
+    number: Annotated[int, Field(ge=0)]
+    name: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*/msg/[A-Z][A-Za-z0-9]*$")]
+    directions: Literal["both", "subscribe", "publish"]
+    purpose: Annotated[str, Field(min_length=1)]
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """The rows in the order of the file, and by number and name."""
+
+    rows: tuple[Row, ...]
+    by_number: Mapping[int, Row]
+    by_name: Mapping[str, Row]
+
+    @classmethod
+    def of(cls, rows: Iterable[Row]) -> Self:
+        """Build the table of some rows.
+
+        Raises:
+            TableError: two rows share a number or a name.
+        """
+        kept = tuple(rows)
+        by_number: dict[int, Row] = {}
+        by_name: dict[str, Row] = {}
+        for row in kept:
+            other = by_number.setdefault(row.number, row)
+            if other is not row:
+                raise TableError(f"number {row.number} has two rows, {other.name} and {row.name}")
+            if by_name.setdefault(row.name, row) is not row:
+                raise TableError(f"{row.name} has two rows")
+        return cls(kept, MappingProxyType(by_number), MappingProxyType(by_name))
+
+    @classmethod
+    def load(cls, path: Path = TABLE_PATH) -> Self:
+        """Read a table; without *path* the one that comes with this package.
+
+        Raises:
+            TableError: it is not TOML, a row is malformed, or two rows collide.
+            OSError: the file cannot be read.
+        """
+        try:
+            content = tomllib.loads(path.read_text(encoding="utf-8"))
+            return cls.of(_ROWS.validate_python(content.get("messages")))
+        except ValidationError as error:
+            first = error.errors(include_url=False)[0]
+            where = "".join(f"[{part}]" for part in first["loc"])
+            raise TableError(f"{path}: messages{where}: {first['msg']}") from error
+        except ValueError as error:
+            raise TableError(f"{path}: {error}") from error
+
+
+_ROWS: Final = TypeAdapter(list[Row])
+
+
+def resolve_type(spelling: str | int, table: Table) -> str:
+    """Return ``pkg/msg/Name`` for what clients write as a type.
+
+    That is ``pkg/Name``, ``pkg/msg/Name``, or a number of *table*, as a number or as text.
+    Whether the type is installed is not looked at.
+
+    Raises:
+        TypeSpellingError: it is none of these, or the table has no such number.
+    """
+    match spelling:
+        case bool():  # JSON true is no number, though Python says so
+            pass
+        case int():
+            return _numbered(spelling, table)
+        case str() if _NUMBER.fullmatch(spelling):
+            return _numbered(int(spelling), table)
+        case str() if match := _TYPE_SPELLING.fullmatch(spelling):
+            return f"{match['package']}/msg/{match['name']}"
+    raise TypeSpellingError(
+        f"{spelling!r} is no message type: expected pkg/msg/Name, pkg/Name or a table number"
+    )
+
+
+def _numbered(number: int, table: Table) -> str:
+    row = table.by_number.get(number)
+    if row is None:
+        raise TypeSpellingError(f"the message table has no number {number}")
+    return row.name

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The REP-2011 hash of a message type, computed where none is installed.
+
+ROS 2 before Iron installs no hashes. The hash covers names, types and order of the fields, of
+the type and of all it nests; defaults, constants and comments do not change it.
+"""
+
+import hashlib
+import json
+from typing import Final
+
+from schemas.definition import Definition, Field, FieldType
+from schemas.installed import InstalledDefinitions
+
+# type_description_interfaces/msg/FieldType: the id of a single value ...
+_NESTED: Final = 1
+_IDS: Final = {
+    "int8": 2,
+    "uint8": 3,
+    "int16": 4,
+    "uint16": 5,
+    "int32": 6,
+    "uint32": 7,
+    "int64": 8,
+    "uint64": 9,
+    "float32": 10,
+    "float64": 11,
+    "char": 3,  # a uint8 in the interface definition language of ROS 2
+    "bool": 15,
+    "byte": 16,
+    "string": 17,
+    "wstring": 18,
+}
+_BOUNDED_STRINGS: Final = {"string": 21, "wstring": 22}
+# ... and what is added to it for several.
+_FIXED_ARRAY: Final = 48
+_BOUNDED_SEQUENCE: Final = 96
+_SEQUENCE: Final = 144
+
+# IDL has no empty structure, so a message without fields gets this one.
+_PLACEHOLDER: Final = Field("structure_needs_at_least_one_member", FieldType("uint8"))
+
+
+def type_hash(definition: Definition, definitions: InstalledDefinitions) -> str:
+    """Return the hash that is installed with *definition*, else compute it.
+
+    Raises:
+        UnknownTypeError: a type that it nests is not installed.
+    """
+    if definition.type_hash is not None:
+        return definition.type_hash
+    return computed_type_hash(definition, definitions)
+
+
+def computed_type_hash(definition: Definition, definitions: InstalledDefinitions) -> str:
+    """Compute the hash of *definition* (REP-2011, version 1: SHA-256 of its description).
+
+    Raises:
+        UnknownTypeError: a type that it nests is not installed.
+    """
+    nested = definitions.closure(definition.nested())
+    description = {
+        "type_description": _description(definition),
+        "referenced_type_descriptions": [
+            _description(other) for other in sorted(nested, key=lambda other: other.name)
+        ],
+    }
+    # The text that is hashed is part of the standard, separators included.
+    text = json.dumps(description, separators=(", ", ": "))
+    return f"RIHS01_{hashlib.sha256(text.encode()).hexdigest()}"
+
+
+def _description(definition: Definition) -> dict[str, object]:
+    return {
+        "type_name": definition.name,
+        "fields": [
+            {
+                "name": field.name,
+                "type": {
+                    "type_id": _type_id(field.type),
+                    "capacity": field.type.length or field.type.bound or 0,
+                    "string_capacity": field.type.string_bound or 0,
+                    "nested_type_name": "" if field.type.is_primitive else field.type.base,
+                },
+            }
+            for field in definition.fields or (_PLACEHOLDER,)
+        ],
+    }
+
+
+def _type_id(field_type: FieldType) -> int:
+    if field_type.string_bound is not None:
+        single = _BOUNDED_STRINGS[field_type.base]
+    else:
+        single = _IDS.get(field_type.base, _NESTED)
+    if field_type.length is not None:
+        return single + _FIXED_ARRAY
+    if not field_type.is_sequence:
+        return single
+    return single + (_SEQUENCE if field_type.bound is None else _BOUNDED_SEQUENCE)

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`python -m schemas.generate`."""
+
+import importlib.util
+import json
+
+import pytest
+
+from schemas.generate.__main__ import main
+from schemas.installed import InstalledDefinitions, installed_prefixes
+
+TABLE = """\
+messages = [
+  { number = 0, name = "std_msgs/msg/String", directions = "both", purpose = "Text" },
+  # more
+]
+"""
+NEW_ROW = '{ number = 1, name = "made_up_msgs/msg/Lamp", directions = "both", purpose = "A lamp" },'
+
+
+@pytest.fixture
+def tree(tmp_path):
+    """Return the arguments that generate from a table in tmp_path into a tree there."""
+    (tmp_path / "messages.toml").write_text(TABLE)
+    return ["--table", str(tmp_path / "messages.toml"), "--root", str(tmp_path / "tree")]
+
+
+@pytest.fixture
+def made_up(tmp_path):
+    folder = tmp_path / "share" / "made_up_msgs" / "msg"
+    folder.mkdir(parents=True)
+    (folder / "Lamp.msg").write_text(
+        "# Says how bright.\n\nstd_msgs/Header header\nuint8 level 7\n"
+    )
+    return InstalledDefinitions([tmp_path, *installed_prefixes()])
+
+
+def files(tmp_path):
+    root = tmp_path / "tree"
+    return sorted(str(path.relative_to(root)) for path in root.rglob("*") if path.is_file())
+
+
+def test_what_is_checked_in_is_what_would_be_generated(capsys):
+    assert main(["--check"]) == 0, capsys.readouterr().out
+
+
+def test_it_writes_models_schemas_and_the_reference_page(tmp_path, tree, capsys):
+    assert main(tree) == 0
+    assert files(tmp_path) == [
+        "docs/messages.md",
+        "schemas/json/std_msgs/String.json",
+        "schemas/models/__init__.py",
+        "schemas/models/std_msgs.py",
+    ]
+    assert capsys.readouterr().out.count("wrote ") == 4
+
+
+def test_a_second_run_changes_nothing(tree, capsys):
+    main(tree)
+    capsys.readouterr()
+
+    assert main(tree) == 0
+    assert main([*tree, "--check"]) == 0
+    assert capsys.readouterr().out == ""
+
+
+def test_one_row_more_generates_its_type(tmp_path, tree, made_up):
+    main(tree, made_up)
+    table = tmp_path / "messages.toml"
+    table.write_text(TABLE.replace("# more", NEW_ROW))
+
+    assert main([*tree, "--check"], made_up) == 1
+    assert main(tree, made_up) == 0
+    path = tmp_path / "tree" / "schemas" / "models" / "made_up_msgs.py"
+    spec = importlib.util.spec_from_file_location("made_up_msgs_models", path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    lamp = module.Lamp.model_validate({"header": {"seq": 1, "frame_id": "hall"}})
+    assert (lamp.header.frame_id, lamp.level) == ("hall", 7)
+    assert module.Lamp.__doc__.split("\n\n")[0] == "A lamp."
+    schema = json.loads((tmp_path / "tree/schemas/json/made_up_msgs/Lamp.json").read_bytes())
+    assert schema["properties"]["level"]["default"] == 7
+    assert "| 1 | [made_up_msgs/msg/Lamp]" in (tmp_path / "tree/docs/messages.md").read_text()
+
+
+def test_check_names_each_file_that_differs_and_writes_nothing(tmp_path, tree, capsys):
+    main(tree)
+    root = tmp_path / "tree"
+    (root / "docs/messages.md").write_text("edited")
+    (root / "schemas/json/std_msgs/String.json").unlink()
+    (root / "schemas/models/gone_msgs.py").write_text("stale")
+    capsys.readouterr()
+
+    assert main([*tree, "--check"]) == 1
+    output = capsys.readouterr()
+    assert output.out.splitlines() == [
+        "differs: docs/messages.md",
+        "differs: schemas/json/std_msgs/String.json",
+        "differs: schemas/models/gone_msgs.py",
+    ]
+    assert "3 files differ; run python -m schemas.generate" in output.err
+    assert (root / "docs/messages.md").read_text() == "edited"
+
+
+def test_what_no_row_generates_any_more_is_removed(tmp_path, tree):
+    main(tree)
+    stale = tmp_path / "tree" / "schemas" / "models" / "gone_msgs.py"
+    stale.write_text("stale")
+
+    assert main(tree) == 0
+    assert not stale.exists()
+
+
+def test_a_missing_package_is_named_with_the_ways_to_get_it(tmp_path, tree, capsys):
+    (tmp_path / "messages.toml").write_text(TABLE.replace("# more", NEW_ROW))
+
+    assert main(tree, InstalledDefinitions()) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("no definition of made_up_msgs/msg/Lamp is installed: ")
+    assert "apt install" in error
+    assert "pip install" in error
+    assert files(tmp_path) == []
+
+
+@pytest.mark.parametrize("text", ["messages = 3", "not toml", "messages = [{}]"])
+def test_a_bad_table_is_reported_in_one_line(tmp_path, tree, capsys, text):
+    (tmp_path / "messages.toml").write_text(text)
+
+    assert main(tree) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+def test_a_table_that_is_not_there_is_reported(tmp_path, tree, capsys):
+    (tmp_path / "messages.toml").unlink()
+
+    assert main(tree) == 2
+    assert "messages.toml" in capsys.readouterr().err

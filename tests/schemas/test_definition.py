@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The parser of `.msg` texts."""
+
+import pytest
+
+from schemas.definition import Constant, DefinitionError, Field, FieldType, parse_definition
+
+
+def parse(text):
+    return parse_definition("some_msgs/msg/Thing", text)
+
+
+def only_field(line):
+    (field,) = parse(line).fields
+    return field
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ("float64 x", FieldType("float64")),
+        ("float64[] x", FieldType("float64", is_sequence=True)),
+        ("float64[9] x", FieldType("float64", length=9)),
+        ("float64[<=9] x", FieldType("float64", is_sequence=True, bound=9)),
+        ("string<=5 x", FieldType("string", string_bound=5)),
+        ("string<=5[<=2] x", FieldType("string", is_sequence=True, bound=2, string_bound=5)),
+        ("Other x", FieldType("some_msgs/msg/Other")),
+        ("std_msgs/Header x", FieldType("std_msgs/msg/Header")),
+        ("std_msgs/msg/Header[3] x", FieldType("std_msgs/msg/Header", length=3)),
+        ("time x", FieldType("builtin_interfaces/msg/Time")),
+    ],
+)
+def test_a_field_type_is_read_in_every_notation(line, expected):
+    assert only_field(line).type == expected
+
+
+@pytest.mark.parametrize("text", ["float64[]", "string<=5[<=2]", "a_msgs/msg/B[3]", "wstring"])
+def test_a_field_type_prints_as_it_was_written(text):
+    assert str(only_field(f"{text} x").type) == text
+
+
+@pytest.mark.parametrize(
+    ("line", "default"),
+    [
+        ("bool x true", True),
+        ("int32 x -5", -5),
+        ("int32 x 0x10", 16),
+        ("float32 x 1e3", 1000.0),
+        ("string x hello", "hello"),
+        ('string x "a # b"', "a # b"),
+        ("string x 'a=b'", "a=b"),
+        ("int8[] x [1, -2]", (1, -2)),
+        ("bool[2] x [true, false]", (True, False)),
+        ("string[] x ['a', 'b, c']", ("a", "b, c")),
+        ("uint8 x", None),
+    ],
+)
+def test_a_default_is_read_in_every_notation(line, default):
+    assert only_field(line).default == default
+
+
+def test_a_constant_is_told_from_a_field_with_a_default():
+    definition = parse("uint8 RED=1\nstring NAME = 'x' # beside\nstring<=3 field 'a=b'")
+
+    assert definition.constants == (
+        Constant("RED", "uint8", 1),
+        Constant("NAME", "string", "x", "beside"),
+    )
+    assert [field.name for field in definition.fields] == ["field"]
+
+
+def test_the_first_block_of_comments_describes_the_message():
+    definition = parse("# About it.\n#\n# More.\n\n# The x.\nint8 x\n")
+
+    assert definition.comment == "About it.\n\nMore."
+    assert definition.fields[0].comment == "The x."
+
+
+def test_a_first_block_that_touches_a_field_describes_the_field():
+    definition = parse("# The x.\nint8 x\n")
+
+    assert definition.comment == ""
+    assert definition.fields[0].comment == "The x."
+
+
+def test_indented_comments_below_a_comment_beside_a_field_continue_it():
+    x, y = parse("int8 x  # first\n        # second\n  # third\n# The y.\nint8 y").fields
+
+    assert x.comment == "first\nsecond\nthird"
+    assert y.comment == "The y."
+
+
+def test_an_indented_comment_below_a_bare_field_belongs_to_the_next():
+    x, y = parse("int8 x\n  # The y.\nint8 y").fields
+
+    assert (x.comment, y.comment) == ("", "The y.")
+
+
+def test_a_comment_beside_the_last_field_is_kept():
+    assert parse("int8 x # last").fields == (Field("x", FieldType("int8"), None, "last"),)
+
+
+def test_nested_types_are_named_once_in_order():
+    definition = parse("B b\nother_msgs/A a\nB again\nint8 n")
+
+    assert definition.nested() == ("some_msgs/msg/B", "other_msgs/msg/A")
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "int8",
+        "int8 1x",
+        "int8 x-y",
+        "int8<=3 x",
+        "int8[ x",
+        "uint8 x 256",
+        "int8 x word",
+        "bool x 2",
+        "Other x 1",
+        "int8[] x 1",
+        "a/b/c/d x",
+    ],
+)
+def test_a_line_that_declares_nothing_raises_definition_error_with_its_number(line):
+    with pytest.raises(DefinitionError, match="some_msgs/msg/Thing, line 2: "):
+        parse(f"int8 ok\n{line}")

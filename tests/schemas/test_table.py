@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The message table."""
+
+import pytest
+
+from schemas.installed import InstalledDefinitions
+from schemas.table import Table, TableError, TypeSpellingError, resolve_type
+
+COMMON_INTERFACES = [
+    "actionlib_msgs",
+    "diagnostic_msgs",
+    "geometry_msgs",
+    "nav_msgs",
+    "sensor_msgs",
+    "shape_msgs",
+    "std_msgs",
+    "stereo_msgs",
+    "trajectory_msgs",
+    "visualization_msgs",
+]
+
+
+@pytest.fixture(scope="module")
+def table():
+    return Table.load()
+
+
+def load(tmp_path, text):
+    path = tmp_path / "messages.toml"
+    path.write_text(text, encoding="utf-8")
+    return Table.load(path)
+
+
+def row(number, name):
+    return f'{{ number = {number}, name = "{name}", directions = "both", purpose = "x" }}'
+
+
+def test_the_first_ten_numbers_are_the_historical_ones(table):
+    assert [table.by_number[number].name for number in range(10)] == [
+        "std_msgs/msg/String",
+        "geometry_msgs/msg/Twist",
+        "std_msgs/msg/Header",
+        "geometry_msgs/msg/PoseWithCovarianceStamped",
+        "geometry_msgs/msg/PoseStamped",
+        "sensor_msgs/msg/Image",
+        "sensor_msgs/msg/BatteryState",
+        "sensor_msgs/msg/LaserScan",
+        "sensor_msgs/msg/CompressedImage",
+        "nav_msgs/msg/Odometry",
+    ]
+
+
+# A sample from each package: moving a row breaks clients that use its number.
+@pytest.mark.parametrize(
+    ("number", "name"),
+    [
+        (10, "actionlib_msgs/msg/GoalID"),
+        (13, "diagnostic_msgs/msg/DiagnosticArray"),
+        (37, "geometry_msgs/msg/TwistStamped"),
+        (49, "nav_msgs/msg/Path"),
+        (54, "sensor_msgs/msg/Imu"),
+        (73, "shape_msgs/msg/Mesh"),
+        (77, "std_msgs/msg/Bool"),
+        (105, "stereo_msgs/msg/DisparityImage"),
+        (106, "trajectory_msgs/msg/JointTrajectory"),
+        (117, "visualization_msgs/msg/Marker"),
+        (122, "builtin_interfaces/msg/Time"),
+        (123, "builtin_interfaces/msg/Duration"),
+        (124, "rcl_interfaces/msg/Log"),
+        (125, "rosgraph_msgs/msg/Clock"),
+    ],
+)
+def test_a_number_never_changes(table, number, name):
+    assert table.by_number[number].name == name
+
+
+def test_the_table_has_every_message_of_common_interfaces(table):
+    assert set(InstalledDefinitions().names(COMMON_INTERFACES)) <= table.by_name.keys()
+
+
+def test_the_table_has_every_type_that_its_types_nest(table):
+    closure = InstalledDefinitions().closure(table.by_name)
+
+    assert {definition.name for definition in closure} == table.by_name.keys()
+
+
+def test_every_row_goes_both_ways_and_says_what_it_is_for(table):
+    assert {row.directions for row in table.rows} == {"both"}
+    assert all(row.purpose[0].isupper() and row.purpose[-1] != "." for row in table.rows)
+
+
+@pytest.mark.parametrize(
+    "spelling", ["geometry_msgs/Twist", "geometry_msgs/msg/Twist", 1, "1", "01"]
+)
+def test_a_type_is_resolved_in_every_spelling(table, spelling):
+    assert resolve_type(spelling, table) == "geometry_msgs/msg/Twist"
+
+
+def test_a_type_outside_the_table_is_resolved_too(table):
+    assert resolve_type("my_msgs/Thing", table) == "my_msgs/msg/Thing"
+
+
+@pytest.mark.parametrize(
+    "spelling",
+    [
+        "",
+        "Twist",
+        "geometry_msgs",
+        "geometry_msgs/srv/Twist",
+        "geometry_msgs/msg/Twist/",
+        "geometry_msgs/msg/Twist\n",
+        "/geometry_msgs/Twist",
+        "../msg/Twist",
+        "-1",
+        "1.0",
+        "٣",
+        "9" * 5000,
+        True,
+    ],
+)
+def test_what_is_no_type_is_refused_with_the_spellings_that_are(table, spelling):
+    with pytest.raises(TypeSpellingError, match="expected pkg/msg/Name, pkg/Name or a table"):
+        resolve_type(spelling, table)
+
+
+@pytest.mark.parametrize("number", [99999, "99999", -1])
+def test_a_number_without_row_is_refused_by_name(table, number):
+    with pytest.raises(TypeSpellingError, match=f"the message table has no number {number}"):
+        resolve_type(number, table)
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("messages = [", "messages.toml: "),
+        ("", "messages: Input should be a valid list"),
+        ("messages = [{}]", r"messages\[0\]\[number\]: Field required"),
+        (f"messages = [{row(-1, 'a/msg/B')}]", r"messages\[0\]\[number\]: "),
+        (f"messages = [{row(0, 'a/B')}]", r"messages\[0\]\[name\]: "),
+        (f"messages = [{row(0, 'a/msg/B')}, {row(0, 'a/msg/C')}]", "number 0 has two rows"),
+        (f"messages = [{row(0, 'a/msg/B')}, {row(1, 'a/msg/B')}]", "a/msg/B has two rows"),
+    ],
+)
+def test_a_malformed_table_raises_table_error_with_the_reason(tmp_path, text, reason):
+    with pytest.raises(TableError, match=reason):
+        load(tmp_path, text)
