@@ -131,7 +131,11 @@ class Ros(Protocol):
         """
 
     def topic_types(self, topic: str) -> tuple[str, ...]:
-        """Return the types that the graph knows for a topic, empty where it knows none."""
+        """Return the types of a topic, sorted, empty where the graph does not know it.
+
+        These are what its publishers publish; without any, what its subscribers expect, the
+        gateway's own counting only where they are alone.
+        """
 
     def graph(self) -> Graph:
         """Return the graph as it is known now."""

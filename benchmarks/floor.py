@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The floor: a process with a bare rclpy subscriber that only notes how old each message is."""
+
+import sys
+import time
+
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+
+from benchmarks.report import Ages
+from benchmarks.samples import TYPES
+
+
+def main(name: str) -> None:
+    """Receive until SIGINT, then print the ages."""
+    ages = Ages()
+
+    def note(message: object) -> None:
+        stamp = message.header.stamp  # type: ignore[attr-defined]  # rclpy has no types
+        ages.add(time.time_ns() - stamp.sec * 1_000_000_000 - stamp.nanosec)
+
+    with rclpy.init(signal_handler_options=rclpy.SignalHandlerOptions.NO):
+        node = rclpy.create_node(f"benchmark_{name}_floor")
+        node.create_subscription(type(TYPES[name]()), f"/benchmark/{name}", note, 10)
+        executor = SingleThreadedExecutor()
+        executor.add_node(node)
+        ages.announce()
+        try:
+            executor.spin()
+        except KeyboardInterrupt:
+            ages.print()
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

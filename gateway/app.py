@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The composition root: builds the parts, owns signals and shutdown."""
+
+import asyncio
+import logging
+import signal
+import socket
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from importlib.metadata import version
+from typing import Final
+
+from gateway.codec.image import confine_to_calling_thread
+from gateway.codec.types import Types
+from gateway.config import Config
+from gateway.errors import BindError
+from gateway.ports import LogLevel, Ros
+from gateway.protocol.limits import Limits
+from gateway.ros.node import RosOptions, open_ros
+from gateway.router.router import Router
+from gateway.server.server import Server
+from gateway.server.timing import Timing
+from schemas.installed import InstalledDefinitions
+from schemas.table import Table
+
+logger = logging.getLogger("gateway")
+
+
+def run(config: Config, *, announce: Callable[[str], None]) -> int:
+    """Serve until SIGINT or SIGTERM; return the exit code.
+
+    *announce* gets the lines that tell a person where to connect, once connecting works.
+
+    Raises:
+        BindError: the address or port cannot be listened on.
+        RosMissingError: there is no rclpy.
+    """
+    with asyncio.Runner(loop_factory=_loop_factory()) as runner:
+        return runner.run(_serve(config, announce))
+
+
+async def _serve(config: Config, announce: Callable[[str], None]) -> int:
+    confine_to_calling_thread()
+    stop = asyncio.Event()
+    loop = asyncio.get_running_loop()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        loop.add_signal_handler(number, stop.set)
+    options = RosOptions(
+        node_prefix=config.ros.node_prefix,
+        namespace=config.ros.namespace,
+        domain_id=config.ros.domain_id,
+        use_sim_time=config.ros.use_sim_time,
+        max_entities=config.limits.max_ros_entities,
+    )
+    async with open_ros(options) as ros:
+        with _logging_to(ros), _workers(config.images.workers) as workers:
+            limits = _limits(config)
+            router = Router(
+                ros,
+                Types(InstalledDefinitions()),
+                Table.load(),
+                limits=limits,
+                workers=workers,
+                version=version("ros2-json-gateway"),
+            )
+            server = Server(
+                router,
+                limits=limits,
+                timing=_timing(config),
+                max_clients=config.limits.max_clients,
+                max_clients_per_address=config.limits.max_clients_per_address,
+                path=config.path,
+                allowed_origins=config.allowed_origins,
+                version=version("ros2-json-gateway"),
+            )
+            try:
+                async with server.listening(config.host, config.port) as addresses:
+                    for line in _address_lines(addresses, config.path):
+                        announce(line)
+                    await stop.wait()
+                    logger.info("shutting down")
+            except OSError as error:
+                raise BindError(config.host, config.port, error) from error
+            finally:
+                router.close()
+    return 0
+
+
+def _loop_factory() -> Callable[[], asyncio.AbstractEventLoop] | None:
+    """Return uvloop's where it is installed (extra `fast`): less CPU time per message."""
+    try:
+        import uvloop
+    except ImportError:
+        return None
+    factory: Callable[[], asyncio.AbstractEventLoop] = uvloop.new_event_loop
+    return factory
+
+
+def _limits(config: Config) -> Limits:
+    limits = config.limits
+    return Limits(
+        message_bytes=limits.max_message_bytes,
+        json_depth=limits.max_json_depth,
+        json_items=limits.max_json_items,
+        name_characters=limits.max_name_characters,
+        frames_per_s=limits.frames_per_s,
+        frames_burst=limits.frame_burst,
+        operations_per_s=limits.operations_per_s,
+        operations_burst=limits.operation_burst,
+        subscriptions=limits.max_subscriptions,
+        advertisements=limits.max_advertisements,
+        send_queue_bytes=limits.send_queue_bytes,
+        queue_length=limits.max_queue_length,
+    )
+
+
+def _timing(config: Config) -> Timing:
+    limits = config.limits
+    return Timing(
+        open_timeout_s=limits.open_timeout_s,
+        ping_interval_s=limits.ping_interval_s,
+        ping_timeout_s=limits.ping_timeout_s,
+        send_deadline_s=limits.send_deadline_s,
+        slow_consumer_s=limits.slow_consumer_s,
+        close_timeout_s=limits.close_timeout_s,
+    )
+
+
+@contextmanager
+def _workers(count: int) -> Iterator[ThreadPoolExecutor]:
+    """Lend threads for pictures; at the end the ones at work finish, the others never start."""
+    workers = ThreadPoolExecutor(count, thread_name_prefix="picture")
+    try:
+        yield workers
+    finally:
+        workers.shutdown(wait=True, cancel_futures=True)
+
+
+@contextmanager
+def _logging_to(ros: Ros) -> Iterator[None]:
+    """Send the gateway's own log to /rosout as well."""
+    handler = _RosoutHandler(ros, asyncio.get_running_loop())
+    logger.addHandler(handler)
+    try:
+        yield
+    finally:
+        logger.removeHandler(handler)
+
+
+class _RosoutHandler(logging.Handler):
+    def __init__(self, ros: Ros, loop: asyncio.AbstractEventLoop) -> None:
+        super().__init__(logging.INFO)
+        self._ros = ros
+        self._loop = loop
+
+    def emit(self, record: logging.LogRecord) -> None:
+        text = f"{record.name}: {record.getMessage()}"
+        self._loop.call_soon_threadsafe(self._ros.log, _ROS_LEVELS.get(record.levelno, "info"), text)
+
+
+_ROS_LEVELS: Final[dict[int, LogLevel]] = {
+    logging.WARNING: "warning",
+    logging.ERROR: "error",
+    logging.CRITICAL: "error",
+}
+
+
+def _address_lines(addresses: list[tuple[str, int]], path: str) -> Iterator[str]:
+    """Say where to connect: with an address that can be typed into a headset, if there is one."""
+    for host, port in addresses:
+        if host in {"0.0.0.0", "::"}:  # noqa: S104  # telling, not binding
+            yield f"listening on every network of this machine, port {port}"
+            yield f"  on this machine   ws://localhost:{port}{path}"
+            for address in _own_addresses():
+                yield f"  from a headset    ws://{address}:{port}{path}"
+        else:
+            shown = f"[{host}]" if ":" in host else host
+            yield f"listening on ws://{shown}:{port}{path}"
+
+
+def _own_addresses() -> list[str]:
+    """Return this machine's address on its default route, as far as it has one."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            # connecting a datagram socket sends nothing: it asks the routing table
+            probe.connect(("192.0.2.1", 9))
+        except OSError:
+            return []
+        return [probe.getsockname()[0]]

@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The client's faults, as exceptions that become `status` frames."""
+
+from typing import Literal
+
+StatusCode = Literal[
+    "bad_json",  # not UTF-8, not JSON, too deep, duplicate keys
+    "bad_request",  # JSON, but no operation: a field is missing or of another kind
+    "unknown_op",
+    "bad_name",
+    "bad_type",
+    "type_conflict",  # the type contradicts the one that the topic has
+    "qos_incompatible",
+    "not_found",
+    "rate_limited",
+    "limit_exceeded",
+    "invalid_value",  # the message does not fit its type
+    "internal",
+]
+
+
+class ProtocolError(Exception):
+    """A client asked for something that cannot be done.
+
+    ``code`` is for programs, the text for people: subject, value, limit, unit.
+    """
+
+    def __init__(self, code: StatusCode, reason: str) -> None:
+        super().__init__(reason)
+        self.code: StatusCode = code

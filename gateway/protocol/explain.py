@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is wrong with an operation, in words for its author."""
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from gateway.codec.validation import _EXPECTED as EXPECTED
+from gateway.codec.validation import _kind as kind
+from gateway.protocol.frames import cut
+
+
+def explain(error: ValidationError) -> str:
+    """Say what is wrong with the first field that is: ``throttle_rate: expected a number, ...``."""
+    details = error.errors(include_url=False)
+    first = details[0]
+    name = _name(first)
+    # A field that may be of several kinds has one complaint for each.
+    complaints = [detail for detail in details if _name(detail) == name]
+    expected = list(dict.fromkeys(_expected(detail) for detail in complaints))
+    if first["type"] == "missing":
+        return f"{name}: missing"
+    if first["type"] == "extra_forbidden":
+        return f"{name}: unknown"
+    if first["type"] == "value_error":
+        return str(first["ctx"]["error"])
+    if first["type"].startswith("model") and not first["loc"]:
+        return "expected an object"
+    return f"{name}: expected {' or '.join(expected)}, got {_value(first)}"
+
+
+def _name(detail: ErrorDetails) -> str:
+    """Return the path to the field, without the tags that unions add to it."""
+    parts = [str(part) for part in detail["loc"]]
+    return cut(".".join(parts[: 2 if parts[0] in _OBJECTS else 1]))
+
+
+_OBJECTS = frozenset({"qos", "image"})  # operations nest no deeper
+
+
+def _expected(detail: ErrorDetails) -> str:
+    kind_of_error = detail["type"]
+    context = detail.get("ctx", {})
+    if kind_of_error in EXPECTED:
+        return EXPECTED[kind_of_error]
+    match kind_of_error:
+        case "literal_error":
+            return str(context["expected"])
+        case "greater_than_equal" | "greater_than" | "less_than_equal" | "less_than":
+            sign = {"ge": "at least", "gt": "more than", "le": "at most", "lt": "less than"}
+            name, limit = next(iter(context.items()))
+            return f"{sign[name]} {limit:g}"
+        case "string_too_long" | "too_long":
+            return f"at most {context['max_length']} {'items' if kind_of_error == 'too_long' else 'characters'}"
+        case "too_short":
+            return f"at least {context['min_length']} items"
+        case "tuple_type":
+            return "an array"
+    return detail["msg"][:1].lower() + detail["msg"][1:]
+
+
+def _value(detail: ErrorDetails) -> str:
+    value = detail["input"]
+    if isinstance(value, str) and detail["type"] != "string_too_long":
+        return f"{cut(value)!r}"
+    return kind(value)

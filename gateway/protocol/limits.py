@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What one client may use up."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """The bounds of one session; a rate of 0 switches that limit off."""
+
+    message_bytes: int = 256 * 1024  # a 15 MB JSON bomb holds the interpreter for seconds
+    json_depth: int = 32  # the deepest installed message type nests 8 levels
+    json_items: int = 100_000  # more than any picture-free message of 256 KiB holds
+    name_characters: int = 200  # DDS topic names end at 255, prefixes and suffixes included
+    frames_per_s: float = 2000
+    frames_burst: int = 4000
+    operations_per_s: float = 200  # two hands on joysticks at 60 Hz, and room for a page's start
+    operations_burst: int = 400
+    subscriptions: int = 64
+    advertisements: int = 32
+    send_queue_bytes: int = 8 * 1024 * 1024  # five 1.2 MB point clouds, or 3 s of VGA JPEG
+    queue_length: int = 1024  # what a client may ask for: 10 s at 100 Hz
+
+
+DEFAULT_QUEUE_LENGTH = 100  # 1 s at 100 Hz: rides out a WiFi hiccup without losing odometry
+DEFAULT_LANE_BYTES = 256 * 1024  # but of big messages only the newest few: pictures stay fresh

@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The operations that clients send, as frozen models.
+
+rosbridge protocol v2 and this gateway's extensions (docs/protocol.md). Keys that an operation
+does not know are ignored, because clients send extras; the keys it knows are strict.
+"""
+
+from typing import Annotated, Any, ClassVar, Final, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+Milliseconds = Annotated[float, Field(ge=0, le=3_600_000)]
+Seconds = Annotated[float, Field(ge=0, le=1e9)]
+# rosbridge clients build ids from a topic and a counter, or a UUID
+Id = Annotated[str, Field(max_length=256)] | int
+
+
+class Operation(BaseModel):
+    """What every operation has: a name, and an id that answers carry back."""
+
+    model_config = ConfigDict(strict=True, frozen=True, extra="ignore")
+
+    op: ClassVar[str]
+    id: Id | None = None
+
+
+class SecsNsecs(BaseModel):
+    """A duration as ROS 1 spells it."""
+
+    model_config = ConfigDict(strict=True, frozen=True, extra="forbid")
+
+    secs: Annotated[int, Field(ge=0, le=1_000_000_000)] = 0
+    nsecs: Annotated[int, Field(ge=0, lt=1_000_000_000)] = 0
+
+
+Duration = Seconds | SecsNsecs | Literal["infinite"] | None
+
+
+class QosRequest(BaseModel):
+    """The quality of service that a client asks for; what it leaves out is adopted.
+
+    Durations are seconds, ``{secs, nsecs}`` or ``"infinite"``, as rosbridge has them.
+    """
+
+    model_config = ConfigDict(strict=True, frozen=True, extra="forbid")
+
+    reliability: Literal["reliable", "best_effort", "best_available"] | None = None
+    durability: Literal["transient_local", "volatile", "best_available"] | None = None
+    history: Literal["keep_last", "keep_all"] | None = None
+    depth: Annotated[int, Field(ge=1, le=1024)] | None = None
+    deadline: Duration = None
+    lifespan: Duration = None
+
+
+class ImageRequest(BaseModel):
+    """How a subscription to ``sensor_msgs/msg/Image`` wants its pictures."""
+
+    model_config = ConfigDict(strict=True, frozen=True, extra="forbid")
+
+    format: Literal["jpeg", "png", "raw"] = "jpeg"
+    quality: Annotated[int, Field(ge=1, le=100)] = 80
+    max_width: Annotated[int, Field(ge=1, le=8192)] | None = None
+    max_height: Annotated[int, Field(ge=1, le=8192)] | None = None
+    max_fps: Annotated[float, Field(gt=0, le=1000)] | None = None
+    depth_range_m: (
+        Annotated[tuple[float, float], Field(strict=False, description="nearest and farthest")]
+        | None
+    ) = None
+
+    @model_validator(mode="after")
+    def _range_is_ordered(self) -> "ImageRequest":
+        if self.depth_range_m is not None and not 0 <= self.depth_range_m[0] < self.depth_range_m[1]:
+            raise ValueError("depth_range_m: expected [nearest, farthest], in metres")
+        return self
+
+
+class Advertise(Operation):
+    """Announce that messages will be published on a topic."""
+
+    op = "advertise"
+    topic: str
+    type: str | int
+    latch: bool | None = None
+    queue_size: Annotated[int, Field(ge=0)] | None = None
+    qos: QosRequest | None = None
+
+
+class Unadvertise(Operation):
+    """Take one advertisement back, or without an id all of this client's on the topic."""
+
+    op = "unadvertise"
+    topic: str
+
+
+class Publish(Operation):
+    """Publish one message; advertises by itself where the type is given or known."""
+
+    op = "publish"
+    topic: str
+    msg: Any
+    type: str | int | None = None
+    latch: bool | None = None
+
+
+class Subscribe(Operation):
+    """Ask for the messages of a topic."""
+
+    op = "subscribe"
+    topic: str
+    type: str | int | None = None
+    throttle_rate: Milliseconds | None = None
+    queue_length: Annotated[int, Field(ge=0)] | None = None
+    compression: str | None = None
+    qos: QosRequest | None = None
+    fields: Annotated[tuple[str, ...], Field(strict=False, min_length=1, max_length=64)] | None = (
+        None
+    )
+    image: ImageRequest | None = None
+    meta: bool = False
+
+
+class Unsubscribe(Operation):
+    """End one subscription, or without an id all of this client's on the topic."""
+
+    op = "unsubscribe"
+    topic: str
+
+
+class SetLevel(Operation):
+    """Choose the least severe `status` frames that this client wants."""
+
+    op = "set_level"
+    level: Literal["none", "error", "warning", "info"]
+
+
+class Hello(Operation):
+    """Ask who the server is and what it allows."""
+
+    op = "hello"
+
+
+class Ping(Operation):
+    """Ask for the clocks; the value comes back untouched."""
+
+    op = "ping"
+    value: Any = None
+
+
+class Describe(Operation):
+    """Ask for the schema, the definition and the hash of a message type."""
+
+    op = "describe"
+    type: str | int
+
+
+class GraphRequest(Operation):
+    """Ask for topics and nodes, once or with all later changes; ``watch: false`` ends these."""
+
+    op = "graph"
+    watch: bool | None = None
+
+
+class Auth(Operation):
+    """Accepted for old clients' sake; this server asks nobody for a password."""
+
+    op = "auth"
+
+
+ClientOperation = (
+    Advertise
+    | Unadvertise
+    | Publish
+    | Subscribe
+    | Unsubscribe
+    | SetLevel
+    | Hello
+    | Ping
+    | Describe
+    | GraphRequest
+    | Auth
+)
+
+OPERATIONS: Final[dict[str, type[ClientOperation]]] = {
+    model.op: model
+    for model in (
+        Advertise,
+        Unadvertise,
+        Publish,
+        Subscribe,
+        Unsubscribe,
+        SetLevel,
+        Hello,
+        Ping,
+        Describe,
+        GraphRequest,
+        Auth,
+    )
+}

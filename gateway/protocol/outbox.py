@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What waits for one client: a control lane that overtakes, and a bounded lane per topic.
+
+Nothing here is rendered before its turn to be sent: a sample that is dropped was never decoded.
+"""
+
+from collections import deque
+from typing import Protocol
+
+
+class Entry(Protocol):
+    """Something that can be put on the wire, now or soon."""
+
+    @property
+    def size(self) -> int:
+        """The bytes that this entry keeps alive while it waits."""
+
+    def wire(self) -> bytes | None:
+        """Return the bytes to send; ``None``: not ready yet; empty: nothing to send after all."""
+
+
+class Lane:
+    """The entries of one stream that wait, oldest first; the oldest is dropped when full.
+
+    ``depth`` bounds their number and ``max_bytes`` their size, but one entry always fits.
+    """
+
+    __slots__ = ("_outbox", "claimed", "depth", "dropped", "max_bytes", "sent", "size", "waiting")
+
+    def __init__(self, outbox: "Outbox", depth: int, max_bytes: int | None) -> None:
+        self._outbox = outbox
+        self.depth = depth
+        self.max_bytes = max_bytes
+        self.waiting: deque[Entry] = deque()
+        self.claimed: Entry | None = None  # its turn has come, but it is still being rendered
+        self.size = 0
+        self.sent = 0
+        self.dropped = 0
+
+    def put(self, entry: Entry) -> None:
+        """Append an entry, dropping what does not fit any more."""
+        self.waiting.append(entry)
+        self.size += entry.size
+        self._outbox.grow(entry.size)
+        while len(self.waiting) > self.depth or (
+            self.max_bytes is not None and self.size > self.max_bytes and len(self.waiting) > 1
+        ):
+            self.drop_oldest()
+        self._outbox.shed()
+
+    def drop_oldest(self) -> None:
+        """Drop the entry that has waited longest, and count it."""
+        self._forget(self.waiting.popleft())
+        self.dropped += 1
+
+    def next(self) -> bytes | None:
+        """Take the oldest entry's bytes, or ``None`` where nothing is ready."""
+        while self.claimed is not None or self.waiting:
+            if self.claimed is None:
+                self.claimed = self.waiting.popleft()
+            wire = self.claimed.wire()
+            if wire is None:
+                return None
+            self._forget(self.claimed)
+            self.claimed = None
+            if wire:
+                self.sent += 1
+                return wire
+        return None
+
+    def clear(self) -> None:
+        """Forget everything that waits, uncounted: nobody wants it any more."""
+        self._outbox.grow(-self.size)
+        self.size = 0
+        self.waiting.clear()
+        self.claimed = None
+
+    def _forget(self, entry: Entry) -> None:
+        self.size -= entry.size
+        self._outbox.grow(-entry.size)
+
+
+class Outbox:
+    """Everything that waits for one client, within one budget of bytes.
+
+    Over the budget the lane that holds most loses its oldest entry: a camera cannot push out
+    odometry. Control frames are never dropped; `overflowed` says when they alone exceed the
+    budget, and then the client is beyond help.
+    """
+
+    def __init__(self, max_bytes: int) -> None:
+        self.max_bytes = max_bytes
+        self.size = 0
+        self.control_sent = 0
+        self._control: deque[bytes] = deque()
+        self._control_size = 0
+        self._lanes: deque[Lane] = deque()  # the first is served next
+        self._retired_dropped = 0
+        self._retired_sent = 0
+
+    @property
+    def overflowed(self) -> bool:
+        """Whether control frames alone exceed the budget."""
+        return self._control_size > self.max_bytes
+
+    @property
+    def dropped(self) -> int:
+        """How many entries were dropped, in all lanes there ever were."""
+        return self._retired_dropped + sum(lane.dropped for lane in self._lanes)
+
+    @property
+    def sent(self) -> int:
+        """How many frames were taken, control frames included."""
+        return self.control_sent + self._retired_sent + sum(lane.sent for lane in self._lanes)
+
+    def open_lane(self, depth: int, max_bytes: int | None) -> Lane:
+        """Add a lane for one stream."""
+        lane = Lane(self, depth, max_bytes)
+        self._lanes.append(lane)
+        return lane
+
+    def close_lane(self, lane: Lane) -> None:
+        """Remove a lane with all that waits in it."""
+        lane.clear()
+        self._lanes.remove(lane)
+        self._retired_dropped += lane.dropped
+        self._retired_sent += lane.sent
+
+    def put_control(self, wire: bytes) -> None:
+        """Append a response or a status; it overtakes every lane."""
+        self._control.append(wire)
+        self._control_size += len(wire)
+        self.grow(len(wire))
+        self.shed()
+
+    def take(self, max_bytes: int) -> list[bytes]:
+        """Take what is ready: control frames first, then one frame per lane in turn.
+
+        Stops once *max_bytes* are reached, so it exceeds them by one frame at most.
+        """
+        taken: list[bytes] = []
+        left = max_bytes
+        while self._control and left > 0:
+            wire = self._control.popleft()
+            self._control_size -= len(wire)
+            self.grow(-len(wire))
+            self.control_sent += 1
+            taken.append(wire)
+            left -= len(wire)
+        lanes = self._lanes
+        idle = 0
+        while left > 0 and idle < len(lanes):
+            ready = lanes[0].next()
+            lanes.rotate(-1)
+            if ready is None:
+                idle += 1
+            else:
+                idle = 0
+                taken.append(ready)
+                left -= len(ready)
+        return taken
+
+    def grow(self, size: int) -> None:
+        """Account for bytes that came or, negative, went."""
+        self.size += size
+
+    def shed(self) -> None:
+        """Drop until the budget holds, or until one last entry is left to send."""
+        if self.size <= self.max_bytes:
+            return
+        waiting = sum(len(lane.waiting) for lane in self._lanes)
+        while self.size > self.max_bytes and waiting > 1:
+            filled = (lane for lane in self._lanes if lane.waiting)
+            max(filled, key=lambda lane: lane.size).drop_oldest()
+            waiting -= 1

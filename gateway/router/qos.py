@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From the quality of service that a client writes to the one that ROS is asked for."""
+
+from dataclasses import replace
+
+from gateway.ports import Qos
+from gateway.protocol.operations import Advertise, Duration, QosRequest, SecsNsecs
+
+MAX_DEPTH = 1024  # queue_size counts messages that the middleware keeps: 10 s at 100 Hz
+
+
+def requested(request: QosRequest) -> Qos:
+    """Translate a `qos` object; what it leaves out, or calls best available, is adopted."""
+    return Qos(
+        reliability=None if request.reliability == "best_available" else request.reliability,
+        durability=None if request.durability == "best_available" else request.durability,
+        history=request.history,
+        depth=request.depth,
+        deadline_ns=_nanoseconds(request.deadline),
+        lifespan_ns=_nanoseconds(request.lifespan),
+    )
+
+
+def offered(request: Advertise) -> Qos:
+    """Return what a publisher offers: `qos` if given, else what latch and queue_size say."""
+    asked = requested(request.qos or QosRequest())
+    if request.latch:
+        # a latched topic of ROS 1: the last message, for everyone who comes later
+        durability = asked.durability or "transient_local"
+        return replace(asked, durability=durability, depth=asked.depth or 1)
+    if request.queue_size and asked.depth is None:
+        return replace(asked, depth=min(request.queue_size, MAX_DEPTH))
+    return asked
+
+
+def _nanoseconds(duration: Duration) -> int | None:
+    match duration:
+        case None | "infinite":
+            return None
+        case SecsNsecs():
+            return duration.secs * 1_000_000_000 + duration.nsecs
+    return round(duration * 1e9)

@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Frames that are rendered once and shared by every client that asked for the same.
+
+A rendition is what distinguishes frames of one topic: its spelling, the fields, the image
+options. Rendering happens when a frame's turn on some socket has come, so what is dropped
+before is never decoded.
+"""
+
+import asyncio
+import logging
+from collections.abc import Callable
+from concurrent.futures import Executor
+from dataclasses import dataclass
+
+from gateway.codec.errors import CodecError
+from gateway.codec.image import ImageOptions
+from gateway.ports import Sample
+from gateway.protocol import frames
+from gateway.protocol.framing import text_header
+from gateway.protocol.stream import Stream
+
+logger = logging.getLogger(__name__)
+
+Render = Callable[[bytes], bytes]  # CDR -> JSON of the message; raises CodecError
+
+
+@dataclass(frozen=True, slots=True)
+class RenditionKey:
+    """What streams must have in common to share frames."""
+
+    topic: str  # as the clients spell it
+    fields: tuple[str, ...] | None
+    image: ImageOptions | None  # None: a plain message
+
+
+class Rendition:
+    """Renders on the event loop, at the moment the bytes are wanted."""
+
+    def __init__(
+        self, key: RenditionKey, render: Render, on_failure: Callable[[CodecError], None]
+    ) -> None:
+        self.key = key
+        self._render = render
+        self._on_failure = on_failure
+        self._prefix = frames.publish_prefix(key.topic)
+
+    def body(self, frame: "Frame") -> bytes | None:
+        """Return the message as JSON, ``None`` if not yet, empty if it cannot be decoded."""
+        return self.attempt(frame.sample.cdr)
+
+    def attempt(self, cdr: bytes) -> bytes:
+        """Render, or report why not and return nothing."""
+        try:
+            return self._render(cdr)
+        except CodecError as error:
+            self._on_failure(error)
+            return b""
+
+    def envelope(self, body: bytes) -> bytes:
+        """Return the complete WebSocket frame around a message."""
+        prefix = self._prefix
+        length = len(prefix) + len(body) + 1
+        return b"".join((text_header(length), prefix, body, frames.PUBLISH_SUFFIX))
+
+
+class PictureRendition(Rendition):
+    """Renders in a worker thread: a JPEG takes milliseconds, and OpenCV releases the GIL.
+
+    At most one picture is in the works; whoever wants another one asks again when *on_ready*
+    says so, and by then a newer one may wait in its place.
+    """
+
+    def __init__(
+        self,
+        key: RenditionKey,
+        render: Render,
+        on_failure: Callable[[CodecError], None],
+        *,
+        workers: Executor,
+        on_ready: Callable[[], None],
+    ) -> None:
+        super().__init__(key, render, on_failure)
+        self._workers = workers
+        self._on_ready = on_ready
+        self._in_work = False
+
+    def body(self, frame: "Frame") -> bytes | None:
+        """Start to render unless another picture is in the works; never ready at once."""
+        if not self._in_work:
+            self._in_work = True
+            loop = asyncio.get_running_loop()
+            future = loop.run_in_executor(self._workers, self._render, frame.sample.cdr)
+            future.add_done_callback(lambda done: self._finish(frame, done))
+        return None
+
+    def _finish(self, frame: "Frame", done: asyncio.Future[bytes]) -> None:
+        self._in_work = False
+        if done.cancelled():
+            return
+        error = done.exception()
+        if error is None:
+            frame.resolve(done.result())
+        else:
+            if isinstance(error, CodecError):
+                self._on_failure(error)
+            else:
+                logger.error("rendering %s failed", self.key.topic, exc_info=error)
+            frame.resolve(b"")
+        self._on_ready()
+
+
+class Frame:
+    """One sample in one rendition: an outbox entry that many outboxes share."""
+
+    __slots__ = ("_body", "_wire", "rendition", "sample", "seq", "size")
+
+    def __init__(self, rendition: Rendition, sample: Sample, seq: int) -> None:
+        self.rendition = rendition
+        self.sample = sample
+        self.seq = seq
+        self.size = len(sample.cdr)
+        self._body: bytes | None = None
+        self._wire: bytes | None = None
+
+    def wire(self) -> bytes | None:
+        """Return the frame as all streams without meta get it."""
+        if self._wire is None:
+            body = self.body()
+            if not body:
+                return body
+            self._wire = self.rendition.envelope(body)
+        return self._wire
+
+    def body(self) -> bytes | None:
+        """Return the message as JSON; see `Rendition.body`."""
+        if self._body is None:
+            self._body = self.rendition.body(self)
+        return self._body
+
+    def resolve(self, body: bytes) -> None:
+        """Supply the message that was rendered elsewhere."""
+        self._body = body
+
+
+class MetaFrame:
+    """A frame with its sequence number, time of arrival and the drops so far of one stream."""
+
+    __slots__ = ("_frame", "_ros_time_ns", "_stream", "size")
+
+    def __init__(self, frame: Frame, stream: Stream, ros_time_ns: int) -> None:
+        self._frame = frame
+        self._stream = stream
+        self._ros_time_ns = ros_time_ns
+        self.size = frame.size
+
+    def wire(self) -> bytes | None:
+        """Return the frame as this stream alone gets it."""
+        body = self._frame.body()
+        if not body:
+            return body
+        stream = self._stream
+        prefix = frames.publish_meta_prefix(
+            stream.topic, self._frame.seq, self._ros_time_ns, stream.lane.dropped
+        )
+        length = len(prefix) + len(body) + 1
+        return b"".join((text_header(length), prefix, body, frames.PUBLISH_SUFFIX))

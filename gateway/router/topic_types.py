@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which message type is meant: by name, by number, or by what the ROS graph says."""
+
+import difflib
+
+from gateway.codec.types import MessageType, Types
+from gateway.ports import Ros
+from gateway.protocol import frames
+from gateway.protocol.errors import ProtocolError
+from gateway.protocol.names import TopicName
+from schemas.definition import DefinitionError
+from schemas.installed import UnknownTypeError
+from schemas.table import Table, TypeSpellingError, resolve_type
+
+
+class TopicTypes:
+    """Turns what clients write as a type, and what ROS knows, into message types."""
+
+    def __init__(self, ros: Ros, types: Types, table: Table) -> None:
+        self._ros = ros
+        self._types = types
+        self._table = table
+
+    def named(self, spelling: str | int) -> MessageType:
+        """Return the type that a client names, as a name or a number of the table.
+
+        Raises:
+            ProtocolError: it is no type, or none that is installed here.
+        """
+        try:
+            return self.get(resolve_type(spelling, self._table))
+        except TypeSpellingError as error:
+            raise ProtocolError("bad_type", f"type: {frames.cut(str(error))}") from error
+
+    def get(self, type_name: str) -> MessageType:
+        """Return an installed type by its full name.
+
+        Raises:
+            ProtocolError: it is not installed here, or its definition is unreadable.
+        """
+        try:
+            return self._types.get(type_name)
+        except UnknownTypeError as error:
+            near = difflib.get_close_matches(type_name, self._table.by_name, n=1)
+            hint = f"; did you mean {near[0]}?" if near else ""
+            raise ProtocolError("bad_type", f"type: {frames.cut(str(error))}{hint}") from error
+        except DefinitionError as error:
+            raise ProtocolError("bad_type", f"type: {frames.cut(str(error))}") from error
+
+    def on_topic(self, topic: TopicName, spelling: str | int | None) -> MessageType | None:
+        """Return the type to use on a topic; ``None`` while neither client nor ROS names one.
+
+        Raises:
+            ProtocolError: the type is none, contradicts the topic's, or must be chosen.
+        """
+        known = self._ros.topic_types(topic)
+        if spelling is not None:
+            named = self.named(spelling)
+            if known and named.name not in known:
+                raise ProtocolError(
+                    "type_conflict", f"topic {topic} has type {' and '.join(known)}, not {named.name}"
+                )
+            return named
+        match known:
+            case ():
+                return None
+            case (only,):
+                return self.get(only)
+        raise ProtocolError(
+            "type_conflict", f"topic {topic} has types {' and '.join(known)}: choose one by `type`"
+        )
+
+    def number(self, type_name: str) -> int | None:
+        """Return a type's number in the message table, if it has one."""
+        row = self._table.by_name.get(type_name)
+        return None if row is None else row.number

@@ -1,0 +1,348 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One client's socket: bytes in and out, flow control, keep-alive, orderly closing.
+
+The WebSocket protocol itself is `websockets`' sans-I/O `ServerProtocol`. Outgoing data frames
+bypass it: they were framed once for all clients, and are written here in batches, only as far
+as the socket takes them, so that what has to wait does so in the outbox, where it can be
+dropped.
+"""
+
+import asyncio
+import contextlib
+import logging
+import socket
+import time
+from typing import Final, Protocol, cast
+
+from websockets.exceptions import PayloadTooBig
+from websockets.frames import Frame, Opcode
+from websockets.http11 import Request, Response
+from websockets.protocol import CLOSED, CONNECTING, OPEN, Event
+from websockets.server import ServerProtocol
+
+from gateway.protocol.errors import ProtocolError
+from gateway.protocol.limits import Limits
+from gateway.protocol.rate import TokenBucket
+from gateway.protocol.session import Session
+from gateway.server.timing import Timing
+
+logger = logging.getLogger(__name__)
+
+READ_CHUNK_BYTES: Final = 16 * 1024  # one greedy sender cannot occupy the loop for long
+WRITE_HIGH_WATER_BYTES: Final = 64 * 1024  # beyond this, frames wait where they can be dropped
+TCP_NOTSENT_LOWAT_BYTES: Final = 16 * 1024  # nor do they age in the kernel
+MAX_PROTOCOL_BACKLOG_BYTES: Final = 64 * 1024  # pongs for a peer that pings and never reads
+
+GOING_AWAY: Final = 1001
+INVALID_DATA: Final = 1007
+POLICY_VIOLATION: Final = 1008
+INTERNAL_ERROR: Final = 1011
+OVER_CAPACITY: Final = 1013
+HEARTBEAT_TIMEOUT: Final = 4408
+SLOW_CONSUMER: Final = 4503
+
+
+class Reception(Protocol):
+    """What a connection needs from the server that accepted it."""
+
+    limits: Limits
+    timing: Timing
+
+    def arrive(self, connection: "Connection") -> bool:
+        """Note a new connection; false where so many are under way that it is cut off unheard."""
+
+    def respond(self, protocol: ServerProtocol, request: Request) -> Response:
+        """Answer an HTTP request: 101 to go on as a WebSocket, else a page or a refusal."""
+
+    def admit(self, connection: "Connection") -> str | None:
+        """Return why a client whose handshake is complete cannot stay, or ``None``."""
+
+    def enter(self, connection: "Connection") -> Session:
+        """Open the session of an admitted client."""
+
+    def receive(self, session: Session, data: bytes) -> None:
+        """Carry out one message."""
+
+    def left(self, connection: "Connection", session: Session | None) -> None:
+        """Forget a connection that is gone."""
+
+
+class Connection(asyncio.BufferedProtocol):
+    """A client from TCP accept to the end. Everything runs on the event loop's thread."""
+
+    def __init__(self, reception: Reception) -> None:
+        self._reception = reception
+        self._limits = reception.limits
+        self._timing = reception.timing
+        self._protocol = ServerProtocol(max_size=self._limits.message_bytes, logger=_quiet_logger())
+        self._buffer = bytearray(READ_CHUNK_BYTES)
+        self._transport: asyncio.Transport
+        self._session: Session | None = None
+        self._fragments: list[bytes] = []
+        self._fragments_are_text = False
+        self._paused = False
+        self._flushing = False
+        now_ns = time.monotonic_ns()
+        self._frames = TokenBucket(self._limits.frames_per_s, self._limits.frames_burst, now_ns)
+        now_s = now_ns / 1e9
+        self._opened_s = now_s
+        self._heard_s = now_s
+        self._pinged_s: float | None = None
+        self._closing_s: float | None = None
+        self._progress_s = now_s
+        self._unsent_bytes = 0
+        self._protocol_backlog = 0
+        self._crowded_s: float | None = None
+        self.address = "?"
+
+    # What asyncio calls
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Take over an accepted socket."""
+        self._transport = transport = cast("asyncio.Transport", transport)
+        transport.set_write_buffer_limits(high=WRITE_HIGH_WATER_BYTES)
+        peer = transport.get_extra_info("peername")
+        self.address = str(peer[0]) if peer else "?"
+        _tune(transport.get_extra_info("socket"), self._timing.send_deadline_s)
+        if not self._reception.arrive(self):
+            self.abort()
+
+    def get_buffer(self, sizehint: int) -> bytearray:
+        """Lend the buffer that caps how much is read at a time."""
+        del sizehint
+        return self._buffer
+
+    def buffer_updated(self, nbytes: int) -> None:
+        """Process what was read."""
+        self._heard_s = time.monotonic()
+        self._pinged_s = None
+        self._protocol.receive_data(self._buffer[:nbytes])
+        try:
+            for event in self._protocol.events_received():
+                self._handle(event)
+            self._explain_failure()
+        except Exception:  # our bug, whatever it is: this client pays, the others do not
+            logger.exception("connection from %s failed", self.address)
+            self.close(INTERNAL_ERROR, "internal error")
+        self._write_protocol_output()
+
+    def eof_received(self) -> None:
+        """Note that the peer has closed its side."""
+        self._protocol.receive_eof()
+        self._write_protocol_output()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Give back everything this client had."""
+        del exc
+        self._protocol.receive_eof()
+        session, self._session = self._session, None
+        self._reception.left(self, session)
+
+    def pause_writing(self) -> None:
+        """Stop taking from the outbox: the socket is full."""
+        self._paused = True
+        self._progress_s = time.monotonic()
+
+    def resume_writing(self) -> None:
+        """Go on: the socket has taken most of what it had."""
+        self._paused = False
+        self.flush()
+
+    # What the server calls
+
+    @property
+    def session(self) -> Session | None:
+        """The session, while the WebSocket is open."""
+        return self._session
+
+    def flush(self) -> None:
+        """Send what the outbox has, as far as the socket takes it."""
+        if self._flushing or self._paused or self._session is None:
+            return
+        self._flushing = True  # rendering may report an error, which wakes us again
+        outbox = self._session.outbox
+        try:
+            while not self._paused and self._protocol.state is OPEN:
+                batch = outbox.take(WRITE_HIGH_WATER_BYTES)
+                if not batch:
+                    break
+                self._transport.writelines(batch)
+        except Exception:  # our bug, see buffer_updated
+            logger.exception("sending to %s failed", self.address)
+            self.close(INTERNAL_ERROR, "internal error")
+        finally:
+            self._flushing = False
+
+    def close(self, code: int, reason: str) -> None:
+        """Begin the closing handshake; `tick` ends it by force if the peer does not answer."""
+        if self._closing_s is None:
+            self._closing_s = time.monotonic()
+        if self._protocol.state is OPEN:
+            logger.info("closing %s: %d %s", self.address, code, reason)
+            self._protocol.send_close(code, reason)
+            self._write_protocol_output()
+        elif self._protocol.state is CONNECTING:
+            self._transport.close()
+
+    def abort(self) -> None:
+        """Cut the connection."""
+        self._transport.abort()
+
+    def tick(self, now_s: float) -> None:
+        """Keep the times of `Timing`; called every `TICK_S`."""
+        timing = self._timing
+        if self._closing_s is not None:
+            if now_s - self._closing_s > timing.close_timeout_s:
+                self.abort()
+        elif self._protocol.close_expected():
+            self._closing_s = now_s
+        elif self._protocol.state is CONNECTING:
+            if now_s - self._opened_s > timing.open_timeout_s:
+                logger.info("no handshake from %s within %g s", self.address, timing.open_timeout_s)
+                self.abort()
+        elif self._protocol.state is OPEN:
+            self._check_progress(now_s)
+            self._check_backlog(now_s)
+            self._keep_alive(now_s)
+
+    # Incoming
+
+    def _handle(self, event: Event) -> None:
+        if isinstance(event, Request):
+            self._open(event)
+            return
+        if not isinstance(event, Frame) or self._session is None or self._protocol.state is CLOSED:
+            return
+        if not self._frames.allow(time.monotonic_ns()):
+            logger.warning("frame flood from %s, cut off", self.address)
+            self.close(
+                POLICY_VIOLATION, f"at most {self._limits.frames_per_s:g} frames per second"
+            )
+            return
+        match event.opcode:
+            case Opcode.TEXT | Opcode.BINARY if event.fin:
+                self._receive(bytes(event.data), is_text=event.opcode is Opcode.TEXT)
+            case Opcode.TEXT | Opcode.BINARY:
+                self._fragments = [bytes(event.data)]
+                self._fragments_are_text = event.opcode is Opcode.TEXT
+            case Opcode.CONT:
+                # `websockets` bounds their total size, the frame budget their number
+                self._fragments.append(bytes(event.data))
+                if event.fin:
+                    message, self._fragments = b"".join(self._fragments), []
+                    self._receive(message, is_text=self._fragments_are_text)
+            case _:
+                pass  # pings are answered, pongs noted and closing done by `websockets`
+
+    def _open(self, request: Request) -> None:
+        response = self._reception.respond(self._protocol, request)
+        self._protocol.send_response(response)
+        self._write_protocol_output()
+        if self._protocol.state is not OPEN:
+            return
+        refusal = self._reception.admit(self)
+        if refusal is not None:
+            self.close(OVER_CAPACITY, refusal)
+            return
+        self._session = self._reception.enter(self)
+        logger.info("client %s connected", self.address)
+
+    def _receive(self, message: bytes, *, is_text: bool) -> None:
+        if self._session is None or self._protocol.state is not OPEN:
+            return
+        if is_text and not message.isascii():
+            try:
+                message.decode()
+            except UnicodeDecodeError as error:
+                # RFC 6455 8.1: on invalid UTF-8 in a text frame an endpoint MUST fail the
+                # connection; the client learns where the bad byte was first
+                text = f"not UTF-8: byte 0x{message[error.start]:02x} at offset {error.start}"
+                self._session.refuse(ProtocolError("bad_json", text), None, None)
+                self.close(INVALID_DATA, text)
+                return
+        self._reception.receive(self._session, message)
+
+    def _explain_failure(self) -> None:
+        """Say in a `status` why `websockets` is about to close, where the client can know."""
+        if self._session is not None and isinstance(self._protocol.parser_exc, PayloadTooBig):
+            text = f"message too large, at most {self._limits.message_bytes} bytes"
+            self._session.refuse(ProtocolError("limit_exceeded", text), None, None)
+            # the state is no longer open, so `flush` would not send it
+            self._transport.writelines(self._session.outbox.take(WRITE_HIGH_WATER_BYTES))
+
+    # Outgoing
+
+    def _write_protocol_output(self) -> None:
+        if self._transport.is_closing():
+            return
+        backlog = self._transport.get_write_buffer_size()
+        for data in self._protocol.data_to_send():
+            if data:
+                self._transport.write(data)
+            elif self._transport.can_write_eof():
+                with contextlib.suppress(OSError):  # the peer was faster
+                    self._transport.write_eof()
+        grown = self._transport.get_write_buffer_size() - backlog
+        self._protocol_backlog = self._protocol_backlog + grown if self._paused else 0
+        if self._protocol_backlog > MAX_PROTOCOL_BACKLOG_BYTES:
+            logger.warning("%s sends pings and reads nothing, cut off", self.address)
+            self.abort()
+
+    def _check_progress(self, now_s: float) -> None:
+        unsent_bytes = self._transport.get_write_buffer_size()
+        if not self._paused or unsent_bytes < self._unsent_bytes:
+            self._progress_s = now_s
+            if self._paused and self._pinged_s is not None:
+                self._pinged_s = now_s  # our ping is still behind what is being taken
+        elif now_s - self._progress_s > self._timing.send_deadline_s:
+            logger.warning(
+                "%s took nothing for %g s, cut off", self.address, self._timing.send_deadline_s
+            )
+            self.abort()
+        self._unsent_bytes = unsent_bytes
+
+    def _check_backlog(self, now_s: float) -> None:
+        assert self._session is not None  # noqa: S101  # the state is open
+        outbox = self._session.outbox
+        if outbox.overflowed:
+            self.close(SLOW_CONSUMER, "slow consumer: answers alone exceed the send queue")
+        elif outbox.size <= outbox.max_bytes // 2:
+            self._crowded_s = None
+        elif self._crowded_s is None:
+            self._crowded_s = now_s
+        elif now_s - self._crowded_s > self._timing.slow_consumer_s:
+            self.close(
+                SLOW_CONSUMER,
+                f"slow consumer: over half of {outbox.max_bytes} bytes waiting"
+                f" for {self._timing.slow_consumer_s:g} s",
+            )
+
+    def _keep_alive(self, now_s: float) -> None:
+        if self._pinged_s is None:
+            if now_s - self._heard_s > self._timing.ping_interval_s:
+                self._pinged_s = now_s
+                self._protocol.send_ping(b"")
+                self._write_protocol_output()
+        elif now_s - self._pinged_s > self._timing.ping_timeout_s:
+            self.close(HEARTBEAT_TIMEOUT, f"no pong within {self._timing.ping_timeout_s:g} s")
+
+
+def _tune(sock: socket.socket | None, send_deadline_s: float) -> None:
+    """Keep little in the kernel, and let it give up on a peer that acknowledges nothing."""
+    if sock is None:
+        return
+    for option, value in (
+        ("TCP_NOTSENT_LOWAT", TCP_NOTSENT_LOWAT_BYTES),
+        ("TCP_USER_TIMEOUT", round(send_deadline_s * 1000)),
+    ):
+        number = getattr(socket, option, None)  # Linux has both
+        if number is not None:
+            with contextlib.suppress(OSError):
+                sock.setsockopt(socket.IPPROTO_TCP, number, value)
+
+
+def _quiet_logger() -> logging.Logger:
+    """Return the logger that silences `websockets`: we log what operators need ourselves."""
+    quiet = logging.getLogger(f"{__name__}.websockets")
+    quiet.setLevel(logging.ERROR)
+    return quiet

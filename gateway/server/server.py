@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Listens, admits clients, keeps their times, and sends them home at the end."""
+
+import asyncio
+import contextlib
+import time
+from collections.abc import AsyncIterator, Mapping, Sequence
+from typing import Any, Final
+
+from websockets.http11 import Request, Response
+from websockets.server import ServerProtocol
+
+from gateway.protocol.limits import Limits
+from gateway.protocol.session import Session
+from gateway.router.router import Router
+from gateway.server.connection import GOING_AWAY, Connection
+from gateway.server.http import HttpFront
+from gateway.server.timing import TICK_S, Timing
+
+MAX_HANDSHAKES: Final = 16  # sockets whose handshake is under way; each is cut off after 5 s
+
+
+class Server:
+    """The clients that are connected, and the door they come through."""
+
+    def __init__(
+        self,
+        router: Router,
+        *,
+        limits: Limits,
+        timing: Timing,
+        max_clients: int,
+        max_clients_per_address: int,
+        path: str = "/",
+        allowed_origins: Sequence[str] = (),
+        version: str = "",
+    ) -> None:
+        self.limits = limits
+        self.timing = timing
+        self._router = router
+        self._max_clients = max_clients
+        self._max_clients_per_address = max_clients_per_address
+        self._http = HttpFront(path, allowed_origins, self.health)
+        self._version = version
+        self._connections: set[Connection] = set()
+        self._started_s = time.monotonic()
+        self._all_gone = asyncio.Event()
+        self._all_gone.set()
+        self._totals = {"messages_in": 0, "refused": 0, "frames_out": 0, "dropped": 0}
+
+    @contextlib.asynccontextmanager
+    async def listening(self, host: str, port: int) -> AsyncIterator[list[tuple[str, int]]]:
+        """Serve inside the context; yields the addresses that are listened on.
+
+        Raises:
+            OSError: it is not possible to listen there.
+        """
+        loop = asyncio.get_running_loop()
+        listener = await loop.create_server(lambda: Connection(self), host, port)
+        ticking = loop.create_task(self._tick())
+        try:
+            yield [sock.getsockname()[:2] for sock in listener.sockets]
+        finally:
+            listener.close()
+            ticking.cancel()
+            await self._send_home()
+
+    def health(self) -> Mapping[str, Any]:
+        """Return what /healthz reports."""
+        totals = dict(self._totals)
+        for connection in self._connections:
+            if connection.session is not None:
+                _add(totals, connection.session)
+        return {
+            "status": "ok",
+            "version": self._version,
+            "uptime_s": round(time.monotonic() - self._started_s, 1),
+            **self._router.counts(),
+            **totals,
+        }
+
+    # What connections need: see `Reception`
+
+    def arrive(self, connection: Connection) -> bool:
+        """Note a connection; false where clients and handshakes leave no room for it."""
+        self._connections.add(connection)
+        self._all_gone.clear()
+        return len(self._connections) <= self._max_clients + MAX_HANDSHAKES
+
+    def respond(self, protocol: ServerProtocol, request: Request) -> Response:
+        """Answer an HTTP request."""
+        return self._http.respond(protocol, request)
+
+    def admit(self, connection: Connection) -> str | None:
+        """Return why there is no room for a client, or ``None``."""
+        clients = [other for other in self._connections if other.session is not None]
+        if len(clients) >= self._max_clients:
+            return f"over capacity: at most {self._max_clients} clients"
+        same = sum(other.address == connection.address for other in clients)
+        if same >= self._max_clients_per_address:
+            return f"over capacity: at most {self._max_clients_per_address} clients per address"
+        return None
+
+    def enter(self, connection: Connection) -> Session:
+        """Open a session for a connection."""
+        return self._router.enter(connection.flush)
+
+    def receive(self, session: Session, data: bytes) -> None:
+        """Carry out one message of a session."""
+        self._router.receive(session, data)
+
+    def left(self, connection: Connection, session: Session | None) -> None:
+        """Close everything that was open for a connection."""
+        self._connections.discard(connection)
+        if session is not None:
+            _add(self._totals, session)
+            self._router.leave(session)
+        if not self._connections:
+            self._all_gone.set()
+
+    async def _tick(self) -> None:
+        while True:
+            await asyncio.sleep(TICK_S)
+            now_s = time.monotonic()
+            for connection in list(self._connections):
+                connection.tick(now_s)
+
+    async def _send_home(self) -> None:
+        for connection in list(self._connections):
+            connection.close(GOING_AWAY, "the gateway is shutting down")
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(self.timing.close_timeout_s):
+                await self._all_gone.wait()
+        for connection in list(self._connections):
+            connection.abort()
+        await self._all_gone.wait()
+
+
+def _add(totals: dict[str, int], session: Session) -> None:
+    totals["messages_in"] += session.received
+    totals["refused"] += session.refused
+    totals["frames_out"] += session.outbox.sent
+    totals["dropped"] += session.outbox.dropped

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A client for tests: the library's own WebSocket client, and frames as dicts."""
+
+import asyncio
+import contextlib
+import json
+from collections.abc import AsyncIterator, Callable
+from typing import Any
+
+from websockets.asyncio.client import ClientConnection, connect
+
+PATIENCE_S = 30  # a busy machine may take its time; nothing here measures it
+
+Frame = dict[str, Any]
+
+
+class Client:
+    """Sends operations and waits for the frames that matter."""
+
+    def __init__(self, socket: ClientConnection) -> None:
+        self.socket = socket
+        self.seen: list[Frame] = []
+
+    async def send(self, **operation: Any) -> None:
+        """Send one operation."""
+        await self.socket.send(json.dumps(operation))
+
+    async def receive(
+        self, wanted: Callable[[Frame], bool] = lambda frame: True, within_s: float = PATIENCE_S
+    ) -> Frame:
+        """Return the next frame that is wanted; the others are kept in `seen`."""
+        async with asyncio.timeout(within_s):
+            while True:
+                frame = json.loads(await self.socket.recv())
+                if wanted(frame):
+                    return frame
+                self.seen.append(frame)
+
+    async def status(self) -> Frame:
+        """Return the next status."""
+        return await self.receive(lambda frame: frame["op"] == "status")
+
+    async def message(self, topic: str) -> Any:
+        """Return the next message of a topic."""
+        frame = await self.receive(
+            lambda frame: frame["op"] == "publish" and frame["topic"] == topic
+        )
+        return frame["msg"]
+
+    async def sync(self) -> list[Frame]:
+        """Wait until everything sent so far was carried out; return what came meanwhile."""
+        self.seen.clear()
+        await self.send(op="ping", id="sync")
+        await self.receive(lambda frame: frame["op"] == "pong" and frame.get("id") == "sync")
+        return list(self.seen)
+
+
+@contextlib.asynccontextmanager
+async def client(url: str, **options: Any) -> AsyncIterator[Client]:
+    """Connect a client, without proxies, compression or limits in the way."""
+    options = {"compression": None, "max_size": None, "proxy": None, **options}
+    async with connect(url, **options) as socket:
+        yield Client(socket)
+
+
+async def eventually(condition: Callable[[], bool], within_s: float = PATIENCE_S) -> None:
+    """Wait until something holds."""
+    async with asyncio.timeout(within_s):
+        while not condition():
+            await asyncio.sleep(0.01)

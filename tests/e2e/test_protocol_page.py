@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every example of docs/protocol.md, executed against the gateway and the simulated robot."""
+
+import asyncio
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.client import Client, client
+from tests.gateway_process import gateway_process
+
+PAGE = Path(__file__).parents[2] / "docs" / "protocol.md"
+CONVERSATIONS = re.findall(r"^```wscat\n(.*?)^```", PAGE.read_text(), re.DOTALL | re.MULTILINE)
+
+ANY = "\0any"  # stands for `...` as a value
+MORE = "\0more"  # stands for `...` as a further member or element
+
+
+def expectation(text: str) -> Any:
+    """Parse an expected frame, in which `...` stands for whatever is there."""
+    text = re.sub(r'(":\s*)\.\.\.', rf"\1{json.dumps(ANY)}", text)
+    text = re.sub(r"([{,]\s*)\.\.\.(\s*\})", rf"\1{json.dumps(MORE)}:0\2", text)
+    text = re.sub(r"([\[,]\s*)\.\.\.(\s*\])", rf"\1{json.dumps(MORE)}\2", text)
+    return json.loads(text)
+
+
+def fits(expected: Any, got: Any) -> bool:
+    match expected:
+        case str() if expected == ANY:
+            return True
+        case dict():
+            if not isinstance(got, dict):
+                return False
+            named = {key: value for key, value in expected.items() if key != MORE}
+            if MORE not in expected and named.keys() != got.keys():
+                return False
+            return all(key in got and fits(value, got[key]) for key, value in named.items())
+        case list():
+            if not isinstance(got, list):
+                return False
+            if MORE not in expected:
+                return len(expected) == len(got) and all(map(fits, expected, got))
+            return all(any(fits(one, other) for other in got) for one in expected if one != MORE)
+    return type(expected) is type(got) and expected == got
+
+
+async def hold(conversation: str, speaker: Client) -> None:
+    for line in conversation.splitlines():
+        if line.startswith("> "):
+            await speaker.socket.send(line.removeprefix("> "))
+        else:
+            expected = expectation(line.removeprefix("< "))
+            try:
+                await speaker.receive(lambda frame, expected=expected: fits(expected, frame))
+            except TimeoutError:
+                others = "\n".join(json.dumps(frame)[:500] for frame in speaker.seen[-5:])
+                pytest.fail(f"no answer {line}\nbut among others\n{others}")
+
+
+async def test_every_example_of_the_page_holds():
+    assert len(CONVERSATIONS) > 15
+    async with gateway_process("demo") as gateway:
+        await wait_for_the_robot(gateway.url)
+        async with asyncio.TaskGroup() as speakers:
+            for conversation in CONVERSATIONS:
+                speakers.create_task(on_its_own_connection(gateway.url, conversation))
+        assert await gateway.stop() == 0
+
+
+async def wait_for_the_robot(url: str) -> None:
+    async with client(url) as speaker:
+        await speaker.send(op="subscribe", topic="/odom", type="nav_msgs/msg/Odometry")
+        await speaker.message("/odom")
+
+
+async def on_its_own_connection(url: str, conversation: str) -> None:
+    async with client(url) as speaker:
+        await hold(conversation, speaker)
+
+
+def test_the_examples_tell_a_wrong_frame_from_a_right_one():
+    assert fits(expectation('{"a":...,"b":[{"c":1,...},...]}'), {"a": 2, "b": [0, {"c": 1, "d": 2}]})
+    assert not fits(expectation('{"a":...}'), {"a": 1, "b": 2})
+    assert not fits(expectation('{"a":[{"c":1},...]}'), {"a": [{"c": 2}]})
+    assert not fits(expectation('{"a":0}'), {"a": False})

@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: Apache-2.0
+from dataclasses import dataclass, field
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gateway.protocol.outbox import Lane, Outbox
+
+
+@dataclass
+class Item:
+    """An entry whose readiness the test decides."""
+
+    text: bytes
+    ready: bool = True
+    renders: int = field(default=0, compare=False)
+
+    @property
+    def size(self) -> int:
+        return len(self.text)
+
+    def wire(self) -> bytes | None:
+        self.renders += 1
+        return self.text if self.ready else None
+
+
+EVERYTHING = 1 << 30
+
+
+def test_control_frames_overtake_what_waits_in_lanes():
+    outbox = Outbox(1000)
+    outbox.open_lane(10, None).put(Item(b"sample"))
+    outbox.put_control(b"status")
+    assert outbox.take(EVERYTHING) == [b"status", b"sample"]
+
+
+def test_a_full_lane_drops_its_oldest_entry_and_counts_it():
+    outbox = Outbox(1000)
+    lane = outbox.open_lane(2, None)
+    for text in (b"1", b"2", b"3"):
+        lane.put(Item(text))
+    assert outbox.take(EVERYTHING) == [b"2", b"3"]
+    assert lane.dropped == outbox.dropped == 1
+
+
+def test_what_is_dropped_was_never_rendered():
+    lane = Outbox(1000).open_lane(1, None)
+    old = Item(b"old")
+    lane.put(old)
+    lane.put(Item(b"new"))
+    assert old.renders == 0
+
+
+def test_a_lane_holds_at_most_its_bytes_but_always_one_entry():
+    outbox = Outbox(10_000)
+    lane = outbox.open_lane(100, 10)
+    for size in (6, 6, 500):
+        lane.put(Item(bytes(size)))
+    assert [len(wire) for wire in outbox.take(EVERYTHING)] == [500]
+    assert lane.dropped == 2
+
+
+def test_lanes_take_turns():
+    outbox = Outbox(1000)
+    one, two = outbox.open_lane(10, None), outbox.open_lane(10, None)
+    for lane, texts in ((one, (b"a1", b"a2")), (two, (b"b1", b"b2"))):
+        for text in texts:
+            lane.put(Item(text))
+    assert outbox.take(EVERYTHING) == [b"a1", b"b1", b"a2", b"b2"]
+
+
+def test_over_the_budget_the_heaviest_lane_loses_its_oldest():
+    outbox = Outbox(100)
+    camera, odometry = outbox.open_lane(100, None), outbox.open_lane(100, None)
+    odometry.put(Item(b"odometry"))
+    for _ in range(3):
+        camera.put(Item(bytes(45)))
+    assert camera.dropped == 1
+    assert odometry.dropped == 0
+    assert outbox.size <= 100
+
+
+def test_one_entry_over_the_budget_is_sent_if_it_is_alone():
+    outbox = Outbox(100)
+    outbox.open_lane(10, None).put(Item(bytes(500)))
+    assert [len(wire) for wire in outbox.take(EVERYTHING)] == [500]
+
+
+def test_take_stops_after_its_bytes():
+    outbox = Outbox(1000)
+    lane = outbox.open_lane(10, None)
+    for _ in range(3):
+        lane.put(Item(bytes(10)))
+    assert len(outbox.take(11)) == 2
+    assert len(outbox.take(11)) == 1
+
+
+def test_an_entry_that_is_not_ready_waits_without_holding_up_other_lanes():
+    outbox = Outbox(1000)
+    picture = Item(b"picture", ready=False)
+    pictures, odometry = outbox.open_lane(1, None), outbox.open_lane(1, None)
+    pictures.put(picture)
+    odometry.put(Item(b"odometry"))
+    assert outbox.take(EVERYTHING) == [b"odometry"]
+    newer = Item(b"newer")
+    pictures.put(newer)  # must not replace the one whose turn has come
+    assert outbox.take(EVERYTHING) == []
+    picture.ready = True
+    assert outbox.take(EVERYTHING) == [b"picture", b"newer"]
+
+
+def test_an_entry_with_nothing_to_send_is_passed_over():
+    outbox = Outbox(1000)
+    lane = outbox.open_lane(10, None)
+    lane.put(Item(b""))
+    lane.put(Item(b"good"))
+    assert outbox.take(EVERYTHING) == [b"good"]
+    assert lane.sent == 1
+
+
+def test_control_frames_beyond_the_budget_are_reported_not_dropped():
+    outbox = Outbox(10)
+    outbox.put_control(bytes(6))
+    assert not outbox.overflowed
+    outbox.put_control(bytes(6))
+    assert outbox.overflowed
+    assert len(outbox.take(EVERYTHING)) == 2
+
+
+def test_closing_a_lane_forgets_what_waits_and_keeps_its_counts():
+    outbox = Outbox(1000)
+    lane = outbox.open_lane(1, None)
+    lane.put(Item(b"1"))
+    lane.put(Item(b"2"))
+    outbox.close_lane(lane)
+    assert outbox.take(EVERYTHING) == []
+    assert (outbox.size, outbox.dropped) == (0, 1)
+
+
+actions = st.lists(
+    st.one_of(
+        st.tuples(st.just("put"), st.integers(0, 2), st.integers(1, 60)),
+        st.tuples(st.just("take"), st.integers(0, 100)),
+        st.tuples(st.just("control"), st.integers(1, 20)),
+    ),
+    max_size=60,
+)
+
+
+@given(actions)
+def test_every_entry_is_sent_dropped_or_waiting_and_the_budget_holds(steps):
+    outbox = Outbox(100)
+    lanes = [outbox.open_lane(1, None), outbox.open_lane(3, 50), outbox.open_lane(5, None)]
+    put = control_put = 0
+    taken: list[bytes] = []
+    for step in steps:
+        match step:
+            case ("put", lane, size):
+                lanes[lane].put(Item(b"%d" % put + bytes(size)))
+                put += 1
+            case ("control", size):
+                outbox.put_control(bytes(size))
+                control_put += 1
+            case ("take", size):
+                taken += outbox.take(size)
+        waiting = [len(lane.waiting) for lane in lanes]
+        assert len(taken) == outbox.sent
+        assert put == outbox.sent - outbox.control_sent + outbox.dropped + sum(waiting)
+        assert outbox.size <= 100 or sum(waiting) <= 1 or outbox.overflowed
+        assert all(count <= lane.depth for count, lane in zip(waiting, lanes, strict=True))
+        held = sum(_held(lane) for lane in lanes)
+        assert outbox.size >= held
+    taken += outbox.take(EVERYTHING)
+    assert outbox.size == 0
+    assert outbox.control_sent == control_put
+
+
+def _held(lane: Lane) -> int:
+    return sum(entry.size for entry in lane.waiting)
+
+
+@pytest.mark.parametrize("depth", [1, 2, 7])
+def test_a_lane_keeps_the_newest(depth):
+    outbox = Outbox(1000)
+    lane = outbox.open_lane(depth, None)
+    for number in range(20):
+        lane.put(Item(b"%d" % number))
+    assert outbox.take(EVERYTHING) == [b"%d" % number for number in range(20 - depth, 20)]

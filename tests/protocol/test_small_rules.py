@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Names, rates and frame headers."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from websockets.frames import Frame, Opcode
+
+from gateway.protocol.errors import ProtocolError
+from gateway.protocol.framing import text_frame
+from gateway.protocol.names import resolve_topic
+from gateway.protocol.rate import TokenBucket
+
+SECOND = 1_000_000_000
+
+
+@pytest.mark.parametrize(
+    ("written", "resolved"),
+    [("/odom", "/odom"), ("odom", "/odom"), ("a/b_1/_c", "/a/b_1/_c"), ("/_hidden", "/_hidden")],
+)
+def test_a_name_without_slash_is_global(written, resolved):
+    assert resolve_topic(written, 200) == resolved
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["", "/", "//a", "/a/", "/a//b", "/1a", "/a b", "~/a", "/{node}", "/a\0b", "/ä", "/a\n", "/a-b"],
+)
+def test_what_is_no_topic_name_is_refused(name):
+    with pytest.raises(ProtocolError, match="topic: .* is no topic name") as caught:
+        resolve_topic(name, 200)
+    assert caught.value.code == "bad_name"
+
+
+def test_a_name_over_the_limit_is_refused():
+    assert resolve_topic("/" + "a" * 9, 10)
+    with pytest.raises(ProtocolError, match="11 characters, at most 10 allowed"):
+        resolve_topic("/" + "a" * 10, 10)
+
+
+def test_a_bucket_allows_a_burst_and_then_the_rate():
+    bucket = TokenBucket(10, 3, 0)
+    assert [bucket.allow(0) for _ in range(4)] == [True, True, True, False]
+    assert not bucket.allow(SECOND // 20)
+    assert bucket.allow(SECOND // 10)
+    assert not bucket.allow(SECOND // 10)
+
+
+def test_a_bucket_fills_no_higher_than_its_burst():
+    bucket = TokenBucket(10, 3, 0)
+    assert sum(bucket.allow(100 * SECOND) for _ in range(10)) == 3
+
+
+def test_a_rate_of_zero_allows_all():
+    bucket = TokenBucket(0, 1, 0)
+    assert all(bucket.allow(0) for _ in range(1000))
+
+
+@given(st.one_of(st.integers(0, 300), st.integers(65_500, 65_600)))
+def test_frames_are_what_websockets_would_send(length):
+    payload = b"x" * length
+    assert text_frame(payload) == Frame(Opcode.TEXT, payload).serialize(mask=False)

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A router over the fake ROS, and clients without sockets."""
+
+import asyncio
+import json
+from collections.abc import AsyncIterator
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import pytest
+
+from gateway.codec.types import Types
+from gateway.protocol.limits import Limits
+from gateway.protocol.session import Session
+from gateway.router.router import Router
+from schemas.installed import InstalledDefinitions
+from schemas.table import Table
+from tests.client import Frame, eventually
+from tests.ros.fake import FakeRos
+
+LIMITS = Limits(subscriptions=4, advertisements=3, operations_per_s=0)
+
+
+class Socketless:
+    """A client whose frames are taken from its outbox as soon as it is woken."""
+
+    def __init__(self, router: Router) -> None:
+        self.router = router
+        self.frames: list[Frame] = []
+        self.is_paused = False
+        self.session: Session = router.enter(self.flush)
+
+    def flush(self) -> None:
+        while not self.is_paused and (batch := self.session.outbox.take(1 << 20)):
+            self.frames += [json.loads(wire[wire.index(b"{") :]) for wire in batch]
+
+    def send(self, **operation: Any) -> None:
+        self.send_raw(json.dumps(operation).encode())
+
+    def send_raw(self, data: bytes) -> None:
+        self.router.receive(self.session, data)
+
+    def of(self, op: str) -> list[Frame]:
+        return [frame for frame in self.frames if frame["op"] == op]
+
+    @property
+    def messages(self) -> list[Any]:
+        return [frame["msg"] for frame in self.of("publish")]
+
+    @property
+    def statuses(self) -> list[tuple[str, str]]:
+        return [(frame["code"], frame["msg"]) for frame in self.of("status")]
+
+    async def sees(self, count: int, op: str = "publish") -> list[Frame]:
+        await eventually(lambda: len(self.of(op)) >= count)
+        return self.of(op)
+
+
+class Bench:
+    """The router under test, the ROS below it, clients above."""
+
+    def __init__(self, ros: FakeRos, router: Router, types: Types) -> None:
+        self.ros = ros
+        self.router = router
+        self.types = types
+
+    def client(self) -> Socketless:
+        return Socketless(self.router)
+
+    def cdr(self, type_name: str, **values: Any) -> bytes:
+        message_type = self.types.get(type_name)
+        return message_type.encode(message_type.validate(values, now_ns=0))
+
+    async def settle(self) -> None:
+        """Let everything that the fake has scheduled happen."""
+        for _ in range(20):
+            await asyncio.sleep(0)
+
+
+@pytest.fixture
+async def bench() -> AsyncIterator[Bench]:
+    ros = FakeRos()
+    types = Types(InstalledDefinitions())
+    with ThreadPoolExecutor(2) as workers:
+        router = Router(ros, types, Table.load(), limits=LIMITS, workers=workers, version="test")
+        yield Bench(ros, router, types)
+        router.close()
+        assert ros.entity_count() == 0

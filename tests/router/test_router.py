@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: Apache-2.0
+import json
+
+import pytest
+
+from tests.client import eventually
+from tests.router.conftest import Bench
+
+
+async def test_hello_says_who_answers(bench: Bench):
+    client = bench.client()
+    client.send(op="hello", id=1)
+    (hello,) = client.frames
+    assert (hello["server"], hello["version"], hello["id"]) == ("ros2-json-gateway", "test", 1)
+    assert hello["ros_distro"] == "jazzy"
+    assert hello["limits"]["subscriptions"] == 4
+
+
+async def test_ping_returns_the_value_and_both_clocks(bench: Bench):
+    client = bench.client()
+    client.send(op="ping", value={"t": [1.5, None]})
+    (pong,) = client.frames
+    assert pong["value"] == {"t": [1.5, None]}
+    assert pong["ros_time"] == {"sec": 1_700_000_000, "nanosec": 0}
+    assert pong["gateway_time"]["sec"] > 1_700_000_000
+
+
+async def test_describe_has_schema_definition_number_and_hash(bench: Bench):
+    client = bench.client()
+    client.send(op="describe", type="geometry_msgs/Twist")
+    (described,) = client.frames
+    assert described["type"] == "geometry_msgs/msg/Twist"
+    assert described["number"] == 1
+    assert "Vector3" in described["definition"]
+    assert described["type_hash"].startswith("RIHS01_")
+    assert "linear" in described["schema"]["properties"]
+
+
+async def test_describe_of_a_type_outside_the_table_has_no_number(bench: Bench):
+    client = bench.client()
+    client.send(op="describe", type="test_msgs/msg/Nested")
+    assert client.frames[0]["number"] is None
+
+
+async def test_describe_of_an_unknown_type_suggests_one(bench: Bench):
+    client = bench.client()
+    client.send(op="describe", type="geometry_msgs/msg/Twits")
+    assert client.statuses[0][0] == "bad_type"
+    assert "did you mean geometry_msgs/msg/Twist?" in client.statuses[0][1]
+
+
+async def test_the_graph_names_topics_with_types_and_nodes(bench: Bench):
+    bench.ros.add_publisher("/odom", "nav_msgs/msg/Odometry", node="/robot")
+    client = bench.client()
+    client.send(op="graph", id="g")
+    (graph,) = client.frames
+    assert graph["id"] == "g"
+    assert {
+        "name": "/odom",
+        "types": ["nav_msgs/msg/Odometry"],
+        "publishers": ["/robot"],
+        "subscribers": [],
+    } in graph["topics"]
+    assert "/robot" in graph["nodes"]
+
+
+async def test_a_watched_graph_sends_what_changed_and_nothing_else(bench: Bench):
+    client = bench.client()
+    client.send(op="graph", id="g", watch=True)
+    publisher = bench.ros.add_publisher("/odom", "nav_msgs/msg/Odometry", node="/robot")
+    frames = await client.sees(2, "graph")
+    assert [topic["name"] for topic in frames[1]["changes"]["topics"]] == ["/odom"]
+    assert frames[1]["changes"]["nodes"] == ["/robot"]
+    bench.ros.remove_publisher(publisher)
+    frames = await client.sees(3, "graph")
+    assert frames[2]["changes"] == {"gone_topics": ["/odom"], "gone_nodes": ["/robot"]}
+    client.send(op="graph", watch=False)
+    bench.ros.add_publisher("/odom", "nav_msgs/msg/Odometry")
+    await bench.settle()
+    assert len(client.of("graph")) == 4  # the answer to the last operation was the last one
+
+
+async def test_the_graph_knows_the_rate_of_received_topics(bench: Bench):
+    bench.ros.add_publisher("/chatter", "std_msgs/msg/String")
+    client = bench.client()
+    client.send(op="subscribe", topic="/chatter")
+    for count in range(1, 4):
+        bench.ros.publish("/chatter", bench.cdr("std_msgs/msg/String"))
+        await client.sees(count)
+    client.send(op="graph")
+    (graph,) = client.of("graph")
+    (topic,) = [topic for topic in graph["topics"] if topic["name"] == "/chatter"]
+    assert topic["rate_hz"] > 0
+
+
+@pytest.mark.parametrize(
+    ("data", "code"),
+    [
+        (b"nonsense", "bad_json"),
+        (b'{"op":"hello"', "bad_json"),
+        (b'\xff{"op":"hello"}', "bad_json"),
+        (b'{"op":"ping","value":NaN}', "bad_json"),
+        (b'{"op":"hello","op":"ping"}', "bad_json"),
+        (b'{"op":"ping","value":' + b"[" * 40 + b"]" * 40 + b"}", "bad_json"),
+        (b'{"op":"ping","value":[' + b"0," * 100_001 + b"0]}", "bad_json"),
+        (b"5", "bad_request"),
+        (b"[]", "bad_request"),
+        (b"null", "bad_request"),
+        (b"{}", "bad_request"),
+        (b'{"op":[]}', "bad_request"),
+        (b'{"op":"subscribe"}', "bad_request"),
+        (b'{"op":"subscribe","topic":null}', "bad_request"),
+        (b'{"op":"publish","topic":"/t"}', "bad_request"),
+        (b'{"op":"advertise","topic":"/t","type":true}', "bad_request"),
+        (b'{"op":"subscrib","topic":"/odom"}', "unknown_op"),
+        (b'{"op":"call_service","service":"/x"}', "unknown_op"),
+    ],
+)
+async def test_what_is_no_operation_gets_a_status_and_the_next_one_works(bench: Bench, data, code):
+    client = bench.client()
+    client.send_raw(data)
+    assert [status[0] for status in client.statuses] == [code]
+    client.send(op="hello")
+    assert client.frames[-1]["op"] == "hello"
+
+
+async def test_a_refusal_carries_the_id_whatever_else_is_wrong(bench: Bench):
+    client = bench.client()
+    client.send(op="subscribe", id="mine", topic=5)
+    client.send(op="nonsense", id=17)
+    client.send(op=5, id="other")
+    assert [frame["id"] for frame in client.frames] == ["mine", 17, "other"]
+
+
+async def test_old_clients_extras_are_ignored(bench: Bench):
+    client = bench.client()
+    client.send(
+        op="subscribe",
+        id=None,
+        topic="/t",
+        type="std_msgs/String",
+        compression="none",
+        throttle_rate=0,
+        queue_length=0,
+        fragment_size=2147483647,
+        anything={"else": 1},
+    )
+    client.send(op="auth", mac="x")
+    client.send(op="set_level", level="error", id="l")
+    assert client.frames == []
+    assert bench.ros.entity_count() == 1
+
+
+async def test_set_level_decides_which_statuses_come(bench: Bench):
+    client = bench.client()
+    client.send(op="set_level", level="none")
+    client.send(op="nonsense")
+    client.send(op="set_level", level="info")
+    client.send(op="subscribe", id="s", topic="/t", type="std_msgs/String")
+    (status,) = client.frames
+    assert status["level"] == "info"
+    assert status["msg"] == "subscribed to /t (std_msgs/msg/String)"
+
+
+async def test_operations_beyond_the_rate_are_refused(bench: Bench):
+    bench.router._limits = type(bench.router._limits)(operations_per_s=1, operations_burst=3)
+    client = bench.client()
+    for _ in range(5):
+        client.send(op="ping")
+    assert len(client.of("pong")) == 3
+    assert [code for code, _ in client.statuses] == ["rate_limited"] * 2
+
+
+async def test_a_client_that_leaves_takes_everything_along(bench: Bench):
+    stays, leaves = bench.client(), bench.client()
+    stays.send(op="subscribe", topic="/t", type="std_msgs/String")
+    for operation in (
+        {"op": "subscribe", "topic": "/t", "type": "std_msgs/String", "throttle_rate": 1000},
+        {"op": "subscribe", "topic": "/unknown"},
+        {"op": "advertise", "topic": "/a", "type": "std_msgs/String"},
+        {"op": "graph", "watch": True},
+    ):
+        leaves.send(**operation)
+    bench.router.leave(leaves.session)
+    assert bench.ros.entity_count() == 1
+    count = len(leaves.frames)
+    bench.ros.add_publisher("/unknown", "std_msgs/msg/String")
+    bench.ros.add_publisher("/t", "std_msgs/msg/String").publish(bench.cdr("std_msgs/msg/String"))
+    await stays.sees(1)
+    assert len(leaves.frames) == count
+    assert bench.router.counts() == {"clients": 1, "subscriptions": 1, "publishers": 0}
+
+
+async def test_no_frame_is_anything_but_json(bench: Bench):
+    client = bench.client()
+    client.send(op="subscribe", topic='/"', id='"\n')
+    assert json.loads(json.dumps(client.frames[0]))["id"] == '"\n'
+    await eventually(lambda: True)

@@ -1,0 +1,320 @@
+# SPDX-License-Identifier: Apache-2.0
+import base64
+
+import cv2
+import numpy as np
+import pytest
+
+from gateway.ports import Qos
+from tests.client import eventually
+from tests.router.conftest import Bench
+
+STRING = "std_msgs/msg/String"
+ODOMETRY = "nav_msgs/msg/Odometry"
+LATCHED = Qos(durability="transient_local", depth=1)
+
+
+async def test_a_sample_reaches_a_subscriber_as_a_publish_frame(bench: Bench):
+    bench.ros.add_publisher("/chatter", STRING)
+    client = bench.client()
+    client.send(op="subscribe", topic="/chatter")
+    bench.ros.publish("/chatter", bench.cdr(STRING, data="hello"))
+    assert await client.sees(1) == [{"op": "publish", "topic": "/chatter", "msg": {"data": "hello"}}]
+
+
+async def test_a_topic_comes_back_as_the_client_spelt_it(bench: Bench):
+    bench.ros.add_publisher("/chatter", STRING)
+    one, other = bench.client(), bench.client()
+    one.send(op="subscribe", topic="chatter")
+    other.send(op="subscribe", topic="/chatter")
+    bench.ros.publish("/chatter", bench.cdr(STRING))
+    assert (await one.sees(1))[0]["topic"] == "chatter"
+    assert (await other.sees(1))[0]["topic"] == "/chatter"
+    assert bench.ros.entity_count() == 1
+
+
+@pytest.mark.parametrize("spelling", [9, "9", "nav_msgs/Odometry", "nav_msgs/msg/Odometry"])
+async def test_a_type_may_be_a_number_or_a_name_in_both_spellings(bench: Bench, spelling):
+    client = bench.client()
+    client.send(op="subscribe", topic="/odom", type=spelling)
+    assert [subscription.type_name for subscription in bench.ros.subscriptions] == [ODOMETRY]
+    assert client.statuses == []
+
+
+async def test_clients_share_one_ros_subscription_until_the_last_one_leaves(bench: Bench):
+    clients = [bench.client() for _ in range(3)]
+    for client in clients:
+        client.send(op="subscribe", topic="/chatter", type=STRING)
+    assert bench.ros.entity_count() == 1
+    for client in clients[:2]:
+        bench.router.leave(client.session)
+    assert bench.ros.entity_count() == 1
+    clients[2].send(op="unsubscribe", topic="/chatter")
+    assert bench.ros.entity_count() == 0
+
+
+async def test_another_qos_is_another_ros_subscription(bench: Bench):
+    one, other = bench.client(), bench.client()
+    one.send(op="subscribe", topic="/chatter", type=STRING)
+    other.send(op="subscribe", topic="/chatter", type=STRING, qos={"reliability": "best_effort"})
+    assert bench.ros.entity_count() == 2
+    assert bench.ros.subscriptions[1].qos.reliability == "best_effort"
+
+
+async def test_subscribing_twice_makes_one_stream_not_two(bench: Bench):
+    bench.ros.add_publisher("/chatter", STRING)
+    client = bench.client()
+    client.send(op="subscribe", id="a", topic="/chatter")
+    client.send(op="subscribe", id="b", topic="/chatter")
+    bench.ros.publish("/chatter", bench.cdr(STRING, data="once"))
+    await client.sees(1)
+    await bench.settle()
+    assert client.messages == [{"data": "once"}]
+
+
+async def test_unsubscribing_by_id_leaves_the_other_subscription(bench: Bench):
+    bench.ros.add_publisher("/odom", ODOMETRY)
+    client = bench.client()
+    client.send(op="subscribe", id="all", topic="/odom")
+    client.send(op="subscribe", id="part", topic="/odom", fields=["child_frame_id"])
+    client.send(op="unsubscribe", id="all", topic="/odom")
+    bench.ros.publish("/odom", bench.cdr(ODOMETRY, child_frame_id="base"))
+    assert (await client.sees(1))[0]["msg"] == {"child_frame_id": "base"}
+
+
+async def test_unsubscribing_what_is_not_subscribed_says_so(bench: Bench):
+    client = bench.client()
+    client.send(op="unsubscribe", topic="/chatter")
+    client.send(op="subscribe", id="a", topic="/chatter", type=STRING)
+    client.send(op="unsubscribe", id="b", topic="/chatter")
+    assert client.statuses == [
+        ("not_found", "not subscribed to /chatter"),
+        ("not_found", "not subscribed to /chatter with id 'b'"),
+    ]
+    assert bench.ros.entity_count() == 1
+
+
+async def test_a_topic_that_nobody_knows_is_waited_for_with_a_word(bench: Bench):
+    bench.ros.add_publisher("/odometry", ODOMETRY)
+    client = bench.client()
+    client.send(op="subscribe", topic="/odometri")
+    assert client.statuses == [
+        ("not_found", "topic /odometri is not known yet; did you mean /odometry?; waiting for it")
+    ]
+    bench.ros.add_publisher("/odometri", STRING)
+    await eventually(lambda: bench.ros.entity_count() == 1)
+    bench.ros.publish("/odometri", bench.cdr(STRING, data="at last"))
+    assert (await client.sees(1))[0]["msg"] == {"data": "at last"}
+
+
+async def test_a_topic_that_returns_with_another_type_is_followed(bench: Bench):
+    first = bench.ros.add_publisher("/thing", STRING)
+    client = bench.client()
+    client.send(op="subscribe", topic="/thing")
+    await bench.settle()
+    bench.ros.remove_publisher(first)
+    bench.ros.add_publisher("/thing", "std_msgs/msg/Int32")
+    await eventually(
+        lambda: [own.type_name for own in bench.ros.subscriptions] == ["std_msgs/msg/Int32"]
+    )
+    bench.ros.publish("/thing", bench.cdr("std_msgs/msg/Int32", data=7))
+    assert (await client.sees(1))[0]["msg"] == {"data": 7}
+
+
+async def test_a_type_that_contradicts_the_topic_is_refused(bench: Bench):
+    bench.ros.add_publisher("/odom", ODOMETRY)
+    client = bench.client()
+    client.send(op="subscribe", id=1, topic="/odom", type=STRING)
+    assert client.statuses == [
+        ("type_conflict", f"topic /odom has type {ODOMETRY}, not {STRING}")
+    ]
+    assert bench.ros.entity_count() == 0
+
+
+@pytest.mark.parametrize(
+    ("wish", "code", "words"),
+    [
+        ({"type": "no/Such"}, "bad_type", "no definition of no/msg/Such"),
+        ({"type": "nonsense"}, "bad_type", "is no message type"),
+        ({"type": 4711}, "bad_type", "no number 4711"),
+        ({"type": STRING, "topic": "/a b"}, "bad_name", "is no topic name"),
+        ({"type": STRING, "fields": ["date"]}, "bad_request", "fields: "),
+        ({"type": STRING, "queue_length": 5000}, "limit_exceeded", "at most 1024"),
+        ({"type": STRING, "qos": {"depth": 0}}, "bad_request", "qos.depth: expected at least 1"),
+        ({"type": STRING, "qos": {"dept": 1}}, "bad_request", "qos.dept: unknown"),
+        ({"type": 5, "image": {"quality": 101}}, "bad_request", "image.quality: expected at most"),
+        ({"type": 5, "image": {"depth_range_m": [5, 1]}}, "bad_request", "depth_range_m"),
+        ({"type": 5, "image": {"depth_range_m": [0, 5000]}}, "bad_request", "depth range"),
+        ({"type": STRING, "throttle_rate": -1}, "bad_request", "throttle_rate: expected at least"),
+    ],
+)
+async def test_a_subscription_that_cannot_be_is_refused_and_leaves_nothing(
+    bench: Bench, wish, code, words
+):
+    client = bench.client()
+    client.send(**{"op": "subscribe", "id": "s", "topic": "/t", **wish})
+    (answer,) = client.of("status")
+    assert (answer["code"], answer["id"], answer["level"]) == (code, "s", "error")
+    assert words in answer["msg"]
+    assert bench.ros.entity_count() == 0
+
+
+async def test_a_refused_change_leaves_the_subscription_as_it_was(bench: Bench):
+    bench.ros.add_publisher("/odom", ODOMETRY)
+    client = bench.client()
+    client.send(op="subscribe", id="a", topic="/odom", fields=["child_frame_id"])
+    client.send(op="subscribe", id="a", topic="/odom", fields=["nonsense"])
+    bench.ros.publish("/odom", bench.cdr(ODOMETRY, child_frame_id="base"))
+    await client.sees(1)
+    assert client.messages == [{"child_frame_id": "base"}]
+
+
+async def test_subscriptions_are_limited_per_client(bench: Bench):
+    client = bench.client()
+    for number in range(5):
+        client.send(op="subscribe", topic=f"/t{number}", type=STRING)
+    assert client.statuses == [("limit_exceeded", "at most 4 subscriptions per client")]
+    assert bench.ros.entity_count() == 4
+
+
+async def test_meta_numbers_samples_and_counts_what_was_dropped(bench: Bench):
+    bench.ros.add_publisher("/chatter", STRING)
+    client = bench.client()
+    client.send(op="subscribe", topic="/chatter", meta=True, queue_length=2)
+    client.is_paused = True
+    for number in range(5):
+        bench.ros.publish("/chatter", bench.cdr(STRING, data=str(number)))
+    await bench.settle()
+    client.is_paused = False
+    client.flush()
+    assert [(frame["seq"], frame["dropped"]) for frame in client.of("publish")] == [(4, 3), (5, 3)]
+    assert client.frames[0]["received"] == {"sec": 1_700_000_000, "nanosec": 0}
+
+
+async def test_a_late_client_gets_what_a_transient_local_topic_keeps(bench: Bench):
+    bench.ros.add_publisher("/map", STRING, LATCHED)
+    bench.ros.publish("/map", bench.cdr(STRING, data="walls"))
+    early, late = bench.client(), bench.client()
+    early.send(op="subscribe", topic="/map")
+    await early.sees(1)
+    late.send(op="subscribe", topic="/map")
+    await late.sees(1)
+    await bench.settle()
+    assert early.messages == late.messages == [{"data": "walls"}]
+
+
+async def test_an_offer_that_does_not_match_is_told_to_everyone_concerned(bench: Bench):
+    bench.ros.add_publisher("/scan", STRING, Qos(reliability="best_effort"))
+    one, other = bench.client(), bench.client()
+    one.send(op="subscribe", topic="/scan", qos={"reliability": "reliable"})
+    await one.sees(1, "status")
+    other.send(op="subscribe", topic="/scan", qos={"reliability": "reliable"})
+    for client in (one, other):
+        (status,) = await client.sees(1, "status")
+        assert status["code"] == "qos_incompatible"
+        assert "best_effort" in status["msg"]
+
+
+async def test_a_broken_sample_is_reported_once_and_harms_nothing(bench: Bench):
+    bench.ros.add_publisher("/chatter", STRING)
+    client = bench.client()
+    client.send(op="subscribe", topic="/chatter")
+    for cdr in (b"\0\1\0\0\xff\xff\xff\xff", b"\0\1\0\0\xff\xff\xff\xff", bench.cdr(STRING)):
+        bench.ros.publish("/chatter", cdr)
+    await client.sees(1)
+    assert [code for code, _ in client.statuses] == ["invalid_value"]
+
+
+async def test_what_a_paused_client_loses_is_never_decoded(bench: Bench):
+    bench.ros.add_publisher("/chatter", STRING)
+    client = bench.client()
+    client.send(op="subscribe", topic="/chatter", queue_length=1)
+    client.is_paused = True
+    bench.ros.publish("/chatter", b"\0\1\0\0\xff\xff\xff\xff")  # would be reported if decoded
+    bench.ros.publish("/chatter", bench.cdr(STRING, data="newest"))
+    await bench.settle()
+    client.is_paused = False
+    client.flush()
+    assert client.messages == [{"data": "newest"}]
+    assert client.statuses == []
+
+
+async def test_a_throttled_topic_delivers_the_last_sample_too(bench: Bench):
+    bench.ros.add_publisher("/chatter", STRING)
+    client = bench.client()
+    client.send(op="subscribe", topic="/chatter", throttle_rate=50)
+    for number in range(10):
+        bench.ros.publish("/chatter", bench.cdr(STRING, data=str(number)))
+    await client.sees(2)
+    assert client.messages == [{"data": "0"}, {"data": "9"}]
+
+
+def picture_of(bench: Bench, colour: tuple[int, int, int], width: int = 64) -> bytes:
+    pixels = np.full((48, width, 3), colour, np.uint8)
+    return bench.cdr(
+        "sensor_msgs/msg/Image",
+        header={"frame_id": "camera"},
+        height=48,
+        width=width,
+        encoding="rgb8",
+        step=width * 3,
+        data=base64.b64encode(pixels.tobytes()).decode(),
+    )
+
+
+async def test_an_image_comes_as_jpeg_in_the_shape_of_compressed_image(bench: Bench):
+    bench.ros.add_publisher("/camera", "sensor_msgs/msg/Image")
+    client = bench.client()
+    client.send(op="subscribe", topic="/camera")
+    bench.ros.publish("/camera", picture_of(bench, (200, 30, 10)))
+    message = (await client.sees(1))[0]["msg"]
+    assert list(message) == ["header", "format", "data", "width", "height"]
+    assert message["header"]["frame_id"] == "camera"
+    decoded = cv2.imdecode(
+        np.frombuffer(base64.b64decode(message["data"]), np.uint8), cv2.IMREAD_COLOR
+    )
+    assert decoded.shape == (48, 64, 3)
+    assert np.abs(decoded.mean(axis=(0, 1)) - (10, 30, 200)).max() < 4
+
+
+async def test_raw_pixels_and_single_fields_of_an_image_come_when_asked_for(bench: Bench):
+    bench.ros.add_publisher("/camera", "sensor_msgs/msg/Image")
+    raw, fields = bench.client(), bench.client()
+    raw.send(op="subscribe", topic="/camera", image={"format": "raw"})
+    fields.send(op="subscribe", topic="/camera", fields=["width"])
+    bench.ros.publish("/camera", picture_of(bench, (1, 2, 3)))
+    assert base64.b64decode((await raw.sees(1))[0]["msg"]["data"])[:6] == bytes((1, 2, 3, 1, 2, 3))
+    assert (await fields.sees(1))[0]["msg"] == {"width": 64}
+
+
+async def test_while_one_picture_is_in_the_works_only_the_newest_waits(bench: Bench):
+    bench.ros.add_publisher("/camera", "sensor_msgs/msg/Image")
+    client = bench.client()
+    client.send(op="subscribe", topic="/camera", queue_length=1, meta=True)
+    for shade in range(20):
+        bench.ros.publish("/camera", picture_of(bench, (shade, shade, shade)))
+    await eventually(lambda: any(frame["seq"] == 20 for frame in client.of("publish")))
+    sent = [frame["seq"] for frame in client.of("publish")]
+    assert sent == sorted(set(sent))
+    assert len(sent) + client.of("publish")[-1]["dropped"] == 20
+
+
+async def test_an_image_that_contradicts_itself_is_a_status_not_a_crash(bench: Bench):
+    bench.ros.add_publisher("/camera", "sensor_msgs/msg/Image")
+    client = bench.client()
+    client.send(op="subscribe", topic="/camera")
+    wrong = bench.cdr("sensor_msgs/msg/Image", height=4, width=4, encoding="rgb8", step=3)
+    bench.ros.publish("/camera", wrong)
+    (status,) = await client.sees(1, "status")
+    assert status["code"] == "invalid_value"
+    assert "step" in status["msg"]
+    bench.ros.publish("/camera", picture_of(bench, (0, 0, 0)))
+    await client.sees(1)
+
+
+async def test_an_unknown_compression_is_a_warning_and_plain_json(bench: Bench):
+    client = bench.client()
+    client.send(op="subscribe", topic="/chatter", type=STRING, compression="cbor")
+    (status,) = client.of("status")
+    assert status["level"] == "warning"
+    assert bench.ros.entity_count() == 1
