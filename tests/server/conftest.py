@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The server on a real socket, with ROS in memory below it."""
+
+import contextlib
+from collections.abc import AsyncIterator, Callable
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import AbstractAsyncContextManager
+from dataclasses import dataclass, replace
+from typing import Any
+
+import pytest
+
+from gateway.codec.types import Types
+from gateway.protocol.limits import Limits
+from gateway.router.router import Router
+from gateway.server.server import Server
+from gateway.server.timing import Timing
+from schemas.installed import InstalledDefinitions
+from schemas.table import Table
+from tests.ros.fake import FakeRos
+
+
+@dataclass(frozen=True)
+class Served:
+    """A server, where it listens and what is below it."""
+
+    server: Server
+    ros: FakeRos
+    types: Types
+    port: int
+
+    @property
+    def url(self) -> str:
+        return f"ws://127.0.0.1:{self.port}/"
+
+    def cdr(self, type_name: str, **values: Any) -> bytes:
+        message_type = self.types.get(type_name)
+        return message_type.encode(message_type.validate(values, now_ns=0))
+
+    @property
+    def clients(self) -> int:
+        return self.server.health()["clients"]
+
+
+Serve = Callable[..., AbstractAsyncContextManager[Served]]
+
+
+@pytest.fixture
+def serve() -> Serve:
+    """Return a function that opens a server with some limits, times or options changed."""
+
+    @contextlib.asynccontextmanager
+    async def open_server(
+        limits: dict[str, Any] | None = None, timing: dict[str, Any] | None = None, **options: Any
+    ) -> AsyncIterator[Served]:
+        ros = FakeRos()
+        types = Types(InstalledDefinitions())
+        all_limits = replace(Limits(), **(limits or {}))
+        with ThreadPoolExecutor(2) as workers:
+            router = Router(
+                ros, types, Table.load(), limits=all_limits, workers=workers, version="test"
+            )
+            server = Server(
+                router,
+                limits=all_limits,
+                timing=replace(Timing(), **(timing or {})),
+                **{"max_clients": 8, "max_clients_per_address": 8, **options},
+            )
+            async with server.listening("127.0.0.1", 0) as ((_, port),):
+                yield Served(server, ros, types, port)
+            assert server.health()["clients"] == 0
+            router.close()
+            assert ros.entity_count() == 0
+
+    return open_server

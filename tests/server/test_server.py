@@ -1,0 +1,310 @@
+# SPDX-License-Identifier: Apache-2.0
+import asyncio
+import json
+import socket
+import urllib.request
+
+import pytest
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.frames import Frame, Opcode
+
+from gateway.ports import Qos
+from tests.client import PATIENCE_S, Client, client, eventually
+from tests.server.conftest import Serve, Served
+
+STRING = "std_msgs/msg/String"
+
+
+async def closing(speaker: Client) -> tuple[int, str]:
+    """Wait for the server to close; return the code and the reason."""
+    async with asyncio.timeout(PATIENCE_S):
+        with pytest.raises(ConnectionClosed):
+            while True:
+                speaker.seen.append(json.loads(await speaker.socket.recv()))
+    return speaker.socket.close_code or 0, speaker.socket.close_reason or ""
+
+
+async def handshake(served: Served) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
+    """Open a WebSocket by hand, for what no library would send."""
+    reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
+    writer.write(
+        b"GET / HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+        b"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n"
+    )
+    assert b" 101 " in await reader.readuntil(b"\r\n\r\n")
+    return reader, writer
+
+
+def masked(opcode: Opcode, data: bytes, *, fin: bool = True) -> bytes:
+    return Frame(opcode, data, fin=fin).serialize(mask=True)
+
+
+async def test_samples_and_answers_reach_a_client(serve: Serve):
+    async with serve() as served, client(served.url) as speaker:
+        publisher = served.ros.add_publisher("/chatter", STRING)
+        await speaker.send(op="subscribe", topic="/chatter")
+        await speaker.sync()
+        publisher.publish(served.cdr(STRING, data="grüß dich"))
+        assert await speaker.message("/chatter") == {"data": "grüß dich"}
+
+
+async def test_binary_and_fragmented_frames_are_json_too(serve: Serve):
+    async with serve() as served, client(served.url) as speaker:
+        await speaker.socket.send(b'{"op":"ping","id":1}')
+        await speaker.socket.send([b'{"op":', b'"ping","id', b'":2}'])
+        await speaker.socket.send(['{"op":"ping",', '"id":3}'])
+        assert [(await speaker.receive())["id"] for _ in range(3)] == [1, 2, 3]
+
+
+async def test_operations_of_one_client_are_carried_out_in_order(serve: Serve):
+    async with serve() as served, client(served.url) as speaker:
+        for number in range(100):
+            await speaker.send(op="ping", id=number)
+        assert [(await speaker.receive())["id"] for _ in range(100)] == list(range(100))
+
+
+async def test_a_message_too_large_gets_a_status_and_1009(serve: Serve):
+    async with serve({"message_bytes": 1000}) as served:
+        async with client(served.url) as speaker, client(served.url) as other:
+            await speaker.send(op="ping", value="x" * 2000)
+            code, _ = await closing(speaker)
+            assert code == 1009
+            assert speaker.seen[-1]["code"] == "limit_exceeded"
+            assert "at most 1000 bytes" in speaker.seen[-1]["msg"]
+            assert await other.sync() == []
+
+
+async def test_a_text_frame_that_is_not_utf_8_gets_a_status_and_1007(serve: Serve):
+    async with serve() as served, client(served.url) as other:
+        reader, writer = await handshake(served)
+        writer.write(masked(Opcode.TEXT, b'{"op":"\xff"}'))
+        answer = await reader.read()
+        assert b"not UTF-8: byte 0xff at offset 7" in answer
+        assert (1007).to_bytes(2, "big") in answer
+        assert await other.sync() == []
+        writer.close()
+
+
+async def test_a_binary_frame_that_is_not_utf_8_gets_a_status(serve: Serve):
+    async with serve() as served, client(served.url) as speaker:
+        await speaker.socket.send(b'{"op":"\xff"}')
+        assert (await speaker.status())["code"] == "bad_json"
+        assert await speaker.sync() == []
+
+
+@pytest.mark.parametrize(
+    "garbage",
+    [
+        pytest.param(b"\x83\x80\0\0\0\0", id="reserved opcode"),
+        pytest.param(b"\x81\x05hello", id="unmasked"),
+        pytest.param(b"\xf1\x80\0\0\0\0", id="reserved bits"),
+        pytest.param(b"\x80\x80\0\0\0\0", id="continuation of nothing"),
+    ],
+)
+async def test_a_broken_frame_ends_that_connection_alone(serve: Serve, garbage):
+    async with serve() as served, client(served.url) as other:
+        reader, writer = await handshake(served)
+        writer.write(garbage)
+        assert (1002).to_bytes(2, "big") in await reader.read()
+        assert await other.sync() == []
+        writer.close()
+
+
+async def test_a_vanished_client_leaves_nothing_behind(serve: Serve):
+    async with serve() as served:
+        reader, writer = await handshake(served)
+        for operation in (
+            {"op": "subscribe", "topic": "/a", "type": STRING},
+            {"op": "advertise", "topic": "/b", "type": STRING},
+        ):
+            writer.write(masked(Opcode.TEXT, json.dumps(operation).encode()))
+        await eventually(lambda: served.ros.entity_count() == 2)
+        sock = writer.get_extra_info("socket")
+        # a reset, as a headset that falls from the network and returns would cause
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\1\0\0\0\0\0\0\0")
+        writer.transport.abort()
+        await eventually(lambda: served.ros.entity_count() == 0)
+        assert served.clients == 0
+        del reader
+
+
+async def test_shutdown_closes_clients_with_1001(serve: Serve):
+    async with serve() as served:
+        connection = client(served.url)
+        speaker = await connection.__aenter__()
+    assert await closing(speaker) == (1001, "the gateway is shutting down")
+    await connection.__aexit__(None, None, None)
+
+
+async def test_shutdown_does_not_wait_for_a_client_that_does_not_answer(serve: Serve):
+    async with serve(timing={"close_timeout_s": 0.2}) as served:
+        reader, writer = await handshake(served)
+        await eventually(lambda: served.clients == 1)
+    assert (1001).to_bytes(2, "big") in await reader.read()
+    writer.close()
+
+
+async def test_one_client_too_many_is_told_so(serve: Serve):
+    async with serve(max_clients=2, max_clients_per_address=8) as served:
+        async with client(served.url) as one, client(served.url) as two:
+            async with client(served.url) as three:
+                assert await closing(three) == (1013, "over capacity: at most 2 clients")
+            await one.sync()
+            await two.sync()
+        await eventually(lambda: served.clients == 0)
+        async with client(served.url) as again:
+            await again.sync()
+
+
+async def test_one_address_cannot_take_all_places(serve: Serve):
+    async with serve(max_clients_per_address=1) as served, client(served.url):
+        async with client(served.url) as second:
+            assert (await closing(second))[1] == "over capacity: at most 1 clients per address"
+
+
+async def test_sockets_that_never_shake_hands_are_cut_off_and_bounded(serve: Serve):
+    async with serve(timing={"open_timeout_s": 0.1}, max_clients=1) as served:
+        silent = [await asyncio.open_connection("127.0.0.1", served.port) for _ in range(30)]
+        for reader, writer in silent:
+            assert await reader.read() == b""
+            writer.close()
+        async with client(served.url) as speaker:
+            await speaker.sync()
+
+
+async def test_a_client_that_answers_no_ping_is_closed_with_4408(serve: Serve):
+    async with serve(timing={"ping_interval_s": 0.1, "ping_timeout_s": 0.1}) as served:
+        reader, writer = await handshake(served)
+        assert (4408).to_bytes(2, "big") in await reader.read()
+        writer.close()
+
+
+async def test_a_client_that_answers_pings_stays(serve: Serve):
+    async with serve(timing={"ping_interval_s": 0.05, "ping_timeout_s": PATIENCE_S}) as served:
+        reader, writer = await handshake(served)
+        async with asyncio.timeout(PATIENCE_S):
+            for _ in range(3):
+                assert await reader.readexactly(2) == bytes((0x80 | Opcode.PING, 0))
+                writer.write(masked(Opcode.PONG, b""))
+        assert served.clients == 1
+        writer.close()
+
+
+async def test_a_frame_flood_is_closed_with_1008(serve: Serve):
+    async with serve({"frames_per_s": 10, "frames_burst": 20}) as served:
+        reader, writer = await handshake(served)
+        writer.write(masked(Opcode.PING, b"") * 100)
+        assert (1008).to_bytes(2, "big") in await reader.read()
+        writer.close()
+
+
+async def test_a_client_that_takes_nothing_is_cut_off_and_harms_nobody(serve: Serve):
+    async with serve(timing={"send_deadline_s": 0.5}) as served, client(served.url) as good:
+        publisher = served.ros.add_publisher("/big", STRING, Qos(depth=100))
+        reader, writer = await handshake(served)
+        writer.write(masked(Opcode.TEXT, b'{"op":"subscribe","topic":"/big"}'))
+        await good.send(op="subscribe", topic="/big")
+        await eventually(lambda: served.ros.entity_count() == 1 and served.clients == 2)
+        await good.sync()
+        sample = served.cdr(STRING, data="x" * 200_000)
+        count = 0
+        async with asyncio.timeout(PATIENCE_S):
+            while served.clients == 2:  # never read from `reader`: its buffers fill
+                publisher.publish(sample)
+                count += 1
+                assert len((await good.message("/big"))["data"]) == 200_000
+        assert count > 5
+        assert served.server.health()["dropped"] > 0
+        writer.close()
+        del reader
+
+
+async def test_what_waits_for_a_slow_client_is_bounded_and_the_newest_arrives(serve: Serve):
+    async with serve() as served:
+        publisher = served.ros.add_publisher("/big", STRING, Qos(depth=100))
+        reader, writer = await handshake(served)
+        writer.write(masked(Opcode.TEXT, b'{"op":"subscribe","topic":"/big","queue_length":3}'))
+        await eventually(lambda: served.ros.entity_count() == 1)
+        for number in range(200):
+            publisher.publish(served.cdr(STRING, data=f"{number} ".ljust(100_000, "x")))
+            await asyncio.sleep(0)
+        await eventually(lambda: served.server.health()["dropped"] > 0)
+        seen = b""
+        async with asyncio.timeout(PATIENCE_S):
+            while b'"199 ' not in seen:
+                seen = seen[-50:] + await reader.read(1 << 20)
+        writer.close()
+
+
+def get(served: Served, path: str, method: str = "GET") -> tuple[int, str, str]:
+    request = urllib.request.Request(f"http://127.0.0.1:{served.port}{path}", method=method)
+    try:
+        with urllib.request.urlopen(request, timeout=PATIENCE_S) as response:
+            return response.status, response.headers["Content-Type"], response.read().decode()
+    except urllib.error.HTTPError as error:
+        with error:
+            return error.code, error.headers["Content-Type"], error.read().decode()
+
+
+async def test_health_is_json_on_the_same_port(serve: Serve):
+    async with serve() as served, client(served.url) as speaker:
+        await speaker.send(op="subscribe", topic="/a", type=STRING)
+        await speaker.sync()
+        status, content_type, body = await asyncio.to_thread(get, served, "/healthz")
+        assert (status, content_type) == (200, "application/json; charset=utf-8")
+        health = json.loads(body)
+        assert (health["status"], health["clients"], health["subscriptions"]) == ("ok", 1, 1)
+
+
+async def test_a_browser_is_told_how_to_connect(serve: Serve):
+    async with serve() as served:
+        status, _, body = await asyncio.to_thread(get, served, "/")
+        assert status == 200
+        assert f"ws://127.0.0.1:{served.port}/" in body
+        assert (await asyncio.to_thread(get, served, "/healthz", "HEAD"))[::2] == (200, "")
+        assert (await asyncio.to_thread(get, served, "/nope"))[0] == 404
+
+
+@pytest.mark.parametrize(
+    ("origin", "allowed", "is_welcome"),
+    [
+        (None, (), True),
+        ("http://127.0.0.1:8080", (), True),
+        ("https://evil.example", (), False),
+        ("null", (), False),
+        ("https://ui.example", ("https://ui.example",), True),
+        ("https://anything.example", ("*",), True),
+    ],
+)
+async def test_only_pages_of_the_same_host_or_allowed_ones_connect(
+    serve: Serve, origin, allowed, is_welcome
+):
+    async with serve(allowed_origins=allowed) as served:
+        if is_welcome:
+            async with client(served.url, origin=origin) as speaker:
+                await speaker.sync()
+            return
+        with pytest.raises(InvalidStatus) as caught:
+            async with client(served.url, origin=origin):
+                pass
+        assert caught.value.response.status_code == 403
+        assert b"may not connect" in caught.value.response.body
+
+
+async def test_a_bug_in_the_core_closes_that_client_with_1011_and_no_other(
+    serve: Serve, monkeypatch, caplog
+):
+    async with serve() as served, client(served.url) as other:
+
+        def fail(session, data):
+            if b"boom" in data:
+                raise ZeroDivisionError
+            receive(session, data)
+
+        receive = served.server._router.receive
+        monkeypatch.setattr(served.server._router, "receive", fail)
+        async with client(served.url) as speaker:
+            await speaker.send(op="boom")
+            assert await closing(speaker) == (1011, "internal error")
+        assert await other.sync() == []
+        assert "ZeroDivisionError" in caplog.text
