@@ -24,7 +24,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=8.0, help="of each measurement")
     arguments = parser.parse_args()
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
-    os.environ["ROS_DOMAIN_ID"] = str(1 + os.getpid() % 200)
+    os.environ["ROS_DOMAIN_ID"] = str(1 + os.getpid() % 100)
     for name in arguments.what:
         _measure(name, arguments.rounds, arguments.seconds)
 

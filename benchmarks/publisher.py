@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A process that publishes stamped samples at a steady rate: ``TYPE RATE_HZ`` as arguments."""
 
+import contextlib
 import os
 import sys
 import time
@@ -35,7 +36,5 @@ def main(name: str, rate_hz: float) -> None:
 
 
 if __name__ == "__main__":
-    try:
+    with contextlib.suppress(KeyboardInterrupt):
         main(sys.argv[1], float(sys.argv[2]))
-    except KeyboardInterrupt:
-        pass

@@ -156,7 +156,9 @@ class _RosoutHandler(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         text = f"{record.name}: {record.getMessage()}"
-        self._loop.call_soon_threadsafe(self._ros.log, _ROS_LEVELS.get(record.levelno, "info"), text)
+        self._loop.call_soon_threadsafe(
+            self._ros.log, _ROS_LEVELS.get(record.levelno, "info"), text
+        )
 
 
 _ROS_LEVELS: Final[dict[int, LogLevel]] = {

@@ -66,5 +66,5 @@ async def client(url: str, **options: Any) -> AsyncIterator[Client]:
 async def eventually(condition: Callable[[], bool], within_s: float = PATIENCE_S) -> None:
     """Wait until something holds."""
     async with asyncio.timeout(within_s):
-        while not condition():
+        while not condition():  # noqa: ASYNC110  # of anything, without its cooperation
             await asyncio.sleep(0.01)

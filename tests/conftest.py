@@ -5,6 +5,6 @@ import os
 
 # Also where the developer's shell is set up for a real robot: no test may ever move it.
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
-os.environ["ROS_DOMAIN_ID"] = str(1 + os.getpid() % 200)  # above 232 DDS runs out of ports
+os.environ["ROS_DOMAIN_ID"] = str(1 + os.getpid() % 100)  # above 101 its ports are others', too
 for variable in [name for name in os.environ if name.startswith("ROS2_GATEWAY_")]:
     del os.environ[variable]

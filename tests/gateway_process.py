@@ -62,4 +62,4 @@ async def gateway_process(command: str = "serve", *arguments: str) -> AsyncItera
 async def _follow(stream: asyncio.StreamReader | None, lines: list[str]) -> None:
     assert stream is not None
     async for line in stream:
-        lines.append(line.decode(errors="replace"))
+        lines.append(line.decode(errors="replace"))  # noqa: PERF401  # readers want it now

@@ -49,8 +49,10 @@ def _expected(detail: ErrorDetails) -> str:
             sign = {"ge": "at least", "gt": "more than", "le": "at most", "lt": "less than"}
             name, limit = next(iter(context.items()))
             return f"{sign[name]} {limit:g}"
-        case "string_too_long" | "too_long":
-            return f"at most {context['max_length']} {'items' if kind_of_error == 'too_long' else 'characters'}"
+        case "string_too_long":
+            return f"at most {context['max_length']} characters"
+        case "too_long":
+            return f"at most {context['max_length']} items"
         case "too_short":
             return f"at least {context['min_length']} items"
         case "tuple_type":

@@ -69,7 +69,10 @@ class ImageRequest(BaseModel):
 
     @model_validator(mode="after")
     def _range_is_ordered(self) -> "ImageRequest":
-        if self.depth_range_m is not None and not 0 <= self.depth_range_m[0] < self.depth_range_m[1]:
+        if (
+            self.depth_range_m is not None
+            and not 0 <= self.depth_range_m[0] < self.depth_range_m[1]
+        ):
             raise ValueError("depth_range_m: expected [nearest, farthest], in metres")
         return self
 

@@ -7,9 +7,9 @@ from collections.abc import Callable
 from pydantic import ValidationError
 
 from gateway.codec.json import JsonError, loads
-from gateway.protocol.explain import explain
 from gateway.protocol import frames
 from gateway.protocol.errors import ProtocolError
+from gateway.protocol.explain import explain
 from gateway.protocol.framing import text_frame
 from gateway.protocol.limits import Limits
 from gateway.protocol.operations import OPERATIONS, ClientOperation
@@ -39,29 +39,16 @@ class Session:
         op: str | None = None
         request_id: str | int | None = None
         try:
-            values = loads(
-                data, max_depth=self.limits.json_depth, max_items=self.limits.json_items
-            )
-            if not isinstance(values, dict):
-                raise ProtocolError(
-                    "bad_request", 'expected a JSON object such as {"op":"subscribe","topic":"/odom"}'
-                )
+            values = _object(data, self.limits)
             request_id = _readable_id(values.get("id"))
             op = _readable_op(values)
-            if not self._operations.allow(now_ns):
-                raise ProtocolError(
-                    "rate_limited", f"at most {self.limits.operations_per_s:g} operations per second"
-                )
+            self._check_rate(now_ns)
             return _parse(op, values)
-        except JsonError as error:
-            self.refuse(ProtocolError("bad_json", str(error)), op, request_id)
         except ProtocolError as error:
             self.refuse(error, op, request_id)
         return None
 
-    def refuse(
-        self, error: ProtocolError, op: str | None, request_id: str | int | None
-    ) -> None:
+    def refuse(self, error: ProtocolError, op: str | None, request_id: str | int | None) -> None:
         """Answer an operation that failed."""
         self.refused += 1
         self._say("error", str(error), error, op, request_id)
@@ -87,6 +74,11 @@ class Session:
         self.outbox.put_control(text_frame(payload))
         self.wake()
 
+    def _check_rate(self, now_ns: int) -> None:
+        if not self._operations.allow(now_ns):
+            limit = self.limits.operations_per_s
+            raise ProtocolError("rate_limited", f"at most {limit:g} operations per second")
+
     def _say(
         self,
         level: frames.Level,
@@ -98,6 +90,17 @@ class Session:
         if frames.SEVERITY[level] <= frames.SEVERITY[self._level]:
             code = error.code if error else None
             self.send(frames.status(level, text, code=code, request=op, request_id=request_id))
+
+
+def _object(data: bytes, limits: Limits) -> dict[str, object]:
+    try:
+        values = loads(data, max_depth=limits.json_depth, max_items=limits.json_items)
+    except JsonError as error:
+        raise ProtocolError("bad_json", str(error)) from error
+    if not isinstance(values, dict):
+        example = '{"op":"subscribe","topic":"/odom"}'
+        raise ProtocolError("bad_request", f"expected a JSON object such as {example}")
+    return values
 
 
 def _readable_id(value: object) -> str | int | None:

@@ -40,9 +40,10 @@ class Wish:
         fields: tuple[str, ...] | None = None
         if all(request.fields is not None for request in wanted):
             fields = tuple(sorted({field for request in wanted for field in request.fields or ()}))
+        types = [request.type for request in wanted if request.type is not None]
         lengths = [request.queue_length for request in wanted if request.queue_length]
         return cls(
-            type=_newest([request.type for request in wanted]),
+            type=types[-1] if types else None,
             qos=_newest(request.qos for request in wanted) or QosRequest(),
             fields=fields,
             image=image,

@@ -139,7 +139,7 @@ class Feed:
 
     def rate_hz(self, now_ns: int) -> float:
         """Return how often samples arrive; 0 once they have ceased."""
-        if len(self._arrivals) < 2:  # noqa: PLR2004  # one arrival has no rate
+        if len(self._arrivals) < 2:  # one arrival has no rate
             return 0.0
         (first_ns, first), (last_ns, last) = self._arrivals[0], self._arrivals[-1]
         period_ns = (last_ns - first_ns) / (last - first)

@@ -100,9 +100,7 @@ class Publications:
         for known in self._advertised.pop(session, {}).values():
             known.publisher.close()
 
-    def _open(
-        self, session: Session, topic: TopicName, request: Advertise | Publish
-    ) -> Advertised:
+    def _open(self, session: Session, topic: TopicName, request: Advertise | Publish) -> Advertised:
         limit = session.limits.advertisements
         own = self._advertised.get(session, {})
         if len(own) >= limit:

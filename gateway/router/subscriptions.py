@@ -114,7 +114,9 @@ class Subscriptions:
                 request.id,
             )
         else:
-            session.inform(f"subscribed to {topic} ({source.feed.type_name})", request.op, request.id)
+            session.inform(
+                f"subscribed to {topic} ({source.feed.type_name})", request.op, request.id
+            )
 
     def unsubscribe(self, session: Session, request: Unsubscribe) -> None:
         """End one subscription, or all of the client's on the topic.

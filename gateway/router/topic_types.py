@@ -58,7 +58,8 @@ class TopicTypes:
             named = self.named(spelling)
             if known and named.name not in known:
                 raise ProtocolError(
-                    "type_conflict", f"topic {topic} has type {' and '.join(known)}, not {named.name}"
+                    "type_conflict",
+                    f"topic {topic} has type {' and '.join(known)}, not {named.name}",
                 )
             return named
         match known:

@@ -215,9 +215,7 @@ class Connection(asyncio.BufferedProtocol):
             return
         if not self._frames.allow(time.monotonic_ns()):
             logger.warning("frame flood from %s, cut off", self.address)
-            self.close(
-                POLICY_VIOLATION, f"at most {self._limits.frames_per_s:g} frames per second"
-            )
+            self.close(POLICY_VIOLATION, f"at most {self._limits.frames_per_s:g} frames per second")
             return
         match event.opcode:
             case Opcode.TEXT | Opcode.BINARY if event.fin:

@@ -42,7 +42,9 @@ class HttpFront:
         """Return the response; its status is 101 where a WebSocket begins."""
         path = urlsplit(request.path).path
         if path == "/healthz":
-            body = orjson.dumps(self._health(), option=orjson.OPT_INDENT_2 | orjson.OPT_APPEND_NEWLINE)
+            body = orjson.dumps(
+                self._health(), option=orjson.OPT_INDENT_2 | orjson.OPT_APPEND_NEWLINE
+            )
             return _page(protocol, request, body.decode(), "application/json")
         if path != self._path:
             response = protocol.reject(404, f"nothing here; the WebSocket is at {self._path}\n")
@@ -53,7 +55,7 @@ class HttpFront:
             response = protocol.reject(
                 403,
                 f"pages from {request.headers.get('Origin')} may not connect;"
-                " the operator can allow them by server.allowed_origins\n",
+                " the operator can allow them by allowed_origins\n",
             )
         else:
             response = protocol.accept(request)

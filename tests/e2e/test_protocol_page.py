@@ -82,7 +82,9 @@ async def on_its_own_connection(url: str, conversation: str) -> None:
 
 
 def test_the_examples_tell_a_wrong_frame_from_a_right_one():
-    assert fits(expectation('{"a":...,"b":[{"c":1,...},...]}'), {"a": 2, "b": [0, {"c": 1, "d": 2}]})
+    assert fits(
+        expectation('{"a":...,"b":[{"c":1,...},...]}'), {"a": 2, "b": [0, {"c": 1, "d": 2}]}
+    )
     assert not fits(expectation('{"a":...}'), {"a": 1, "b": 2})
     assert not fits(expectation('{"a":[{"c":1},...]}'), {"a": [{"c": 2}]})
     assert not fits(expectation('{"a":0}'), {"a": False})

@@ -24,10 +24,24 @@ def test_a_name_without_slash_is_global(written, resolved):
 
 @pytest.mark.parametrize(
     "name",
-    ["", "/", "//a", "/a/", "/a//b", "/1a", "/a b", "~/a", "/{node}", "/a\0b", "/ä", "/a\n", "/a-b"],
+    [
+        "",
+        "/",
+        "//a",
+        "/a/",
+        "/a//b",
+        "/1a",
+        "/a b",
+        "~/a",
+        "/{node}",
+        "/a\0b",
+        "/ä",
+        "/a\n",
+        "/a-b",
+    ],
 )
 def test_what_is_no_topic_name_is_refused(name):
-    with pytest.raises(ProtocolError, match="topic: .* is no topic name") as caught:
+    with pytest.raises(ProtocolError, match=r"topic: .* is no topic name") as caught:
         resolve_topic(name, 200)
     assert caught.value.code == "bad_name"
 

@@ -19,7 +19,9 @@ async def test_a_sample_reaches_a_subscriber_as_a_publish_frame(bench: Bench):
     client = bench.client()
     client.send(op="subscribe", topic="/chatter")
     bench.ros.publish("/chatter", bench.cdr(STRING, data="hello"))
-    assert await client.sees(1) == [{"op": "publish", "topic": "/chatter", "msg": {"data": "hello"}}]
+    assert await client.sees(1) == [
+        {"op": "publish", "topic": "/chatter", "msg": {"data": "hello"}}
+    ]
 
 
 async def test_a_topic_comes_back_as_the_client_spelt_it(bench: Bench):
@@ -125,9 +127,7 @@ async def test_a_type_that_contradicts_the_topic_is_refused(bench: Bench):
     bench.ros.add_publisher("/odom", ODOMETRY)
     client = bench.client()
     client.send(op="subscribe", id=1, topic="/odom", type=STRING)
-    assert client.statuses == [
-        ("type_conflict", f"topic /odom has type {ODOMETRY}, not {STRING}")
-    ]
+    assert client.statuses == [("type_conflict", f"topic /odom has type {ODOMETRY}, not {STRING}")]
     assert bench.ros.entity_count() == 0
 
 

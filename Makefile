@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+# Everything runs in .venv, which the first call sets up; `make help` lists the targets.
+
+VENV := .venv
+BIN := $(VENV)/bin
+# A new set of dependencies is installed when pyproject.toml changes, otherwise nothing is done.
+READY := $(VENV)/.ready
+READY_FOR_TESTS := $(VENV)/.ready-for-tests
+# -qq: warnings about caches and extra indexes hide nothing that matters, errors still show
+PIP := $(BIN)/python -m pip -qq --disable-pip-version-check --no-input
+
+ARGS ?=
+PYTEST_ARGS ?= $(ARGS)
+
+.DEFAULT_GOAL := help
+.PHONY: help demo serve test lint format docs bench clean
+
+help: ## list the targets
+	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
+
+demo: $(READY) ## start the simulated robot and the gateway (make demo ARGS='--port 8080')
+	@$(BIN)/ros2-gateway demo $(ARGS)
+
+serve: $(READY) ## start the gateway alone (make serve ARGS='--domain-id 7')
+	@$(BIN)/ros2-gateway serve $(ARGS)
+
+test: lint ## check and test everything (make test ARGS='tests/test_cli.py -x')
+	$(BIN)/python -m schemas.generate --check
+	$(BIN)/python -m pytest $(PYTEST_ARGS)
+
+lint: $(READY_FOR_TESTS) ## check style, types and layers
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+	$(BIN)/lint-imports --no-logo
+
+format: $(READY_FOR_TESTS) ## repair what style repairs can
+	$(BIN)/ruff check --fix
+	$(BIN)/ruff format
+
+docs: $(READY_FOR_TESTS) ## write the generated parts of code and documentation anew
+	$(BIN)/python -m schemas.generate
+	@sed -i '/^| key |/,$$d' docs/configuration.md
+	@$(BIN)/ros2-gateway check-config --keys >> docs/configuration.md
+
+bench: $(READY) ## measure speed (a few minutes)
+	@$(BIN)/python -m benchmarks $(ARGS)
+
+clean: ## remove .venv and all caches
+	rm -rf $(VENV) dist build .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	find gateway schemas tests benchmarks -name __pycache__ -type d -prune -exec rm -rf {} +
+
+$(BIN)/python:
+	@sh tools/make-venv.sh $(VENV)
+
+$(READY): pyproject.toml | $(BIN)/python
+	@echo "installing into $(VENV), the first time some 150 MB, about a minute ..."
+	@$(PIP) install --upgrade 'pip>=25.1'
+	@$(PIP) install --editable '.[ros,fast]'
+	@touch $@
+
+$(READY_FOR_TESTS): pyproject.toml $(READY)
+	@echo "installing what the tests need ..."
+	@$(PIP) install --group dev
+	@touch $@

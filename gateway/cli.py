@@ -1,0 +1,304 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command line: argv to configuration to exit code, and the only place that prints.
+
+What a subcommand needs is imported when it runs, so that ``--help`` is instant and all that
+needs no ROS works without it.
+"""
+
+import argparse
+import os
+import signal
+import sys
+import threading
+import traceback
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from difflib import get_close_matches
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, NoReturn
+
+from gateway.arguments import CONFIG_FLAGS, argument_parser
+from gateway.errors import (
+    BindError,
+    ConfigError,
+    GatewayError,
+    RobotDiedError,
+    RosMissingError,
+    UsageError,
+)
+
+if TYPE_CHECKING:
+    from gateway.config import Config
+    from gateway.settings import Given, Loaded
+    from schemas.installed import InstalledDefinitions
+
+EXIT_OK: Final = 0  # Ctrl-C and SIGTERM included
+EXIT_FAILURE: Final = 1
+EXIT_USAGE: Final = 2
+EXIT_NO_ROS: Final = 3
+EXIT_CANNOT_BIND: Final = 4
+
+_DEMO_HINT: Final = """\
+in another terminal, connect with  npx wscat -c {url}  and paste:
+  {{"op":"subscribe","topic":"/odom"}}
+  {{"op":"publish","topic":"/cmd_vel","type":"geometry_msgs/msg/Twist","msg":{{"linear":{{"x":0.2}}}}}}
+Ctrl-C ends the gateway and the robot"""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run ``ros2-gateway`` with *argv* (default: this process's) and return its exit code."""
+    interrupted = threading.Event()
+
+    def interrupt(*_: object) -> NoReturn:
+        interrupted.set()
+        raise KeyboardInterrupt
+
+    # What comes before a subcommand handles signals itself must end just as quietly; and a
+    # shell that starts us in the background has set SIGINT to be ignored.
+    for signal_number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(signal_number, interrupt)
+    debug = False
+    try:
+        arguments = argument_parser().parse_args(argv)
+        debug = arguments.debug
+        code = _run(arguments)
+        sys.stdout.flush()
+    except KeyboardInterrupt:
+        return EXIT_OK
+    except BrokenPipeError:  # the reader of our output, such as head, has had enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return EXIT_OK
+    except Exception as error:  # noqa: BLE001  # the outermost frame reports all there is
+        # An extension module that is interrupted while it loads raises what it likes.
+        if interrupted.is_set() and not isinstance(error, RobotDiedError):
+            return EXIT_OK
+        if debug:
+            traceback.print_exc()
+        return _report(error)
+    return code
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    match arguments.command:
+        case "serve":
+            return _serve(arguments)
+        case "demo":
+            return _demo(arguments)
+        case "sim":
+            return _sim(arguments)
+        case "mock":
+            return _mock(arguments)
+        case "schema":
+            return _schema(arguments)
+        case "check-config":
+            return _check_config(arguments)
+    raise AssertionError(arguments.command)
+
+
+def _report(error: Exception) -> int:
+    """Say what went wrong, each mistake in one sentence; return the exit code for it."""
+    match error:
+        case ConfigError():
+            sentences, code = error.problems, EXIT_USAGE
+        case UsageError():
+            sentences, code = (str(error),), EXIT_USAGE
+        case RosMissingError():
+            sentences, code = (str(error),), EXIT_NO_ROS
+        case BindError():
+            sentences, code = (str(error),), EXIT_CANNOT_BIND
+        case GatewayError():
+            sentences, code = (str(error),), EXIT_FAILURE
+        case _:
+            bug = f"internal error, {type(error).__name__}: {error} (--debug shows where)"
+            sentences, code = (bug,), EXIT_FAILURE
+    for sentence in sentences:
+        print(f"ros2-gateway: {sentence}", file=sys.stderr)
+    return code
+
+
+def _announce(text: str) -> None:
+    print(text, flush=True)  # whoever started us may wait for it behind a pipe
+
+
+def _configuration(arguments: argparse.Namespace) -> "Loaded":
+    from gateway.settings import load
+
+    return load(_given(arguments), os.environ, arguments.config)
+
+
+def _given(arguments: argparse.Namespace) -> list["Given"]:
+    from gateway.settings import Given
+
+    flags = {key: flag for flag, (key, *_) in CONFIG_FLAGS.items()}
+    flags["ros.use_sim_time"] = "--use-sim-time"
+    given = []
+    for assignment in arguments.set:
+        key, equals, value = assignment.partition("=")
+        if not equals:
+            raise ConfigError(f"--set: got {assignment!r}, expected KEY=VALUE")
+        given.append(Given(key, value, f"--set {key}"))
+    for key, flag in flags.items():
+        value = getattr(arguments, key)
+        if value is not None:
+            given.append(Given(key, value, flag))
+    return given
+
+
+def _serve(arguments: argparse.Namespace) -> int:
+    loaded = _configuration(arguments)
+    if arguments.print_config:
+        return _print_config(loaded)
+    return _run_gateway(loaded, _announce)
+
+
+def _print_config(loaded: "Loaded") -> int:
+    from gateway.settings import to_toml
+
+    print(to_toml(loaded), end="")
+    return EXIT_OK
+
+
+def _run_gateway(loaded: "Loaded", announce: Callable[[str], None]) -> int:
+    _require_rclpy()
+    from gateway import app
+    from gateway.logs import configure_logging
+
+    configure_logging(loaded.config.log.level, loaded.config.log.format)
+    return app.run(loaded.config, announce=announce)
+
+
+def _require_rclpy() -> None:
+    if find_spec("rclpy") is None:
+        raise RosMissingError
+
+
+def _demo(arguments: argparse.Namespace) -> int:
+    loaded = _configuration(arguments)
+    if arguments.print_config:
+        return _print_config(loaded)
+    _require_rclpy()
+    from gateway import demo
+
+    # the robot on this desk is nobody else's business; read when the middleware starts
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    hints = [_DEMO_HINT.format(url=_url(loaded.config))]
+
+    def announce(text: str) -> None:
+        while hints:  # once, when connecting works
+            _announce(hints.pop())
+        _announce(text)
+
+    domain_id = loaded.config.ros.domain_id
+    domain = [] if domain_id is None else ["--domain-id", str(domain_id)]
+    return demo.run(lambda: _run_gateway(loaded, announce), demo.robot_command(*domain))
+
+
+def _url(config: "Config") -> str:
+    """Return the address that a person on this machine types."""
+    if config.port == 0:
+        return "with the address below"
+    here = {"127.0.0.1", "0.0.0.0", "::"}  # noqa: S104  # telling, not binding
+    host = "localhost" if config.host in here else config.host
+    return f"ws://{f'[{host}]' if ':' in host else host}:{config.port}{config.path}"
+
+
+def _sim(arguments: argparse.Namespace) -> int:
+    if arguments.until_stdin_closes:
+        from gateway.demo import end_with_stdin
+
+        end_with_stdin()
+    _use_domain(arguments)
+    with _ros_imports():
+        from gateway.sim import node
+    return node.run(
+        node.SimOptions(
+            namespace=arguments.namespace,
+            camera=not arguments.no_camera,
+            camera_hz=arguments.camera_hz,
+            seed=arguments.seed,
+        )
+    )
+
+
+def _use_domain(arguments: argparse.Namespace) -> None:
+    if arguments.domain_id is not None:
+        os.environ["ROS_DOMAIN_ID"] = str(arguments.domain_id)
+
+
+@contextmanager
+def _ros_imports() -> Iterator[None]:
+    """Say what to do where an import of ROS fails."""
+    try:
+        yield
+    except ImportError as error:
+        raise RosMissingError(str(error)) from error
+
+
+def _mock(arguments: argparse.Namespace) -> int:
+    _use_domain(arguments)
+    with _ros_imports():
+        from gateway.sim import mock
+    return mock.run(
+        mock.MockOptions(
+            rate_hz=arguments.rate,
+            types=tuple(arguments.type),
+            publish=not arguments.no_publish,
+            listen=not arguments.no_listen,
+            write=_announce,
+        )
+    )
+
+
+def _schema(arguments: argparse.Namespace) -> int:
+    from schemas.definition import DefinitionError
+    from schemas.installed import InstalledDefinitions, UnknownTypeError
+    from schemas.table import Table, TypeSpellingError, resolve_type
+
+    table = Table.load()
+    definitions = InstalledDefinitions()
+    try:
+        name = resolve_type(arguments.type, table)
+        if arguments.definition:
+            text = definitions.get(name).text.rstrip()
+        else:
+            text = _schema_text(name, definitions)
+    except UnknownTypeError as error:
+        close = get_close_matches(name, {*table.by_name, *definitions.names()}, n=1)
+        hint = f", did you mean {close[0]}" if close else ""
+        raise UsageError(f"{error}{hint}") from error
+    except (TypeSpellingError, DefinitionError) as error:
+        raise UsageError(str(error)) from error
+    print(text)
+    return EXIT_OK
+
+
+def _schema_text(name: str, definitions: "InstalledDefinitions") -> str:
+    """Return the schema of the installed type or, without ROS, the one that comes with us."""
+    import json
+
+    import schemas
+    from schemas.build import json_schema
+    from schemas.installed import UnknownTypeError
+
+    try:
+        return json.dumps(json_schema(name, definitions), indent=2, ensure_ascii=False)
+    except UnknownTypeError:
+        package, _, short_name = name.split("/")
+        shipped = Path(schemas.__file__).parent / "json" / package / f"{short_name}.json"
+        if not shipped.is_file():
+            raise
+        return shipped.read_text(encoding="utf-8").rstrip()
+
+
+def _check_config(arguments: argparse.Namespace) -> int:
+    from gateway.settings import load, reference
+
+    if arguments.keys:
+        print(reference(), end="")
+        return EXIT_OK
+    loaded = load(environment=os.environ, file=arguments.file)
+    given = sum(origin != "default" for origin in loaded.origins.values())
+    values = "1 value" if given == 1 else f"{given} values"
+    print(f"the configuration is right: {values} given, the others have their defaults")
+    return EXIT_OK

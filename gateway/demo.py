@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The demonstration: the gateway in this process, the simulated robot in a child process.
+
+The child's standard input is a pipe of which this process holds the other end; when that closes
+the child ends, by the SIGINT that it sends itself. So it ends however this process does: orderly
+or by SIGKILL, when the kernel closes the pipe. The child has a process group of its own: Ctrl-C
+reaches the gateway alone, which closes its clients while the robot still lives.
+"""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Final
+
+from gateway.errors import RobotDiedError
+
+STOP_TIMEOUT_S: Final = 1.0  # with the gateway's own second that makes the 2 s of a shutdown
+
+
+def robot_command(*arguments: str) -> list[str]:
+    """Return the command that runs the simulated robot for as long as we hold its stdin open."""
+    return [sys.executable, "-m", "gateway", "sim", "--until-stdin-closes", *arguments]
+
+
+def run(serve: Callable[[], int], robot: Sequence[str]) -> int:
+    """Serve while the command *robot* runs beside; return the exit code of *serve*.
+
+    *serve* blocks until SIGINT or SIGTERM; it gets a SIGINT if the robot ends first. Call it on
+    the main thread.
+
+    Raises:
+        RobotDiedError: the robot ended before the gateway did.
+    """
+    with _running(robot) as child:
+        try:
+            return serve()
+        finally:  # also where the robot's end is what interrupted serve, however that ended
+            exit_code = child.poll()
+            if exit_code is not None:
+                raise RobotDiedError(exit_code)
+
+
+def end_with_stdin() -> None:
+    """End this process when its standard input closes: by SIGINT, or else the hard way."""
+
+    def watch() -> None:
+        while os.read(0, 4096):
+            pass
+        _interrupt_main_thread()
+        # this thread is a daemon: it gets past the wait only if the process does not end
+        threading.Event().wait(STOP_TIMEOUT_S)
+        os._exit(1)
+
+    threading.Thread(target=watch, name="stdin", daemon=True).start()
+
+
+@contextmanager
+def _running(command: Sequence[str]) -> Iterator[subprocess.Popen[bytes]]:
+    child = subprocess.Popen(command, stdin=subprocess.PIPE, process_group=0)
+    stopping = threading.Event()
+
+    def watch() -> None:
+        child.wait()
+        if not stopping.is_set():
+            _interrupt_main_thread()
+
+    watcher = threading.Thread(target=watch, name="robot", daemon=True)
+    watcher.start()
+    try:
+        yield child
+    finally:
+        stopping.set()
+        if child.stdin:
+            child.stdin.close()
+        watcher.join(STOP_TIMEOUT_S)
+        child.kill()
+        watcher.join()
+
+
+def _interrupt_main_thread() -> None:
+    # Python's handlers run on the main thread; sent there, the signal also ends its system call
+    signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)

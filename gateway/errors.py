@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What can go wrong for reasons outside this program, each with a sentence for its operator."""
+
+import errno
+import socket
+from typing import Final
+
+_BIND_REASONS: Final = {
+    errno.EADDRINUSE: "the port is in use",
+    errno.EACCES: "ports below 1024 need privileges",
+    errno.EADDRNOTAVAIL: "no interface of this machine has that address",
+    errno.EAFNOSUPPORT: "this machine has no such address family",
+}
+
+_HOW_TO_GET_ROS: Final = """\
+rclpy cannot be imported ({reason}); there are two ways to get it:
+  with pip (x86-64 Linux, CPython 3.11 to 3.13):  pip install 'ros2-json-gateway[ros]'
+  with a ROS 2 installation:                      source /opt/ros/jazzy/setup.bash
+    and run in that distribution's own Python, or a venv of it made with --system-site-packages"""
+
+
+class GatewayError(Exception):
+    """Raised as one of its subclasses; the text is one for people, no traceback needed."""
+
+
+class ConfigError(GatewayError):
+    """Raised when the configuration is wrong; ``problems`` has one sentence for each mistake."""
+
+    def __init__(self, *problems: str) -> None:
+        super().__init__("\n".join(problems))
+        self.problems = problems
+
+
+class UsageError(GatewayError):
+    """Raised when an argument of a command names nothing that there is."""
+
+
+class BindError(GatewayError):
+    """Raised when the server cannot listen where it was told to."""
+
+    def __init__(self, host: str, port: int, cause: OSError) -> None:
+        reason = _BIND_REASONS.get(cause.errno or 0) or cause.strerror or str(cause)
+        if isinstance(cause, socket.gaierror):  # its numbers are not those of errno
+            reason = "no address has that host name"
+        where = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
+        super().__init__(f"cannot listen on {where}, {reason}")
+
+
+class RosMissingError(GatewayError):
+    """Raised when rclpy cannot be imported."""
+
+    def __init__(self, reason: str = "no module named rclpy") -> None:
+        super().__init__(_HOW_TO_GET_ROS.format(reason=reason))
+
+
+class RobotDiedError(GatewayError):
+    """Raised when the simulated robot of the demonstration ends by itself."""
+
+    def __init__(self, exit_code: int) -> None:
+        how = f"signal {-exit_code}" if exit_code < 0 else f"exit code {exit_code}"
+        super().__init__(f"the simulated robot ended by itself with {how}")

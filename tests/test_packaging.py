@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The wheel: complete, and of use without ROS and without this source tree."""
+
+import os
+import re
+import subprocess
+import sys
+import venv
+import zipfile
+from importlib.metadata import Distribution, distribution
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+TIMEOUT_S = 100
+
+
+def run(*command: str | Path, cwd: Path) -> subprocess.CompletedProcess[str]:
+    # a ROS installation that this shell has sourced would be found through these
+    environment = dict(os.environ)
+    for variable in ("PYTHONPATH", "AMENT_PREFIX_PATH"):
+        environment.pop(variable, None)
+    return subprocess.run(
+        command,
+        cwd=cwd,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT_S,
+        check=False,
+    )
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    directory = tmp_path_factory.mktemp("wheel")
+    built = run(
+        sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", directory, cwd=ROOT
+    )
+    assert built.returncode == 0, built.stderr
+    (path,) = directory.glob("*.whl")
+    return path
+
+
+@pytest.fixture(scope="module")
+def bare_venv(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a virtual environment with the wheel and what it requires, and so without ROS."""
+    directory = tmp_path_factory.mktemp("venv")
+    venv.create(directory, symlinks=True)
+    installed = run(
+        *(sys.executable, "-m", "pip", "--python", directory / "bin" / "python", "install"),
+        *("--quiet", "--no-deps", "--no-index", wheel),
+        cwd=directory,
+    )
+    assert installed.returncode == 0, installed.stderr
+    (site_packages,) = directory.glob("lib/python*/site-packages")
+    for required in requirements("ros2-json-gateway", found={}).values():
+        for top in {file.parts[0] for file in required.files or ()} - {"..", "__pycache__"}:
+            (site_packages / top).symlink_to(Path(str(required.locate_file(top))))
+    return directory
+
+
+def requirements(name: str, found: dict[str, Distribution]) -> dict[str, Distribution]:
+    """Collect the installed distributions that *name* requires, extras left out."""
+    for requirement in distribution(name).requires or ():
+        needed, _, marker = requirement.partition(";")
+        match = re.match(r"[\w.-]+", needed)
+        assert match
+        # "python_version < ..." names what this Python may well do without
+        if match[0] not in found and not marker:
+            found[match[0]] = distribution(match[0])
+            requirements(match[0], found)
+    return found
+
+
+def test_the_wheel_holds_every_file_of_both_packages(wheel):
+    expected = {
+        str(path.relative_to(ROOT))
+        for package in ("gateway", "schemas")
+        for path in (ROOT / package).rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts
+    }
+    held = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name}
+    assert held == expected
+    assert "schemas/messages.toml" in held
+    assert "schemas/json/nav_msgs/Odometry.json" in held
+    assert "gateway/sim/fastdds_profile.xml" in held
+
+
+def test_the_wheel_has_licence_command_and_extra(wheel):
+    archive = zipfile.ZipFile(wheel)
+    held = {name.partition(".dist-info/")[2]: name for name in archive.namelist()}
+    assert "Apache License" in archive.read(held["licenses/LICENSE"]).decode()
+    assert "ros2-gateway = gateway.cli:main" in archive.read(held["entry_points.txt"]).decode()
+    required = [
+        line
+        for line in archive.read(held["METADATA"]).decode().splitlines()
+        if line.startswith("Requires-Dist: ")
+    ]
+    ros = [line for line in required if "ros-jazzy" in line]
+    assert len(ros) == 2
+    assert all("extra == 'ros'" in line for line in ros)
+
+
+def test_without_rclpy_the_two_ways_to_get_it_are_told(bare_venv, tmp_path):
+    for command in ("serve", "demo", "sim", "mock"):
+        finished = run(bare_venv / "bin" / "ros2-gateway", command, cwd=tmp_path)
+        assert finished.returncode == 3
+        assert finished.stdout == ""
+        assert finished.stderr.startswith("ros2-gateway: rclpy cannot be imported")
+        assert "pip install 'ros2-json-gateway[ros]'" in finished.stderr
+        assert "source /opt/ros/" in finished.stderr
+        assert "--system-site-packages" in finished.stderr
+
+
+def test_what_needs_no_ros_works_without_it(bare_venv, tmp_path):
+    command = bare_venv / "bin" / "ros2-gateway"
+    assert run(command, "check-config", cwd=tmp_path).returncode == 0
+    schema = run(command, "schema", "nav_msgs/Odometry", cwd=tmp_path)
+    assert (schema.returncode, schema.stderr) == (0, "")
+    assert schema.stdout == (ROOT / "schemas/json/nav_msgs/Odometry.json").read_text("utf-8")
