@@ -4,9 +4,7 @@
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from gateway.codec.validation import _EXPECTED as EXPECTED
-from gateway.codec.validation import _kind as kind
-from gateway.protocol.frames import cut
+from gateway.codec.words import EXPECTED, cut, kind
 
 
 def explain(error: ValidationError) -> str:
@@ -55,8 +53,6 @@ def _expected(detail: ErrorDetails) -> str:
             return f"at most {context['max_length']} items"
         case "too_short":
             return f"at least {context['min_length']} items"
-        case "tuple_type":
-            return "an array"
     return detail["msg"][:1].lower() + detail["msg"][1:]
 
 

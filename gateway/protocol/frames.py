@@ -11,7 +11,6 @@ from gateway.protocol.errors import StatusCode
 Level = Literal["none", "error", "warning", "info"]
 
 SEVERITY: Final[Mapping[Level, int]] = {"none": 0, "error": 1, "warning": 2, "info": 3}
-MAX_ECHO: Final = 128  # characters of the client's own text that come back; logs stay readable
 
 
 def status(
@@ -64,8 +63,3 @@ def time(nanoseconds: int) -> dict[str, int]:
     """Split nanoseconds as builtin_interfaces/msg/Time does."""
     sec, nanosec = divmod(nanoseconds, 1_000_000_000)
     return {"sec": sec, "nanosec": nanosec}
-
-
-def cut(text: str) -> str:
-    """Shorten a client's own text for its way back."""
-    return text if len(text) <= MAX_ECHO else f"{text[:MAX_ECHO]}..."

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pydantic import ValidationError
 
 from gateway.codec.json import JsonError, loads
+from gateway.codec.words import cut
 from gateway.protocol import frames
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.explain import explain
@@ -106,7 +107,7 @@ def _object(data: bytes, limits: Limits) -> dict[str, object]:
 def _readable_id(value: object) -> str | int | None:
     """Return an id that can be echoed, also where the operation itself is unreadable."""
     if isinstance(value, str):
-        return frames.cut(value)
+        return cut(value)
     return value if isinstance(value, int) and not isinstance(value, bool) else None
 
 
@@ -116,7 +117,7 @@ def _readable_op(values: dict[str, object]) -> str:
         raise ProtocolError("bad_request", "op: missing; it names the operation")
     if not isinstance(op, str):
         raise ProtocolError("bad_request", "op: expected a string")
-    return frames.cut(op)
+    return cut(op)
 
 
 def _parse(op: str, values: dict[str, object]) -> ClientOperation:

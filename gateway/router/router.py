@@ -10,6 +10,7 @@ from typing import assert_never
 from gateway.codec.json import dumps
 from gateway.codec.picture import picture_renderer
 from gateway.codec.types import Types
+from gateway.codec.words import cut
 from gateway.ports import Graph, Ros, RosError
 from gateway.protocol import frames
 from gateway.protocol.errors import ProtocolError
@@ -86,7 +87,7 @@ class Router:
         except ProtocolError as error:
             session.refuse(error, operation.op, operation.id)
         except RosError as error:
-            refusal = ProtocolError(error.code, frames.cut(str(error)))
+            refusal = ProtocolError(error.code, cut(str(error)))
             session.refuse(refusal, operation.op, operation.id)
 
     def leave(self, session: Session) -> None:

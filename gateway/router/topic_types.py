@@ -4,8 +4,8 @@
 import difflib
 
 from gateway.codec.types import MessageType, Types
+from gateway.codec.words import cut
 from gateway.ports import Ros
-from gateway.protocol import frames
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import TopicName
 from schemas.definition import DefinitionError
@@ -30,7 +30,7 @@ class TopicTypes:
         try:
             return self.get(resolve_type(spelling, self._table))
         except TypeSpellingError as error:
-            raise ProtocolError("bad_type", f"type: {frames.cut(str(error))}") from error
+            raise ProtocolError("bad_type", f"type: {cut(str(error))}") from error
 
     def get(self, type_name: str) -> MessageType:
         """Return an installed type by its full name.
@@ -43,9 +43,9 @@ class TopicTypes:
         except UnknownTypeError as error:
             near = difflib.get_close_matches(type_name, self._table.by_name, n=1)
             hint = f"; did you mean {near[0]}?" if near else ""
-            raise ProtocolError("bad_type", f"type: {frames.cut(str(error))}{hint}") from error
+            raise ProtocolError("bad_type", f"type: {cut(str(error))}{hint}") from error
         except DefinitionError as error:
-            raise ProtocolError("bad_type", f"type: {frames.cut(str(error))}") from error
+            raise ProtocolError("bad_type", f"type: {cut(str(error))}") from error
 
     def on_topic(self, topic: TopicName, spelling: str | int | None) -> MessageType | None:
         """Return the type to use on a topic; ``None`` while neither client nor ROS names one.

@@ -1,0 +1,384 @@
+# SPDX-License-Identifier: Apache-2.0
+"""CDR to values that `gateway.codec.json.dumps` can write."""
+
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import cache
+from struct import calcsize, unpack_from
+from struct import error as StructError  # noqa: N812
+from typing import Final, Literal, TypeAlias, assert_never
+
+import numpy as np
+from pybase64 import b64encode_as_string
+
+from gateway.codec.cdr.layout import (
+    ALIGNMENTS,
+    CODES,
+    HEADER_BYTES,
+    NUMPY_LENGTH,
+    ByteOrder,
+    Elements,
+    Fixed,
+    Member,
+    Numbers,
+    Path,
+    Run,
+    Slot,
+    Text,
+    flatten,
+    item_path,
+    least_size,
+)
+from gateway.codec.cdr.selection import Selection, select
+from gateway.codec.cdr.source import Source, variable
+from gateway.codec.errors import CodecError
+from schemas.definition import Definition
+from schemas.installed import InstalledDefinitions
+
+Decoder: TypeAlias = Callable[[bytes], dict[str, object]]
+Octets = Literal["base64", "raw"]
+
+# RTPS 2.5, 10.2: CDR_LE is the octets {0x00, 0x01}, CDR_BE {0x00, 0x00}, here as read by each.
+_ENCAPSULATIONS: Final = {"<": 0x0100, ">": 0x0000}
+_NATIVE: Final = "<" if sys.byteorder == "little" else ">"
+
+
+def compile_decoder(
+    definition: Definition,
+    definitions: InstalledDefinitions,
+    fields: Iterable[str] | None = None,
+    *,
+    octets: Octets = "base64",
+) -> Decoder:
+    """Compile a function from CDR, encapsulation header included, to a dict.
+
+    The dict has the fields in the order of the definition: messages as dicts, arrays as
+    lists, tuples or numpy views on the bytes, octet arrays as base64 (or, ``raw``, as
+    memoryviews), floats as they came, non-finite ones too. Like rclpy it takes a string to end
+    at its first NUL and replaces what is not UTF-8: one sloppy node must not silence a topic.
+
+    With *fields* (dotted paths) the dict holds these only, and what follows the last of them
+    is not even looked at.
+
+    The function raises `CodecError`, with the offset, for bytes that are no such message, and
+    nothing else. It allocates in proportion to the bytes given, whatever counts they state.
+
+    Raises:
+        FieldError: *fields* names what is no field.
+        UnknownTypeError: a nested type is not installed.
+    """
+    paths = tuple(fields or ())
+    selection = select(definition, definitions, paths)
+    title = f"CDR decoder of {definition.name}"
+    if paths:
+        title += f", fields {', '.join(paths)}"
+    if octets == "raw":
+        title += ", octets raw"
+    members = flatten(definition, definitions, selection)
+
+    @cache
+    def big_endian() -> Decoder:
+        writer = _Writer(">", octets, definitions)
+        return writer.write(definition, members, selection, f"{title}, big-endian", _refuse)
+
+    def other_encapsulation(cdr: bytes) -> dict[str, object]:
+        return big_endian()(cdr)
+
+    writer = _Writer("<", octets, definitions)
+    return writer.write(definition, members, selection, title, other_encapsulation)
+
+
+def _refuse(cdr: bytes) -> dict[str, object]:
+    raise CodecError(
+        f"encapsulation 0x{cdr[:2].hex()} is not plain CDR, 0x0000 or 0x0001", offset=0
+    )
+
+
+def _truncated(offset: int, need: int, size: int) -> CodecError:
+    return CodecError(f"need {need} bytes at offset {offset}, message has {size}", offset=offset)
+
+
+def _too_long(path: str, count: int, bound: int, offset: int) -> CodecError:
+    return CodecError(f"{path} has {count} elements, at most {bound} are allowed", offset=offset)
+
+
+def _wide_text(units: bytes, order: ByteOrder) -> str:
+    """Read UTF-16 units of 4 bytes each, as Fast CDR writes a wstring."""
+    narrow = np.frombuffer(units, f"{order}u4").astype("<u2")
+    return narrow.tobytes().decode("utf-16-le", "replace")
+
+
+class _Writer:
+    """Writes the source of one decoder.
+
+    Its variables: ``data`` and its ``size``; ``offset``, where reading goes on; ``length``, what
+    the run at ``offset`` takes; ``count`` of the array or string that comes next, and its ``end``.
+    """
+
+    def __init__(self, order: ByteOrder, octets: Octets, definitions: InstalledDefinitions) -> None:
+        self._order = order
+        self._octets = octets
+        self._definitions = definitions
+        self._source = Source()
+        self._slots: list[Slot] = []
+        self._targets: list[str] = []
+        self._residue: int | None = 0  # of the offset modulo 8, where it is known
+
+    def write(
+        self,
+        definition: Definition,
+        members: Sequence[Member],
+        selection: Selection,
+        title: str,
+        other_encapsulation: Decoder,
+    ) -> Decoder:
+        source = self._source
+        with source.block("def decode(data):"):
+            source.line("size = len(data)")
+            source.line("offset = 0")
+            with source.block("try:"):
+                # The byte order must be known first, but one struct is faster than two.
+                self._slots = [Slot("H"), Slot("H", is_padding=True)]
+                self._targets = ["encapsulation"]
+                self._members(members)
+                self._flush()
+            with source.block("except StructError:"):
+                source.line("raise truncated(offset, length, size) from None")
+            with source.block("return {"):
+                for entry in self._entries(definition, (), selection):
+                    source.line(f"{entry},")
+            source.line("}")
+        names = {
+            "StructError": StructError,
+            "base64": b64encode_as_string,
+            "frombuffer": np.frombuffer,
+            "other_encapsulation": other_encapsulation,
+            "too_long": _too_long,
+            "truncated": _truncated,
+            "unpack_from": unpack_from,
+            "wide_text": _wide_text,
+        }
+        return source.compile("decode", title, names)
+
+    def _members(self, members: Sequence[Member]) -> None:
+        for member in members:
+            match member:
+                case Fixed():
+                    self._fixed(member)
+                case Text():
+                    self._text(member)
+                case Numbers():
+                    self._numbers(member)
+                case Elements():
+                    self._elements(member)
+                case _:
+                    assert_never(member)
+
+    def _fixed(self, member: Fixed) -> None:
+        code = CODES[member.base]
+        if not member.wanted:
+            self._slots.append(Slot(code, member.length or 1, is_padding=True))
+        elif member.length is None:
+            self._slots.append(Slot(code))
+            self._targets.append(variable(member.path))
+        elif member.is_octets:
+            name = variable(member.path)
+            self._slots.append(Slot("s", member.length))
+            self._targets.append(name)
+            self._flush()
+            wrap = "base64" if self._octets == "base64" else "memoryview"
+            self._source.line(f"{name} = {wrap}({name})")
+        else:
+            # The tuple of an own struct is the value as it stands.
+            self._flush()
+            self._slots.append(Slot(code, member.length))
+            self._flush(variable(member.path))
+
+    def _text(self, member: Text) -> None:
+        source = self._source
+        self._count(member.path, member.bound, terminators=0 if member.is_wide else 1)
+        source.line("end = offset + count" + (" * 4" if member.is_wide else ""))
+        self._check("end - offset", "end")
+        if member.wanted and member.is_wide:
+            source.line(f"{variable(member.path)} = wide_text(data[offset:end], {self._order!r})")
+        elif member.wanted:
+            text = 'str(data[offset:end].partition(b"\\0")[0], "utf-8", "replace")'
+            source.line(f"{variable(member.path)} = {text}")
+        source.line("offset = end")
+        self._residue = None
+
+    def _numbers(self, member: Numbers) -> None:
+        source = self._source
+        size = member.size
+        if member.length is None:
+            self._count(member.path, member.bound)
+        else:
+            self._flush()
+            source.line(f"count = {member.length}")
+        self._align(size, is_counted=member.length is None)
+        source.line("end = offset + count" + (f" * {size}" if size > 1 else ""))
+        self._check("end - offset", "end")
+        if member.wanted:
+            source.line(f"{variable(member.path)} = {self._array(member)}")
+        source.line("offset = end")
+        if member.length is not None and self._residue is not None:
+            self._residue = (self._residue + member.length * size) % ALIGNMENTS
+        else:
+            self._residue = None
+
+    def _array(self, member: Numbers) -> str:
+        if member.is_octets:
+            view = "memoryview(data)[offset:end]"
+            return f"base64({view})" if self._octets == "base64" else view
+        code = CODES[member.base]
+        if member.base == "bool":
+            # Any octet but 0 is true, and a view must not show octets as bools that are neither.
+            view = '(frombuffer(data, "u1", count, offset) != 0)'
+        else:
+            wire = np.dtype(f"{self._order}{code}")
+            dtype = self._source.constant(member.base.upper(), wire, wire.str)
+            view = f"frombuffer(data, {dtype}, count, offset)"
+            if self._order != _NATIVE:  # orjson writes arrays in native order only
+                view += f'.astype("={code}")'
+        if member.length is not None:
+            return view
+        few = f'unpack_from(f"{self._order}{{count}}{code}", data, offset)'
+        return f"({view} if count > {NUMPY_LENGTH} else {few}) if count else ()"
+
+    def _elements(self, member: Elements) -> None:
+        source = self._source
+        if member.length is None:
+            self._count(member.path, member.bound)
+        else:
+            self._flush()
+            source.line(f"count = {member.length}")
+        stride = _stride(member, self._order)
+        if stride is not None and not (member.wanted and not _names(member.members)):
+            self._rows(member, stride)
+            return
+        # Each element takes some bytes, so what is left bounds the length of the list.
+        need = f"count * {least_size(member.members)}"
+        self._check(need, f"offset + {need}")
+        name = variable(member.path)
+        if member.wanted:
+            source.line(f"{name} = []")
+        self._residue = None
+        with source.block("for _ in range(count):"):
+            self._members(member.members)
+            self._flush()
+            if member.wanted:
+                source.line(f"{name}.append({self._element(member)})")
+        self._residue = None
+
+    def _rows(self, member: Elements, run: Run) -> None:
+        """Read elements that are all numbers, each as long as the other, in one sweep."""
+        source = self._source
+        struct = run.at(HEADER_BYTES)
+        self._align(run.alignment, is_counted=member.length is None)
+        source.line(f"end = offset + count * {struct.size}")
+        self._check("end - offset", "end")
+        if member.wanted:
+            rows = source.constant("ROWS", struct.iter_unpack, struct.format)
+            names = ", ".join(_names(member.members))
+            source.line(
+                f"{variable(member.path)} = [{self._element(member)}"
+                f" for {names}, in {rows}(memoryview(data)[offset:end])]"
+            )
+        source.line("offset = end")
+        self._residue = None
+
+    def _element(self, member: Elements) -> str:
+        """Return the expression for one element."""
+        if member.definition is None:
+            return variable(item_path(member.path))
+        return self._dict(member.definition, member.path, member.selection)
+
+    def _count(self, path: Path, bound: int | None, terminators: int = 0) -> None:
+        """Read the uint32 count of an array or string, which ends a run."""
+        self._slots.append(Slot("I"))
+        self._targets.append("count")
+        self._flush()
+        if bound is not None:
+            count = f"count - {terminators}" if terminators else "count"
+            with self._source.block(f"if {count} > {bound}:"):
+                name = ".".join(path)
+                self._source.line(f"raise too_long({name!r}, {count}, {bound}, offset - 4)")
+
+    def _align(self, alignment: int, *, is_counted: bool) -> None:
+        """Align the offset for an array of primitives; after a count it is a multiple of 4."""
+        if alignment <= (4 if is_counted else 1):
+            return
+        if is_counted:
+            # Before an array without elements there is no padding.
+            with self._source.block("if count:"):
+                self._source.line("offset = (offset + 3 & -8) + 4")
+        elif self._residue is not None:
+            padding = (HEADER_BYTES - self._residue) % alignment
+            if padding:
+                self._source.line(f"offset += {padding}")
+                self._residue = (self._residue + padding) % ALIGNMENTS
+        else:
+            self._source.line(f"offset += ({HEADER_BYTES} - offset) % {alignment}")
+
+    def _check(self, need: str, end: str) -> None:
+        with self._source.block(f"if {end} > size:"):
+            self._source.line(f"raise truncated(offset, {need}, size)")
+
+    def _flush(self, target: str | None = None) -> None:
+        """Read the run at hand, into its variables or all of it into *target*."""
+        if not self._slots:
+            return
+        source = self._source
+        run = Run(self._slots, self._order)
+        if self._residue is not None:
+            struct = run.at(self._residue)
+            source.line(f"length = {struct.size}")
+            unpack = source.constant("UNPACK", struct.unpack_from, struct.format)
+        else:
+            structs = run.at_all()
+            table = [(struct.unpack_from, struct.size) for struct in structs]
+            name = source.constant("UNPACK", table, structs[HEADER_BYTES].format)
+            source.line(f"unpack, length = {name}[offset & 7]")
+            unpack = "unpack"
+        targets = target or "".join(f"{name}, " for name in self._targets)
+        source.line(f"{targets.strip()} = {unpack}(data, offset)".removeprefix(" = "))
+        source.line("offset += length")
+        if "encapsulation" in self._targets:
+            with source.block(f"if encapsulation != {_ENCAPSULATIONS[self._order]}:"):
+                source.line("return other_encapsulation(data)")
+        self._residue = run.residue_after(self._residue)
+        self._slots = []
+        self._targets = []
+
+    def _entries(self, definition: Definition, path: Path, selection: Selection) -> Iterator[str]:
+        """Yield the entries of the dict for a message."""
+        for field in definition.fields:
+            if selection is not None and field.name not in selection:
+                continue
+            here = (*path, field.name)
+            if field.type.is_primitive or field.type.is_array:
+                value = variable(here)
+            else:
+                nested = self._definitions.get(field.type.base)
+                value = self._dict(nested, here, selection[field.name] if selection else None)
+            yield f'"{field.name}": {value}'
+
+    def _dict(self, definition: Definition, path: Path, selection: Selection) -> str:
+        return f"{{{', '.join(self._entries(definition, path, selection))}}}"
+
+
+def _names(members: Sequence[Member]) -> list[str]:
+    return [variable(member.path) for member in members if member.wanted]
+
+
+def _stride(member: Elements, order: ByteOrder) -> Run | None:
+    """Return the run that one element is, if elements follow each other without padding."""
+    slots = []
+    for part in member.members:
+        if not isinstance(part, Fixed) or (part.wanted and part.length is not None):
+            return None
+        slots.append(Slot(CODES[part.base], part.length or 1, is_padding=not part.wanted))
+    run = Run(slots, order)
+    first = calcsize(f"<{slots[0].code}")
+    is_even = run.alignment == first and run.at(HEADER_BYTES).size % first == 0
+    return run if is_even else None

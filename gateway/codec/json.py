@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: Apache-2.0
+"""JSON out, and JSON in from clients that may send anything.
+
+Going in it is orjson, strict and fast, and then a proof that nothing was left out, so that two
+readers of one frame never see two different messages. What the proof costs depends on how many
+objects and arrays a frame has, not on its length.
+"""
+
+import json
+import re
+from typing import Any, Final
+
+import orjson
+
+from gateway.codec.errors import CodecError
+from gateway.codec.words import MAX_ECHO
+
+# Deeper than any ROS type nests, and far from the recursion limits of what follows.
+MAX_DEPTH: Final = 32
+# An image of 100 kB as an array of numbers; as Python objects about 6 MB.
+MAX_ITEMS: Final = 100_000
+
+
+# The closing quote is optional, or a string without one would be tried again from each of its
+# escaped quotes; nothing is ever given back, or each escape would be kept in mind.
+_STRING: Final = re.compile(rb'"[^"\\]*+(?:\\.[^"\\]*+)*+"?', re.DOTALL)
+
+
+class JsonError(CodecError):
+    """What a client sent is not the JSON it may send; the text says where and why."""
+
+
+def dumps(values: object) -> bytes:
+    """Write values as UTF-8 JSON: numpy arrays as arrays, NaN and infinities as null."""
+    # RFC 8259 has no NaN: orjson sends null
+    return orjson.dumps(values, option=orjson.OPT_SERIALIZE_NUMPY)
+
+
+def loads(data: bytes | str, *, max_depth: int = MAX_DEPTH, max_items: int = MAX_ITEMS) -> object:
+    """Read one JSON text.
+
+    *max_depth* bounds how deep objects and arrays nest, *max_items* how many members and
+    elements they have in all.
+
+    Raises:
+        JsonError: it is no JSON (RFC 8259) in UTF-8, a limit is exceeded, or an object has
+            two members of one name.
+    """
+    if isinstance(data, str):
+        data = data.encode("utf-8", "surrogatepass")  # which orjson then refuses, with the place
+    if len(data) > max_items:
+        # What strings hold must not count, but is cheaper to look for only where it matters.
+        items = _items_at_most(data)
+        if items > max_items and _items_at_most(_STRING.sub(b"", data)) > max_items:
+            raise JsonError(f"JSON has over {max_items} items")
+    try:
+        value: object = orjson.loads(data)
+    except orjson.JSONDecodeError as error:
+        raise _refusal(error, data, max_depth) from None
+    if not _has_names(data, _count_names(value, max_depth)):
+        # Depth is checked by now. Numbers need not be read, and long ones would raise.
+        json.loads(data, object_pairs_hook=_without_duplicates, parse_int=str, parse_float=str)
+    return value
+
+
+def _items_at_most(data: bytes) -> int:
+    """Count what may begin an item: each follows a comma or is the first in its container."""
+    containers = data.count(b"[") + data.count(b"{") - data.count(b"[]") - data.count(b"{}")
+    return data.count(b",") + containers
+
+
+def _refusal(error: orjson.JSONDecodeError, data: bytes, max_depth: int) -> JsonError:
+    try:
+        text = data.decode()
+    except UnicodeDecodeError as not_utf8:
+        offset = not_utf8.start
+        return JsonError(f"frame is not UTF-8 at offset {offset}", offset=offset)
+    # orjson's own depth limit, or what it allots to a document that opens and never closes
+    if "depth" in error.msg or "allocate" in error.msg:
+        return _too_deep(max_depth)
+    what = error.msg[:1].lower() + error.msg[1:].partition(": ")[0]
+    return JsonError(
+        f"frame is not JSON: {what} at line {error.lineno}, column {error.colno}",
+        offset=len(text[: error.pos].encode()),
+    )
+
+
+def _too_deep(max_depth: int) -> JsonError:
+    return JsonError(f"JSON nests deeper than {max_depth} levels")
+
+
+def _count_names(value: object, max_depth: int) -> int:
+    """Count the members of all objects, level by level."""
+    names = 0
+    depth = 0
+    level: list[Any] = [value] if isinstance(value, (dict, list)) else []
+    while level:
+        depth += 1
+        if depth > max_depth:
+            raise _too_deep(max_depth)
+        below: list[Any] = []
+        for container in level:
+            items = container
+            if type(container) is dict:
+                names += len(container)
+                items = container.values()
+            for item in items:
+                kind = type(item)
+                if kind is dict or kind is list:
+                    below.append(item)
+        level = below
+    return names
+
+
+def _has_names(data: bytes, count: int) -> bool:
+    """Whether *data* surely has no more names than the *count* that parsing left over.
+
+    An object keeps the last of two members of one name, so duplicates leave fewer. Each name is
+    followed by a colon, but colons in strings ("publish:/cmd_vel:1") must be told from these:
+    where no white space precedes a colon, those behind names follow a quote.
+    """
+    if data.count(b":") == count:
+        return True
+    return data.count(b'":') == count and not (
+        b" :" in data or b"\n:" in data or b"\r:" in data or b"\t:" in data
+    )
+
+
+def _without_duplicates(pairs: list[tuple[str, object]]) -> None:
+    seen: set[str] = set()
+    for name, _ in pairs:
+        if name in seen:
+            raise JsonError(f"duplicate key {json.dumps(name[:MAX_ECHO], ensure_ascii=False)}")
+        seen.add(name)

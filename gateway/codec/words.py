@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The words in which people are told what was wrong with what they sent."""
+
+import json
+from collections.abc import Mapping
+from typing import Final
+
+MAX_ECHO: Final = 128  # characters of a client's own text that come back; logs stay readable
+
+# by pydantic's name of the error
+EXPECTED: Final = {
+    "bool_type": "true or false",
+    "finite_number": "a finite number",
+    "float_type": "a number",
+    "int_type": "an integer",
+    "list_type": "an array",
+    "model_attributes_type": "an object",
+    "model_type": "an object",
+    "string_type": "a string",
+    "tuple_type": "an array",
+}
+
+
+def kind(value: object) -> str:
+    """Say what a JSON value is; of numbers and booleans their value."""
+    match value:
+        case None:
+            return "null"
+        case bool():
+            return "true" if value else "false"
+        case int() | float():
+            return cut(json.dumps(value))
+        case str():
+            return "a string"
+        case list() | tuple():
+            return "an array"
+        case Mapping():
+            return "an object"
+    return type(value).__name__
+
+
+def cut(text: str) -> str:
+    """Shorten a client's own text for its way back."""
+    return text if len(text) <= MAX_ECHO else f"{text[: MAX_ECHO - 3]}..."

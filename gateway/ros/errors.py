@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From rclpy's exceptions to the port's."""
+
+from typing import Final
+
+from rclpy.exceptions import (
+    NameValidationException,
+    NotInitializedException,
+    NoTypeSupportImportedException,
+)
+
+from gateway.ports import RosError
+
+# RCLError and its kin are RuntimeErrors; an AttributeError is what a class without type support
+# gets; a ValueError or an OverflowError is a number that C does not hold.
+REFUSALS: Final = (
+    RuntimeError,
+    ValueError,
+    OverflowError,
+    AttributeError,
+    NameValidationException,
+    NotInitializedException,
+    NoTypeSupportImportedException,
+)
+
+
+def refused(subject: str, error: Exception) -> RosError:
+    """Return what the port raises for one of `REFUSALS`; *subject* is what it is about."""
+    if isinstance(error, NameValidationException):
+        return RosError("bad_name", f"{subject}: {error}")
+    reason = str(error).split(", at ")[0]  # rcl's tail names its source files
+    return RosError("internal", f"{subject}: {reason or type(error).__name__}")
+
+
+def remapped(asked: str, given: str) -> RosError:
+    """Return the refusal of a topic name that ROS arguments of this process turn into another."""
+    return RosError("bad_name", f"topic {asked} is remapped to {given} here, ask for {given}")

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The threads that spin what needs an executor: parameters, simulated time, services."""
+
+import logging
+import threading
+from typing import Any, Final
+
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.task import Future
+
+# `spin()` of the EventsExecutor in rclpy 7.1 has an overflow in its infinite deadline: it turns
+# without pause and delivers nothing. A deadline of eleven days works.
+_SPIN_S: Final = 1e6
+# After a callback that raised: a fault that comes back at once must not fill the log.
+_PAUSE_S: Final = 1.0
+
+_logger = logging.getLogger(__name__)
+
+
+class ExecutorThread:
+    """One executor in one thread, from construction until `close`; its callbacks run there.
+
+    With *standard* it is rclpy's standard executor, which looks at every entity at each turn;
+    otherwise, where there is one, the executor that wakes only for what is ready.
+    """
+
+    def __init__(self, context: Context, *, standard: bool = False) -> None:
+        self._executor = _new_executor(context, standard=standard)
+        self._stop: Any = Future()
+        self._stopping = threading.Event()
+        self._thread = threading.Thread(target=self._spin, name="ros_executor", daemon=True)
+        self._thread.start()
+
+    def add_node(self, node: Node) -> None:
+        """Spin a node from now on."""
+        self._executor.add_node(node)
+
+    def close(self) -> None:
+        """Stop spinning and wait for the callback that may be running."""
+        self._stopping.set()
+        self._stop.set_result(None)
+        self._executor.wake()
+        self._thread.join()
+        self._executor.shutdown()
+
+    def _spin(self) -> None:
+        while not self._stopping.is_set():
+            try:
+                self._executor.spin_until_future_complete(self._stop, _SPIN_S)
+            except Exception:  # rclpy lets a callback's out, and the thread must outlive it
+                _logger.exception("callback of ROS failed")
+                self._stopping.wait(_PAUSE_S)
+
+
+def _new_executor(context: Context, *, standard: bool) -> Any:
+    if not standard:
+        try:
+            from rclpy.experimental.events_executor import EventsExecutor
+        except ImportError:  # before Jazzy
+            pass
+        else:
+            return EventsExecutor(context=context)
+    return SingleThreadedExecutor(context=context)

@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What discovery knows, and word of its changes.
+
+rcl has a guard condition that it triggers when discovery learns something. Waiting for it costs
+nothing while nothing happens and wakes within a millisecond. rclpy does not expose it, two
+functions of rcl's C API do; where they lack, a thread looks twice a second.
+"""
+
+import asyncio
+import contextlib
+import ctypes
+import threading
+from collections.abc import Callable, Container, Iterator
+from functools import partial
+from typing import Any, Final
+
+from rclpy.guard_condition import GuardCondition
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
+
+from gateway.ports import Graph, Topic
+from gateway.ros.profile import endpoint_node, full_name, to_offer
+from gateway.ros.qos import Offer
+
+# A new node is dozens of changes within a few milliseconds: look once they are over. Far below
+# the 100 ms in which a subscription is to follow its publishers.
+SETTLE_S: Final = 0.02
+# 100 topics take about 1.5 ms to look at: 0.3 % of a core
+POLL_S: Final = 0.5
+
+
+def read_graph(node: Node) -> Graph:
+    """Return the whole graph; 40 us a topic and direction, so keep it until it changes."""
+    topics = tuple(
+        Topic(
+            name,
+            tuple(sorted(types)),
+            publishers=_nodes(node.get_publishers_info_by_topic(name)),
+            subscribers=_nodes(node.get_subscriptions_info_by_topic(name)),
+        )
+        for name, types in sorted(node.get_topic_names_and_types())
+    )
+    nodes = (full_name(namespace, name) for name, namespace in node.get_node_names_and_namespaces())
+    return Graph(topics, tuple(sorted(nodes)))
+
+
+def read_types(node: Node, topic: str, own_nodes: Container[str]) -> tuple[str, ...]:
+    """Return the types of a topic as `gateway.ports.Ros.topic_types` describes it."""
+    endpoints = node.get_publishers_info_by_topic(topic)
+    if not endpoints:
+        subscribers = node.get_subscriptions_info_by_topic(topic)
+        others = [each for each in subscribers if endpoint_node(each) not in own_nodes]
+        endpoints = others or subscribers
+    return tuple(sorted({endpoint.topic_type for endpoint in endpoints}))
+
+
+def read_offers(node: Node, topic: str) -> list[Offer]:
+    """Return what the publishers of a topic offer, of whatever type."""
+    return [to_offer(publisher) for publisher in node.get_publishers_info_by_topic(topic)]
+
+
+class GraphChanges:
+    """A thread that calls *on_change* on the loop's thread soon after the graph has changed.
+
+    Changes within `SETTLE_S` are one call. With *polling*, or where rcl lacks what waiting
+    needs, it looks every `POLL_S` instead.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        loop: asyncio.AbstractEventLoop,
+        on_change: Callable[[], None],
+        *,
+        polling: bool = False,
+    ) -> None:
+        self._node = node
+        self._loop = loop
+        self._on_change = on_change
+        self._stopping = threading.Event()
+        self._wait_set = None if polling else _GraphWaitSet.create(node)
+        look = self._poll if self._wait_set is None else partial(self._wait, self._wait_set)
+        self._thread = threading.Thread(target=look, name="ros_graph", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """End the thread; no call comes after."""
+        self._on_change = _nothing
+        self._stopping.set()
+        if self._wait_set is not None:
+            self._wait_set.wake()
+        self._thread.join()
+        if self._wait_set is not None:
+            self._wait_set.close()
+
+    def _wait(self, wait_set: "_GraphWaitSet") -> None:
+        with wait_set.opened() as wait:
+            wait()
+            while not self._stopping.wait(SETTLE_S):
+                wait(timeout_ns=0)  # what came meanwhile is part of this change
+                # That may have been the last wake as well: close() sets the event before.
+                if self._stopping.is_set():
+                    return
+                self._report()
+                wait()
+
+    def _poll(self) -> None:
+        known = _fingerprint(self._node)
+        while not self._stopping.wait(POLL_S):
+            found = _fingerprint(self._node)
+            if found != known:
+                known = found
+                self._report()
+
+    def _report(self) -> None:
+        # Through self, so that a call on its way finds out that this was closed.
+        self._loop.call_soon_threadsafe(lambda: self._on_change())
+
+
+class _GraphWaitSet:
+    """A wait set of rcl's with a node's graph guard condition in it, and one of our own."""
+
+    def __init__(self, node: Node, graph_condition: int, add: Any) -> None:
+        self._node = node
+        self._context: Any = node.context  # annotated as perhaps without a handle
+        self._graph_condition = graph_condition
+        self._add = add
+        self._wake = GuardCondition(_nothing, None, context=node.context)
+
+    @classmethod
+    def create(cls, node: Node) -> "_GraphWaitSet | None":
+        """Return one, or ``None`` where rcl does not let us."""
+        try:
+            rcl = ctypes.CDLL("librcl.so")
+            find = rcl.rcl_node_get_graph_guard_condition
+            add = rcl.rcl_wait_set_add_guard_condition
+        except (OSError, AttributeError):
+            return None
+        find.argtypes = [ctypes.c_void_p]
+        find.restype = ctypes.c_void_p
+        add.argtypes = [ctypes.c_void_p] * 3
+        add.restype = ctypes.c_int
+        with node.handle:
+            condition = find(node.handle.pointer)
+        return cls(node, condition, add) if condition else None
+
+    def wake(self) -> None:
+        """End the wait that is going on, or the next one; from any thread."""
+        self._wake.trigger()
+
+    def close(self) -> None:
+        self._wake.destroy()
+
+    @contextlib.contextmanager
+    def opened(self) -> Iterator[Callable[..., None]]:
+        """Yield a function that waits for a change; its default is without time limit."""
+        with self._node.handle, self._context.handle, self._wake.handle:
+            wait_set = rclpy_implementation.WaitSet(0, 2, 0, 0, 0, 0, self._context.handle)
+            with wait_set:
+
+                def wait(timeout_ns: int = -1) -> None:
+                    wait_set.clear_entities()
+                    wait_set.add_guard_condition(self._wake.handle)
+                    code = self._add(wait_set.pointer, self._graph_condition, None)
+                    if code != 0:
+                        raise RuntimeError(f"rcl_wait_set_add_guard_condition returned {code}")
+                    wait_set.wait(timeout_ns)
+
+                yield wait
+            wait_set.destroy_when_not_in_use()
+
+
+def _nodes(endpoints: list[Any]) -> tuple[str, ...]:
+    return tuple(sorted(endpoint_node(endpoint) for endpoint in endpoints))
+
+
+def _fingerprint(node: Node) -> object:
+    topics = node.get_topic_names_and_types()
+    return (
+        topics,
+        sorted(node.get_node_names_and_namespaces()),
+        [(node.count_publishers(name), node.count_subscribers(name)) for name, _ in topics],
+    )
+
+
+def _nothing() -> None:
+    """Stand in for a callback that is not wanted any more."""

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From the name of a message type to the class that its ROS package generated."""
+
+import importlib
+import importlib.util
+from pathlib import Path
+
+from gateway.ports import RosError
+from gateway.ros.names import split_type
+
+
+def message_class(type_name: str) -> type:
+    """Import the class of ``pkg/msg/Name``.
+
+    Raises:
+        RosError: ``bad_type``: the name is none, or no ROS package here has that message.
+    """
+    package, name = split_type(type_name)
+    if not _is_ros_package(package):
+        raise RosError("bad_type", f"no ROS package {package} is installed here ({type_name})")
+    try:
+        found = getattr(importlib.import_module(f"{package}.msg"), name, None)
+    except ImportError as error:
+        raise RosError("bad_type", f"package {package} cannot be imported: {error}") from error
+    if not isinstance(found, type):
+        raise RosError("bad_type", f"no ROS package here has {type_name}; {package} has no {name}")
+    return found
+
+
+def _is_ros_package(package: str) -> bool:
+    """Tell, without importing it, whether a package was generated from ROS interfaces.
+
+    A client chooses the name: importing any package it likes would run that package's code.
+    """
+    try:
+        spec = importlib.util.find_spec(package)
+    except (ImportError, ValueError):  # ValueError: a module without a spec, such as __main__
+        return False
+    folders = [Path(folder) for folder in (spec and spec.submodule_search_locations) or ()]
+    return any(
+        (folder / "msg").is_dir() and any(folder.glob(f"{package}_s__rosidl_typesupport_c*"))
+        for folder in folders
+    )

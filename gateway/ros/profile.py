@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Between the port's quality of service and rclpy's."""
+
+from rclpy.duration import Duration
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.topic_endpoint_info import TopicEndpointInfo
+
+from gateway.ports import Qos
+from gateway.ros.qos import MAX_PERIOD_NS, Offer
+
+
+def to_profile(qos: Qos) -> QoSProfile:
+    """Convert a quality of service that leaves nothing open."""
+    return QoSProfile(
+        reliability=ReliabilityPolicy.RELIABLE
+        if qos.reliability == "reliable"
+        else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL
+        if qos.durability == "transient_local"
+        else DurabilityPolicy.VOLATILE,
+        history=HistoryPolicy.KEEP_ALL if qos.history == "keep_all" else HistoryPolicy.KEEP_LAST,
+        depth=qos.depth,
+        deadline=_duration(qos.deadline_ns),
+        lifespan=_duration(qos.lifespan_ns),
+    )
+
+
+def to_offer(publisher: TopicEndpointInfo) -> Offer:
+    """Convert what discovery knows of a publisher.
+
+    A policy that discovery leaves unknown counts as the weaker one, which any offer matches.
+    """
+    profile = publisher.qos_profile
+    deadline_ns = profile.deadline.nanoseconds
+    return Offer(
+        node=endpoint_node(publisher),
+        type_name=publisher.topic_type,
+        reliability="reliable"
+        if profile.reliability == ReliabilityPolicy.RELIABLE
+        else "best_effort",
+        durability="transient_local"
+        if profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
+        else "volatile",
+        depth=profile.depth or None,
+        deadline_ns=deadline_ns if 0 < deadline_ns < MAX_PERIOD_NS else None,
+    )
+
+
+def endpoint_node(endpoint: TopicEndpointInfo) -> str:
+    """Return the full name of the node that has an endpoint."""
+    return full_name(endpoint.node_namespace, endpoint.node_name)
+
+
+def full_name(namespace: str, name: str) -> str:
+    """Join a namespace and a node name; rmw's placeholders, which have no namespace, stay bare."""
+    return f"{namespace.rstrip('/')}/{name}" if namespace.startswith("/") else name
+
+
+def _duration(nanoseconds: int | None) -> Duration:
+    return Duration(nanoseconds=MAX_PERIOD_NS if nanoseconds is None else nanoseconds)

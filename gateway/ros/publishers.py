@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Raw publishers, one of rclpy's for all who advertise the same."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from rclpy.event_handler import PublisherEventCallbacks
+from rclpy.node import Node
+
+from gateway.ports import Qos
+from gateway.ros.errors import REFUSALS, refused, remapped
+from gateway.ros.interfaces import message_class
+from gateway.ros.names import check_topic
+from gateway.ros.profile import to_profile
+from gateway.ros.qos import complete_offer
+
+
+@dataclass(frozen=True, slots=True)
+class _Key:
+    topic: str
+    type_name: str
+    qos: Qos
+
+
+@dataclass(slots=True)
+class _Shared:
+    publisher: Any
+    users: int = 0
+
+
+class Publishers:
+    """The publishers of one node."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._shared: dict[_Key, _Shared] = {}
+        self._handles: set[RclpyPublisher] = set()
+
+    def __len__(self) -> int:
+        """Count the open handles."""
+        return len(self._handles)
+
+    def type_of(self, topic: str) -> str | None:
+        """Return the type of an open publisher on a topic, if there is one."""
+        return next((key.type_name for key in self._shared if key.topic == topic), None)
+
+    def advertise(self, topic: str, type_name: str, qos: Qos) -> "RclpyPublisher":
+        """Open a publisher; `gateway.ports.Ros.advertise` says how."""
+        check_topic(topic)
+        key = _Key(topic, type_name, complete_offer(qos))
+        shared = self._shared.get(key)
+        if shared is None:
+            shared = self._shared[key] = _Shared(self._create(key))
+        shared.users += 1
+        handle = RclpyPublisher(self, key, shared.publisher.handle.publish_raw)
+        self._handles.add(handle)
+        return handle
+
+    def release(self, handle: "RclpyPublisher", key: _Key) -> None:
+        """Give one handle back; the last one destroys the publisher. Twice is harmless."""
+        if handle not in self._handles:
+            return
+        self._handles.remove(handle)
+        shared = self._shared[key]
+        shared.users -= 1
+        if not shared.users:
+            del self._shared[key]
+            self._node.destroy_publisher(shared.publisher)
+
+    def close(self) -> None:
+        """Close every handle that is still open."""
+        for handle in list(self._handles):
+            handle.close()
+
+    def _create(self, key: _Key) -> Any:
+        found = message_class(key.type_name)
+        try:
+            publisher = self._node.create_publisher(
+                found,
+                key.topic,
+                to_profile(key.qos),
+                event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
+            )
+        except REFUSALS as error:
+            raise refused(f"topic {key.topic}", error) from error
+        given = publisher.topic_name
+        if given != key.topic:
+            self._node.destroy_publisher(publisher)
+            raise remapped(key.topic, given)
+        return publisher
+
+
+class RclpyPublisher:
+    """One handle on a publisher that others may share."""
+
+    def __init__(self, publishers: Publishers, key: _Key, publish_raw: Any) -> None:
+        self._publishers = publishers
+        self._key = key
+        self._publish_raw = publish_raw
+
+    def publish(self, cdr: bytes) -> None:
+        """Publish one sample, encapsulation header included. Not after `close`."""
+        try:
+            self._publish_raw(cdr)
+        except REFUSALS as error:
+            raise refused(f"topic {self._key.topic}", error) from error
+
+    def close(self) -> None:
+        """Give it back. Closing twice is harmless."""
+        self._publishers.release(self, self._key)

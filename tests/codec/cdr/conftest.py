@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: Apache-2.0
+import pytest
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+from schemas.installed import InstalledDefinitions
+
+
+@pytest.fixture(scope="session")
+def rosbags_store():
+    """All installed types in rosbags, which shares no code with rclpy and knows no wstring."""
+    definitions = InstalledDefinitions()
+    types = {}
+    for name in definitions.names():
+        if name != "test_msgs/msg/WStrings":
+            types.update(get_types_from_msg(definitions.get(name).text, name))
+    store = get_typestore(Stores.EMPTY)
+    store.register(types)
+    return store

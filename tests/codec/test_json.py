@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: Apache-2.0
+import json
+import math
+import tracemalloc
+
+import numpy as np
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from gateway.codec.json import JsonError, dumps, loads
+
+KIB_256 = 256 * 1024
+
+
+def test_arrays_are_written_as_arrays_and_non_finite_numbers_as_null():
+    values = {
+        "floats": np.array([0.1, math.nan, math.inf], "f4"),
+        "ints": np.array([2**64 - 1], "u8"),
+        "bools": np.array([True, False]),
+        "tuple": (1.5, math.nan, -math.inf),
+        "text": "grüße",
+    }
+    assert dumps(values).decode() == (
+        '{"floats":[0.1,null,null],"ints":[18446744073709551615],"bools":[true,false],'
+        '"tuple":[1.5,null,null],"text":"grüße"}'
+    )
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '{"op":"publish","msg":{"data":[1,2.5,true,null,"x"]}}',
+        '{"op":"subscribe","id":"subscribe:/odom:1","topic":"/odom"}',
+        '{ "a" : 1 , "b" : ":" }',
+        '{"a\\u003a":1,"b":"\\":"}',
+        '[{"a":1},{"a":1}]',
+        '{"a":{"a":{"a":1}}}',
+        '":" ',
+        "3",
+        '{"":0}',
+    ],
+)
+def test_json_is_read(text):
+    assert loads(text) == loads(text.encode()) == json.loads(text)
+
+
+@pytest.mark.parametrize(
+    ("data", "reason"),
+    [
+        (b"", r"frame is not JSON: .* at line 1, column 1$"),
+        (b"hello", r"frame is not JSON: .* at line 1, column 1$"),
+        (b'{"a":\n  NaN}', r"frame is not JSON: .* at line 2, column 3$"),
+        (b"[Infinity]", r"frame is not JSON: .* at line 1, column 2$"),
+        (b"[-Infinity]", r"frame is not JSON: .* at line 1, column"),
+        (b"[1e999]", r"frame is not JSON: .* at line 1, column 2$"),
+        (b"[1,]", r"frame is not JSON: "),
+        (b"{'a':1}", r"frame is not JSON: "),
+        (b'{"a":1} {"b":2}', r"frame is not JSON: .* at line 1, column"),
+        (b'["\\ud800"]', r"frame is not JSON: "),
+        (b'["\xff"]', r"frame is not UTF-8 at offset 2$"),
+        (b'["\xed\xa0\x80"]', r"frame is not UTF-8 at offset 2$"),
+    ],
+)
+def test_what_is_no_json_raises_json_error_with_the_place(data, reason):
+    with pytest.raises(JsonError, match=f"^{reason}") as caught:
+        loads(data)
+    assert caught.value.offset is not None
+
+
+def test_the_offset_counts_octets():
+    with pytest.raises(JsonError) as caught:
+        loads('["grüße",\n x]')
+    assert caught.value.offset == len('["grüße",\n '.encode())
+
+
+@pytest.mark.parametrize(
+    ("text", "key"),
+    [
+        ('{"a":1,"a":1}', "a"),
+        ('{"a" :1,"a":1}', "a"),
+        ('{"a"\n:1,"a":":"}', "a"),
+        ('{"msg":[{"x":1,"y":2,"x":3}]}', "x"),
+        ('{"a":":","a":1}', "a"),
+        ('{"a":1,"a":"\\u003a"}', "a"),
+        ('{"a":1,"\\u0061":2}', "a"),
+        ('{"a":{"b":1,"c":2},"a":{":":":"}}', "a"),
+        ('{"a":"\\":","a":1}', "a"),
+        ('{"a":1,"b":"\\":","a" :2}', "a"),
+        ('{"":1,"":2}', ""),
+    ],
+)
+def test_a_duplicate_key_raises_json_error_naming_it(text, key):
+    with pytest.raises(JsonError) as caught:
+        loads(text)
+    assert str(caught.value) == f'duplicate key "{key}"'
+
+
+SCALARS = st.one_of(
+    st.sampled_from(
+        ["1", "null", '":"', '"\\":"', '"\\u003a"', '"a"', '" :"', '"\\\\"', "[]", "{}"]
+    )
+)
+NAMES = st.sampled_from(['"a"', '"b"', '":"', '"\\":"', '"\\u0061"', '" :"'])
+COLONS = st.sampled_from([":", " :", ": ", "\n:\t"])
+
+
+def objects(texts):
+    members = st.tuples(NAMES, COLONS, texts).map("".join)
+    return st.lists(members, max_size=4).map(lambda members: f"{{{','.join(members)}}}")
+
+
+def arrays(texts):
+    return st.lists(texts, max_size=3).map(lambda items: f"[{','.join(items)}]")
+
+
+TEXTS = st.recursive(SCALARS, lambda texts: objects(texts) | arrays(texts), max_leaves=10)
+
+
+@given(TEXTS)
+def test_duplicates_are_found_wherever_they_are_and_only_there(text):
+    def refuse(pairs):
+        if len(dict(pairs)) < len(pairs):
+            raise KeyError
+        return dict(pairs)
+
+    try:
+        expected = json.loads(text, object_pairs_hook=refuse)
+    except KeyError:
+        with pytest.raises(JsonError, match=r"^duplicate key "):
+            loads(text)
+    else:
+        assert loads(text) == expected
+
+
+@given(st.binary(max_size=60) | st.text(max_size=60))
+@example(b"[" * 600)
+@example(b'{"a":' * 600)
+def test_anything_is_read_or_raises_json_error(data):
+    try:
+        loads(data)
+    except JsonError:
+        return
+
+
+@pytest.mark.parametrize("brackets", ["[]", ("[1,", "]"), ('{"a":', "}")])
+def test_depth_is_bounded(brackets):
+    opening, closing = brackets
+    inner = "1" if opening != "[" else ""
+    loads(opening * 32 + inner + closing * 32)
+    with pytest.raises(JsonError, match=r"^JSON nests deeper than 32 levels$"):
+        loads(opening * 33 + inner + closing * 33)
+    with pytest.raises(JsonError, match=r"^JSON nests deeper than 2 levels$"):
+        loads(opening * 3 + inner + closing * 3, max_depth=2)
+
+
+@pytest.mark.parametrize("text", ["[" + "0," * 100_000 + "0]", "[" + "[]," * 100_000 + "0]"])
+def test_items_are_bounded(text):
+    with pytest.raises(JsonError, match=r"^JSON has over 100000 items$"):
+        loads(text)
+    assert len(loads(text, max_items=100_001)) == 100_001
+
+
+def test_commas_and_brackets_in_strings_are_no_items():
+    text = json.dumps(["[,{" * 100_000, '\\",' * 100_000])
+    assert loads(text) == json.loads(text)
+
+
+@pytest.mark.parametrize(
+    "bomb",
+    [
+        b"[" * KIB_256,
+        b"[" * (KIB_256 // 2) + b"]" * (KIB_256 // 2),
+        b'{"a":' * (KIB_256 // 5),
+        b"[" + b"0," * (KIB_256 // 2),
+        b"[" + b"[0]," * (KIB_256 // 4) + b"0]",
+        b'["' + b'\\"' * (KIB_256 // 4) + b"," * (KIB_256 // 2),
+        b'["' + b"\\" * (KIB_256 // 2) + b"," * (KIB_256 // 2),
+    ],
+    ids=["open", "nested", "objects", "tiny", "arrays", "quotes", "backslashes"],
+)
+def test_a_bomb_is_refused_before_it_is_built(bomb):
+    tracemalloc.start()
+    try:
+        with pytest.raises(JsonError):
+            loads(bomb)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < 16 * len(bomb)
+
+
+def test_many_escaped_quotes_do_not_take_quadratic_time():
+    # A minute's work if each of them began a search to the end.
+    bomb = b'["' + b'\\"' * 1_000_000 + b"," * 200_000
+    with pytest.raises(JsonError):
+        loads(bomb)

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""ROS for tests, real and fake, each with the world around it."""
+
+from collections.abc import AsyncIterator, Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import pytest
+
+from gateway.ports import Publisher, Qos, Ros, Sample
+from gateway.ros.node import RosOptions, open_ros
+from tests.ros.fake import FakeRos
+from tests.ros.outside import Outside
+
+
+class World(Protocol):
+    """What goes on outside the gateway."""
+
+    def add_publisher(self, topic: str, type_name: str, qos: Qos | None = None) -> Publisher: ...
+
+    def add_subscription(
+        self,
+        topic: str,
+        type_name: str,
+        on_samples: Callable[[Sequence[Sample]], None],
+        qos: Qos | None = None,
+    ) -> Any: ...
+
+
+@dataclass(frozen=True)
+class Robot:
+    """The port under test and the world around it."""
+
+    ros: Ros
+    world: World
+
+
+@pytest.fixture
+def outside() -> Iterator[Outside]:
+    outside = Outside()
+    yield outside
+    outside.close()
+
+
+@pytest.fixture(params=["fake", "eventfd", "executor"])
+async def robot(request: pytest.FixtureRequest) -> AsyncIterator[Robot]:
+    if request.param == "fake":
+        fake = FakeRos()
+        yield Robot(fake, fake)
+        return
+    outside = request.getfixturevalue("outside")
+    async with open_ros(RosOptions(taking=request.param)) as ros:
+        yield Robot(ros, outside)

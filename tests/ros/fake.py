@@ -1,0 +1,312 @@
+# SPDX-License-Identifier: Apache-2.0
+"""ROS in memory: the port without DDS, and the outside world to drive it with.
+
+What goes in comes out within a few turns of the event loop. `test_contract.py` holds it to
+what the real one does.
+"""
+
+import asyncio
+from collections import deque
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+from gateway.ports import MAX_TAKES_PER_TURN, Graph, LogLevel, Qos, RosError, Sample, Topic
+from gateway.ros.names import check_topic, split_type
+from gateway.ros.qos import Offer, adopt, complete_offer, is_same_request, mismatches
+from schemas.installed import InstalledDefinitions, UnknownTypeError
+
+_MAX_RETAINED: Final = 1024
+
+
+@dataclass(eq=False)
+class FakePublisher:
+    """A publisher on the fake's topics, outside or the gateway's own."""
+
+    ros: "FakeRos"
+    topic: str
+    type_name: str
+    qos: Qos
+    node: str
+    retained: deque[Sample] = field(default_factory=deque)
+
+    def publish(self, cdr: bytes) -> None:
+        assert self in self.ros.publishers, "published after close"
+        sample = Sample(cdr, self.ros.now)
+        if self.qos.durability == "transient_local":
+            self.retained.append(sample)
+        self.ros.arrive(self, sample)
+
+    def close(self) -> None:
+        if self in self.ros.publishers:
+            self.ros.publishers.remove(self)
+            self.ros.changed()
+
+    @property
+    def offer(self) -> Offer:
+        qos = self.qos
+        assert qos.reliability is not None
+        assert qos.durability is not None
+        return Offer(
+            self.node, self.type_name, qos.reliability, qos.durability, None, qos.deadline_ns
+        )
+
+
+@dataclass(eq=False)
+class FakeSubscription:
+    """A subscription to the fake's topics, outside or the gateway's own."""
+
+    ros: "FakeRos"
+    topic: str
+    type_name: str
+    asked: Qos
+    on_samples: Callable[[Sequence[Sample]], None]
+    on_incompatible: Callable[[str], None]
+    node: str
+    qos: Qos = field(init=False)
+    waiting: deque[Sample] = field(default_factory=deque)
+    reported: list[str] = field(default_factory=list)
+    is_scheduled: bool = False
+
+    def __post_init__(self) -> None:
+        self.qos = adopt(self.asked, self.matching())
+
+    def close(self) -> None:
+        if self in self.ros.subscriptions:
+            self.ros.subscriptions.remove(self)
+            self.ros.changed()
+
+    def matching(self) -> list[Offer]:
+        return [o for o in self.ros.offers(self.topic) if o.type_name == self.type_name]
+
+    def takes_from(self, publisher: FakePublisher) -> bool:
+        return publisher.topic == self.topic and not mismatches(
+            self.topic, self.type_name, self.qos, [publisher.offer]
+        )
+
+    def follow(self) -> None:
+        qos = adopt(self.asked, self.matching(), self.qos)
+        if not is_same_request(qos, self.qos):
+            self.qos = qos
+            self.take_retained()
+        known = self.reported
+        self.reported = mismatches(
+            self.topic, self.type_name, self.qos, self.ros.offers(self.topic)
+        )
+        for reason in self.reported:
+            if reason not in known and self in self.ros.subscriptions:
+                self.on_incompatible(reason)
+
+    def take_retained(self) -> None:
+        if self.qos.durability == "transient_local":
+            for publisher in self.ros.publishers:
+                if self.takes_from(publisher):
+                    for sample in publisher.retained:
+                        self.put(sample)
+
+    def put(self, sample: Sample) -> None:
+        self.waiting.append(sample)
+        if self.qos.history == "keep_last" and len(self.waiting) > (self.qos.depth or 1):
+            self.waiting.popleft()
+        self._schedule()
+
+    def _schedule(self) -> None:
+        if not self.is_scheduled:
+            self.is_scheduled = True
+            self.ros.loop.call_soon(self._deliver)
+
+    def _deliver(self) -> None:
+        self.is_scheduled = False
+        if self not in self.ros.subscriptions:
+            return
+        waiting = self.waiting
+        samples = [waiting.popleft() for _ in range(min(len(waiting), MAX_TAKES_PER_TURN))]
+        if waiting:
+            self._schedule()
+        if samples:
+            self.on_samples(samples)
+
+
+Endpoint = FakePublisher | FakeSubscription
+
+
+class FakeWatch:
+    """A watch of the fake's graph."""
+
+    def __init__(self, ros: "FakeRos", on_change: Callable[[], None]) -> None:
+        self.ros = ros
+        self.on_change = on_change
+
+    def close(self) -> None:
+        if self in self.ros.watches:
+            self.ros.watches.remove(self)
+
+
+class FakeRos:
+    """The port; what is public beyond it is for tests to look at and to drive."""
+
+    def __init__(self, *, prefix: str = "gateway", max_entities: int = 256) -> None:
+        self.loop = asyncio.get_running_loop()
+        self.prefix = prefix
+        self.max_entities = max_entities
+        self.now = 1_700_000_000_000_000_000
+        self.publishers: list[FakePublisher] = []
+        self.subscriptions: list[FakeSubscription] = []
+        self.watches: list[FakeWatch] = []
+        self.logged: list[tuple[LogLevel, str]] = []
+        self._definitions = InstalledDefinitions()
+        self._is_changing = False
+
+    # The port
+
+    @property
+    def distro(self) -> str:
+        return "jazzy"
+
+    def now_ns(self) -> int:
+        return self.now
+
+    def subscribe(
+        self,
+        topic: str,
+        type_name: str,
+        qos: Qos,
+        on_samples: Callable[[Sequence[Sample]], None],
+        on_incompatible: Callable[[str], None],
+    ) -> FakeSubscription:
+        self._check_new(topic, type_name)
+        return self._open_subscription(
+            topic, type_name, qos, on_samples, on_incompatible, f"/{self.prefix}_subscriptions"
+        )
+
+    def advertise(self, topic: str, type_name: str, qos: Qos) -> FakePublisher:
+        self._check_new(topic, type_name)
+        return self.add_publisher(topic, type_name, qos, f"/{self.prefix}_publishers")
+
+    def topic_types(self, topic: str) -> tuple[str, ...]:
+        own = f"/{self.prefix}_"
+        publishers = [p for p in self.publishers if p.topic == topic]
+        subscriptions = [s for s in self.subscriptions if s.topic == topic]
+        others = [s for s in subscriptions if not s.node.startswith(own)]
+        return tuple(sorted({e.type_name for e in publishers or others or subscriptions}))
+
+    def graph(self) -> Graph:
+        endpoints: list[Endpoint] = [*self.publishers, *self.subscriptions]
+        topics = (
+            Topic(
+                name,
+                tuple(sorted({e.type_name for e in endpoints if e.topic == name})),
+                tuple(sorted(p.node for p in self.publishers if p.topic == name)),
+                tuple(sorted(s.node for s in self.subscriptions if s.topic == name)),
+            )
+            for name in sorted({endpoint.topic for endpoint in endpoints})
+        )
+        own = {f"/{self.prefix}_{each}" for each in ("subscriptions", "publishers", "debug")}
+        nodes = own | {endpoint.node for endpoint in endpoints}
+        return Graph(tuple(topics), tuple(sorted(nodes)))
+
+    def watch_graph(self, on_change: Callable[[], None]) -> FakeWatch:
+        watch = FakeWatch(self, on_change)
+        self.watches.append(watch)
+        return watch
+
+    def log(self, level: LogLevel, text: str) -> None:
+        self.logged.append((level, text))
+
+    def entity_count(self) -> int:
+        return len(self._own([*self.publishers, *self.subscriptions]))
+
+    # The world outside
+
+    def publish(self, topic: str, cdr: bytes) -> None:
+        """Publish from the outside publisher that was added to a topic first."""
+        outside = f"/{self.prefix}_"
+        next(
+            p for p in self.publishers if p.topic == topic and not p.node.startswith(outside)
+        ).publish(cdr)
+
+    def add_publisher(
+        self, topic: str, type_name: str, qos: Qos | None = None, node: str = "/outside"
+    ) -> FakePublisher:
+        """Add a publisher; what *qos* leaves open gets the defaults of ROS."""
+        offered = complete_offer(qos or Qos())
+        publisher = FakePublisher(
+            self, topic, type_name, offered, node, deque(maxlen=offered.depth or _MAX_RETAINED)
+        )
+        self.publishers.append(publisher)
+        self.changed()
+        return publisher
+
+    def remove_publisher(self, publisher: FakePublisher) -> None:
+        """Let a publisher vanish."""
+        publisher.close()
+
+    def add_subscription(
+        self,
+        topic: str,
+        type_name: str,
+        on_samples: Callable[[Sequence[Sample]], None],
+        qos: Qos | None = None,
+        node: str = "/outside",
+    ) -> FakeSubscription:
+        """Add a subscription that sees what is published, by the gateway too."""
+        return self._open_subscription(
+            topic, type_name, qos or Qos(), on_samples, lambda _: None, node
+        )
+
+    # What its parts need
+
+    def offers(self, topic: str) -> list[Offer]:
+        return [p.offer for p in self.publishers if p.topic == topic]
+
+    def arrive(self, publisher: FakePublisher, sample: Sample) -> None:
+        for subscription in self.subscriptions:
+            if subscription.takes_from(publisher):
+                subscription.put(sample)
+
+    def changed(self) -> None:
+        if not self._is_changing:
+            self._is_changing = True
+            self.loop.call_soon(self._tell)
+
+    def _tell(self) -> None:
+        self._is_changing = False
+        for subscription in list(self.subscriptions):
+            subscription.follow()
+        for watch in list(self.watches):
+            if watch in self.watches:
+                watch.on_change()
+
+    def _open_subscription(
+        self,
+        topic: str,
+        type_name: str,
+        qos: Qos,
+        on_samples: Callable[[Sequence[Sample]], None],
+        on_incompatible: Callable[[str], None],
+        node: str,
+    ) -> FakeSubscription:
+        subscription = FakeSubscription(
+            self, topic, type_name, qos, on_samples, on_incompatible, node
+        )
+        self.subscriptions.append(subscription)
+        subscription.take_retained()
+        self.changed()
+        return subscription
+
+    def _check_new(self, topic: str, type_name: str) -> None:
+        if self.entity_count() >= self.max_entities:
+            raise RosError("limit_exceeded", f"at most {self.max_entities} ROS entities")
+        check_topic(topic)
+        split_type(type_name)
+        try:
+            self._definitions.get(type_name)
+        except UnknownTypeError as error:
+            raise RosError("bad_type", str(error)) from error
+        own = self._own([*self.publishers, *self.subscriptions])
+        known = next((each.type_name for each in own if each.topic == topic), type_name)
+        if known != type_name:
+            raise RosError("bad_type", f"topic {topic} is open here as {known}, not {type_name}")
+
+    def _own(self, endpoints: Iterable[Endpoint]) -> list[Endpoint]:
+        return [each for each in endpoints if each.node.startswith(f"/{self.prefix}_")]

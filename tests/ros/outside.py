@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The rest of the robot: a node of its own context in this process, by plain rclpy."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from rclpy.context import Context
+from rclpy.node import Node
+
+from gateway.ports import Qos, Sample
+from gateway.ros.executor import ExecutorThread
+from gateway.ros.interfaces import message_class
+from gateway.ros.profile import to_profile
+from gateway.ros.qos import adopt, complete_offer
+
+
+class OutsidePublisher:
+    """A publisher that the gateway does not know of but through discovery."""
+
+    def __init__(self, node: Node, topic: str, type_name: str, qos: Qos) -> None:
+        self._node = node
+        found = message_class(type_name)
+        self._publisher = node.create_publisher(found, topic, to_profile(complete_offer(qos)))
+
+    def publish(self, cdr: bytes) -> None:
+        self._publisher.publish(cdr)
+
+    def close(self) -> None:
+        self._node.destroy_publisher(self._publisher)
+
+
+class Outside:
+    """One participant with one spun node, ``/outside`` unless named."""
+
+    def __init__(self, name: str = "outside") -> None:
+        self.context = Context()
+        self.context.init(args=["--ros-args", "--disable-stdout-logs"])
+        self.node = Node(name, context=self.context, start_parameter_services=False)
+        # The standard one: that of the product must not vouch for itself.
+        self._executor = ExecutorThread(self.context, standard=True)
+        self._executor.add_node(self.node)
+
+    def add_publisher(self, topic: str, type_name: str, qos: Qos | None = None) -> OutsidePublisher:
+        return OutsidePublisher(self.node, topic, type_name, qos or Qos())
+
+    def add_subscription(
+        self,
+        topic: str,
+        type_name: str,
+        on_samples: Callable[[Sequence[Sample]], None],
+        qos: Qos | None = None,
+    ) -> Any:
+        def arrive(cdr: Any) -> None:
+            on_samples([Sample(cdr, 0)])
+
+        return self.node.create_subscription(
+            message_class(type_name),
+            topic,
+            arrive,
+            to_profile(adopt(qos or Qos(), ())),
+            raw=True,
+        )
+
+    def close(self) -> None:
+        self._executor.close()
+        self.node.destroy_node()
+        self.context.try_shutdown()
+        self.context.destroy()

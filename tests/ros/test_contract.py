@@ -1,0 +1,362 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the router relies on, asked of the fake and of rclpy in both ways of taking samples."""
+
+import itertools
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import pytest
+
+from gateway.ports import MAX_TAKES_PER_TURN, Publisher, Qos, RosError, Sample
+from tests.client import eventually
+from tests.ros.conftest import Robot
+
+STRING = "std_msgs/msg/String"
+INT32 = "std_msgs/msg/Int32"
+LATCHED = Qos(durability="transient_local", depth=5)
+BEST_EFFORT = Qos(reliability="best_effort")
+BAD_NAMES = [
+    *("count", "", "/", "~", "/~", "~/count", "/{node}", "/a//b", "/a/", "/1a", "/a/1b"),
+    *("/a b", "/a-b", "/é", "/count\0", "/count\n", "/" + "a" * 300),
+]
+BAD_TYPES = [
+    *("", "x", "std_msgs/Int32", "std_msgs/msg/Int33", "none_msgs/msg/Int32", "std_msgs/srv/Int32"),
+    *("std_msgs/msg/Int32\n", "antigravity/msg/Int32", "os/msg/Path", "std_msgs.msg/msg/Int32"),
+]
+
+
+def number(value: int) -> bytes:
+    return b"\0\1\0\0" + value.to_bytes(4, "little")
+
+
+class Received:
+    """What a subscription delivered."""
+
+    def __init__(self) -> None:
+        self.batches: list[list[Sample]] = []
+        self.reasons: list[str] = []
+
+    def on_samples(self, samples: Sequence[Sample]) -> None:
+        self.batches.append(list(samples))
+
+    def on_incompatible(self, reason: str) -> None:
+        self.reasons.append(reason)
+
+    @property
+    def cdrs(self) -> list[bytes]:
+        return [sample.cdr for batch in self.batches for sample in batch]
+
+
+def subscribe(robot: Robot, topic: str, type_name: str = INT32, qos: Qos | None = None) -> Any:
+    received = Received()
+    subscription = robot.ros.subscribe(
+        topic, type_name, qos or Qos(), received.on_samples, received.on_incompatible
+    )
+    return received, subscription
+
+
+async def until_it_flows(publisher: Publisher, received: Received, first: int = 1_000_000) -> None:
+    """Publish until something arrives: a publisher cannot know when its samples begin to."""
+    values: Iterator[int] = itertools.count(first)
+
+    def arrived() -> bool:
+        publisher.publish(number(next(values)))
+        return bool(received.cdrs)
+
+    await eventually(arrived)
+
+
+async def test_samples_of_an_outside_publisher_arrive_in_order_and_unchanged(robot: Robot) -> None:
+    received, _ = subscribe(robot, "/count")
+    publisher = robot.world.add_publisher("/count", INT32)
+    await until_it_flows(publisher, received)
+    for value in range(20):
+        publisher.publish(number(value))
+    await eventually(lambda: number(19) in received.cdrs)
+    assert received.cdrs[-20:] == [number(value) for value in range(20)]
+
+
+async def test_a_sample_has_the_time_of_its_reception(robot: Robot) -> None:
+    received, _ = subscribe(robot, "/count")
+    before = robot.ros.now_ns()
+    await until_it_flows(robot.world.add_publisher("/count", INT32), received)
+    after = robot.ros.now_ns()
+    assert before <= received.batches[0][0].received_ns <= after
+
+
+async def test_a_batch_is_never_empty_nor_larger_than_a_turn_may_take(robot: Robot) -> None:
+    received, _ = subscribe(robot, "/count", qos=Qos(depth=500))
+    publisher = robot.world.add_publisher("/count", INT32, Qos(depth=500))
+    await until_it_flows(publisher, received)
+    for value in range(200):
+        publisher.publish(number(value))
+    await eventually(lambda: number(199) in received.cdrs)
+    assert received.cdrs[-200:] == [number(value) for value in range(200)]
+    assert all(1 <= len(batch) <= MAX_TAKES_PER_TURN for batch in received.batches)
+
+
+async def test_the_newest_samples_win_when_the_loop_falls_behind(robot: Robot) -> None:
+    received, _ = subscribe(robot, "/count", qos=Qos(depth=3))
+    publisher = robot.world.add_publisher("/count", INT32, Qos(depth=500))
+    await until_it_flows(publisher, received)
+    for value in range(200):
+        publisher.publish(number(value))
+    await eventually(lambda: number(199) in received.cdrs)
+    assert len(received.cdrs) < 200
+
+
+async def test_what_is_published_reaches_an_outside_subscription(robot: Robot) -> None:
+    received = Received()
+    robot.world.add_subscription("/command", INT32, received.on_samples)
+    await until_it_flows(robot.ros.advertise("/command", INT32, Qos()), received)
+    assert received.cdrs[0][4:] >= number(1_000_000)[4:]
+
+
+async def test_the_gateway_hears_itself(robot: Robot) -> None:
+    received, _ = subscribe(robot, "/echo")
+    await until_it_flows(robot.ros.advertise("/echo", INT32, Qos()), received)
+
+
+async def test_no_sample_comes_after_close(robot: Robot) -> None:
+    received, subscription = subscribe(robot, "/count")
+    others, _ = subscribe(robot, "/count")
+    publisher = robot.world.add_publisher("/count", INT32)
+    await until_it_flows(publisher, received)
+    await until_it_flows(publisher, others)
+    publisher.publish(number(1))
+    subscription.close()
+    seen = len(received.cdrs)
+    publisher.publish(number(2))
+    await eventually(lambda: number(2) in others.cdrs)
+    assert len(received.cdrs) == seen
+
+
+async def test_a_subscription_may_be_closed_by_its_own_callback(robot: Robot) -> None:
+    seen: list[Sample] = []
+
+    def on_samples(samples: Sequence[Sample]) -> None:
+        seen.extend(samples)
+        subscription.close()
+
+    subscription = robot.ros.subscribe("/count", INT32, Qos(), on_samples, lambda _: None)
+    publisher = robot.world.add_publisher("/count", INT32)
+    others, _ = subscribe(robot, "/count")
+
+    def is_over() -> bool:
+        publisher.publish(number(1))
+        return bool(seen) and len(others.cdrs) > len(seen)
+
+    await eventually(is_over)
+    assert robot.ros.entity_count() == 1
+
+
+async def test_closing_twice_is_harmless(robot: Robot) -> None:
+    _, subscription = subscribe(robot, "/count")
+    publisher = robot.ros.advertise("/count", INT32, Qos())
+    watch = robot.ros.watch_graph(lambda: None)
+    for each in (subscription, publisher, watch):
+        each.close()
+        each.close()
+    assert robot.ros.entity_count() == 0
+
+
+async def test_entities_are_counted_by_handle(robot: Robot) -> None:
+    _, subscription = subscribe(robot, "/count")
+    publishers = [robot.ros.advertise("/count", INT32, Qos()) for _ in range(2)]
+    assert robot.ros.entity_count() == 3
+    publishers[0].close()
+    assert robot.ros.entity_count() == 2
+    received, _ = subscribe(robot, "/count")
+    await until_it_flows(publishers[1], received)  # the other handle did not take it along
+    subscription.close()
+    publishers[1].close()
+    assert robot.ros.entity_count() == 1
+
+
+@pytest.mark.parametrize("topic", BAD_NAMES)
+async def test_a_name_that_is_not_fully_qualified_is_bad(robot: Robot, topic: str) -> None:
+    for attempt in (
+        lambda: subscribe(robot, topic),
+        lambda: robot.ros.advertise(topic, INT32, Qos()),
+    ):
+        with pytest.raises(RosError) as caught:
+            attempt()
+        assert caught.value.code == "bad_name"
+    assert robot.ros.entity_count() == 0
+
+
+@pytest.mark.parametrize("type_name", BAD_TYPES)
+async def test_a_type_without_a_ros_package_is_bad(robot: Robot, type_name: str) -> None:
+    for attempt in (
+        lambda: subscribe(robot, "/count", type_name),
+        lambda: robot.ros.advertise("/count", type_name, Qos()),
+    ):
+        with pytest.raises(RosError) as caught:
+            attempt()
+        assert caught.value.code == "bad_type"
+    assert robot.ros.entity_count() == 0
+
+
+async def test_a_topic_is_open_with_one_type_at_a_time(robot: Robot) -> None:
+    _, subscription = subscribe(robot, "/count", INT32)
+    with pytest.raises(RosError, match="open here as std_msgs/msg/Int32") as caught:
+        robot.ros.advertise("/count", STRING, Qos())
+    assert caught.value.code == "bad_type"
+    with pytest.raises(RosError, match="open here as std_msgs/msg/Int32"):
+        subscribe(robot, "/count", STRING)
+    subscription.close()
+    subscribe(robot, "/count", STRING)
+
+
+async def test_a_later_subscription_gets_the_retained_samples(robot: Robot) -> None:
+    publisher = robot.world.add_publisher("/map", INT32, LATCHED)
+    for value in range(3):
+        publisher.publish(number(value))
+    received, subscription = subscribe(robot, "/map")
+    await eventually(lambda: len(received.cdrs) >= 3)
+    assert received.cdrs[-3:] == [number(0), number(1), number(2)]
+    assert subscription.qos.durability == "transient_local"
+
+
+async def test_an_earlier_subscription_follows_to_transient_local(robot: Robot) -> None:
+    received, subscription = subscribe(robot, "/map")
+    assert subscription.qos.durability == "volatile"
+    robot.world.add_publisher("/map", INT32, LATCHED).publish(number(7))
+    await eventually(lambda: subscription.qos.durability == "transient_local")
+    await eventually(lambda: number(7) in received.cdrs)
+
+
+async def test_an_earlier_subscription_follows_to_best_effort(robot: Robot) -> None:
+    received, subscription = subscribe(robot, "/scan")
+    assert subscription.qos.reliability == "reliable"
+    publisher = robot.world.add_publisher("/scan", INT32, BEST_EFFORT)
+    await until_it_flows(publisher, received)
+    assert subscription.qos.reliability == "best_effort"
+    assert received.reasons == []
+
+
+async def test_the_weaker_offer_decides_until_it_goes(robot: Robot) -> None:
+    received, subscription = subscribe(robot, "/scan")
+    reliable = robot.world.add_publisher("/scan", INT32)
+    weaker = robot.world.add_publisher("/scan", INT32, BEST_EFFORT)
+    await eventually(lambda: subscription.qos.reliability == "best_effort")
+    await until_it_flows(weaker, received)
+    weaker.close()
+    await eventually(lambda: subscription.qos.reliability == "reliable")
+    received.batches.clear()
+    await until_it_flows(reliable, received)
+
+
+async def test_the_profile_stays_when_the_last_publisher_goes(robot: Robot) -> None:
+    _, subscription = subscribe(robot, "/scan")
+    publisher = robot.world.add_publisher("/scan", INT32, BEST_EFFORT)
+    await eventually(lambda: subscription.qos.reliability == "best_effort")
+    publisher.close()
+    await eventually(lambda: not nodes_publishing(robot, "/scan"))
+    assert subscription.qos.reliability == "best_effort"
+
+
+async def test_nothing_of_the_profile_is_left_open(robot: Robot) -> None:
+    _, subscription = subscribe(robot, "/scan", qos=Qos(depth=7))
+    assert subscription.qos == Qos("reliable", "volatile", "keep_last", 7)
+
+
+async def test_an_offer_that_cannot_match_is_told_once_in_words(robot: Robot) -> None:
+    received, subscription = subscribe(robot, "/scan", qos=Qos(reliability="reliable"))
+    publisher = robot.world.add_publisher("/scan", INT32, BEST_EFFORT)
+    await eventually(lambda: bool(received.reasons))
+    [reason] = received.reasons
+    assert reason == (
+        "topic /scan: /outside offers reliability best_effort, the subscription asks for reliable;"
+        " ask for best_effort or leave the reliability open"
+    )
+    other = robot.world.add_publisher("/scan", INT32, Qos())
+    await until_it_flows(other, received)
+    publisher.publish(number(1))
+    assert len(received.reasons) == 1
+    assert subscription.qos.reliability == "reliable"
+
+
+async def test_an_offer_that_stands_already_is_told_after_subscribing(robot: Robot) -> None:
+    robot.world.add_publisher("/map", INT32)
+    await eventually(lambda: nodes_publishing(robot, "/map") == ("/outside",))
+    received, _ = subscribe(robot, "/map", qos=Qos(durability="transient_local"))
+    assert received.reasons == []  # the caller does not hold the subscription yet
+    await eventually(lambda: bool(received.reasons))
+    assert "durability volatile" in received.reasons[0]
+
+
+async def test_a_publisher_of_another_type_is_told_in_words(robot: Robot) -> None:
+    received, _ = subscribe(robot, "/count", INT32)
+    robot.world.add_publisher("/count", STRING)
+    await eventually(lambda: bool(received.reasons))
+    [reason] = received.reasons
+    assert reason == (
+        "topic /count: /outside publishes std_msgs/msg/String, the subscription is for"
+        " std_msgs/msg/Int32; subscribe with the type std_msgs/msg/String"
+    )
+
+
+async def test_the_types_of_a_topic_appear_and_vanish_with_it(robot: Robot) -> None:
+    assert robot.ros.topic_types("/count") == ()
+    publisher = robot.world.add_publisher("/count", INT32)
+    await eventually(lambda: robot.ros.topic_types("/count") == (INT32,))
+    publisher.close()
+    await eventually(lambda: robot.ros.topic_types("/count") == ())
+
+
+async def test_the_graph_lists_endpoints_by_node_our_own_included(robot: Robot) -> None:
+    robot.world.add_publisher("/count", INT32)
+    robot.world.add_publisher("/count", INT32)
+    robot.ros.advertise("/count", INT32, Qos())
+    subscribe(robot, "/count")
+    await eventually(
+        lambda: nodes_publishing(robot, "/count") == ("/gateway_publishers", "/outside", "/outside")
+    )
+    topic = next(t for t in robot.ros.graph().topics if t.name == "/count")
+    assert topic.types == (INT32,)
+    assert topic.subscribers == ("/gateway_subscriptions",)
+    nodes = robot.ros.graph().nodes
+    ours = ["/gateway_debug", "/gateway_publishers", "/gateway_subscriptions"]
+    assert [node for node in nodes if node.startswith("/gateway_")] == ours
+    assert "/outside" in nodes
+    assert list(nodes) == sorted(nodes)
+
+
+async def test_a_watch_hears_of_publishers_that_come_and_go(robot: Robot) -> None:
+    seen: list[tuple[str, ...]] = []
+    watch = robot.ros.watch_graph(lambda: seen.append(nodes_publishing(robot, "/count")))
+    publisher = robot.world.add_publisher("/count", INT32)
+    await eventually(lambda: ("/outside",) in seen)
+    publisher.close()
+    await eventually(lambda: seen[-1] == ())
+    watch.close()
+    heard = len(seen)
+    other: list[None] = []
+    robot.ros.watch_graph(lambda: other.append(None))
+    robot.world.add_publisher("/count", INT32)
+    await eventually(lambda: bool(other))
+    assert len(seen) == heard
+
+
+async def test_changes_close_together_are_one_call(robot: Robot) -> None:
+    calls: list[int] = []
+    robot.world.add_publisher("/first", INT32)
+    await eventually(lambda: nodes_publishing(robot, "/first") == ("/outside",))
+    robot.ros.watch_graph(lambda: calls.append(len(robot.ros.graph().topics)))
+    for index in range(20):
+        robot.ros.advertise(f"/of_ours/n{index}", INT32, Qos())
+    await eventually(lambda: len(nodes_publishing(robot, "/of_ours/n19")) == 1)
+    await eventually(lambda: bool(calls))
+    assert len(calls) < 20
+
+
+async def test_logging_takes_every_level(robot: Robot) -> None:
+    robot.ros.log("debug", "one")
+    robot.ros.log("info", "two")
+    robot.ros.log("warning", "three")
+    robot.ros.log("error", "four")
+
+
+def nodes_publishing(robot: Robot, topic: str) -> tuple[str, ...]:
+    return next((t.publishers for t in robot.ros.graph().topics if t.name == topic), ())

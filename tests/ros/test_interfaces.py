@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From type names to generated classes, and to nothing else."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from gateway.ports import RosError
+from gateway.ros.interfaces import message_class
+
+
+def test_a_message_type_gives_its_class() -> None:
+    from std_msgs.msg import String
+
+    assert message_class("std_msgs/msg/String") is String
+
+
+def test_a_missing_message_names_type_and_package() -> None:
+    with pytest.raises(RosError, match="has geometry_msgs/msg/Foo; geometry_msgs has no Foo"):
+        message_class("geometry_msgs/msg/Foo")
+
+
+def test_a_package_that_is_no_ros_package_is_not_imported(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for folder in (tmp_path / "innocent", tmp_path / "innocent" / "msg"):
+        folder.mkdir()
+        (folder / "__init__.py").write_text("raise SystemExit('imported')")
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(RosError, match="no ROS package innocent is installed here"):
+        message_class("innocent/msg/Foo")
+    assert "innocent" not in sys.modules
+
+
+def test_a_broken_ros_package_is_a_bad_type(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    package = tmp_path / "broken_msgs"
+    (package / "msg").mkdir(parents=True)
+    (package / "__init__.py").touch()
+    (package / "broken_msgs_s__rosidl_typesupport_c.so").touch()
+    (package / "msg" / "__init__.py").write_text("import nothing_of_this_name")
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(RosError, match="package broken_msgs cannot be imported"):
+        message_class("broken_msgs/msg/Foo")

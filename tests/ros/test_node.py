@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The way in: options, starting and ending."""
+
+import asyncio
+import os
+import signal
+import sys
+import threading
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from gateway.errors import RosMissingError
+from gateway.ports import Qos, Ros, RosError, Sample
+from gateway.ros.node import RosOptions, Taking, open_ros
+from tests.client import eventually
+from tests.ros.outside import Outside
+from tests.ros.test_samples import CDR, Flood
+
+INT32 = "std_msgs/msg/Int32"
+LOG = "rcl_interfaces/msg/Log"
+
+
+def ignore(*_: object) -> None: ...
+
+
+async def hears_itself(ros: Ros) -> None:
+    received: list[Sample] = []
+    subscription = ros.subscribe("/echo", INT32, Qos(), received.extend, ignore)
+    publisher = ros.advertise("/echo", INT32, Qos())
+
+    def arrived() -> bool:
+        publisher.publish(CDR)
+        return bool(received)
+
+    await eventually(arrived)
+    subscription.close()
+    publisher.close()
+
+
+def resources() -> tuple[int, int]:
+    """Count open file descriptors and threads."""
+    return len(list(Path("/proc/self/fd").iterdir())), len(list(Path("/proc/self/task").iterdir()))
+
+
+@pytest.mark.parametrize("taking", ["eventfd", "executor"])
+async def test_repeated_starts_leave_no_descriptor_and_no_thread(taking: Taking) -> None:
+    baseline = (0, 0)
+    for number in range(6):
+        async with open_ros(RosOptions(taking=taking)) as ros:
+            await hears_itself(ros)
+            ros.watch_graph(ignore)
+            ros.subscribe("/left_open", INT32, Qos(), ignore, ignore)
+            ros.advertise("/left_open", INT32, Qos())
+        if number == 1:  # the first time leaves what the process keeps, such as rcl's log file
+            baseline = resources()
+    await eventually(lambda: resources() <= baseline)
+
+
+async def test_nested_starts_are_independent() -> None:
+    async with open_ros(RosOptions(node_prefix="outer")) as outer:
+        async with open_ros(RosOptions(node_prefix="inner")) as inner:
+            await hears_itself(inner)
+            await eventually(lambda: "/outer_debug" in inner.graph().nodes)
+        await hears_itself(outer)
+        await eventually(lambda: "/inner_debug" not in outer.graph().nodes)
+
+
+@pytest.mark.parametrize("taking", ["eventfd", "executor"])
+async def test_ending_in_the_middle_of_a_flood_is_clean(outside: Outside, taking: Taking) -> None:
+    problems: list[object] = []
+    asyncio.get_running_loop().set_exception_handler(lambda _, context: problems.append(context))
+    flood = Flood(outside.add_publisher("/flood", INT32))
+    try:
+        for _ in range(3):
+            received: list[Sample] = []
+            async with open_ros(RosOptions(taking=taking)) as ros:
+                ros.subscribe("/flood", INT32, Qos(), received.extend, ignore)
+                await eventually(lambda: len(received) > 200)  # noqa: B023
+            seen = len(received)
+            for _ in range(10):
+                await asyncio.sleep(0)
+            assert len(received) == seen
+    finally:
+        flood.close()
+    assert problems == []
+
+
+async def test_ending_from_within_a_callback_is_clean(outside: Outside) -> None:
+    context = open_ros()
+    ros = await context.__aenter__()
+    done = asyncio.Event()
+    tasks: list[asyncio.Task[object]] = []
+
+    def on_samples(_: Sequence[Sample]) -> None:
+        if not tasks:
+            tasks.append(asyncio.ensure_future(context.__aexit__(None, None, None)))
+            tasks[0].add_done_callback(lambda _: done.set())
+
+    ros.subscribe("/flood", INT32, Qos(), on_samples, ignore)
+    flood = Flood(outside.add_publisher("/flood", INT32))
+    try:
+        async with asyncio.timeout(30):
+            await done.wait()
+        await tasks[0]
+    finally:
+        flood.close()
+
+
+async def test_ros_leaves_signals_to_the_loop() -> None:
+    stop = asyncio.Event()
+    asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, stop.set)
+    async with open_ros() as ros:
+        os.kill(os.getpid(), signal.SIGTERM)
+        async with asyncio.timeout(30):
+            await stop.wait()
+        await hears_itself(ros)  # rclpy's own handler would have ended the context
+
+
+async def test_nodes_carry_prefix_and_namespace() -> None:
+    async with open_ros(RosOptions(node_prefix="xr", namespace="/robot1")) as ros:
+        await eventually(lambda: len(ros.graph().nodes) == 3)
+        assert ros.graph().nodes == (
+            "/robot1/xr_debug",
+            "/robot1/xr_publishers",
+            "/robot1/xr_subscriptions",
+        )
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (RosOptions(node_prefix="a b"), "Invalid node name"),
+        (RosOptions(namespace="a b"), "Invalid namespace"),
+        (RosOptions(domain_id=233), "domain id 233, at most 232"),
+        (RosOptions(arguments=("--ros-args", "-r")), "starting ROS"),
+    ],
+)
+async def test_options_that_ros_refuses_are_a_ros_error(options: RosOptions, words: str) -> None:
+    with pytest.raises(RosError, match=words):
+        async with open_ros(options):
+            pass
+
+
+async def test_a_remapped_topic_is_refused_by_name() -> None:
+    options = RosOptions(arguments=("--ros-args", "-r", "/cmd_vel:=/other"))
+    async with open_ros(options) as ros:
+        for attempt in (
+            lambda: ros.advertise("/cmd_vel", INT32, Qos()),
+            lambda: ros.subscribe("/cmd_vel", INT32, Qos(), ignore, ignore),
+        ):
+            with pytest.raises(RosError, match="remapped to /other here") as caught:
+                attempt()
+            assert caught.value.code == "bad_name"
+        assert ros.entity_count() == 0
+        await eventually(lambda: not ros.topic_types("/other"))
+
+
+async def test_entities_are_limited() -> None:
+    async with open_ros(RosOptions(max_entities=2)) as ros:
+        first = ros.advertise("/a", INT32, Qos())
+        ros.subscribe("/b", INT32, Qos(), ignore, ignore)
+        with pytest.raises(RosError, match="at most 2 ROS entities") as caught:
+            ros.advertise("/c", INT32, Qos())
+        assert caught.value.code == "limit_exceeded"
+        first.close()
+        ros.advertise("/c", INT32, Qos())
+
+
+async def test_simulated_time_follows_the_clock_topic(outside: Outside) -> None:
+    clock = outside.add_publisher("/clock", "rosgraph_msgs/msg/Clock")
+    async with open_ros(RosOptions(use_sim_time=True)) as ros:
+        stamp = b"\0\1\0\0" + (42).to_bytes(4, "little") + (7).to_bytes(4, "little")
+
+        def has_arrived() -> bool:
+            clock.publish(stamp)
+            return ros.now_ns() == 42_000_000_007
+
+        await eventually(has_arrived)
+
+
+async def test_the_log_reaches_rosout_and_not_the_terminal(
+    outside: Outside, capfd: pytest.CaptureFixture[str]
+) -> None:
+    received: list[Sample] = []
+    async with open_ros(RosOptions(node_prefix="xr")) as ros:
+        outside.add_subscription("/rosout", LOG, received.extend)
+
+        def arrived() -> bool:
+            ros.log("warning", "the battery is low")
+            return bool(received)
+
+        await eventually(arrived)
+    assert b"xr_debug" in received[0].cdr
+    assert b"the battery is low" in received[0].cdr
+    ros.log("error", "after the end")
+    assert "after the end" not in capfd.readouterr().err
+
+
+async def test_without_rclpy_both_ways_to_get_it_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "rclpy", None)
+    with pytest.raises(RosMissingError, match="pip install"):
+        async with open_ros():
+            pass
+
+
+async def test_one_thread_for_the_executor_and_one_for_the_graph() -> None:
+    before = threading.active_count()
+    async with open_ros():
+        assert threading.active_count() == before + 2
+    assert threading.active_count() == before

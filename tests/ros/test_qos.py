@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which profile follows from which offers; no ROS takes part."""
+
+import itertools
+
+import pytest
+
+from gateway.ports import Durability, Qos, Reliability
+from gateway.ros.qos import (
+    MAX_DEPTH,
+    NEEDED_DEPTH,
+    UNKNOWN_NODE,
+    Offer,
+    adopt,
+    complete_offer,
+    is_same_request,
+    mismatches,
+)
+
+TYPE = "std_msgs/msg/String"
+RELIABLE = Offer("/a", TYPE)
+BEST_EFFORT = Offer("/b", TYPE, "best_effort")
+LATCHED = Offer("/c", TYPE, durability="transient_local")
+RELIABILITIES: tuple[Reliability, ...] = ("reliable", "best_effort")
+DURABILITIES: tuple[Durability, ...] = ("volatile", "transient_local")
+ALL = [
+    Offer("/n", TYPE, reliability, durability)
+    for reliability, durability in itertools.product(RELIABILITIES, DURABILITIES)
+]
+
+
+@pytest.mark.parametrize("offers", [*itertools.combinations_with_replacement(ALL, 3)])
+def test_an_open_profile_matches_every_offer(offers: tuple[Offer, ...]) -> None:
+    assert mismatches("/t", TYPE, adopt(Qos(), offers), offers) == []
+
+
+@pytest.mark.parametrize(
+    ("offers", "reliability", "durability"),
+    [
+        ([], "reliable", "volatile"),
+        ([RELIABLE], "reliable", "volatile"),
+        ([RELIABLE, RELIABLE], "reliable", "volatile"),
+        ([BEST_EFFORT], "best_effort", "volatile"),
+        ([RELIABLE, BEST_EFFORT], "best_effort", "volatile"),
+        ([LATCHED], "reliable", "transient_local"),
+        ([LATCHED, LATCHED], "reliable", "transient_local"),
+        ([LATCHED, RELIABLE], "reliable", "volatile"),
+    ],
+)
+def test_reliable_and_transient_local_only_if_all_are(
+    offers: list[Offer], reliability: str, durability: str
+) -> None:
+    adopted = adopt(Qos(), offers)
+    assert (adopted.reliability, adopted.durability) == (reliability, durability)
+
+
+def test_what_is_asked_for_is_not_adopted() -> None:
+    asked = Qos("reliable", "transient_local", "keep_all", 5, 10_000_000, 20_000_000)
+    assert adopt(asked, [BEST_EFFORT]) == asked
+
+
+def test_without_publishers_the_current_profile_stays() -> None:
+    current = adopt(Qos(), [BEST_EFFORT])
+    assert adopt(Qos(), [], current) == current
+    assert adopt(Qos(), [RELIABLE], current).reliability == "reliable"
+
+
+def test_the_depth_is_what_is_needed_or_offered_within_the_bound() -> None:
+    assert adopt(Qos(), [RELIABLE]).depth == NEEDED_DEPTH
+    assert adopt(Qos(), [Offer("/a", TYPE, depth=100)]).depth == 100
+    assert adopt(Qos(), [LATCHED] * 50).depth == 50  # each may retain one, all come at once
+    assert adopt(Qos(), [Offer("/a", TYPE, depth=10**6)]).depth == MAX_DEPTH
+    assert adopt(Qos(depth=10**9), []).depth == MAX_DEPTH
+    assert adopt(Qos(depth=-1), []).depth == 1
+
+
+def test_a_depth_alone_is_no_other_request() -> None:
+    assert is_same_request(Qos(depth=1), Qos(depth=2))
+    assert not is_same_request(Qos("reliable", depth=1), Qos("best_effort", depth=1))
+
+
+def test_durations_are_kept_within_what_dds_can_watch() -> None:
+    adopted = adopt(Qos(deadline_ns=1, lifespan_ns=2**70), [])
+    assert (adopted.deadline_ns, adopted.lifespan_ns) == (1_000_000, None)
+
+
+def test_a_publisher_gets_the_defaults_of_ros() -> None:
+    assert complete_offer(Qos()) == Qos("reliable", "volatile", "keep_last", 10)
+    asked = Qos("best_effort", "transient_local", "keep_last", 3)
+    assert complete_offer(asked) == asked
+
+
+def test_a_publisher_that_keeps_all_keeps_as_much_as_never_blocks() -> None:
+    assert complete_offer(Qos(history="keep_all")) == Qos(
+        "reliable", "volatile", "keep_last", MAX_DEPTH
+    )
+
+
+def test_a_mismatch_names_topic_policy_both_sides_and_the_way_out() -> None:
+    qos = Qos("reliable", "transient_local", deadline_ns=50_000_000)
+    reliability, durability, deadline = mismatches("/t", TYPE, qos, [BEST_EFFORT])
+    assert reliability == (
+        "topic /t: /b offers reliability best_effort, the subscription asks for reliable;"
+        " ask for best_effort or leave the reliability open"
+    )
+    assert durability == (
+        "topic /t: /b offers durability volatile, the subscription asks for transient_local;"
+        " ask for volatile or leave the durability open"
+    )
+    assert deadline == (
+        "topic /t: /b offers no deadline, the subscription asks for a deadline of 50 ms;"
+        " ask for a longer deadline or none"
+    )
+
+
+def test_a_deadline_matches_offers_that_are_as_short() -> None:
+    qos = Qos("reliable", "volatile", deadline_ns=50_000_000)
+    assert mismatches("/t", TYPE, qos, [Offer("/a", TYPE, deadline_ns=50_000_000)]) == []
+    [reason] = mismatches("/t", TYPE, qos, [Offer("/a", TYPE, deadline_ns=60_000_000)])
+    assert "/a offers a deadline of 60 ms" in reason
+
+
+def test_the_same_reason_is_told_once() -> None:
+    assert len(mismatches("/t", TYPE, Qos("reliable"), [BEST_EFFORT, BEST_EFFORT])) == 1
+
+
+def test_a_publisher_whose_node_is_not_known_yet_is_not_told_of() -> None:
+    offer = Offer(UNKNOWN_NODE, TYPE, "best_effort")
+    assert mismatches("/t", TYPE, Qos("reliable"), [offer]) == []
