@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """The floor: a process with a bare rclpy subscriber that only notes how old each message is."""
 
+import signal
 import sys
 import time
 
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.task import Future
 
 from benchmarks.report import Ages
 from benchmarks.samples import TYPES
@@ -19,16 +21,18 @@ def main(name: str) -> None:
         stamp = message.header.stamp  # type: ignore[attr-defined]  # rclpy has no types
         ages.add(time.time_ns() - stamp.sec * 1_000_000_000 - stamp.nanosec)
 
-    with rclpy.init(signal_handler_options=rclpy.SignalHandlerOptions.NO):
-        node = rclpy.create_node(f"benchmark_{name}_floor")
-        node.create_subscription(type(TYPES[name]()), f"/benchmark/{name}", note, 10)
-        executor = SingleThreadedExecutor()
-        executor.add_node(node)
-        ages.announce()
-        try:
-            executor.spin()
-        except KeyboardInterrupt:
-            ages.print()
+    rclpy.init(signal_handler_options=rclpy.SignalHandlerOptions.NO)
+    node = rclpy.create_node(f"benchmark_{name}_floor")
+    node.create_subscription(type(TYPES[name]()), f"/benchmark/{name}", note, 10)
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    # an exception in the midst of rclpy's conversion would come out as another one
+    stop = Future()
+    signal.signal(signal.SIGINT, lambda *_: stop.set_result(None))
+    ages.announce()
+    executor.spin_until_future_complete(stop)
+    ages.print()
+    rclpy.shutdown()
 
 
 if __name__ == "__main__":

@@ -62,6 +62,7 @@ def receive(receiver: subprocess.Popen[str], tested_pid: int, seconds: float) ->
     count, spent_s = _count(receiver) - before, cpu_s(tested_pid) - before_s
     receiver.send_signal(signal.SIGINT)
     seen = json.loads(line_with(receiver, r"\{.*\}"))
+    receiver.wait(timeout=30)
     return Receipt(count / seconds, seen["p50_ms"], seen["p99_ms"], spent_s / count * 1e6)
 
 

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A process that publishes stamped samples at a steady rate: ``TYPE RATE_HZ`` as arguments."""
 
-import contextlib
 import os
 import sys
 import time
@@ -21,20 +20,22 @@ def main(name: str, rate_hz: float) -> None:
 
     from benchmarks.samples import TYPES, cdr, stamp
 
-    with rclpy.init(signal_handler_options=rclpy.SignalHandlerOptions.NO):
-        node = rclpy.create_node(f"benchmark_{name}_publisher")
-        sample = cdr(name)
-        publisher = node.create_publisher(type(TYPES[name]()), f"/benchmark/{name}", 10)
-        period_s = 1 / rate_hz
-        due_s = time.monotonic()
+    rclpy.init(signal_handler_options=rclpy.SignalHandlerOptions.NO)
+    node = rclpy.create_node(f"benchmark_{name}_publisher")
+    sample = cdr(name)
+    publisher = node.create_publisher(type(TYPES[name]()), f"/benchmark/{name}", 10)
+    period_s = 1 / rate_hz
+    due_s = time.monotonic()
+    try:
         while True:
             publisher.publish(stamp(sample))
             due_s += period_s
             pause_s = due_s - time.monotonic()
             if pause_s > 0:
                 time.sleep(pause_s)
+    except KeyboardInterrupt:
+        rclpy.shutdown()
 
 
 if __name__ == "__main__":
-    with contextlib.suppress(KeyboardInterrupt):
-        main(sys.argv[1], float(sys.argv[2]))
+    main(sys.argv[1], float(sys.argv[2]))

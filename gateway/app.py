@@ -15,6 +15,7 @@ from gateway.codec.image import confine_to_calling_thread
 from gateway.codec.types import Types
 from gateway.config import Config
 from gateway.errors import BindError
+from gateway.memory import keep_large_blocks
 from gateway.ports import LogLevel, Ros
 from gateway.protocol.limits import Limits
 from gateway.ros.node import RosOptions, open_ros
@@ -41,6 +42,7 @@ def run(config: Config, *, announce: Callable[[str], None]) -> int:
 
 
 async def _serve(config: Config, announce: Callable[[str], None]) -> int:
+    keep_large_blocks()
     confine_to_calling_thread()
     stop = asyncio.Event()
     loop = asyncio.get_running_loop()

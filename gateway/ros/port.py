@@ -159,8 +159,9 @@ class RclpyRos:
 def _open_context(options: RosOptions, undo: contextlib.ExitStack) -> Context:
     # Not rclpy.init(): that would install signal handlers, and take our own command line.
     context = Context()
-    # Who logs through the port writes to the terminal by other ways.
-    arguments = ["--ros-args", "--disable-stdout-logs", "--", *options.arguments]
+    # Who logs through the port writes to the terminal, or to files, by other ways.
+    quiet = ("--disable-stdout-logs", "--disable-external-lib-logs")
+    arguments = ["--ros-args", *quiet, "--", *options.arguments]
     context.init(args=arguments, domain_id=options.domain_id)
     undo.callback(_close_context, context)
     domain_id = context.get_domain_id()

