@@ -164,14 +164,6 @@ class LimitsConfig(Section):
 class ImagesConfig(Section):
     """Encoding pictures as JPEG or PNG."""
 
-    max_side_px: Annotated[int, Field(ge=1, le=65_500)] = Field(
-        8192, description="pixels of the longest side; a larger picture is refused, not encoded"
-    )
-    max_pixels: Count = Field(
-        33_000_000,
-        description="pixels of a whole picture (8K video has 33 million), as its raw"
-        " copy is held in memory; a larger one is refused",
-    )
     workers: Annotated[int, Field(ge=1, le=64)] = Field(
         2,
         description="threads that encode, beside the event loop; OpenCV lets them run in parallel",

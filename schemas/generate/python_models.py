@@ -190,7 +190,7 @@ def _annotation(field_type: FieldType, names: Mapping[str, str]) -> str:
     if field_type.string_bound is not None:
         bound = f"{_STRING_BOUNDS[field_type.base]}({field_type.string_bound})"
         base = f"ros.Annotated[{base}, {bound}]"
-    return f"list[{base}]" if field_type.is_array else base
+    return f"ros.Array[{base}]" if field_type.is_array else base
 
 
 def _default(field: Field, names: Mapping[str, str]) -> tuple[bool, str]:

@@ -91,4 +91,4 @@ class GoalStatusArray(ros.Message):
             "by an action server"
         ),
     )
-    status_list: list[GoalStatus] = ros.Field(default_factory=list)
+    status_list: ros.Array[GoalStatus] = ros.Field(default_factory=list)

@@ -36,7 +36,7 @@ class DiagnosticStatus(ros.Message):
     )
     message: ros.String = ros.Field(default="", description="A description of the status.")
     hardware_id: ros.String = ros.Field(default="", description="A hardware unique string.")
-    values: list[KeyValue] = ros.Field(
+    values: ros.Array[KeyValue] = ros.Field(
         default_factory=list,
         description="An array of values associated with the status.",
     )
@@ -62,7 +62,7 @@ class DiagnosticArray(ros.Message):
             "for timestamp"
         ),
     )
-    status: list[DiagnosticStatus] = ros.Field(
+    status: ros.Array[DiagnosticStatus] = ros.Field(
         default_factory=list,
         description="an array of components being reported on",
     )

@@ -68,7 +68,7 @@ class AccelWithCovariance(ros.Message):
     )
 
     accel: Accel = ros.Field(default_factory=Accel)
-    covariance: list[ros.Float64] = ros.Field(
+    covariance: ros.Array[ros.Float64] = ros.Field(
         default_factory=ros.fresh([0.0] * 36),
         min_length=36,
         max_length=36,
@@ -201,7 +201,7 @@ class Polygon(ros.Message):
         "RIHS01_3782f9f0bf044964d692d6c017d705e37611afb1f0bf6a9dee248a7dda0f784a"
     )
 
-    points: list[Point32] = ros.Field(default_factory=list)
+    points: ros.Array[Point32] = ros.Field(default_factory=list)
 
 
 class PolygonInstance(ros.Message):
@@ -316,7 +316,7 @@ class PoseArray(ros.Message):
     )
 
     header: Header = ros.Field(default_factory=Header)
-    poses: list[Pose] = ros.Field(default_factory=list)
+    poses: ros.Array[Pose] = ros.Field(default_factory=list)
 
 
 class PoseStamped(ros.Message):
@@ -346,7 +346,7 @@ class PoseWithCovariance(ros.Message):
     )
 
     pose: Pose = ros.Field(default_factory=Pose)
-    covariance: list[ros.Float64] = ros.Field(
+    covariance: ros.Array[ros.Float64] = ros.Field(
         default_factory=ros.fresh([0.0] * 36),
         min_length=36,
         max_length=36,
@@ -480,7 +480,7 @@ class TwistWithCovariance(ros.Message):
     )
 
     twist: Twist = ros.Field(default_factory=Twist)
-    covariance: list[ros.Float64] = ros.Field(
+    covariance: ros.Array[ros.Float64] = ros.Field(
         default_factory=ros.fresh([0.0] * 36),
         min_length=36,
         max_length=36,

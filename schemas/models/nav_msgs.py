@@ -32,7 +32,7 @@ class Goals(ros.Message):
             "In the case that individual poses do not have their frame_id set or their timetamp set they will use the default value here."
         ),
     )
-    goals: list[PoseStamped] = ros.Field(
+    goals: ros.Array[PoseStamped] = ros.Field(
         default_factory=list,
         description=(
             "An array of goals to for navigation to achieve.\n"
@@ -57,7 +57,7 @@ class GridCells(ros.Message):
     header: Header = ros.Field(default_factory=Header)
     cell_width: ros.Float32 = ros.Field(default=0.0, description="Width of each cell")
     cell_height: ros.Float32 = ros.Field(default=0.0, description="Height of each cell")
-    cells: list[Point] = ros.Field(
+    cells: ros.Array[Point] = ros.Field(
         default_factory=list,
         description="Each cell is represented by the Point at the center of the cell",
     )
@@ -100,7 +100,7 @@ class OccupancyGrid(ros.Message):
 
     header: Header = ros.Field(default_factory=Header, description="This represents a 2-D grid map")
     info: MapMetaData = ros.Field(default_factory=MapMetaData, description="MetaData for the map")
-    data: list[ros.Int8] = ros.Field(
+    data: ros.Array[ros.Int8] = ros.Field(
         default_factory=list,
         description=(
             "The map data, in row-major order, starting with (0,0).\n"
@@ -159,7 +159,7 @@ class Path(ros.Message):
         default_factory=Header,
         description="Indicates the frame_id of the path.",
     )
-    poses: list[PoseStamped] = ros.Field(
+    poses: ros.Array[PoseStamped] = ros.Field(
         default_factory=list,
         description="Array of poses to follow.",
     )

@@ -61,14 +61,14 @@ class BatteryState(ros.Message):
         description="The battery chemistry. Values defined above",
     )
     present: ros.Bool = ros.Field(default=False, description="True if the battery is present")
-    cell_voltage: list[ros.Float32] = ros.Field(
+    cell_voltage: ros.Array[ros.Float32] = ros.Field(
         default_factory=list,
         description=(
             "An array of individual cell voltages for each cell in the pack\n"
             "If individual voltages unknown but number of cells known set each to NaN"
         ),
     )
-    cell_temperature: list[ros.Float32] = ros.Field(
+    cell_temperature: ros.Array[ros.Float32] = ros.Field(
         default_factory=list,
         description=(
             "An array of individual cell temperatures for each cell in the pack\n"
@@ -218,14 +218,14 @@ class CameraInfo(ros.Message):
             "simple model of radial and tangential distortion - is sufficent."
         ),
     )
-    d: list[ros.Float64] = ros.Field(
+    d: ros.Array[ros.Float64] = ros.Field(
         default_factory=list,
         description=(
             "The distortion parameters, size depending on the distortion model.\n"
             "For \"plumb_bob\", the 5 parameters are: (k1, k2, t1, t2, k3)."
         ),
     )
-    k: list[ros.Float64] = ros.Field(
+    k: ros.Array[ros.Float64] = ros.Field(
         default_factory=ros.fresh([0.0] * 9),
         min_length=9,
         max_length=9,
@@ -240,7 +240,7 @@ class CameraInfo(ros.Message):
             "3x3 row-major matrix"
         ),
     )
-    r: list[ros.Float64] = ros.Field(
+    r: ros.Array[ros.Float64] = ros.Field(
         default_factory=ros.fresh([0.0] * 9),
         min_length=9,
         max_length=9,
@@ -252,7 +252,7 @@ class CameraInfo(ros.Message):
             "3x3 row-major matrix"
         ),
     )
-    p: list[ros.Float64] = ros.Field(
+    p: ros.Array[ros.Float64] = ros.Field(
         default_factory=ros.fresh([0.0] * 12),
         min_length=12,
         max_length=12,
@@ -342,7 +342,7 @@ class ChannelFloat32(ros.Message):
             "\"intensity\" instead of \"value\")."
         ),
     )
-    values: list[ros.Float32] = ros.Field(
+    values: ros.Array[ros.Float32] = ros.Field(
         default_factory=list,
         description=(
             "The values array should be 1-1 with the elements of the associated\n"
@@ -551,21 +551,21 @@ class Imu(ros.Message):
 
     header: Header = ros.Field(default_factory=Header)
     orientation: Quaternion = ros.Field(default_factory=Quaternion)
-    orientation_covariance: list[ros.Float64] = ros.Field(
+    orientation_covariance: ros.Array[ros.Float64] = ros.Field(
         default_factory=ros.fresh([0.0] * 9),
         min_length=9,
         max_length=9,
         description="Row major about x, y, z axes",
     )
     angular_velocity: Vector3 = ros.Field(default_factory=Vector3)
-    angular_velocity_covariance: list[ros.Float64] = ros.Field(
+    angular_velocity_covariance: ros.Array[ros.Float64] = ros.Field(
         default_factory=ros.fresh([0.0] * 9),
         min_length=9,
         max_length=9,
         description="Row major about x, y, z axes",
     )
     linear_acceleration: Vector3 = ros.Field(default_factory=Vector3)
-    linear_acceleration_covariance: list[ros.Float64] = ros.Field(
+    linear_acceleration_covariance: ros.Array[ros.Float64] = ros.Field(
         default_factory=ros.fresh([0.0] * 9),
         min_length=9,
         max_length=9,
@@ -602,10 +602,10 @@ class JointState(ros.Message):
     )
 
     header: Header = ros.Field(default_factory=Header)
-    name: list[ros.String] = ros.Field(default_factory=list)
-    position: list[ros.Float64] = ros.Field(default_factory=list)
-    velocity: list[ros.Float64] = ros.Field(default_factory=list)
-    effort: list[ros.Float64] = ros.Field(default_factory=list)
+    name: ros.Array[ros.String] = ros.Field(default_factory=list)
+    position: ros.Array[ros.Float64] = ros.Field(default_factory=list)
+    velocity: ros.Array[ros.Float64] = ros.Field(default_factory=list)
+    effort: ros.Array[ros.Float64] = ros.Field(default_factory=list)
 
 
 class Joy(ros.Message):
@@ -623,11 +623,11 @@ class Joy(ros.Message):
         default_factory=Header,
         description="The timestamp is the time at which data is received from the joystick.",
     )
-    axes: list[ros.Float32] = ros.Field(
+    axes: ros.Array[ros.Float32] = ros.Field(
         default_factory=list,
         description="The axes measurements from a joystick.",
     )
-    buttons: list[ros.Int32] = ros.Field(
+    buttons: ros.Array[ros.Int32] = ros.Field(
         default_factory=list,
         description="The buttons measurements from a joystick.",
     )
@@ -670,7 +670,7 @@ class JoyFeedbackArray(ros.Message):
         "RIHS01_3287c32e1b688cae04555e465443df3cca7dae76ee4ebf85c4658d585037bcaa"
     )
 
-    array: list[JoyFeedback] = ros.Field(
+    array: ros.Array[JoyFeedback] = ros.Field(
         default_factory=list,
         description="This message publishes values for multiple feedback at once.",
     )
@@ -688,7 +688,7 @@ class LaserEcho(ros.Message):
         "RIHS01_0fbc05a0db7d37fe52c0f0375356db55da0046f7ef5bd27ca6b34bd0582bc952"
     )
 
-    echoes: list[ros.Float32] = ros.Field(
+    echoes: ros.Array[ros.Float32] = ros.Field(
         default_factory=list,
         description=(
             "Multiple values of ranges or intensities.\n"
@@ -740,14 +740,14 @@ class LaserScan(ros.Message):
     scan_time: ros.Float32 = ros.Field(default=0.0, description="time between scans [seconds]")
     range_min: ros.Float32 = ros.Field(default=0.0, description="minimum range value [m]")
     range_max: ros.Float32 = ros.Field(default=0.0, description="maximum range value [m]")
-    ranges: list[ros.Float32] = ros.Field(
+    ranges: ros.Array[ros.Float32] = ros.Field(
         default_factory=list,
         description=(
             "range data [m]\n"
             "(Note: values < range_min or > range_max should be discarded)"
         ),
     )
-    intensities: list[ros.Float32] = ros.Field(
+    intensities: ros.Array[ros.Float32] = ros.Field(
         default_factory=list,
         description=(
             "intensity data [device-specific units].  If your\n"
@@ -793,7 +793,7 @@ class MagneticField(ros.Message):
             "put NaNs in the components not reported."
         ),
     )
-    magnetic_field_covariance: list[ros.Float64] = ros.Field(
+    magnetic_field_covariance: ros.Array[ros.Float64] = ros.Field(
         default_factory=ros.fresh([0.0] * 9),
         min_length=9,
         max_length=9,
@@ -834,10 +834,10 @@ class MultiDOFJointState(ros.Message):
     )
 
     header: Header = ros.Field(default_factory=Header)
-    joint_names: list[ros.String] = ros.Field(default_factory=list)
-    transforms: list[Transform] = ros.Field(default_factory=list)
-    twist: list[Twist] = ros.Field(default_factory=list)
-    wrench: list[Wrench] = ros.Field(default_factory=list)
+    joint_names: ros.Array[ros.String] = ros.Field(default_factory=list)
+    transforms: ros.Array[Transform] = ros.Field(default_factory=list)
+    twist: ros.Array[Twist] = ros.Field(default_factory=list)
+    wrench: ros.Array[Wrench] = ros.Field(default_factory=list)
 
 
 class MultiEchoLaserScan(ros.Message):
@@ -883,7 +883,7 @@ class MultiEchoLaserScan(ros.Message):
     scan_time: ros.Float32 = ros.Field(default=0.0, description="time between scans [seconds]")
     range_min: ros.Float32 = ros.Field(default=0.0, description="minimum range value [m]")
     range_max: ros.Float32 = ros.Field(default=0.0, description="maximum range value [m]")
-    ranges: list[LaserEcho] = ros.Field(
+    ranges: ros.Array[LaserEcho] = ros.Field(
         default_factory=list,
         description=(
             "range data [m]\n"
@@ -892,7 +892,7 @@ class MultiEchoLaserScan(ros.Message):
             "-Inf measurements are too close to determine exact distance."
         ),
     )
-    intensities: list[LaserEcho] = ros.Field(
+    intensities: ros.Array[LaserEcho] = ros.Field(
         default_factory=list,
         description=(
             "intensity data [device-specific units].  If your\n"
@@ -978,7 +978,7 @@ class NavSatFix(ros.Message):
             "(quiet NaN if no altitude is available)."
         ),
     )
-    position_covariance: list[ros.Float64] = ros.Field(
+    position_covariance: ros.Array[ros.Float64] = ros.Field(
         default_factory=ros.fresh([0.0] * 9),
         min_length=9,
         max_length=9,
@@ -1017,14 +1017,14 @@ class PointCloud(ros.Message):
         default_factory=Header,
         description="Time of sensor data acquisition, coordinate frame ID.",
     )
-    points: list[Point32] = ros.Field(
+    points: ros.Array[Point32] = ros.Field(
         default_factory=list,
         description=(
             "Array of 3d points. Each Point32 should be interpreted as a 3d point\n"
             "in the frame given in the header."
         ),
     )
-    channels: list[ChannelFloat32] = ros.Field(
+    channels: ros.Array[ChannelFloat32] = ros.Field(
         default_factory=list,
         description=(
             "Each channel should have the same number of elements as points array,\n"
@@ -1095,7 +1095,7 @@ class PointCloud2(ros.Message):
         ),
     )
     width: ros.UInt32 = 0
-    fields: list[PointField] = ros.Field(
+    fields: ros.Array[PointField] = ros.Field(
         default_factory=list,
         description="Describes the channels and their layout in the binary data blob.",
     )

@@ -17,7 +17,7 @@ class MeshTriangle(ros.Message):
         "RIHS01_618e5c073eeb729e433ef6226e72c01d995c459fb7d76348c9700409a5020bd0"
     )
 
-    vertex_indices: list[ros.UInt32] = ros.Field(
+    vertex_indices: ros.Array[ros.UInt32] = ros.Field(
         default_factory=ros.fresh([0] * 3),
         min_length=3,
         max_length=3,
@@ -35,11 +35,11 @@ class Mesh(ros.Message):
         "RIHS01_f2150b82d8ee7e8bc3f396a2b158aefb4b9a5510a474be271ba1268aebb55289"
     )
 
-    triangles: list[MeshTriangle] = ros.Field(
+    triangles: ros.Array[MeshTriangle] = ros.Field(
         default_factory=list,
         description="List of triangles; the index values refer to positions in vertices[].",
     )
-    vertices: list[Point] = ros.Field(
+    vertices: ros.Array[Point] = ros.Field(
         default_factory=list,
         description="The actual vertices that make up the mesh.",
     )
@@ -53,7 +53,7 @@ class Plane(ros.Message):
         "RIHS01_dfbfe8314689c850615d4a727af017e9aa86c10e369a606c8c851ef8f16c58c8"
     )
 
-    coef: list[ros.Float64] = ros.Field(
+    coef: ros.Array[ros.Float64] = ros.Field(
         default_factory=ros.fresh([0.0] * 4),
         min_length=4,
         max_length=4,
@@ -81,7 +81,7 @@ class SolidPrimitive(ros.Message):
     )
 
     type: ros.UInt8 = ros.Field(default=0, description="The type of the shape")
-    dimensions: list[ros.Float64] = ros.Field(
+    dimensions: ros.Array[ros.Float64] = ros.Field(
         default_factory=list,
         max_length=3,
         description=(

@@ -120,7 +120,7 @@ class MultiArrayLayout(ros.Message):
         "RIHS01_4c66e6f78e740ac103a94cf63259f968e48c617e7699e829b63c21a5cb50dac6"
     )
 
-    dim: list[MultiArrayDimension] = ros.Field(
+    dim: ros.Array[MultiArrayDimension] = ros.Field(
         default_factory=list,
         description="Array of dimension properties",
     )
@@ -229,7 +229,7 @@ class Float32MultiArray(ros.Message):
         default_factory=MultiArrayLayout,
         description="specification of data layout",
     )
-    data: list[ros.Float32] = ros.Field(default_factory=list, description="array of data")
+    data: ros.Array[ros.Float32] = ros.Field(default_factory=list, description="array of data")
 
 
 class Float64(ros.Message):
@@ -270,7 +270,7 @@ class Float64MultiArray(ros.Message):
         default_factory=MultiArrayLayout,
         description="specification of data layout",
     )
-    data: list[ros.Float64] = ros.Field(default_factory=list, description="array of data")
+    data: ros.Array[ros.Float64] = ros.Field(default_factory=list, description="array of data")
 
 
 class Int16(ros.Message):
@@ -311,7 +311,7 @@ class Int16MultiArray(ros.Message):
         default_factory=MultiArrayLayout,
         description="specification of data layout",
     )
-    data: list[ros.Int16] = ros.Field(default_factory=list, description="array of data")
+    data: ros.Array[ros.Int16] = ros.Field(default_factory=list, description="array of data")
 
 
 class Int32(ros.Message):
@@ -352,7 +352,7 @@ class Int32MultiArray(ros.Message):
         default_factory=MultiArrayLayout,
         description="specification of data layout",
     )
-    data: list[ros.Int32] = ros.Field(default_factory=list, description="array of data")
+    data: ros.Array[ros.Int32] = ros.Field(default_factory=list, description="array of data")
 
 
 class Int64(ros.Message):
@@ -393,7 +393,7 @@ class Int64MultiArray(ros.Message):
         default_factory=MultiArrayLayout,
         description="specification of data layout",
     )
-    data: list[ros.Int64] = ros.Field(default_factory=list, description="array of data")
+    data: ros.Array[ros.Int64] = ros.Field(default_factory=list, description="array of data")
 
 
 class Int8(ros.Message):
@@ -434,7 +434,7 @@ class Int8MultiArray(ros.Message):
         default_factory=MultiArrayLayout,
         description="specification of data layout",
     )
-    data: list[ros.Int8] = ros.Field(default_factory=list, description="array of data")
+    data: ros.Array[ros.Int8] = ros.Field(default_factory=list, description="array of data")
 
 
 class String(ros.Message):
@@ -492,7 +492,7 @@ class UInt16MultiArray(ros.Message):
         default_factory=MultiArrayLayout,
         description="specification of data layout",
     )
-    data: list[ros.UInt16] = ros.Field(default_factory=list, description="array of data")
+    data: ros.Array[ros.UInt16] = ros.Field(default_factory=list, description="array of data")
 
 
 class UInt32(ros.Message):
@@ -533,7 +533,7 @@ class UInt32MultiArray(ros.Message):
         default_factory=MultiArrayLayout,
         description="specification of data layout",
     )
-    data: list[ros.UInt32] = ros.Field(default_factory=list, description="array of data")
+    data: ros.Array[ros.UInt32] = ros.Field(default_factory=list, description="array of data")
 
 
 class UInt64(ros.Message):
@@ -574,7 +574,7 @@ class UInt64MultiArray(ros.Message):
         default_factory=MultiArrayLayout,
         description="specification of data layout",
     )
-    data: list[ros.UInt64] = ros.Field(default_factory=list, description="array of data")
+    data: ros.Array[ros.UInt64] = ros.Field(default_factory=list, description="array of data")
 
 
 class UInt8(ros.Message):

@@ -21,7 +21,7 @@ class JointTrajectoryPoint(ros.Message):
         "RIHS01_de8907036d8bd45aac6f30cc9044a3d4a329c42cbf719aff7d95a584cfa532d7"
     )
 
-    positions: list[ros.Float64] = ros.Field(
+    positions: ros.Array[ros.Float64] = ros.Field(
         default_factory=list,
         description=(
             "Single DOF joint positions for each joint relative to their \"0\" position.\n"
@@ -29,7 +29,7 @@ class JointTrajectoryPoint(ros.Message):
             "continuous joints, and meters for prismatic joints."
         ),
     )
-    velocities: list[ros.Float64] = ros.Field(
+    velocities: ros.Array[ros.Float64] = ros.Field(
         default_factory=list,
         description=(
             "The rate of change in position of each joint. Units are joint type dependent.\n"
@@ -37,7 +37,7 @@ class JointTrajectoryPoint(ros.Message):
             "prismatic joints."
         ),
     )
-    accelerations: list[ros.Float64] = ros.Field(
+    accelerations: ros.Array[ros.Float64] = ros.Field(
         default_factory=list,
         description=(
             "Rate of change in velocity of each joint. Units are joint type dependent.\n"
@@ -45,7 +45,7 @@ class JointTrajectoryPoint(ros.Message):
             "prismatic joints."
         ),
     )
-    effort: list[ros.Float64] = ros.Field(
+    effort: ros.Array[ros.Float64] = ros.Field(
         default_factory=list,
         description=(
             "The torque or the force to be applied at each joint. For revolute/continuous\n"
@@ -74,14 +74,14 @@ class JointTrajectory(ros.Message):
             "the trajectory durations"
         ),
     )
-    joint_names: list[ros.String] = ros.Field(
+    joint_names: ros.Array[ros.String] = ros.Field(
         default_factory=list,
         description=(
             "The names of the active joints in each trajectory point. These names are\n"
             "ordered and must correspond to the values in each trajectory point."
         ),
     )
-    points: list[JointTrajectoryPoint] = ros.Field(
+    points: ros.Array[JointTrajectoryPoint] = ros.Field(
         default_factory=list,
         description=(
             "Array of trajectory points, which describe the positions, velocities,\n"
@@ -98,15 +98,15 @@ class MultiDOFJointTrajectoryPoint(ros.Message):
         "RIHS01_6ada1085b5ee64eaa069b074968e69f0e27c8c5e6f5bb0586dd1c834ef0e32b8"
     )
 
-    transforms: list[Transform] = ros.Field(
+    transforms: ros.Array[Transform] = ros.Field(
         default_factory=list,
         description="Each multi-dof joint can specify a transform (up to 6 DOF).",
     )
-    velocities: list[Twist] = ros.Field(
+    velocities: ros.Array[Twist] = ros.Field(
         default_factory=list,
         description="There can be a velocity specified for the origin of the joint.",
     )
-    accelerations: list[Twist] = ros.Field(
+    accelerations: ros.Array[Twist] = ros.Field(
         default_factory=list,
         description="There can be an acceleration specified for the origin of the joint.",
     )
@@ -128,5 +128,5 @@ class MultiDOFJointTrajectory(ros.Message):
         default_factory=Header,
         description="The header is used to specify the coordinate frame and the reference time for the trajectory durations",
     )
-    joint_names: list[ros.String] = ros.Field(default_factory=list)
-    points: list[MultiDOFJointTrajectoryPoint] = ros.Field(default_factory=list)
+    joint_names: ros.Array[ros.String] = ros.Field(default_factory=list)
+    points: ros.Array[MultiDOFJointTrajectoryPoint] = ros.Field(default_factory=list)

@@ -55,11 +55,11 @@ class ImageMarker(ros.Message):
             "0 indicates forever."
         ),
     )
-    points: list[Point] = ros.Field(
+    points: ros.Array[Point] = ros.Field(
         default_factory=list,
         description="Coordinates in 2D in pixel coords. Used for LINE_STRIP, LINE_LIST, POINTS, etc.",
     )
-    outline_colors: list[ColorRGBA] = ros.Field(
+    outline_colors: ros.Array[ColorRGBA] = ros.Field(
         default_factory=list,
         description="The color for each line, point, etc. in the points field.",
     )
@@ -250,11 +250,11 @@ class Marker(ros.Message):
         default=False,
         description="If this marker should be frame-locked, i.e. retransformed into its frame every timestep.",
     )
-    points: list[Point] = ros.Field(
+    points: ros.Array[Point] = ros.Field(
         default_factory=list,
         description="Only used if the type specified has some use for them (eg. POINTS, LINE_STRIP, ARROW_STRIP, etc.)",
     )
-    colors: list[ColorRGBA] = ros.Field(
+    colors: ros.Array[ColorRGBA] = ros.Field(
         default_factory=list,
         description=(
             "Only used if the type specified has some use for them (eg. POINTS, LINE_STRIP, etc.)\n"
@@ -278,7 +278,7 @@ class Marker(ros.Message):
             "This will be used iff texture_resource is set to embedded."
         ),
     )
-    uv_coordinates: list[UVCoordinate] = ros.Field(
+    uv_coordinates: ros.Array[UVCoordinate] = ros.Field(
         default_factory=list,
         description="Location of each vertex within the texture; in the range: [0.0-1.0]",
     )
@@ -351,7 +351,7 @@ class InteractiveMarkerControl(ros.Message):
             "when the gui is not in interactive mode."
         ),
     )
-    markers: list[Marker] = ros.Field(
+    markers: ros.Array[Marker] = ros.Field(
         default_factory=list,
         description=(
             "Markers to be displayed as custom visual representation.\n"
@@ -451,11 +451,11 @@ class InteractiveMarker(ros.Message):
         default=0.0,
         description="Scale to be used for default controls (default=1).",
     )
-    menu_entries: list[MenuEntry] = ros.Field(
+    menu_entries: ros.Array[MenuEntry] = ros.Field(
         default_factory=list,
         description="All menu and submenu entries associated with this marker.",
     )
-    controls: list[InteractiveMarkerControl] = ros.Field(
+    controls: ros.Array[InteractiveMarkerControl] = ros.Field(
         default_factory=list,
         description="List of controls displayed for this marker.",
     )
@@ -544,7 +544,10 @@ class InteractiveMarkerInit(ros.Message):
             "duplicate data."
         ),
     )
-    markers: list[InteractiveMarker] = ros.Field(default_factory=list, description="All markers.")
+    markers: ros.Array[InteractiveMarker] = ros.Field(
+        default_factory=list,
+        description="All markers.",
+    )
 
 
 class InteractiveMarkerPose(ros.Message):
@@ -592,15 +595,15 @@ class InteractiveMarkerUpdate(ros.Message):
         ),
     )
     type: ros.UInt8 = 0
-    markers: list[InteractiveMarker] = ros.Field(
+    markers: ros.Array[InteractiveMarker] = ros.Field(
         default_factory=list,
         description="Markers to be added or updated",
     )
-    poses: list[InteractiveMarkerPose] = ros.Field(
+    poses: ros.Array[InteractiveMarkerPose] = ros.Field(
         default_factory=list,
         description="Poses of markers that should be moved",
     )
-    erases: list[ros.String] = ros.Field(
+    erases: ros.Array[ros.String] = ros.Field(
         default_factory=list,
         description="Names of markers to be erased",
     )
@@ -624,4 +627,4 @@ class MarkerArray(ros.Message):
         "RIHS01_86cb8800b6fb05b5eff1abd7a56f62a5641d3ae9a1c29e78e67e704f1d067dcf"
     )
 
-    markers: list[Marker] = ros.Field(default_factory=list)
+    markers: ros.Array[Marker] = ros.Field(default_factory=list)

@@ -96,9 +96,11 @@ async def test_the_gateways_own_log_is_on_rosout(demo: GatewayProcess, speaker: 
     async with client(demo.url) as other:
         await other.sync()
     await speaker.receive(
-        lambda frame: frame.get("topic") == "/rosout"
-        and frame["msg"]["name"].endswith("_debug")
-        and "connected" in frame["msg"]["msg"]
+        lambda frame: (
+            frame.get("topic") == "/rosout"
+            and frame["msg"]["name"].endswith("_debug")
+            and "connected" in frame["msg"]["msg"]
+        )
     )
 
 
@@ -134,7 +136,10 @@ async def topics(speaker: Client) -> set[str]:
         ('{"op":"subscribe","topic":"/new","type":"no_msgs/msg/Such"}', "bad_type"),
         ('{"op":"subscribe","topic":"/odom","fields":["speed"]}', "bad_request"),
         ('{"op":"publish","topic":"/cmd_vel","msg":{"linear":{"X":1}}}', "invalid_value"),
-        ('{"op":"publish","topic":"/u","type":"std_msgs/UInt8","msg":{"data":300}}', "invalid_value"),
+        (
+            '{"op":"publish","topic":"/u","type":"std_msgs/UInt8","msg":{"data":300}}',
+            "invalid_value",
+        ),
         ('{"op":"publish","topic":"/odom","type":"std_msgs/String","msg":{}}', "type_conflict"),
         ('{"op":"ping","value":' + "[" * 33 + "]" * 33 + "}", "bad_json"),
         ('{"op":"ping","op":"ping"}', "bad_json"),

@@ -29,7 +29,7 @@ def source(text, purpose=None):
         (
             "wstring<=5[] x",
             (
-                "x: list[ros.Annotated[ros.WString, ros.Utf16Bound(5)]] = "
+                "x: ros.Array[ros.Annotated[ros.WString, ros.Utf16Bound(5)]] = "
                 "ros.Field(default_factory=list)"
             ),
         ),
@@ -38,10 +38,10 @@ def source(text, purpose=None):
             "char[2] x",
             "x: ros.Octets = ros.Field(default=bytes(2), min_length=2, max_length=2)",
         ),
-        ("int8[<=2] x", "x: list[ros.Int8] = ros.Field(default_factory=list, max_length=2)"),
+        ("int8[<=2] x", "x: ros.Array[ros.Int8] = ros.Field(default_factory=list, max_length=2)"),
         (
             "int8[] x [1, 2]",
-            "x: list[ros.Int8] = ros.Field(default_factory=ros.fresh([1, 2]))",
+            "x: ros.Array[ros.Int8] = ros.Field(default_factory=ros.fresh([1, 2]))",
         ),
         ("a_msgs/A x", "x: A = ros.Field(default_factory=A)"),
         ("int8 from", 'from_: ros.Int8 = ros.Field(default=0, alias="from")'),
