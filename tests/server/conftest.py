@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """The server on a real socket, with ROS in memory below it."""
 
+import asyncio
 import contextlib
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass, replace
 from typing import Any
 
 import pytest
+import uvloop
+from blockbuster import blockbuster_ctx
 
 from gateway.codec.types import Types
 from gateway.protocol.limits import Limits
@@ -42,7 +45,24 @@ class Served:
         return self.server.health()["clients"]
 
 
+TABLE = Table.load()
+
 Serve = Callable[..., AbstractAsyncContextManager[Served]]
+
+
+def pytest_asyncio_loop_factories() -> dict[str, Callable[[], asyncio.AbstractEventLoop]]:
+    """Run every test here on both loops: their transports differ where it matters."""
+    return {"asyncio": asyncio.new_event_loop, "uvloop": uvloop.new_event_loop}
+
+
+@pytest.fixture(autouse=True)
+def no_blocking_calls() -> Iterator[None]:
+    """Fail every test in which something on the loop waits for a disk or a socket."""
+    with blockbuster_ctx("gateway") as calls:
+        for call in calls.functions.values():
+            # a definition is read when its type is first used, some 0.1 ms, and then kept
+            call.can_block_in("schemas/installed.py", {"_read"})
+        yield
 
 
 @pytest.fixture
@@ -57,9 +77,7 @@ def serve() -> Serve:
         types = Types(InstalledDefinitions())
         all_limits = replace(Limits(), **(limits or {}))
         with ThreadPoolExecutor(2) as workers:
-            router = Router(
-                ros, types, Table.load(), limits=all_limits, workers=workers, version="test"
-            )
+            router = Router(ros, types, TABLE, limits=all_limits, workers=workers, version="test")
             server = Server(
                 router,
                 limits=all_limits,
