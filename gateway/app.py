@@ -18,7 +18,7 @@ from gateway.errors import BindError
 from gateway.memory import keep_large_blocks
 from gateway.ports import LogLevel, Ros
 from gateway.protocol.limits import Limits
-from gateway.ros.node import RosOptions, open_ros
+from gateway.ros import RosOptions, open_ros
 from gateway.router.router import Router
 from gateway.server.server import Server
 from gateway.server.timing import Timing

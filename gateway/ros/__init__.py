@@ -1,2 +1,38 @@
 # SPDX-License-Identifier: Apache-2.0
-"""ROS 2 through rclpy; the only importer of rclpy beside the simulated robot."""
+"""ROS 2 through rclpy; the only importer of rclpy beside the simulated robot.
+
+Importing this needs no rclpy, opening does.
+"""
+
+import contextlib
+from collections.abc import AsyncIterator
+
+from gateway.errors import RosMissingError
+from gateway.ports import Ros
+from gateway.ros.options import RosOptions
+
+__all__ = ["RosOptions", "open_ros"]
+
+
+@contextlib.asynccontextmanager
+async def open_ros(options: RosOptions | None = None) -> AsyncIterator[Ros]:
+    """Take part in ROS on the running loop, until the context ends, however it ends.
+
+    Several at once and one after another are fine. Starting blocks the loop for some tenths of a
+    second, ending for some hundredths: DDS opens and closes its sockets and threads.
+
+    Raises:
+        RosMissingError: rclpy cannot be imported.
+        RosError: ROS refuses the options.
+    """
+    try:
+        import rclpy  # noqa: F401
+    except ImportError as error:
+        raise RosMissingError(str(error)) from error
+    from gateway.ros.port import RclpyRos
+
+    ros = RclpyRos(RosOptions() if options is None else options)
+    try:
+        yield ros
+    finally:
+        ros.close()

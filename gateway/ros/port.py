@@ -15,7 +15,7 @@ from gateway.ports import Graph, LogLevel, Qos, RosError, Sample
 from gateway.ros.errors import REFUSALS, refused
 from gateway.ros.executor import ExecutorThread
 from gateway.ros.graph import GraphChanges, read_graph, read_types
-from gateway.ros.node import RosOptions, Taking
+from gateway.ros.options import RosOptions, Taking
 from gateway.ros.publishers import Publishers, RclpyPublisher
 from gateway.ros.samples import EventfdSamples, ExecutorSamples, Samples, UnsupportedError
 from gateway.ros.subscriptions import RclpySubscription, Subscriptions

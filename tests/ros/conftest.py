@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import pytest
 
 from gateway.ports import Publisher, Qos, Ros, Sample
-from gateway.ros.node import RosOptions, open_ros
+from gateway.ros import RosOptions, open_ros
 from tests.ros.fake import FakeRos
 from tests.ros.outside import Outside
 

@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from gateway.ports import Qos
+from gateway.ros import RosOptions
 from gateway.ros.graph import GraphChanges, read_offers
-from gateway.ros.node import RosOptions
 from gateway.ros.port import RclpyRos
 from tests.client import eventually
 from tests.ros.outside import Outside

@@ -13,7 +13,8 @@ import pytest
 
 from gateway.errors import RosMissingError
 from gateway.ports import Qos, Ros, RosError, Sample
-from gateway.ros.node import RosOptions, Taking, open_ros
+from gateway.ros import RosOptions, open_ros
+from gateway.ros.options import Taking
 from tests.client import eventually
 from tests.ros.outside import Outside
 from tests.ros.test_samples import CDR, Flood

@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What an operator may decide about the gateway's part in ROS."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+Taking = Literal["auto", "eventfd", "executor"]
+
+
+@dataclass(frozen=True, slots=True)
+class RosOptions:
+    """What an operator may decide about the gateway's nodes."""
+
+    node_prefix: str = "gateway"
+    namespace: str = "/"  # of the nodes; topics do not move
+    domain_id: int | None = None  # None: the environment's ROS_DOMAIN_ID
+    use_sim_time: bool = False
+    max_entities: int = 256  # each costs DDS ~100 KB and every participant a discovery entry
+    arguments: tuple[str, ...] = ()  # as ROS takes them: ("--ros-args", "-r", "a:=b")
+    taking: Taking = "auto"  # how samples come to the loop, see `gateway.ros.samples`
