@@ -89,13 +89,15 @@ class Feed:
         return member
 
     def leave(self, member: Member) -> None:
-        """Feed a stream no longer; what already waits in its lane stays there."""
+        """Feed a stream no longer; what it already has it keeps, held back or waiting."""
         members = self._members[member.rendition]
         members.remove(member)
         if not members:
             del self._members[member.rendition]
         if member.release is not None:
+            # nobody will come at the end of this interval: it ends now
             member.release.cancel()
+            self._release(member)
 
     def close(self) -> None:
         """End the ROS subscription."""

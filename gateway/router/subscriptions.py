@@ -136,11 +136,10 @@ class Subscriptions:
                 entry.requests.clear()
             else:
                 del entry.requests[request.id]
-            if not entry.requests:
-                self._forget(entry)
+            if entry.requests:
+                self._try_again(entry)
             else:
-                wish = Wish.merge(entry.requests.values())
-                self._attach(entry, wish, self._source(entry, wish))
+                self._forget(entry)
         if not found:
             with_id = "" if request.id is None else f" with id {request.id!r}"
             raise ProtocolError("not_found", f"not subscribed to {topic}{with_id}")
@@ -166,6 +165,7 @@ class Subscriptions:
             self._try_again(entry)
 
     def _try_again(self, entry: Subscribed) -> None:
+        """Attach as wished now; where that fails, the client is told, once, and all stays."""
         wish = Wish.merge(entry.requests.values())
         try:
             self._attach(entry, wish, self._source(entry, wish))

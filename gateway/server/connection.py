@@ -17,7 +17,7 @@ from typing import Final, Protocol, cast
 from websockets.exceptions import PayloadTooBig
 from websockets.frames import Frame, Opcode
 from websockets.http11 import Request, Response
-from websockets.protocol import CLOSED, CONNECTING, OPEN, Event
+from websockets.protocol import CONNECTING, OPEN, Event
 from websockets.server import ServerProtocol
 
 from gateway.protocol.errors import ProtocolError
@@ -211,7 +211,7 @@ class Connection(asyncio.BufferedProtocol):
         if isinstance(event, Request):
             self._open(event)
             return
-        if not isinstance(event, Frame) or self._session is None or self._protocol.state is CLOSED:
+        if not isinstance(event, Frame) or self._session is None or self._closing_s is not None:
             return
         if not self._frames.allow(time.monotonic_ns()):
             logger.warning("frame flood from %s, cut off", self.address)

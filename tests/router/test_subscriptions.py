@@ -249,6 +249,20 @@ async def test_a_throttled_topic_delivers_the_last_sample_too(bench: Bench):
     assert client.messages == [{"data": "0"}, {"data": "9"}]
 
 
+async def test_a_change_while_a_sample_is_held_back_does_not_stop_the_stream(bench: Bench):
+    bench.ros.add_publisher("/chatter", STRING)
+    client = bench.client()
+    client.send(op="subscribe", id="a", topic="/chatter", throttle_rate=50)
+    for text in ("first", "held"):
+        bench.ros.publish("/chatter", bench.cdr(STRING, data=text))
+    await client.sees(1)
+    client.send(op="subscribe", id="a", topic="/chatter", throttle_rate=50, meta=True)
+    await client.sees(2)
+    bench.ros.publish("/chatter", bench.cdr(STRING, data="later"))
+    await client.sees(3)
+    assert [message["data"] for message in client.messages] == ["first", "held", "later"]
+
+
 def picture_of(bench: Bench, colour: tuple[int, int, int], width: int = 64) -> bytes:
     pixels = np.full((48, width, 3), colour, np.uint8)
     return bench.cdr(
