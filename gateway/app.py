@@ -28,10 +28,14 @@ from schemas.table import Table
 logger = logging.getLogger("gateway")
 
 
-def run(config: Config, *, announce: Callable[[str], None]) -> int:
+Announce = Callable[[str, str], None]
+
+
+def run(config: Config, *, announce: Announce) -> int:
     """Serve until SIGINT or SIGTERM; return the exit code.
 
-    *announce* gets the lines that tell a person where to connect, once connecting works.
+    Once connecting works, *announce* gets lines that tell a person where, and the address to
+    use on this machine.
 
     Raises:
         BindError: the address or port cannot be listened on.
@@ -41,7 +45,7 @@ def run(config: Config, *, announce: Callable[[str], None]) -> int:
         return runner.run(_serve(config, announce))
 
 
-async def _serve(config: Config, announce: Callable[[str], None]) -> int:
+async def _serve(config: Config, announce: Announce) -> int:
     keep_large_blocks()
     confine_to_calling_thread()
     stop = asyncio.Event()
@@ -78,8 +82,8 @@ async def _serve(config: Config, announce: Callable[[str], None]) -> int:
             )
             try:
                 async with server.listening(config.host, config.port) as addresses:
-                    for line in _address_lines(addresses, config.path):
-                        announce(line)
+                    lines = list(_address_lines(addresses, config.path))
+                    announce("\n".join(lines), _own_url(addresses, config.path))
                     await stop.wait()
                     logger.info("shutting down")
             except OSError as error:
@@ -170,17 +174,29 @@ _ROS_LEVELS: Final[dict[int, LogLevel]] = {
 }
 
 
+EVERYWHERE: Final = frozenset({"0.0.0.0", "::"})  # noqa: S104  # telling, not binding
+
+
 def _address_lines(addresses: list[tuple[str, int]], path: str) -> Iterator[str]:
     """Say where to connect: with an address that can be typed into a headset, if there is one."""
+    if not EVERYWHERE.isdisjoint(host for host, _ in addresses):
+        port = addresses[0][1]
+        yield f"listening on every network of this machine, port {port}"
+        yield f"  on this machine   {_own_url(addresses, path)}"
+        for address in _own_addresses():
+            yield f"  from a headset    ws://{address}:{port}{path}"
+        return
     for host, port in addresses:
-        if host in {"0.0.0.0", "::"}:  # noqa: S104  # telling, not binding
-            yield f"listening on every network of this machine, port {port}"
-            yield f"  on this machine   ws://localhost:{port}{path}"
-            for address in _own_addresses():
-                yield f"  from a headset    ws://{address}:{port}{path}"
-        else:
-            shown = f"[{host}]" if ":" in host else host
-            yield f"listening on ws://{shown}:{port}{path}"
+        shown = f"[{host}]" if ":" in host else host
+        yield f"listening on ws://{shown}:{port}{path}"
+
+
+def _own_url(addresses: list[tuple[str, int]], path: str) -> str:
+    """Return the address that a person on this machine types."""
+    host, port = addresses[0]
+    if host in EVERYWHERE or host == "127.0.0.1":
+        return f"ws://localhost:{port}{path}"
+    return f"ws://{f'[{host}]' if ':' in host else host}:{port}{path}"
 
 
 def _own_addresses() -> list[str]:

@@ -29,7 +29,6 @@ from gateway.errors import (
 )
 
 if TYPE_CHECKING:
-    from gateway.config import Config
     from gateway.settings import Given, Loaded
     from schemas.installed import InstalledDefinitions
 
@@ -40,9 +39,9 @@ EXIT_NO_ROS: Final = 3
 EXIT_CANNOT_BIND: Final = 4
 
 _DEMO_HINT: Final = """\
-in another terminal, connect with  npx wscat -c {url}  and paste:
-  {{"op":"subscribe","topic":"/odom"}}
-  {{"op":"publish","topic":"/cmd_vel","type":"geometry_msgs/msg/Twist","msg":{{"linear":{{"x":0.2}}}}}}
+in another terminal, connect with  npx wscat -c URL  and paste:
+  {"op":"subscribe","topic":"/odom"}
+  {"op":"publish","topic":"/cmd_vel","type":"geometry_msgs/msg/Twist","msg":{"linear":{"x":0.2}}}
 Ctrl-C ends the gateway and the robot"""
 
 
@@ -149,7 +148,7 @@ def _serve(arguments: argparse.Namespace) -> int:
     loaded = _configuration(arguments)
     if arguments.print_config:
         return _print_config(loaded)
-    return _run_gateway(loaded, _announce)
+    return _run_gateway(loaded, lambda text, url: _announce(text))
 
 
 def _print_config(loaded: "Loaded") -> int:
@@ -159,7 +158,7 @@ def _print_config(loaded: "Loaded") -> int:
     return EXIT_OK
 
 
-def _run_gateway(loaded: "Loaded", announce: Callable[[str], None]) -> int:
+def _run_gateway(loaded: "Loaded", announce: Callable[[str, str], None]) -> int:
     _require_rclpy()
     from gateway import app
     from gateway.logs import configure_logging
@@ -182,25 +181,13 @@ def _demo(arguments: argparse.Namespace) -> int:
 
     # the robot on this desk is nobody else's business; read when the middleware starts
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    hints = [_DEMO_HINT.format(url=_url(loaded.config))]
 
-    def announce(text: str) -> None:
-        while hints:  # once, when connecting works
-            _announce(hints.pop())
-        _announce(text)
+    def announce(text: str, url: str) -> None:
+        _announce(f"{text}\n{_DEMO_HINT.replace('URL', url)}")
 
     domain_id = loaded.config.ros.domain_id
     domain = [] if domain_id is None else ["--domain-id", str(domain_id)]
     return demo.run(lambda: _run_gateway(loaded, announce), demo.robot_command(*domain))
-
-
-def _url(config: "Config") -> str:
-    """Return the address that a person on this machine types."""
-    if config.port == 0:
-        return "with the address below"
-    here = {"127.0.0.1", "0.0.0.0", "::"}  # noqa: S104  # telling, not binding
-    host = "localhost" if config.host in here else config.host
-    return f"ws://{f'[{host}]' if ':' in host else host}:{config.port}{config.path}"
 
 
 def _sim(arguments: argparse.Namespace) -> int:

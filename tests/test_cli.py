@@ -305,7 +305,7 @@ def test_an_extension_module_that_hides_an_interrupt_behind_another_error_change
 
 
 def test_demo_shows_lines_to_paste_and_ctrl_c_ends_it_with_0():
-    with running("demo", "--port", "0", until="ws://") as (process, printed):
+    with running("demo", "--port", "0", until="Ctrl-C") as (process, printed):
         lines = [line.strip() for line in printed.splitlines() if line.strip().startswith("{")]
         assert [json.loads(line)["op"] for line in lines] == ["subscribe", "publish"]
         process.send_signal(signal.SIGINT)
