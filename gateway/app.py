@@ -7,16 +7,16 @@ import signal
 import socket
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import AsyncExitStack, contextmanager
 from importlib.metadata import version
 from typing import Final
 
 from gateway.codec.image import confine_to_calling_thread
 from gateway.codec.types import Types
 from gateway.config import Config
-from gateway.errors import BindError
+from gateway.errors import BindError, ConfigError
 from gateway.memory import keep_large_blocks
-from gateway.ports import LogLevel, Ros
+from gateway.ports import LogLevel, Ros, RosError
 from gateway.protocol.limits import Limits
 from gateway.ros import RosOptions, open_ros
 from gateway.router.router import Router
@@ -39,6 +39,7 @@ def run(config: Config, *, announce: Announce) -> int:
 
     Raises:
         BindError: the address or port cannot be listened on.
+        ConfigError: ROS refuses its part of the configuration.
         RosMissingError: there is no rclpy.
     """
     with asyncio.Runner(loop_factory=_loop_factory()) as runner:
@@ -52,45 +53,50 @@ async def _serve(config: Config, announce: Announce) -> int:
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, stop.set)
-    options = RosOptions(
-        node_prefix=config.ros.node_prefix,
-        namespace=config.ros.namespace,
-        domain_id=config.ros.domain_id,
-        use_sim_time=config.ros.use_sim_time,
-        max_entities=config.limits.max_ros_entities,
-    )
-    async with open_ros(options) as ros:
-        with _logging_to(ros), _workers(config.images.workers) as workers:
-            limits = _limits(config)
-            router = Router(
-                ros,
-                Types(InstalledDefinitions()),
-                Table.load(),
-                limits=limits,
-                workers=workers,
-                version=version("ros2-json-gateway"),
-            )
-            server = Server(
-                router,
-                limits=limits,
-                timing=_timing(config),
-                max_clients=config.limits.max_clients,
-                max_clients_per_address=config.limits.max_clients_per_address,
-                path=config.path,
-                allowed_origins=config.allowed_origins,
-                version=version("ros2-json-gateway"),
-            )
-            try:
-                async with server.listening(config.host, config.port) as addresses:
-                    lines = list(_address_lines(addresses, config.path))
-                    announce("\n".join(lines), _own_url(addresses, config.path))
-                    await stop.wait()
-                    logger.info("shutting down")
-            except OSError as error:
-                raise BindError(config.host, config.port, error) from error
-            finally:
-                router.close()
+    async with AsyncExitStack() as stack:
+        ros = await _open_ros(stack, config)
+        stack.enter_context(_logging_to(ros))
+        workers = stack.enter_context(_workers(config.images.workers))
+        limits = _limits(config)
+        router = Router(
+            ros,
+            Types(InstalledDefinitions()),
+            Table.load(),
+            limits=limits,
+            workers=workers,
+            version=version("ros2-json-gateway"),
+        )
+        stack.callback(router.close)
+        server = Server(
+            router,
+            limits=limits,
+            timing=_timing(config),
+            max_clients=config.limits.max_clients,
+            max_clients_per_address=config.limits.max_clients_per_address,
+            path=config.path,
+            allowed_origins=config.allowed_origins,
+            version=version("ros2-json-gateway"),
+        )
+        addresses = await _listen(stack, server, config)
+        lines = list(_address_lines(addresses, config.path))
+        announce("\n".join(lines), _own_url(addresses, config.path))
+        await stop.wait()
+        logger.info("shutting down")
     return 0
+
+
+async def _open_ros(stack: AsyncExitStack, config: Config) -> Ros:
+    try:
+        return await stack.enter_async_context(open_ros(_ros_options(config)))
+    except RosError as error:
+        raise ConfigError(f"ROS: {error}") from error
+
+
+async def _listen(stack: AsyncExitStack, server: Server, config: Config) -> list[tuple[str, int]]:
+    try:
+        return await stack.enter_async_context(server.listening(config.host, config.port))
+    except OSError as error:
+        raise BindError(config.host, config.port, error) from error
 
 
 def _loop_factory() -> Callable[[], asyncio.AbstractEventLoop] | None:
@@ -101,6 +107,16 @@ def _loop_factory() -> Callable[[], asyncio.AbstractEventLoop] | None:
         return None
     factory: Callable[[], asyncio.AbstractEventLoop] = uvloop.new_event_loop
     return factory
+
+
+def _ros_options(config: Config) -> RosOptions:
+    return RosOptions(
+        node_prefix=config.ros.node_prefix,
+        namespace=config.ros.namespace,
+        domain_id=config.ros.domain_id,
+        use_sim_time=config.ros.use_sim_time,
+        max_entities=config.limits.max_ros_entities,
+    )
 
 
 def _limits(config: Config) -> Limits:

@@ -73,6 +73,17 @@ class Subscription(Protocol):
     def qos(self) -> Qos:
         """The profile in force, with nothing left to adopt; it may change with the publishers."""
 
+    @property
+    def publishers(self) -> int:
+        """How many publishers of its type the topic has, as far as discovery knows.
+
+        Late clients of a transient-local topic get as many samples.
+        """
+
+    @property
+    def incompatible(self) -> tuple[str, ...]:
+        """What *on_incompatible* was told and still holds."""
+
     def close(self) -> None:
         """Destroy it; no callback comes after. Closing twice is harmless."""
 

@@ -4,6 +4,7 @@
 import re
 from typing import Final, NewType
 
+from gateway.codec.words import cut
 from gateway.protocol.errors import ProtocolError
 
 TopicName = NewType("TopicName", str)  # fully resolved: "/odom", never "odom"
@@ -27,7 +28,7 @@ def resolve_topic(name: str, max_characters: int) -> TopicName:
     if not _RESOLVED.fullmatch(resolved):
         raise ProtocolError(
             "bad_name",
-            f"topic: {name!r} is no topic name: expected letters, digits and _ between slashes,"
-            " no part starting with a digit",
+            f"topic: {cut(name)!r} is no topic name: expected letters, digits and _ between"
+            " slashes, no part starting with a digit",
         )
     return TopicName(resolved)

@@ -12,7 +12,8 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 Milliseconds = Annotated[float, Field(ge=0, le=3_600_000)]
 Seconds = Annotated[float, Field(ge=0, le=1e9)]
 # rosbridge clients build ids from a topic and a counter, or a UUID
-Id = Annotated[str, Field(max_length=256)] | int
+MAX_ID_CHARACTERS: Final = 256
+Id = Annotated[str, Field(max_length=MAX_ID_CHARACTERS)] | int
 
 
 class Operation(BaseModel):

@@ -15,6 +15,10 @@ class Entry(Protocol):
     def size(self) -> int:
         """The bytes that this entry keeps alive while it waits."""
 
+    @property
+    def is_being_rendered(self) -> bool:
+        """Whether work on it is under way, so that it must not be dropped any more."""
+
     def wire(self) -> bytes | None:
         """Return the bytes to send; ``None``: not ready yet; empty: nothing to send after all."""
 
@@ -56,12 +60,14 @@ class Lane:
     def next(self) -> bytes | None:
         """Take the oldest entry's bytes, or ``None`` where nothing is ready."""
         while self.claimed is not None or self.waiting:
-            if self.claimed is None:
+            entry = self.claimed if self.claimed is not None else self.waiting[0]
+            wire = entry.wire()
+            # What nobody works on yet stays droppable: when its turn comes, a newer one may wait.
+            if self.claimed is None and (wire is not None or entry.is_being_rendered):
                 self.claimed = self.waiting.popleft()
-            wire = self.claimed.wire()
             if wire is None:
                 return None
-            self._forget(self.claimed)
+            self._forget(entry)
             self.claimed = None
             if wire:
                 self.sent += 1
@@ -102,6 +108,11 @@ class Outbox:
     def overflowed(self) -> bool:
         """Whether control frames alone exceed the budget."""
         return self._control_size > self.max_bytes
+
+    @property
+    def has_control(self) -> bool:
+        """Whether a control frame waits."""
+        return bool(self._control)
 
     @property
     def dropped(self) -> int:
@@ -147,11 +158,11 @@ class Outbox:
             self.control_sent += 1
             taken.append(wire)
             left -= len(wire)
-        lanes = self._lanes
+        lanes = self._lanes if self.size else ()
         idle = 0
         while left > 0 and idle < len(lanes):
-            ready = lanes[0].next()
-            lanes.rotate(-1)
+            ready = self._lanes[0].next()
+            self._lanes.rotate(-1)
             if ready is None:
                 idle += 1
             else:

@@ -13,7 +13,7 @@ from gateway.protocol.errors import ProtocolError
 from gateway.protocol.explain import explain
 from gateway.protocol.framing import text_frame
 from gateway.protocol.limits import Limits
-from gateway.protocol.operations import OPERATIONS, ClientOperation
+from gateway.protocol.operations import MAX_ID_CHARACTERS, OPERATIONS, ClientOperation
 from gateway.protocol.outbox import Outbox
 from gateway.protocol.rate import TokenBucket
 
@@ -107,7 +107,7 @@ def _object(data: bytes, limits: Limits) -> dict[str, object]:
 def _readable_id(value: object) -> str | int | None:
     """Return an id that can be echoed, also where the operation itself is unreadable."""
     if isinstance(value, str):
-        return cut(value)
+        return value[:MAX_ID_CHARACTERS]
     return value if isinstance(value, int) and not isinstance(value, bool) else None
 
 

@@ -13,8 +13,10 @@ from gateway.protocol.errors import ProtocolError
 from gateway.protocol.outbox import Entry
 from gateway.protocol.session import Session
 from gateway.protocol.stream import Stream
+from gateway.router.latch import Latch
 from gateway.router.rendition import Frame, MetaFrame, Rendition, RenditionKey
 
+_MAX_BROKEN = 16  # a publisher that sends ever new nonsense fills no memory and no log
 _RATE_BATCHES = 16  # enough to tell 30 Hz from 25, few enough to follow a change within a second
 
 
@@ -27,15 +29,38 @@ class FeedKey(NamedTuple):
 
 
 class Member:
-    """A stream of some session, in its rendition."""
+    """A stream of some session on its way from feed to feed, with its timer."""
 
-    __slots__ = ("release", "rendition", "session", "stream")
+    __slots__ = ("_release", "rendition", "request_id", "session", "stream")
 
-    def __init__(self, session: Session, stream: Stream, rendition: Rendition) -> None:
+    def __init__(self, session: Session, stream: Stream) -> None:
         self.session = session
         self.stream = stream
-        self.rendition = rendition
-        self.release: asyncio.TimerHandle | None = None  # at the end of a throttle interval
+        self.rendition: Rendition | None = None  # while it is fed
+        self.request_id: str | int | None = None  # of the newest subscription, for warnings
+        self._release: asyncio.TimerHandle | None = None  # at the end of a throttle interval
+
+    def offer(self, entry: Entry, now_ns: int) -> None:
+        """Take a sample, now or at the end of the stream's interval."""
+        due_ns = self.stream.offer(entry, now_ns)
+        if due_ns is not None:
+            loop = asyncio.get_running_loop()
+            self._release = loop.call_later((due_ns - now_ns) / 1e9, self._on_interval)
+
+    def warn(self, error: ProtocolError) -> None:
+        """Tell the client what is wrong with its subscription."""
+        self.session.warn(error, "subscribe", self.request_id)
+
+    def cancel(self) -> None:
+        """Deliver nothing any more."""
+        if self._release is not None:
+            self._release.cancel()
+        self.stream.withdraw()
+
+    def _on_interval(self) -> None:
+        self._release = None
+        self.stream.release(time.monotonic_ns())
+        self.session.wake()
 
 
 class Feed:
@@ -58,8 +83,8 @@ class Feed:
         self._members: dict[Rendition, list[Member]] = {}
         self._seq = 0
         self._arrivals: deque[tuple[int, int]] = deque(maxlen=_RATE_BATCHES)
-        self._latched: deque[Sample] = deque(maxlen=key.qos.depth or 1)
-        self._complaints: dict[str, ProtocolError] = {}
+        self._latch = Latch()
+        self._broken: set[str] = set()  # what is wrong with samples, as far as it was told
 
     @property
     def is_idle(self) -> bool:
@@ -71,33 +96,28 @@ class Feed:
         """How many samples came from ROS."""
         return self._seq
 
-    def join(self, session: Session, stream: Stream, key: RenditionKey, *, replay: bool) -> Member:
+    def join(self, member: Member, key: RenditionKey, *, replay: bool) -> None:
         """Feed a stream from now on; *replay* begins with what transient-local topics keep."""
         rendition = next((known for known in self._members if known.key == key), None)
         if rendition is None:
             rendition = self._make_rendition(self, key)
-        member = Member(session, stream, rendition)
+        member.rendition = rendition
         self._members.setdefault(rendition, []).append(member)
-        for complaint in self._complaints.values():
-            session.warn(complaint, "subscribe", None)
-        if replay and self._latched:
-            now_ns = time.monotonic_ns()
-            first = self._seq - len(self._latched)
-            for seq, sample in enumerate(self._latched, start=first + 1):
-                self._offer(member, Frame(rendition, sample, seq), now_ns)
-            session.wake()
-        return member
+        if not replay:
+            return
+        for text in self.subscription.incompatible if self.subscription is not None else ():
+            member.warn(ProtocolError("qos_incompatible", text))
+        now_ns = time.monotonic_ns()
+        for seq, sample in self._latch.newest(self._retained):
+            self._offer(member, Frame(rendition, sample, seq), now_ns)
+        member.session.wake()
 
-    def leave(self, member: Member) -> None:
-        """Feed a stream no longer; what it already has it keeps, held back or waiting."""
-        members = self._members[member.rendition]
+    def leave(self, member: Member, rendition: Rendition) -> None:
+        """Feed a stream of some rendition no longer; what it has already it keeps."""
+        members = self._members[rendition]
         members.remove(member)
         if not members:
-            del self._members[member.rendition]
-        if member.release is not None:
-            # nobody will come at the end of this interval: it ends now
-            member.release.cancel()
-            self._release(member)
+            del self._members[rendition]
 
     def close(self) -> None:
         """End the ROS subscription."""
@@ -110,8 +130,11 @@ class Feed:
         before = self._seq
         self._seq += len(samples)
         self._arrivals.append((now_ns, self._seq))
-        if self.subscription is not None and self.subscription.qos.durability == "transient_local":
-            self._latched.extend(samples[-(self._latched.maxlen or 1) :])
+        if self._retained:
+            # twice what is replayed now: a new publisher's sample may come before its discovery
+            self._latch.keep(samples, before + 1, 2 * self._retained)
+        else:
+            self._latch.clear()  # its publishers have changed: what it kept may be long wrong
         for rendition, members in self._members.items():
             for seq, sample in enumerate(samples, start=before + 1):
                 frame = Frame(rendition, sample, seq)
@@ -126,18 +149,21 @@ class Feed:
             for member in list(members):
                 member.session.wake()
 
-    def complain(self, error: ProtocolError) -> None:
-        """Tell every client concerned, now or later, what is wrong with this topic; once."""
-        if str(error) in self._complaints or len(self._complaints) >= _MAX_COMPLAINTS:
-            return
-        self._complaints[str(error)] = error
-        for members in self._members.values():
-            for member in members:
-                member.session.warn(error, "subscribe", None)
+    def on_incompatible(self, text: str) -> None:
+        """Tell the clients of a publisher that cannot be matched."""
+        self._warn_all(ProtocolError("qos_incompatible", text))
 
     def on_codec_error(self, error: CodecError) -> None:
-        """Tell the clients that a message of this topic cannot be rendered."""
-        self.complain(ProtocolError("invalid_value", f"{self.key.topic}: {error}"))
+        """Tell the clients that a message of this topic cannot be rendered; once."""
+        text = f"{self.key.topic}: {error}"
+        if text not in self._broken and len(self._broken) < _MAX_BROKEN:
+            self._broken.add(text)
+            self._warn_all(ProtocolError("invalid_value", text))
+
+    def _warn_all(self, error: ProtocolError) -> None:
+        for members in list(self._members.values()):
+            for member in list(members):
+                member.warn(error)
 
     def rate_hz(self, now_ns: int) -> float:
         """Return how often samples arrive; 0 once they have ceased."""
@@ -147,21 +173,22 @@ class Feed:
         period_ns = (last_ns - first_ns) / (last - first)
         return 0.0 if now_ns - last_ns > max(3 * period_ns, 1e9) else 1e9 / max(period_ns, 1.0)
 
+    @property
+    def _retained(self) -> int:
+        """How many samples a late stream gets: what DDS would give a late subscription.
+
+        That is `depth` samples of each publisher. Which publisher a sample came from rclpy does
+        not tell, so it is the newest ones, as many as there are publishers. None of a volatile
+        topic.
+        """
+        subscription = self.subscription
+        if subscription is None or subscription.qos.durability != "transient_local":
+            return 0
+        return max(1, subscription.publishers) * (self.key.qos.depth or 1)
+
     def _offer(self, member: Member, frame: Frame, now_ns: int) -> None:
         stream = member.stream
-        entry: Entry = frame
         if stream.wish.meta:
-            entry = MetaFrame(frame, stream, self._ros_now_ns())
-        due_ns = stream.offer(entry, now_ns)
-        if due_ns is not None:
-            delay_s = (due_ns - now_ns) / 1e9
-            loop = asyncio.get_running_loop()
-            member.release = loop.call_later(delay_s, self._release, member)
-
-    def _release(self, member: Member) -> None:
-        member.release = None
-        member.stream.release(time.monotonic_ns())
-        member.session.wake()
-
-
-_MAX_COMPLAINTS = 16  # a publisher that sends ever new nonsense fills no memory and no log
+            member.offer(MetaFrame(frame, stream, self._ros_now_ns()), now_ns)
+        else:
+            member.offer(frame, now_ns)

@@ -44,6 +44,11 @@ class Rendition:
         self._on_failure = on_failure
         self._prefix = frames.publish_prefix(key.topic)
 
+    def is_rendering(self, frame: "Frame") -> bool:
+        """Whether a frame is being rendered elsewhere."""
+        del frame
+        return False
+
     def body(self, frame: "Frame") -> bytes | None:
         """Return the message as JSON, ``None`` if not yet, empty if it cannot be decoded."""
         return self.attempt(frame.sample.cdr)
@@ -82,19 +87,23 @@ class PictureRendition(Rendition):
         super().__init__(key, render, on_failure)
         self._workers = workers
         self._on_ready = on_ready
-        self._in_work = False
+        self._in_work: Frame | None = None
+
+    def is_rendering(self, frame: "Frame") -> bool:
+        """Whether this very frame is in the works."""
+        return self._in_work is frame
 
     def body(self, frame: "Frame") -> bytes | None:
         """Start to render unless another picture is in the works; never ready at once."""
-        if not self._in_work:
-            self._in_work = True
+        if self._in_work is None:
+            self._in_work = frame
             loop = asyncio.get_running_loop()
             future = loop.run_in_executor(self._workers, self._render, frame.sample.cdr)
             future.add_done_callback(lambda done: self._finish(frame, done))
         return None
 
     def _finish(self, frame: "Frame", done: asyncio.Future[bytes]) -> None:
-        self._in_work = False
+        self._in_work = None
         if done.cancelled():
             return
         error = done.exception()
@@ -121,6 +130,11 @@ class Frame:
         self.size = len(sample.cdr)
         self._body: bytes | None = None
         self._wire: bytes | None = None
+
+    @property
+    def is_being_rendered(self) -> bool:
+        """Whether work on it is under way."""
+        return self.rendition.is_rendering(self)
 
     def wire(self) -> bytes | None:
         """Return the frame as all streams without meta get it."""
@@ -152,6 +166,11 @@ class MetaFrame:
         self._stream = stream
         self._ros_time_ns = ros_time_ns
         self.size = frame.size
+
+    @property
+    def is_being_rendered(self) -> bool:
+        """Whether work on it is under way."""
+        return self._frame.is_being_rendered
 
     def wire(self) -> bytes | None:
         """Return the frame as this stream alone gets it."""

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from gateway.codec.errors import FieldError
 from gateway.codec.image import ImageOptions
 from gateway.codec.types import MessageType
+from gateway.codec.words import cut
 from gateway.ports import Graph, Ros, RosError
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import TopicName, resolve_topic
@@ -31,9 +32,9 @@ class Subscribed:
     spelling: str
     topic: TopicName
     requests: dict[str | int | None, Subscribe] = field(default_factory=dict)
-    stream: Stream | None = None
-    feed: Feed | None = None  # None: the type is not known yet
     member: Member | None = None
+    feed: Feed | None = None  # None: the type is not known yet
+    newest_id: str | int | None = None  # of its subscriptions, for warnings
     complaint: str = ""  # why it cannot be fed, as far as the client knows
 
 
@@ -93,19 +94,15 @@ class Subscriptions:
                 f"queue_length: {wish.queue_length}, at most {session.limits.queue_length} allowed",
             )
         entry = known or Subscribed(session, request.topic, topic)
+        entry.newest_id = request.id
         source = self._source(entry, wish)
         self._attach(entry, wish, source)
         entry.requests = requests
         self._subscribed.setdefault(session, {})[request.topic] = entry
         if request.compression not in _KNOWN_COMPRESSIONS:
-            session.warn(
-                ProtocolError(
-                    "bad_request",
-                    f"compression: {request.compression!r} is not available; sending plain JSON",
-                ),
-                request.op,
-                request.id,
-            )
+            asked = cut(request.compression or "")
+            text = f"compression: {asked!r} is not available; sending plain JSON"
+            session.warn(ProtocolError("bad_request", text), request.op, request.id)
         if source is None:
             hint = _did_you_mean(topic, self._ros.graph())
             session.warn(
@@ -189,7 +186,7 @@ class Subscriptions:
         try:
             message_type.decoder(wish.fields)
         except FieldError as error:
-            raise ProtocolError("bad_request", f"fields: {error}") from error
+            raise ProtocolError("bad_request", f"fields: {cut(str(error))}") from error
         return Source(
             FeedKey(entry.topic, message_type.name, requested(wish.qos)),
             RenditionKey(entry.spelling, wish.fields, _pictures(message_type, wish)),
@@ -198,27 +195,29 @@ class Subscriptions:
     def _attach(self, entry: Subscribed, wish: Wish, source: Source | None) -> None:
         """Have a stream fed as wished; raises before anything has changed."""
         feed = None if source is None else self._feeds.get(source.feed) or self._open(source.feed)
-        if entry.stream is None:
-            entry.stream = Stream(entry.spelling, wish, entry.session.outbox)
-        else:
-            entry.stream.change(wish)
-        former = (entry.feed, entry.member)
-        entry.feed, entry.member = feed, None
+        if entry.member is None:
+            stream = Stream(entry.spelling, wish, entry.session.outbox)
+            entry.member = Member(entry.session, stream)
+        member = entry.member
+        member.stream.change(wish)
+        member.request_id = entry.newest_id
+        former, former_rendition = entry.feed, member.rendition
+        entry.feed, member.rendition = feed, None
         if feed is not None and source is not None:
-            is_new = feed is not former[0]
-            entry.member = feed.join(entry.session, entry.stream, source.rendition, replay=is_new)
+            feed.join(member, source.rendition, replay=feed is not former)
         # only now, so that a feed that goes on is not closed and opened again
-        self._leave(*former)
+        self._leave(former, member, former_rendition)
 
     def _detach(self, entry: Subscribed) -> None:
-        former = (entry.feed, entry.member)
-        entry.feed = entry.member = None
-        self._leave(*former)
+        if entry.member is not None:
+            former, former_rendition = entry.feed, entry.member.rendition
+            entry.feed = entry.member.rendition = None
+            self._leave(former, entry.member, former_rendition)
 
-    def _leave(self, feed: Feed | None, member: Member | None) -> None:
-        if feed is None or member is None:
+    def _leave(self, feed: Feed | None, member: Member, rendition: Rendition | None) -> None:
+        if feed is None or rendition is None:
             return
-        feed.leave(member)
+        feed.leave(member, rendition)
         if feed.is_idle:
             feed.close()
             del self._feeds[feed.key]
@@ -230,7 +229,7 @@ class Subscriptions:
             key.type_name,
             key.qos,
             feed.on_samples,
-            lambda text: feed.complain(ProtocolError("qos_incompatible", text)),
+            feed.on_incompatible,
         )
         self._feeds[key] = feed
         return feed
@@ -241,8 +240,9 @@ class Subscriptions:
         if not own:
             del self._subscribed[entry.session]
         self._detach(entry)
-        if entry.stream is not None:
-            entry.session.outbox.close_lane(entry.stream.lane)
+        if entry.member is not None:
+            entry.member.cancel()
+            entry.session.outbox.close_lane(entry.member.stream.lane)
 
 
 def _pictures(message_type: MessageType, wish: Wish) -> ImageOptions | None:

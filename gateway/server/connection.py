@@ -29,6 +29,9 @@ from gateway.server.timing import Timing
 logger = logging.getLogger(__name__)
 
 READ_CHUNK_BYTES: Final = 16 * 1024  # one greedy sender cannot occupy the loop for long
+# Parsing JSON takes up to 50 ns a byte: a client may use a fifth of the loop, on average.
+READ_BYTES_PER_S: Final = 4 * 1024**2
+READ_BURST_BYTES: Final = 4 * 1024**2
 WRITE_HIGH_WATER_BYTES: Final = 64 * 1024  # beyond this, frames wait where they can be dropped
 TCP_NOTSENT_LOWAT_BYTES: Final = 16 * 1024  # nor do they age in the kernel
 MAX_PROTOCOL_BACKLOG_BYTES: Final = 64 * 1024  # pongs for a peer that pings and never reads
@@ -92,6 +95,9 @@ class Connection(asyncio.BufferedProtocol):
         self._progress_s = now_s
         self._unsent_bytes = 0
         self._protocol_backlog = 0
+        self._head: bytes | None = b""  # the end of what came of the HTTP request; None: all of it
+        self._credit: float = READ_BURST_BYTES
+        self._credited_s = now_s
         self._crowded_s: float | None = None
         self.address = "?"
 
@@ -116,15 +122,16 @@ class Connection(asyncio.BufferedProtocol):
         """Process what was read."""
         self._heard_s = time.monotonic()
         self._pinged_s = None
-        self._protocol.receive_data(self._buffer[:nbytes])
+        data = bytes(self._buffer[:nbytes])
         try:
-            for event in self._protocol.events_received():
-                self._handle(event)
-            self._explain_failure()
+            self._pace(nbytes)
+            if self._head is not None:
+                data = self._shake_hands(data)
+            if data:
+                self._process(data)
         except Exception:  # our bug, whatever it is: this client pays, the others do not
             logger.exception("connection from %s failed", self.address)
             self.close(INTERNAL_ERROR, "internal error")
-        self._write_protocol_output()
 
     def eof_received(self) -> None:
         """Note that the peer has closed its side."""
@@ -146,6 +153,7 @@ class Connection(asyncio.BufferedProtocol):
     def resume_writing(self) -> None:
         """Go on: the socket has taken most of what it had."""
         self._paused = False
+        self._protocol_backlog = 0
         self.flush()
 
     # What the server calls
@@ -164,7 +172,7 @@ class Connection(asyncio.BufferedProtocol):
         try:
             while not self._paused and self._protocol.state is OPEN:
                 batch = outbox.take(WRITE_HIGH_WATER_BYTES)
-                if not batch:
+                if not batch and not outbox.has_control:  # rendering may have added a status
                     break
                 self._transport.writelines(batch)
         except Exception:  # our bug, see buffer_updated
@@ -207,6 +215,45 @@ class Connection(asyncio.BufferedProtocol):
 
     # Incoming
 
+    def _pace(self, nbytes: int) -> None:
+        """Stop reading for a moment where a client sends more than one may."""
+        now_s = self._heard_s
+        earned = (now_s - self._credited_s) * READ_BYTES_PER_S
+        self._credit = min(READ_BURST_BYTES, self._credit + earned) - nbytes
+        self._credited_s = now_s
+        if self._credit < 0:
+            self._transport.pause_reading()
+            pause_s = -self._credit / READ_BYTES_PER_S
+            asyncio.get_running_loop().call_later(pause_s, self._resume_reading)
+
+    def _resume_reading(self) -> None:
+        if not self._transport.is_closing():
+            self._transport.resume_reading()
+
+    def _shake_hands(self, data: bytes) -> bytes:
+        """Process the HTTP request as far as it came; return what came behind it.
+
+        `websockets` would parse frames behind a request that is not answered yet.
+        """
+        assert self._head is not None  # noqa: S101  # the caller has looked
+        head = self._head + data
+        end = head.find(b"\r\n\r\n")
+        if end < 0:
+            self._head = head[-3:]
+            self._process(data)
+            return b""
+        behind = end + 4 - len(self._head)
+        self._head = None
+        self._process(data[:behind])
+        return data[behind:] if self._protocol.state is OPEN else b""
+
+    def _process(self, data: bytes) -> None:
+        self._protocol.receive_data(data)
+        for event in self._protocol.events_received():
+            self._handle(event)
+        self._explain_failure()
+        self._write_protocol_output()
+
     def _handle(self, event: Event) -> None:
         if isinstance(event, Request):
             self._open(event)
@@ -224,8 +271,9 @@ class Connection(asyncio.BufferedProtocol):
                 self._fragments = [bytes(event.data)]
                 self._fragments_are_text = event.opcode is Opcode.TEXT
             case Opcode.CONT:
-                # `websockets` bounds their total size, the frame budget their number
-                self._fragments.append(bytes(event.data))
+                # `websockets` bounds their total size, and so their number
+                if event.data:
+                    self._fragments.append(bytes(event.data))
                 if event.fin:
                     message, self._fragments = b"".join(self._fragments), []
                     self._receive(message, is_text=self._fragments_are_text)
@@ -262,7 +310,10 @@ class Connection(asyncio.BufferedProtocol):
 
     def _explain_failure(self) -> None:
         """Say in a `status` why `websockets` is about to close, where the client can know."""
-        if self._session is not None and isinstance(self._protocol.parser_exc, PayloadTooBig):
+        if self._session is None or self._closing_s is not None:
+            return
+        if isinstance(self._protocol.parser_exc, PayloadTooBig):
+            self._closing_s = time.monotonic()
             text = f"message too large, at most {self._limits.message_bytes} bytes"
             self._session.refuse(ProtocolError("limit_exceeded", text), None, None)
             # the state is no longer open, so `flush` would not send it
@@ -304,7 +355,8 @@ class Connection(asyncio.BufferedProtocol):
         outbox = self._session.outbox
         if outbox.overflowed:
             self.close(SLOW_CONSUMER, "slow consumer: answers alone exceed the send queue")
-        elif outbox.size <= outbox.max_bytes // 2:
+        elif not self._paused or outbox.size <= outbox.max_bytes // 2:
+            # While the socket takes, what waits is waiting for us: a picture being encoded, say.
             self._crowded_s = None
         elif self._crowded_s is None:
             self._crowded_s = now_s

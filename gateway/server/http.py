@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Plain HTTP on the WebSocket's port: health, and a word for whoever opens it in a browser."""
 
+import ipaddress
+import socket
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 from urllib.parse import urlsplit
@@ -40,6 +42,12 @@ class HttpFront:
 
     def respond(self, protocol: ServerProtocol, request: Request) -> Response:
         """Return the response; its status is 101 where a WebSocket begins."""
+        try:
+            return self._respond(protocol, request)
+        except (ValueError, LookupError):  # a path or a host that is none, a header twice
+            return protocol.reject(400, "this request contradicts itself\n")
+
+    def _respond(self, protocol: ServerProtocol, request: Request) -> Response:
         path = urlsplit(request.path).path
         if path == "/healthz":
             body = orjson.dumps(
@@ -70,8 +78,24 @@ class HttpFront:
         origin = request.headers.get("Origin")
         if origin is None or "*" in self._allowed_origins or origin in self._allowed_origins:
             return True
-        host = request.headers.get("Host", "")
-        return urlsplit(origin).hostname == urlsplit(f"//{host}").hostname is not None
+        host = urlsplit(f"//{request.headers.get('Host', '')}").hostname
+        return host is not None and host == urlsplit(origin).hostname and _is_own_name(host)
+
+
+def _is_own_name(host: str) -> bool:
+    """Tell whether a page's host is surely this machine: an address, or a name of its own.
+
+    By any other name a page of somebody else's could come, which has its name point here once
+    it is loaded (DNS rebinding).
+    """
+    own = socket.gethostname().lower()
+    if host in {"localhost", own, f"{own}.local"}:
+        return True
+    try:
+        ipaddress.ip_address(host)
+    except ValueError:
+        return False
+    return True
 
 
 def _page(

@@ -3,6 +3,7 @@
 
 import asyncio
 import contextlib
+import logging
 import time
 from collections.abc import AsyncIterator, Mapping, Sequence
 from typing import Any, Final
@@ -17,7 +18,11 @@ from gateway.server.connection import GOING_AWAY, Connection
 from gateway.server.http import HttpFront
 from gateway.server.timing import TICK_S, Timing
 
-MAX_HANDSHAKES: Final = 16  # sockets whose handshake is under way; each is cut off after 5 s
+logger = logging.getLogger(__name__)
+
+# Sockets whose handshake is under way; each is cut off after 5 s, and clients do not count.
+MAX_HANDSHAKES: Final = 64
+MAX_HANDSHAKES_PER_ADDRESS: Final = 32  # as many clients as there may be, all at once
 
 
 class Server:
@@ -85,7 +90,9 @@ class Server:
         """Note a connection; false where clients and handshakes leave no room for it."""
         self._connections.add(connection)
         self._all_gone.clear()
-        return len(self._connections) <= self._max_clients + MAX_HANDSHAKES
+        waiting = [other for other in self._connections if other.session is None]
+        same = sum(other.address == connection.address for other in waiting)
+        return len(waiting) <= MAX_HANDSHAKES and same <= MAX_HANDSHAKES_PER_ADDRESS
 
     def respond(self, protocol: ServerProtocol, request: Request) -> Response:
         """Answer an HTTP request."""
@@ -112,18 +119,22 @@ class Server:
     def left(self, connection: Connection, session: Session | None) -> None:
         """Close everything that was open for a connection."""
         self._connections.discard(connection)
+        if not self._connections:
+            self._all_gone.set()
         if session is not None:
             _add(self._totals, session)
             self._router.leave(session)
-        if not self._connections:
-            self._all_gone.set()
 
     async def _tick(self) -> None:
         while True:
             await asyncio.sleep(TICK_S)
             now_s = time.monotonic()
             for connection in list(self._connections):
-                connection.tick(now_s)
+                try:
+                    connection.tick(now_s)
+                except Exception:  # our bug: it must not end the others' keep-alive
+                    logger.exception("keeping the times of %s failed", connection.address)
+                    connection.abort()
 
     async def _send_home(self) -> None:
         for connection in list(self._connections):

@@ -16,6 +16,8 @@ class Item:
     ready: bool = True
     renders: int = field(default=0, compare=False)
 
+    is_being_rendered: bool = False
+
     @property
     def size(self) -> int:
         return len(self.text)
@@ -98,7 +100,7 @@ def test_take_stops_after_its_bytes():
 
 def test_an_entry_that_is_not_ready_waits_without_holding_up_other_lanes():
     outbox = Outbox(1000)
-    picture = Item(b"picture", ready=False)
+    picture = Item(b"picture", ready=False, is_being_rendered=True)
     pictures, odometry = outbox.open_lane(1, None), outbox.open_lane(1, None)
     pictures.put(picture)
     odometry.put(Item(b"odometry"))
@@ -108,6 +110,18 @@ def test_an_entry_that_is_not_ready_waits_without_holding_up_other_lanes():
     assert outbox.take(EVERYTHING) == []
     picture.ready = True
     assert outbox.take(EVERYTHING) == [b"picture", b"newer"]
+
+
+def test_an_entry_that_nobody_renders_yet_gives_way_to_a_newer_one():
+    outbox = Outbox(1000)
+    lane = outbox.open_lane(1, None)
+    declined = Item(b"old", ready=False)
+    lane.put(declined)
+    assert outbox.take(EVERYTHING) == []
+    lane.put(Item(b"new"))
+    declined.ready = True
+    assert outbox.take(EVERYTHING) == [b"new"]
+    assert lane.dropped == 1
 
 
 def test_an_entry_with_nothing_to_send_is_passed_over():

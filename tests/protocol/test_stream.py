@@ -16,6 +16,7 @@ MS = 1_000_000
 class Item:
     number: int
     size: int = 1
+    is_being_rendered: bool = False
 
     def wire(self) -> bytes:
         return b"%d" % self.number

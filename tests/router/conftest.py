@@ -21,18 +21,31 @@ from tests.ros.fake import FakeRos
 LIMITS = Limits(subscriptions=4, advertisements=3, operations_per_s=0)
 
 
+def payload(wire: bytes) -> bytes:
+    """Return what is behind the header of a WebSocket frame."""
+    return wire[{126: 4, 127: 10}.get(wire[1], 2) :]
+
+
 class Socketless:
     """A client whose frames are taken from its outbox as soon as it is woken."""
 
     def __init__(self, router: Router) -> None:
         self.router = router
         self.frames: list[Frame] = []
+        self.wires: list[bytes] = []
         self.is_paused = False
+        self.is_flushing = False
         self.session: Session = router.enter(self.flush)
 
     def flush(self) -> None:
-        while not self.is_paused and (batch := self.session.outbox.take(1 << 20)):
-            self.frames += [json.loads(wire[wire.index(b"{") :]) for wire in batch]
+        if self.is_flushing:  # as a connection does: rendering may report an error
+            return
+        self.is_flushing = True
+        outbox = self.session.outbox
+        while not self.is_paused and ((batch := outbox.take(1 << 20)) or outbox.has_control):
+            self.wires += batch
+            self.frames += [json.loads(payload(wire)) for wire in batch]
+        self.is_flushing = False
 
     def send(self, **operation: Any) -> None:
         self.send_raw(json.dumps(operation).encode())

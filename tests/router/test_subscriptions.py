@@ -332,3 +332,108 @@ async def test_an_unknown_compression_is_a_warning_and_plain_json(bench: Bench):
     (status,) = client.of("status")
     assert status["level"] == "warning"
     assert bench.ros.entity_count() == 1
+
+
+async def test_a_late_client_gets_a_sample_of_each_latching_publisher(bench: Bench):
+    for number in range(3):
+        publisher = bench.ros.add_publisher("/tf_static", STRING, LATCHED, node=f"/node{number}")
+        publisher.publish(bench.cdr(STRING, data=str(number)))
+    early, late = bench.client(), bench.client()
+    early.send(op="subscribe", topic="/tf_static")
+    await early.sees(3)
+    late.send(op="subscribe", topic="/tf_static")
+    await late.sees(3)
+    assert late.messages == early.messages
+
+
+async def test_what_a_topic_kept_is_forgotten_once_it_is_volatile(bench: Bench):
+    latching = bench.ros.add_publisher("/map", STRING, LATCHED)
+    latching.publish(bench.cdr(STRING, data="old"))
+    early = bench.client()
+    early.send(op="subscribe", topic="/map")
+    await early.sees(1)
+    bench.ros.remove_publisher(latching)
+    bench.ros.add_publisher("/map", STRING)
+    await bench.settle()
+    bench.ros.publish("/map", bench.cdr(STRING, data="new"))
+    await early.sees(2)
+    late = bench.client()
+    late.send(op="subscribe", topic="/map")
+    await bench.settle()
+    assert late.messages == []
+
+
+async def test_clients_of_one_rendition_share_its_bytes(bench: Bench):
+    bench.ros.add_publisher("/chatter", STRING)
+    clients = [bench.client() for _ in range(3)]
+    for client in clients:
+        client.send(op="subscribe", topic="/chatter")
+    clients[2].send(op="subscribe", topic="/chatter", fields=["data"])
+    bench.ros.publish("/chatter", bench.cdr(STRING, data="encoded once"))
+    for client in clients:
+        await client.sees(1)
+    assert clients[0].wires[-1] is clients[1].wires[-1]
+
+
+async def test_unsubscribing_a_throttled_topic_delivers_nothing_more(bench: Bench):
+    bench.ros.add_publisher("/chatter", STRING)
+    client = bench.client()
+    client.send(op="subscribe", topic="/chatter", throttle_rate=20)
+    for text in ("first", "held"):
+        bench.ros.publish("/chatter", bench.cdr(STRING, data=text))
+    await client.sees(1)
+    client.send(op="unsubscribe", topic="/chatter")
+    other = bench.client()
+    other.send(op="subscribe", topic="/chatter", throttle_rate=50)
+    for text in ("a", "b"):  # another client's interval is over later than ours would be
+        bench.ros.publish("/chatter", bench.cdr(STRING, data=text))
+    await other.sees(2)
+    assert client.messages == [{"data": "first"}]
+
+
+async def test_subscribing_again_does_not_cut_a_throttle_interval_short(bench: Bench):
+    bench.ros.add_publisher("/chatter", STRING)
+    client = bench.client()
+    for number in range(10):
+        client.send(op="subscribe", id="a", topic="/chatter", throttle_rate=3_600_000)
+        bench.ros.publish("/chatter", bench.cdr(STRING, data=str(number)))
+        await bench.settle()
+    assert client.messages == [{"data": "0"}]
+
+
+async def test_a_subscription_may_be_replaced_at_the_limit(bench: Bench):
+    client = bench.client()
+    for number in range(4):
+        client.send(op="subscribe", id=number, topic="/t", type=STRING)
+    client.send(op="subscribe", id=3, topic="/t", type=STRING, throttle_rate=5)
+    assert client.statuses == []
+
+
+async def test_durations_of_qos_reach_ros(bench: Bench):
+    client = bench.client()
+    qos = {"deadline": {"secs": 1, "nsecs": 5}, "lifespan": 0.5, "history": "keep_last", "depth": 3}
+    client.send(op="subscribe", topic="/t", type=STRING, qos={**qos, "reliability": "reliable"})
+    client.send(op="subscribe", topic="/u", type=STRING, qos={"deadline": "infinite"})
+    first, second = (subscription.asked for subscription in bench.ros.subscriptions)
+    assert (first.deadline_ns, first.lifespan_ns, first.depth) == (1_000_000_005, 500_000_000, 3)
+    assert (first.reliability, second.deadline_ns) == ("reliable", None)
+
+
+async def test_best_available_adopts_what_is_offered(bench: Bench):
+    bench.ros.add_publisher("/t", STRING, Qos(reliability="best_effort"))
+    best = {"reliability": "best_available", "durability": "best_available"}
+    bench.client().send(op="subscribe", topic="/t", qos=best)
+    assert [own.qos.reliability for own in bench.ros.subscriptions] == ["best_effort"]
+
+
+async def test_a_warning_about_qos_carries_the_id_and_ends_with_its_cause(bench: Bench):
+    offender = bench.ros.add_publisher("/scan", STRING, Qos(reliability="best_effort"))
+    one, other = bench.client(), bench.client()
+    one.send(op="subscribe", id="one", topic="/scan", qos={"reliability": "reliable"})
+    (status,) = await one.sees(1, "status")
+    assert status["id"] == "one"
+    bench.ros.remove_publisher(offender)
+    await bench.settle()
+    other.send(op="subscribe", topic="/scan", type=STRING, qos={"reliability": "reliable"})
+    await bench.settle()
+    assert other.statuses == []

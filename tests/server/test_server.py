@@ -64,18 +64,22 @@ async def test_operations_of_one_client_are_carried_out_in_order(serve: Serve):
         assert [(await speaker.receive())["id"] for _ in range(100)] == list(range(100))
 
 
-async def test_a_message_too_large_gets_a_status_and_1009(serve: Serve):
+@pytest.mark.parametrize("size", [2_000, 2_000_000])
+async def test_a_message_too_large_gets_one_status_and_1009(serve: Serve, size, caplog):
     async with (
         serve({"message_bytes": 1000}) as served,
         client(served.url) as speaker,
         client(served.url) as other,
     ):
-        await speaker.send(op="ping", value="x" * 2000)
+        with contextlib.suppress(ConnectionClosed):  # the server need not wait for the end of it
+            await speaker.send(op="ping", value="x" * size)
         code, _ = await closing(speaker)
         assert code == 1009
-        assert speaker.seen[-1]["code"] == "limit_exceeded"
-        assert "at most 1000 bytes" in speaker.seen[-1]["msg"]
+        (status,) = speaker.seen
+        assert status["code"] == "limit_exceeded"
+        assert "at most 1000 bytes" in status["msg"]
         assert await other.sync() == []
+    assert "Traceback" not in caplog.text
 
 
 async def test_a_text_frame_that_is_not_utf_8_gets_a_status_and_1007(serve: Serve):
@@ -296,6 +300,89 @@ async def test_only_pages_of_the_same_host_or_allowed_ones_connect(
                 pass
         assert caught.value.response.status_code == 403
         assert b"may not connect" in caught.value.response.body
+
+
+def upgrade(*lines: str) -> bytes:
+    """Return the bytes of a handshake with further header lines."""
+    head = (
+        "GET / HTTP/1.1",
+        "Connection: Upgrade",
+        "Upgrade: websocket",
+        "Sec-WebSocket-Version: 13",
+        "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==",
+        *lines,
+    )
+    return ("\r\n".join(head) + "\r\n\r\n").encode()
+
+
+@pytest.mark.parametrize("host", ["evil.example", "evil.example:9090", ""])
+async def test_a_page_that_had_its_name_point_here_may_not_connect(serve: Serve, host):
+    async with serve() as served:
+        reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
+        writer.write(upgrade(f"Host: {host}", "Origin: http://evil.example:9090"))
+        assert (await reader.readline()).split()[1] == b"403"
+        writer.close()
+
+
+@pytest.mark.parametrize(
+    "request_bytes",
+    [
+        pytest.param(b"GET //[ HTTP/1.1\r\nHost: a\r\n\r\n", id="no path"),
+        pytest.param(upgrade("Host: a", "Origin: http://["), id="no origin"),
+        pytest.param(upgrade("Host: a", "Origin: http://b", "Origin: http://c"), id="two origins"),
+        pytest.param(upgrade("Host: a", "Upgrade: websocket"), id="two upgrades"),
+    ],
+)
+async def test_a_request_that_contradicts_itself_gets_400(serve: Serve, request_bytes, caplog):
+    async with serve() as served:
+        reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
+        writer.write(request_bytes)
+        assert (await reader.readline()).split()[1] == b"400"
+        writer.close()
+    assert "Traceback" not in caplog.text
+
+
+@pytest.mark.parametrize(
+    "behind",
+    [
+        pytest.param(masked(Opcode.PING, b"hi"), id="ping"),
+        pytest.param(masked(Opcode.CLOSE, b""), id="close"),
+        pytest.param(b"\x81\x05hello", id="unmasked"),
+        pytest.param(upgrade("Host: a"), id="another request"),
+    ],
+)
+@pytest.mark.parametrize("chunk", [1, 10_000])
+async def test_what_comes_behind_the_handshake_is_read_after_it(
+    serve: Serve, behind, chunk, caplog
+):
+    async with serve() as served, client(served.url) as other:
+        reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
+        data = upgrade("Host: localhost") + behind
+        for start in range(0, len(data), chunk):
+            writer.write(data[start : start + chunk])
+            await writer.drain()
+        assert (await reader.readline()).split()[1] == b"101"
+        await reader.readuntil(b"\r\n\r\n")
+        assert await reader.readexactly(1)  # a pong, or the end with a reason
+        assert await other.sync() == []
+        writer.close()
+    assert "Traceback" not in caplog.text
+
+
+async def test_a_client_that_asks_and_never_reads_is_closed_as_slow(serve: Serve, caplog):
+    caplog.set_level("INFO")
+    limits = {"send_queue_bytes": 100_000, "operations_per_s": 0, "frames_per_s": 0}
+    async with serve(limits, {"send_deadline_s": PATIENCE_S}) as served:
+        reader, writer = await handshake(served)
+        question = masked(Opcode.TEXT, b'{"op":"describe","type":"visualization_msgs/msg/Marker"}')
+        async with asyncio.timeout(PATIENCE_S):
+            while served.clients or "connected" not in caplog.text:
+                if not writer.transport.is_closing():
+                    writer.write(question * 10)
+                await asyncio.sleep(0.01)
+        assert "4503 slow consumer: answers alone exceed the send queue" in caplog.text
+        writer.transport.abort()
+        del reader
 
 
 async def test_a_bug_in_the_core_closes_that_client_with_1011_and_no_other(
