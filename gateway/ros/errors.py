@@ -12,11 +12,13 @@ from rclpy.exceptions import (
 from gateway.ports import RosError
 
 # RCLError and its kin are RuntimeErrors; an AttributeError is what a class without type support
-# gets; a ValueError or an OverflowError is a number that C does not hold.
+# gets; a ValueError or an OverflowError is a number that C does not hold; an OSError is a limit
+# of the process, such as its number of descriptors.
 REFUSALS: Final = (
     RuntimeError,
     ValueError,
     OverflowError,
+    OSError,
     AttributeError,
     NameValidationException,
     NotInitializedException,

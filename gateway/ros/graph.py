@@ -9,9 +9,10 @@ functions of rcl's C API do; where they lack, a thread looks twice a second.
 import asyncio
 import contextlib
 import ctypes
+import logging
 import threading
 from collections.abc import Callable, Container, Iterator
-from functools import partial
+from time import perf_counter
 from typing import Any, Final
 
 from rclpy.guard_condition import GuardCondition
@@ -19,14 +20,22 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 
 from gateway.ports import Graph, Topic
+from gateway.ros.errors import REFUSALS
 from gateway.ros.profile import endpoint_node, full_name, to_offer
 from gateway.ros.qos import Offer
 
 # A new node is dozens of changes within a few milliseconds: look once they are over. Far below
 # the 100 ms in which a subscription is to follow its publishers.
 SETTLE_S: Final = 0.02
+# Handling a change takes the loop time for every subscription: followed like this, a client that
+# advertises and unadvertises without pause gets a tenth of the loop at most.
+SETTLES_PER_HANDLING: Final = 10
+# 1000 subscriptions take about a quarter of it; more is a machine that stood still
+MAX_SETTLE_S: Final = 1.0
 # 100 topics take about 1.5 ms to look at: 0.3 % of a core
 POLL_S: Final = 0.5
+
+_logger = logging.getLogger(__name__)
 
 
 def read_graph(node: Node) -> Graph:
@@ -62,8 +71,9 @@ def read_offers(node: Node, topic: str) -> list[Offer]:
 class GraphChanges:
     """A thread that calls *on_change* on the loop's thread soon after the graph has changed.
 
-    Changes within `SETTLE_S` are one call. With *polling*, or where rcl lacks what waiting
-    needs, it looks every `POLL_S` instead.
+    Changes within `SETTLE_S` are one call, or within `SETTLES_PER_HANDLING` times what the last
+    call took. With *polling*, or where rcl lacks what waiting needs, it looks every `POLL_S`
+    instead.
     """
 
     def __init__(
@@ -77,10 +87,11 @@ class GraphChanges:
         self._node = node
         self._loop = loop
         self._on_change = on_change
+        self._settle_s = SETTLE_S
+        self._is_reported = False
         self._stopping = threading.Event()
         self._wait_set = None if polling else _GraphWaitSet.create(node)
-        look = self._poll if self._wait_set is None else partial(self._wait, self._wait_set)
-        self._thread = threading.Thread(target=look, name="ros_graph", daemon=True)
+        self._thread = threading.Thread(target=self._look, name="ros_graph", daemon=True)
         self._thread.start()
 
     def close(self) -> None:
@@ -93,10 +104,21 @@ class GraphChanges:
         if self._wait_set is not None:
             self._wait_set.close()
 
+    def _look(self) -> None:
+        if self._wait_set is not None:
+            try:
+                self._wait(self._wait_set)
+            except REFUSALS:
+                _logger.exception("waiting for graph changes failed, looking every %g s", POLL_S)
+                self._report()  # what has changed before the first look
+            else:
+                return
+        self._poll()
+
     def _wait(self, wait_set: "_GraphWaitSet") -> None:
         with wait_set.opened() as wait:
             wait()
-            while not self._stopping.wait(SETTLE_S):
+            while not self._stopping.wait(self._settle_s):
                 wait(timeout_ns=0)  # what came meanwhile is part of this change
                 # That may have been the last wake as well: close() sets the event before.
                 if self._stopping.is_set():
@@ -106,15 +128,23 @@ class GraphChanges:
 
     def _poll(self) -> None:
         known = _fingerprint(self._node)
-        while not self._stopping.wait(POLL_S):
+        while not self._stopping.wait(max(POLL_S, self._settle_s)):
             found = _fingerprint(self._node)
             if found != known:
                 known = found
                 self._report()
 
     def _report(self) -> None:
-        # Through self, so that a call on its way finds out that this was closed.
-        self._loop.call_soon_threadsafe(lambda: self._on_change())
+        if not self._is_reported:  # a busy loop has one call waiting, not one for each change
+            self._is_reported = True
+            self._loop.call_soon_threadsafe(self._handle)
+
+    def _handle(self) -> None:
+        self._is_reported = False
+        began = perf_counter()
+        self._on_change()  # through self: a call on its way finds out that this was closed
+        took = perf_counter() - began
+        self._settle_s = min(max(SETTLE_S, SETTLES_PER_HANDLING * took), MAX_SETTLE_S)
 
 
 class _GraphWaitSet:

@@ -11,7 +11,7 @@ Taking = Literal["auto", "eventfd", "executor"]
 class RosOptions:
     """What an operator may decide about the gateway's nodes."""
 
-    node_prefix: str = "gateway"
+    node_prefix: str = "ros2_gateway"
     namespace: str = "/"  # of the nodes; topics do not move
     domain_id: int | None = None  # None: the environment's ROS_DOMAIN_ID
     use_sim_time: bool = False

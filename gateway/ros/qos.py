@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from gateway.ports import MAX_TAKES_PER_TURN, Durability, History, Qos, Reliability
+from gateway.ports import MAX_TAKES_PER_TURN, Durability, Qos, Reliability
 
 # what the loop takes in one turn: DDS need not drop while a turn takes 32 ms at 1 kHz; a topic
 # of 1 MB images holds at most 32 MB
@@ -43,6 +43,9 @@ def adopt(asked: Qos, offers: Sequence[Offer], current: Qos | None = None) -> Qo
     that return mostly return unchanged. Before the first one a reliable, volatile publisher is
     expected, as ROS makes them by default; the only one not to match that is a best-effort one,
     a stream whose next sample soon makes up for the first.
+
+    A subscription that keeps all would grow for as long as the event loop is busy: it keeps the
+    last `MAX_DEPTH` instead.
     """
     if not offers and current is not None:
         return current
@@ -52,8 +55,7 @@ def adopt(asked: Qos, offers: Sequence[Offer], current: Qos | None = None) -> Qo
         asked,
         reliability=asked.reliability or ("reliable" if reliable else "best_effort"),
         durability=asked.durability or ("transient_local" if retained else "volatile"),
-        history=asked.history or "keep_last",
-        depth=asked.depth or max(NEEDED_DEPTH, sum(offer.depth or 1 for offer in offers)),
+        depth=max(NEEDED_DEPTH, sum(offer.depth or 1 for offer in offers)),
     )
 
 
@@ -71,13 +73,11 @@ def complete_offer(asked: Qos) -> Qos:
     A publisher that keeps all waits for its slowest reader while it writes, and would stop the
     event loop: it keeps the last `MAX_DEPTH` instead.
     """
-    keeps_all = asked.history == "keep_all"
     return _bounded(
         asked,
         reliability=asked.reliability or "reliable",
         durability=asked.durability or "volatile",
-        history="keep_last",
-        depth=MAX_DEPTH if keeps_all else asked.depth or PUBLISHER_DEPTH,
+        depth=PUBLISHER_DEPTH,
     )
 
 
@@ -121,14 +121,14 @@ def _deadline(deadline_ns: int | None) -> str:
     return "no deadline" if deadline_ns is None else f"a deadline of {deadline_ns / 1e6:g} ms"
 
 
-def _bounded(
-    asked: Qos, *, reliability: Reliability, durability: Durability, history: History, depth: int
-) -> Qos:
+def _bounded(asked: Qos, *, reliability: Reliability, durability: Durability, depth: int) -> Qos:
+    """Complete a profile; *depth* is for one that asks for none."""
+    wanted = MAX_DEPTH if asked.history == "keep_all" else asked.depth or depth
     return Qos(
         reliability,
         durability,
-        history,
-        max(1, min(depth, MAX_DEPTH)),
+        "keep_last",
+        max(1, min(wanted, MAX_DEPTH)),
         deadline_ns=_period(asked.deadline_ns),
         lifespan_ns=_period(asked.lifespan_ns),
     )

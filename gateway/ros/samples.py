@@ -9,20 +9,24 @@ that spins its node in a thread.
 """
 
 import asyncio
+import contextlib
 import ctypes
 import os
 from collections import deque
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol
+from typing import Any, Final, Protocol
 
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
-from rclpy.qos import HistoryPolicy, QoSProfile
+from rclpy.qos import QoSProfile
 
 from gateway.ports import MAX_TAKES_PER_TURN, Sample
 from gateway.ros.qos import MAX_DEPTH
 
 OnSamples = Callable[[Sequence[Sample]], None]
+
+# as many as can be waiting when a flush begins; what arrives during a flood is not waited for
+_TURNS_PER_FLUSH: Final = MAX_DEPTH // MAX_TAKES_PER_TURN
 
 
 class Reader(Protocol):
@@ -33,10 +37,10 @@ class Reader(Protocol):
         """The name that ROS gave the topic."""
 
     def flush(self) -> None:
-        """Deliver now what has arrived, at most `MAX_TAKES_PER_TURN` samples."""
+        """Deliver now all that is waiting, in as many calls as it takes; closing ends it."""
 
     def close(self) -> None:
-        """Deliver nothing any more and destroy the subscription. To be called once."""
+        """Deliver nothing any more and destroy the subscription. Closing twice is harmless."""
 
 
 class Samples(Protocol):
@@ -70,11 +74,8 @@ class EventfdSamples:
         self, message_class: type, topic: str, profile: QoSProfile, on_samples: OnSamples
     ) -> Reader:
         """Create a subscription; raises what rclpy raises."""
-        subscription = self._node.create_subscription(
-            message_class, topic, _never_called, profile, raw=True, event_callbacks=_no_events()
-        )
         return _EventfdReader(
-            self._node, self._loop, self._arrivals, subscription, message_class, on_samples
+            self._node, self._loop, self._arrivals, message_class, topic, profile, on_samples
         )
 
 
@@ -84,39 +85,45 @@ class _EventfdReader:
         node: Node,
         loop: asyncio.AbstractEventLoop,
         arrivals: "_Arrivals",
-        subscription: Any,
         message_class: type,
+        topic: str,
+        profile: QoSProfile,
         on_samples: OnSamples,
     ) -> None:
-        self._node = node
-        self._loop = loop
-        self._arrivals = arrivals
-        self._subscription = subscription
         self._message_class = message_class
-        self._take_message = subscription.handle.take_message
         self._on_samples = on_samples
-        # non-blocking: the thread of DDS must not wait when the loop does not read
-        self._fd = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
-        loop.add_reader(self._fd, self._deliver)
-        arrivals.count(subscription, self._fd)
+        self._is_closed = False
+        with contextlib.ExitStack() as undo:
+            # non-blocking: the thread of DDS must not wait when the loop does not read
+            self._fd = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
+            undo.callback(os.close, self._fd)
+            self._subscription: Any = node.create_subscription(
+                message_class, topic, _never_called, profile, raw=True, event_callbacks=_no_events()
+            )
+            undo.callback(node.destroy_subscription, self._subscription)
+            self._take_message = self._subscription.handle.take_message
+            loop.add_reader(self._fd, self._deliver)
+            undo.callback(loop.remove_reader, self._fd)
+            arrivals.count(self._subscription, self._fd)
+            undo.callback(arrivals.stop, self._subscription)
+            self._undo = undo.pop_all()
 
     @property
     def topic_name(self) -> str:
         return str(self._subscription.topic_name)
 
     def close(self) -> None:
-        """Unhook, then destroy, then close.
+        """Unhook, then destroy, then close: the steps of opening, backwards.
 
         In any other order the thread of DDS might write into whatever reuses the number.
         """
-        self._loop.remove_reader(self._fd)
-        self._arrivals.stop(self._subscription)
-        self._node.destroy_subscription(self._subscription)
-        os.close(self._fd)
+        self._is_closed = True
+        self._undo.close()
 
     def flush(self) -> None:
-        samples = self._take()
-        if samples:
+        for _ in range(_TURNS_PER_FLUSH):
+            if self._is_closed or not (samples := self._take()):
+                break
             self._on_samples(samples)
 
     def _deliver(self) -> None:
@@ -169,8 +176,7 @@ class _ExecutorReader:
         self._loop = loop
         self._on_samples = on_samples
         # DDS' own queue is always empty here, so this one drops the oldest in its stead.
-        keeps_all = profile.history == HistoryPolicy.KEEP_ALL
-        self._waiting: deque[Sample] = deque(maxlen=MAX_DEPTH if keeps_all else profile.depth)
+        self._waiting: deque[Sample] = deque(maxlen=profile.depth)
         self._is_scheduled = False
         self._is_closed = False
         arrive: Any = self._arrive  # rclpy's annotation knows callbacks without info only
@@ -183,9 +189,10 @@ class _ExecutorReader:
         return str(self._subscription.topic_name)
 
     def close(self) -> None:
-        self._is_closed = True
-        self._node.destroy_subscription(self._subscription)
-        self._waiting.clear()
+        if not self._is_closed:
+            self._is_closed = True
+            self._node.destroy_subscription(self._subscription)
+            self._waiting.clear()
 
     def _arrive(self, cdr: bytes, info: dict[str, int]) -> None:
         """Keep one sample for the loop; runs on the executor's thread."""
@@ -195,9 +202,9 @@ class _ExecutorReader:
             self._loop.call_soon_threadsafe(self._deliver)
 
     def flush(self) -> None:
-        waiting = self._waiting
-        samples = [waiting.popleft() for _ in range(min(len(waiting), MAX_TAKES_PER_TURN))]
-        if samples:
+        for _ in range(_TURNS_PER_FLUSH):
+            if self._is_closed or not (samples := self._take()):
+                break
             self._on_samples(samples)
 
     def _deliver(self) -> None:
@@ -208,7 +215,13 @@ class _ExecutorReader:
         if len(self._waiting) > MAX_TAKES_PER_TURN:
             self._is_scheduled = True
             self._loop.call_soon(self._deliver)
-        self.flush()
+        samples = self._take()
+        if samples:
+            self._on_samples(samples)
+
+    def _take(self) -> list[Sample]:
+        waiting = self._waiting
+        return [waiting.popleft() for _ in range(min(len(waiting), MAX_TAKES_PER_TURN))]
 
 
 class _Arrivals:

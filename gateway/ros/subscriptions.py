@@ -117,21 +117,35 @@ class RclpySubscription:
         self._on_samples = on_samples
         self._on_incompatible = on_incompatible
         self._offers = offers
+        self._refusals: list[str] = []  # why what the offers ask for is not in force
         self._reported: list[str] = []
         self._qos = adopt(asked, self._matching(offers))
         self._reader: Reader | None = self._read(self._qos)
+        self._retired: Reader | None = None  # while it delivers its last
 
     @property
     def qos(self) -> Qos:
         """The profile in force, with nothing left to adopt."""
         return self._qos
 
+    @property
+    def publishers(self) -> int:
+        """How many publishers of its type the topic has; see the port."""
+        return len(self._matching(self._offers))
+
+    @property
+    def incompatible(self) -> tuple[str, ...]:
+        """What was reported and still holds."""
+        return tuple(self._reported)
+
     def close(self) -> None:
         """Destroy it; no callback comes after. Closing twice is harmless."""
         self._subscriptions.forget(self)
-        if self._reader is not None:
-            reader, self._reader = self._reader, None
-            reader.close()
+        readers = (self._retired, self._reader)
+        self._retired = self._reader = None
+        for reader in readers:
+            if reader is not None:
+                reader.close()
 
     def follow(self, offers: Sequence[Offer]) -> None:
         """Adopt what the publishers offer now, and tell of those that cannot be matched."""
@@ -139,6 +153,7 @@ class RclpySubscription:
             return
         self._offers = offers
         qos = adopt(self._asked, self._matching(offers), self._qos)
+        self._refusals.clear()
         if not is_same_request(qos, self._qos):
             self._replace(self._reader, qos)
         self.report()
@@ -146,7 +161,8 @@ class RclpySubscription:
     def report(self) -> None:
         """Tell of each publisher that cannot be matched, once while it stands."""
         known = self._reported
-        self._reported = mismatches(self.topic, self.type_name, self._qos, self._offers)
+        unmatched = mismatches(self.topic, self.type_name, self._qos, self._offers)
+        self._reported = [*self._refusals, *unmatched]
         for reason in self._reported:
             if reason not in known and self._reader is not None:  # a callback may close this
                 self._on_incompatible(reason)
@@ -155,11 +171,15 @@ class RclpySubscription:
         try:
             self._reader = self._read(qos)
         except RosError as error:
-            self._on_incompatible(f"{error}; keeping reliability {self._qos.reliability}")
+            self._refusals.append(f"{error}; keeping reliability {self._qos.reliability}")
             return
         self._qos = qos
-        retired.flush()
-        retired.close()
+        self._retired = retired
+        try:
+            retired.flush()
+        finally:
+            self._retired = None
+            retired.close()
 
     def _read(self, qos: Qos) -> Reader:
         return self._subscriptions.read(self.topic, self._message_class, qos, self._on_samples)

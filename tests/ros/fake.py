@@ -71,6 +71,14 @@ class FakeSubscription:
     def __post_init__(self) -> None:
         self.qos = adopt(self.asked, self.matching())
 
+    @property
+    def publishers(self) -> int:
+        return len(self.matching())
+
+    @property
+    def incompatible(self) -> tuple[str, ...]:
+        return tuple(self.reported)
+
     def close(self) -> None:
         if self in self.ros.subscriptions:
             self.ros.subscriptions.remove(self)
@@ -145,7 +153,7 @@ class FakeWatch:
 class FakeRos:
     """The port; what is public beyond it is for tests to look at and to drive."""
 
-    def __init__(self, *, prefix: str = "gateway", max_entities: int = 256) -> None:
+    def __init__(self, *, prefix: str = "ros2_gateway", max_entities: int = 256) -> None:
         self.loop = asyncio.get_running_loop()
         self.prefix = prefix
         self.max_entities = max_entities

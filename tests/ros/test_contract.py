@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from gateway.ports import MAX_TAKES_PER_TURN, Publisher, Qos, RosError, Sample
+from gateway.ros.qos import MAX_DEPTH
 from tests.client import eventually
 from tests.ros.conftest import Robot
 
@@ -297,6 +298,23 @@ async def test_a_publisher_of_another_type_is_told_in_words(robot: Robot) -> Non
     )
 
 
+async def test_the_publishers_of_a_subscription_are_counted(robot: Robot) -> None:
+    _, subscription = subscribe(robot, "/map")
+    assert subscription.publishers == 0
+    first = robot.world.add_publisher("/map", INT32, LATCHED)
+    robot.world.add_publisher("/map", INT32, LATCHED)
+    await eventually(lambda: subscription.publishers == 2)
+    first.close()
+    await eventually(lambda: subscription.publishers == 1)
+    _, later = subscribe(robot, "/map")
+    assert later.publishers == 1
+
+
+async def test_a_subscription_that_keeps_all_is_bounded(robot: Robot) -> None:
+    _, subscription = subscribe(robot, "/count", qos=Qos(history="keep_all"))
+    assert subscription.qos == Qos("reliable", "volatile", "keep_last", MAX_DEPTH)
+
+
 async def test_the_types_of_a_topic_appear_and_vanish_with_it(robot: Robot) -> None:
     assert robot.ros.topic_types("/count") == ()
     publisher = robot.world.add_publisher("/count", INT32)
@@ -305,20 +323,26 @@ async def test_the_types_of_a_topic_appear_and_vanish_with_it(robot: Robot) -> N
     await eventually(lambda: robot.ros.topic_types("/count") == ())
 
 
+async def test_the_type_of_an_own_new_publisher_is_known_at_once(robot: Robot) -> None:
+    robot.world.add_subscription("/count", INT32, lambda _: None)
+    await eventually(lambda: robot.ros.topic_types("/count") == (INT32,))
+    robot.ros.advertise("/count", STRING, Qos())
+    assert robot.ros.topic_types("/count") == (STRING,)
+
+
 async def test_the_graph_lists_endpoints_by_node_our_own_included(robot: Robot) -> None:
     robot.world.add_publisher("/count", INT32)
     robot.world.add_publisher("/count", INT32)
     robot.ros.advertise("/count", INT32, Qos())
     subscribe(robot, "/count")
-    await eventually(
-        lambda: nodes_publishing(robot, "/count") == ("/gateway_publishers", "/outside", "/outside")
-    )
+    publishing = ("/outside", "/outside", "/ros2_gateway_publishers")
+    await eventually(lambda: nodes_publishing(robot, "/count") == publishing)
     topic = next(t for t in robot.ros.graph().topics if t.name == "/count")
     assert topic.types == (INT32,)
-    assert topic.subscribers == ("/gateway_subscriptions",)
+    assert topic.subscribers == ("/ros2_gateway_subscriptions",)
     nodes = robot.ros.graph().nodes
-    ours = ["/gateway_debug", "/gateway_publishers", "/gateway_subscriptions"]
-    assert [node for node in nodes if node.startswith("/gateway_")] == ours
+    ours = ["/ros2_gateway_debug", "/ros2_gateway_publishers", "/ros2_gateway_subscriptions"]
+    assert [node for node in nodes if node.startswith("/ros2_gateway_")] == ours
     assert "/outside" in nodes
     assert list(nodes) == sorted(nodes)
 
@@ -337,6 +361,20 @@ async def test_a_watch_hears_of_publishers_that_come_and_go(robot: Robot) -> Non
     robot.world.add_publisher("/count", INT32)
     await eventually(lambda: bool(other))
     assert len(seen) == heard
+
+
+async def test_a_watch_that_an_earlier_one_closes_hears_nothing(robot: Robot) -> None:
+    heard: list[str] = []
+
+    def on_change() -> None:
+        heard.append("first")
+        second.close()
+
+    robot.ros.watch_graph(on_change)
+    second = robot.ros.watch_graph(lambda: heard.append("second"))
+    robot.world.add_publisher("/count", INT32)
+    await eventually(lambda: bool(heard))
+    assert "second" not in heard
 
 
 async def test_changes_close_together_are_one_call(robot: Robot) -> None:

@@ -4,6 +4,7 @@
 import asyncio
 import concurrent.futures
 import contextlib
+import itertools
 import threading
 from collections.abc import Callable, Iterator
 
@@ -11,7 +12,7 @@ import pytest
 
 from gateway.ports import Qos
 from gateway.ros import RosOptions
-from gateway.ros.graph import GraphChanges, read_offers
+from gateway.ros.graph import MAX_SETTLE_S, SETTLE_S, GraphChanges, read_offers
 from gateway.ros.port import RclpyRos
 from tests.client import eventually
 from tests.ros.outside import Outside
@@ -107,3 +108,98 @@ class _WaitSetThatIsClosedWhileLooking:
         else:
             self.slept_on = True
             stopping.set()
+
+
+class _Settling(threading.Event):
+    """Records how long the thread settles, and does not."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.settled_s: list[float] = []
+
+    def wait(self, timeout: float | None = None) -> bool:
+        self.settled_s.append(timeout or 0)
+        return super().wait(0)
+
+
+class _WaitSetOfChanges:
+    """Wakes for a change each time the test lets it, or breaks."""
+
+    def __init__(self) -> None:
+        self.changes = threading.Semaphore(0)
+        self.is_broken = False
+
+    @contextlib.contextmanager
+    def opened(self) -> Iterator[Callable[..., None]]:
+        yield self._wait
+
+    def wake(self) -> None:
+        self.changes.release()
+
+    def close(self) -> None: ...
+
+    def _wait(self, timeout_ns: int = -1) -> None:
+        if timeout_ns < 0:
+            self.changes.acquire(timeout=30)
+            if self.is_broken:
+                raise RuntimeError("failed to wait on wait set")
+
+
+@pytest.mark.parametrize(
+    ("handling_s", "settle_s"),
+    [(0.0, SETTLE_S), (0.001, SETTLE_S), (0.03125, 0.3125), (60.0, MAX_SETTLE_S)],
+)
+async def test_following_the_graph_takes_at_most_a_tenth_of_the_loop(
+    watching: Outside, monkeypatch: pytest.MonkeyPatch, handling_s: float, settle_s: float
+) -> None:
+    waits = _WaitSetOfChanges()
+    clock = itertools.count(0.0, handling_s)
+    monkeypatch.setattr("gateway.ros.graph._GraphWaitSet.create", lambda node: waits)
+    monkeypatch.setattr("gateway.ros.graph.perf_counter", lambda: next(clock))
+    calls: list[None] = []
+    changes = GraphChanges(watching.node, asyncio.get_running_loop(), lambda: calls.append(None))
+    changes._stopping = settling = _Settling()
+    waits.changes.release()
+    await eventually(lambda: len(calls) == 1)
+    waits.changes.release()
+    await eventually(lambda: len(calls) == 2)
+    changes.close()
+    assert settling.settled_s[:2] == [SETTLE_S, settle_s]
+
+
+async def test_a_busy_loop_has_one_call_waiting(
+    watching: Outside, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    waits = _WaitSetOfChanges()
+    monkeypatch.setattr("gateway.ros.graph._GraphWaitSet.create", lambda node: waits)
+    calls: list[None] = []
+    changes = GraphChanges(watching.node, asyncio.get_running_loop(), lambda: calls.append(None))
+    for _ in range(3):
+        changes._report()
+    await eventually(lambda: bool(calls))
+    changes._report()
+    await eventually(lambda: len(calls) > 1)
+    assert len(calls) == 2
+    changes.close()
+
+
+async def test_a_wait_that_fails_is_logged_once_and_followed_by_looking(
+    watching: Outside,
+    outside: Outside,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    waits = _WaitSetOfChanges()
+    waits.is_broken = True
+    monkeypatch.setattr("gateway.ros.graph._GraphWaitSet.create", lambda node: waits)
+    calls: list[None] = []
+    changes = GraphChanges(watching.node, asyncio.get_running_loop(), lambda: calls.append(None))
+    waits.changes.release()
+    await eventually(lambda: bool(calls))  # what may have changed meanwhile
+    calls.clear()
+    outside.add_publisher("/count", INT32)
+    await eventually(lambda: bool(calls))
+    changes.close()
+    assert [record.getMessage() for record in caplog.records] == [
+        "waiting for graph changes failed, looking every 0.5 s"
+    ]

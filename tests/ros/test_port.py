@@ -2,6 +2,7 @@
 """The way in: options, starting and ending."""
 
 import asyncio
+import errno
 import os
 import signal
 import sys
@@ -12,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from gateway.errors import RosMissingError
-from gateway.ports import Qos, Ros, RosError, Sample
+from gateway.ports import LogLevel, Qos, Ros, RosError, Sample
 from gateway.ros import RosOptions, open_ros
 from gateway.ros.options import Taking
 from tests.client import eventually
@@ -169,6 +170,23 @@ async def test_entities_are_limited() -> None:
         ros.advertise("/c", INT32, Qos())
 
 
+async def test_a_lack_of_descriptors_is_a_ros_error_and_leaves_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def none_left(*_: object) -> int:
+        raise OSError(errno.EMFILE, os.strerror(errno.EMFILE))
+
+    async with open_ros(RosOptions(taking="eventfd")) as ros:
+        with monkeypatch.context() as patch:
+            patch.setattr("os.eventfd", none_left)
+            with pytest.raises(RosError, match="Too many open files") as caught:
+                ros.subscribe("/count", INT32, Qos(), ignore, ignore)
+        assert caught.value.code == "internal"
+        assert ros.entity_count() == 0
+        assert ros.topic_types("/count") == ()
+        ros.subscribe("/count", INT32, Qos(), ignore, ignore)
+
+
 async def test_simulated_time_follows_the_clock_topic(outside: Outside) -> None:
     clock = outside.add_publisher("/clock", "rosgraph_msgs/msg/Clock")
     async with open_ros(RosOptions(use_sim_time=True)) as ros:
@@ -197,6 +215,31 @@ async def test_the_log_reaches_rosout_and_not_the_terminal(
     assert b"the battery is low" in received[0].cdr
     ros.log("error", "after the end")
     assert "after the end" not in capfd.readouterr().err
+
+
+async def test_the_log_keeps_its_levels(outside: Outside) -> None:
+    levels: dict[str, int] = {}
+
+    def on_samples(samples: Sequence[Sample]) -> None:
+        for sample in samples:
+            levels.update({text: sample.cdr[12] for text in texts if text.encode() in sample.cdr})
+
+    texts: dict[str, LogLevel] = {
+        "traced": "debug",
+        "done": "info",
+        "strange": "warning",
+        "broken": "error",
+    }
+    outside.add_subscription("/rosout", LOG, on_samples, Qos(depth=100))
+    async with open_ros() as ros:
+
+        def arrived() -> bool:
+            for text, level in texts.items():
+                ros.log(level, text)
+            return len(levels) == 3
+
+        await eventually(arrived)
+    assert levels == {"done": 20, "strange": 30, "broken": 40}  # nobody asked for debug
 
 
 async def test_without_rclpy_both_ways_to_get_it_are_told(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -55,7 +55,7 @@ def test_reliable_and_transient_local_only_if_all_are(
 
 
 def test_what_is_asked_for_is_not_adopted() -> None:
-    asked = Qos("reliable", "transient_local", "keep_all", 5, 10_000_000, 20_000_000)
+    asked = Qos("reliable", "transient_local", "keep_last", 5, 10_000_000, 20_000_000)
     assert adopt(asked, [BEST_EFFORT]) == asked
 
 
@@ -72,6 +72,12 @@ def test_the_depth_is_what_is_needed_or_offered_within_the_bound() -> None:
     assert adopt(Qos(), [Offer("/a", TYPE, depth=10**6)]).depth == MAX_DEPTH
     assert adopt(Qos(depth=10**9), []).depth == MAX_DEPTH
     assert adopt(Qos(depth=-1), []).depth == 1
+
+
+def test_a_subscription_that_keeps_all_keeps_as_much_as_is_bounded() -> None:
+    kept = Qos("reliable", "volatile", "keep_last", MAX_DEPTH)
+    assert adopt(Qos(history="keep_all"), []) == kept
+    assert adopt(Qos(history="keep_all", depth=5), [RELIABLE]) == kept
 
 
 def test_a_depth_alone_is_no_other_request() -> None:

@@ -14,8 +14,8 @@ from rclpy.node import Node
 from gateway.ports import MAX_TAKES_PER_TURN, Qos, Sample
 from gateway.ros.interfaces import message_class
 from gateway.ros.profile import to_profile
-from gateway.ros.qos import adopt
-from gateway.ros.samples import EventfdSamples, UnsupportedError
+from gateway.ros.qos import MAX_DEPTH, adopt
+from gateway.ros.samples import EventfdSamples, ExecutorSamples, UnsupportedError
 from tests.client import eventually
 from tests.ros.outside import Outside, OutsidePublisher
 
@@ -111,6 +111,82 @@ async def test_no_stale_callback_writes_into_a_descriptor_that_reuses_the_number
         finally:
             os.close(reused)
             other.close()
+
+
+async def test_a_reader_unhooks_then_destroys_then_closes(
+    node: Node, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    loop = asyncio.get_running_loop()
+    samples = EventfdSamples(node, loop)
+    steps: list[tuple[str, object]] = []
+
+    def record(owner: object, name: str) -> None:
+        act = getattr(owner, name)
+
+        def recorded(subject: object) -> None:
+            steps.append((name, subject))
+            act(subject)
+
+        monkeypatch.setattr(owner, name, recorded)
+
+    record(samples._arrivals, "stop")
+    record(node, "destroy_subscription")
+    record(os, "close")
+    reader = samples.read(CLASS, "/count", to_profile(adopt(Qos(), ())), lambda _: None)
+    fd = reader._fd  # type: ignore[attr-defined]
+    subscription = reader._subscription  # type: ignore[attr-defined]
+    reader.close()
+    assert [step for step in steps if step[1] in (fd, subscription)] == [
+        ("stop", subscription),
+        ("destroy_subscription", subscription),
+        ("close", fd),
+    ]
+    assert not loop.remove_reader(fd)
+    reader.close()
+    assert len(steps) == 3
+
+
+async def test_a_reader_that_cannot_be_hooked_leaves_nothing(
+    node: Node, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object) -> None:
+        raise RuntimeError("no callbacks today")
+
+    loop = asyncio.get_running_loop()
+    samples = EventfdSamples(node, loop)
+    free = os.eventfd(0)
+    os.close(free)
+    monkeypatch.setattr(samples._arrivals, "count", refuse)
+    with pytest.raises(RuntimeError, match="no callbacks today"):
+        samples.read(CLASS, "/count", to_profile(adopt(Qos(), ())), lambda _: None)
+    assert list(node.subscriptions) == []
+    assert not loop.remove_reader(free)
+    again = os.eventfd(0)
+    os.close(again)
+    assert again == free
+
+
+async def test_the_newest_samples_wait_where_an_executor_takes_them(node: Node) -> None:
+    received: list[Sample] = []
+    reader = ExecutorSamples(node, asyncio.get_running_loop()).read(
+        CLASS, "/count", to_profile(adopt(Qos(depth=3), ())), received.extend
+    )
+    for number in range(10):
+        reader._arrive(CDR, {"received_timestamp": number})  # type: ignore[attr-defined]
+    await eventually(lambda: bool(received))
+    assert [sample.received_ns for sample in received] == [7, 8, 9]
+    reader.close()
+
+
+async def test_a_flush_ends_though_the_samples_do_not(node: Node) -> None:
+    received: list[Sample] = []
+    reader = EventfdSamples(node, asyncio.get_running_loop()).read(
+        CLASS, "/count", to_profile(adopt(Qos(), ())), received.extend
+    )
+    reader._take_message = lambda *_: (CDR, {"received_timestamp": 0})  # type: ignore[attr-defined]
+    reader.flush()
+    assert len(received) == MAX_DEPTH
+    reader.close()
 
 
 async def test_a_flood_leaves_the_loop_to_others(
