@@ -40,8 +40,9 @@ format: $(READY_FOR_TESTS) ## repair what style repairs can
 
 docs: $(READY_FOR_TESTS) ## write the generated parts of code and documentation anew
 	$(BIN)/python -m schemas.generate
-	@sed -i '/^| key |/,$$d' docs/configuration.md
-	@$(BIN)/ros2-gateway check-config --keys >> docs/configuration.md
+	@keys=$$($(BIN)/ros2-gateway check-config --keys) \
+	    && sed -i '/^| key |/,$$d' docs/configuration.md \
+	    && printf '%s\n' "$$keys" >> docs/configuration.md
 
 bench: $(READY) ## measure speed (a few minutes)
 	@$(BIN)/python -m benchmarks $(ARGS)

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 from typing import Final, NoReturn
 
-MAX_DOMAIN_ID: Final = 232  # DDS maps domains to UDP ports, and those of 233 do not exist
+from gateway.domain import DOMAIN_ID_EXPECTATION, is_domain_id
 
 # What a flag of its own sets; every other key goes through --set.
 CONFIG_FLAGS: Final = {
@@ -185,8 +185,8 @@ def _add_domain_id(parser: argparse.ArgumentParser) -> None:
 
 
 def _domain_id(text: str) -> int:
-    if not (text.isdecimal() and int(text) <= MAX_DOMAIN_ID):
-        raise argparse.ArgumentTypeError(f"got {text!r}, expected an integer from 0 to 232")
+    if not is_domain_id(text):
+        raise argparse.ArgumentTypeError(f"got {text!r}, expected {DOMAIN_ID_EXPECTATION}")
     return int(text)
 
 

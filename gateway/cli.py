@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final, NoReturn
 
 from gateway.arguments import CONFIG_FLAGS, argument_parser
+from gateway.domain import DOMAIN_ID_EXPECTATION, is_domain_id
 from gateway.errors import (
     BindError,
     ConfigError,
@@ -148,6 +149,7 @@ def _serve(arguments: argparse.Namespace) -> int:
     loaded = _configuration(arguments)
     if arguments.print_config:
         return _print_config(loaded)
+    _use_domain(loaded.config.ros.domain_id)
     return _run_gateway(loaded, lambda text, url: _announce(text))
 
 
@@ -176,6 +178,7 @@ def _demo(arguments: argparse.Namespace) -> int:
     loaded = _configuration(arguments)
     if arguments.print_config:
         return _print_config(loaded)
+    _use_domain(loaded.config.ros.domain_id)  # the robot inherits it
     _require_rclpy()
     from gateway import demo
 
@@ -185,9 +188,7 @@ def _demo(arguments: argparse.Namespace) -> int:
     def announce(text: str, url: str) -> None:
         _announce(f"{text}\n{_DEMO_HINT.replace('URL', url)}")
 
-    domain_id = loaded.config.ros.domain_id
-    domain = [] if domain_id is None else ["--domain-id", str(domain_id)]
-    return demo.run(lambda: _run_gateway(loaded, announce), demo.robot_command(*domain))
+    return demo.run(lambda: _run_gateway(loaded, announce), demo.robot_command())
 
 
 def _sim(arguments: argparse.Namespace) -> int:
@@ -195,7 +196,7 @@ def _sim(arguments: argparse.Namespace) -> int:
         from gateway.demo import end_with_stdin
 
         end_with_stdin()
-    _use_domain(arguments)
+    _use_domain(arguments.domain_id)
     with _ros_imports():
         from gateway.sim import node
     return node.run(
@@ -208,9 +209,13 @@ def _sim(arguments: argparse.Namespace) -> int:
     )
 
 
-def _use_domain(arguments: argparse.Namespace) -> None:
-    if arguments.domain_id is not None:
-        os.environ["ROS_DOMAIN_ID"] = str(arguments.domain_id)
+def _use_domain(domain_id: int | None) -> None:
+    """Have ROS use this domain, or the environment's if that is one: others end the process."""
+    if domain_id is not None:
+        os.environ["ROS_DOMAIN_ID"] = str(domain_id)
+    given = os.environ.get("ROS_DOMAIN_ID")
+    if given and not is_domain_id(given):  # empty is unset, as to ROS
+        raise ConfigError(f"ROS_DOMAIN_ID: got {given!r}, expected {DOMAIN_ID_EXPECTATION}")
 
 
 @contextmanager
@@ -223,7 +228,7 @@ def _ros_imports() -> Iterator[None]:
 
 
 def _mock(arguments: argparse.Namespace) -> int:
-    _use_domain(arguments)
+    _use_domain(arguments.domain_id)
     with _ros_imports():
         from gateway.sim import mock
     return mock.run(
@@ -251,8 +256,14 @@ def _schema(arguments: argparse.Namespace) -> int:
         else:
             text = _schema_text(name, definitions)
     except UnknownTypeError as error:
-        close = get_close_matches(name, {*table.by_name, *definitions.names()}, n=1)
-        hint = f", did you mean {close[0]}" if close else ""
+        known = {*table.by_name, *definitions.names()}
+        # of a known one, something is missing that no other name mends
+        close = [] if name in known else get_close_matches(name, known, n=1)
+        hint = ""
+        if close:
+            hint = f", did you mean {close[0]}"
+        elif arguments.definition:
+            hint = ", --definition needs the message package installed"
         raise UsageError(f"{error}{hint}") from error
     except (TypeSpellingError, DefinitionError) as error:
         raise UsageError(str(error)) from error

@@ -8,6 +8,8 @@ from typing import Annotated, ClassVar, Final, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
+from gateway.domain import MAX_DOMAIN_ID
+
 _NAME_PART: Final = "[A-Za-z_][A-Za-z0-9_]*"  # rcl: a token of a name begins with no digit
 
 Host = Annotated[
@@ -70,8 +72,7 @@ class RosConfig(Section):
     namespace: RosNamespace = Field(
         "/", description="the namespace of the gateway's nodes; topics of clients do not move"
     )
-    # DDS maps domains to UDP ports; 232 is the last whose ports exist
-    domain_id: Annotated[int, Field(ge=0, le=232)] | None = Field(
+    domain_id: Annotated[int, Field(ge=0, le=MAX_DOMAIN_ID)] | None = Field(
         None, description="the DDS domain; unset, the environment's ROS_DOMAIN_ID decides"
     )
     use_sim_time: bool = Field(

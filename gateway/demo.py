@@ -21,9 +21,9 @@ from gateway.errors import RobotDiedError
 STOP_TIMEOUT_S: Final = 1.0  # with the gateway's own second that makes the 2 s of a shutdown
 
 
-def robot_command(*arguments: str) -> list[str]:
+def robot_command() -> list[str]:
     """Return the command that runs the simulated robot for as long as we hold its stdin open."""
-    return [sys.executable, "-m", "gateway", "sim", "--until-stdin-closes", *arguments]
+    return [sys.executable, "-m", "gateway", "sim", "--until-stdin-closes"]
 
 
 def run(serve: Callable[[], int], robot: Sequence[str]) -> int:

@@ -17,7 +17,8 @@ class Models:
     """The models of the types that some definitions describe, built when first asked for.
 
     A checked-in model is used where its type hash is that of the installed definition, so a
-    robot whose messages differ from ours is served by its own. Not safe across threads.
+    robot whose fields differ from ours is served by its own definition. REP-2011 hashes neither
+    defaults nor constants: where only these differ, ours are used. Not safe across threads.
     """
 
     def __init__(self, definitions: InstalledDefinitions) -> None:

@@ -223,7 +223,8 @@ def _split_comment(line: str) -> tuple[str, str]:
 
 
 def _parse_member(package: str, declaration: str, comment: str) -> Field | Constant:
-    type_text, _, rest = declaration.partition(" ")
+    # rosidl reads a tab as a space, even inside quotes
+    type_text, _, rest = declaration.replace("\t", " ").partition(" ")
     field_type = parse_field_type(type_text, package)
     rest = rest.strip()
     constant, equals, value = rest.partition("=")
@@ -304,8 +305,15 @@ def _parse_scalar(base: str, text: str) -> Scalar:
         if len(text) >= 2 and text[0] == text[-1] and text[0] in "\"'":
             return text[1:-1].replace(f"\\{text[0]}", text[0])
         return text
-    value = int(text, 0)
+    value = _parse_integer(text)
     low, high = INTEGER_RANGES[base]
     if not low <= value <= high:
         raise ValueError(f"{value} is no {base}")
     return value
+
+
+def _parse_integer(text: str) -> int:
+    try:
+        return int(text)  # rosidl: decimal comes first, so 010 is 10
+    except ValueError:
+        return int(text, 0)

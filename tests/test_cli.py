@@ -125,6 +125,66 @@ def test_a_bad_value_is_one_sentence_with_its_flag():
     )
 
 
+@pytest.mark.parametrize("command", ["serve", "demo", "sim", "mock"])
+@pytest.mark.parametrize("value", ["500", "abc", "-1"])
+def test_a_domain_that_does_not_exist_is_one_sentence_with_its_variable(command, value):
+    assert refusal(command, ROS_DOMAIN_ID=value) == (
+        2,
+        f"ROS_DOMAIN_ID: got {value!r}, expected an integer from 0 to 232",
+    )
+
+
+@pytest.mark.parametrize("command", ["sim", "mock"])
+def test_a_domain_that_does_not_exist_is_one_sentence_with_its_flag(command):
+    code, sentence = refusal(command, "--domain-id", "233")
+    assert code == 2
+    assert "argument --domain-id: got '233', expected an integer from 0 to 232" in sentence
+
+
+@pytest.mark.parametrize(
+    ("arguments", "until"),
+    [
+        (("serve", "--port", "0"), "ws://"),
+        (("demo", "--port", "0"), "ready at the origin"),  # the robot's, which inherits it
+        (("mock", "--type", "0"), "1 types"),
+    ],
+)
+def test_a_flag_beats_a_domain_of_the_environment_that_does_not_exist(
+    arguments, until, monkeypatch
+):
+    domain_id = os.environ["ROS_DOMAIN_ID"]
+    monkeypatch.setenv("ROS_DOMAIN_ID", "500")
+    process = subprocess.Popen(
+        [sys.executable, "-m", "gateway", *arguments, "--domain-id", domain_id],
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    assert process.stdout
+    for line in process.stdout:
+        if until in line:
+            break
+    process.send_signal(signal.SIGINT)
+    process.stdout.read()
+    process.stdout.close()
+    assert process.wait(TIMEOUT_S) == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("sim", "--seed", "-5"), "seed -5 is below 0"),
+        (
+            ("mock", "--type", "foo/Bar"),
+            "foo/msg/Bar is not installed: No module named 'foo'",
+        ),
+    ],
+)
+def test_a_bad_option_of_the_nodes_is_one_sentence(arguments, sentence):
+    assert refusal(*arguments) == (2, sentence)
+
+
 def test_a_bad_value_is_one_sentence_with_its_variable():
     assert refusal("serve", ROS2_GATEWAY_LIMITS__MAX_CLIENTS="many") == (
         2,

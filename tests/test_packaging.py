@@ -109,9 +109,21 @@ def test_without_rclpy_the_two_ways_to_get_it_are_told(bare_venv, tmp_path):
         assert finished.returncode == 3
         assert finished.stdout == ""
         assert finished.stderr.startswith("ros2-gateway: rclpy cannot be imported")
-        assert "pip install 'ros2-json-gateway[ros]'" in finished.stderr
+        assert "pip install '.[ros]'  in the source tree" in finished.stderr
         assert "source /opt/ros/" in finished.stderr
         assert "--system-site-packages" in finished.stderr
+
+
+def test_without_ros_a_definition_needs_its_package_and_no_other_name(bare_venv, tmp_path):
+    command = (bare_venv / "bin" / "ros2-gateway", "schema", "--definition")
+    finished = run(*command, "std_msgs/Header", cwd=tmp_path)
+    assert finished.returncode == 2
+    assert finished.stderr == (
+        "ros2-gateway: no definition of std_msgs/msg/Header is installed,"
+        " --definition needs the message package installed\n"
+    )
+    misspelt = run(*command, "std_msgs/Headr", cwd=tmp_path)
+    assert misspelt.stderr.endswith("is installed, did you mean std_msgs/msg/Header\n")
 
 
 def test_what_needs_no_ros_works_without_it(bare_venv, tmp_path):

@@ -5,12 +5,13 @@ import asyncio
 import contextlib
 import os
 from collections.abc import Callable, Sequence
-from typing import Final, assert_never
+from typing import assert_never
 
 from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from gateway.domain import MAX_DOMAIN_ID
 from gateway.ports import Graph, LogLevel, Qos, RosError, Sample
 from gateway.ros.errors import REFUSALS, refused
 from gateway.ros.executor import ExecutorThread
@@ -20,8 +21,6 @@ from gateway.ros.publishers import Publishers, RclpyPublisher
 from gateway.ros.samples import EventfdSamples, ExecutorSamples, Samples, UnsupportedError
 from gateway.ros.subscriptions import RclpySubscription, Subscriptions
 from gateway.ros.watches import GraphWatch, GraphWatches
-
-MAX_DOMAIN_ID: Final = 232  # DDS maps domains to UDP ports, and the next has none
 
 
 class RclpyRos:

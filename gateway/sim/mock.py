@@ -8,7 +8,7 @@ What it publishes is made up (`gateway.sim.content`), below ``/mock``; what arri
 import re
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -60,7 +60,11 @@ class MockOptions:
 
 
 def run(options: MockOptions, stop: threading.Event | None = None) -> int:
-    """Run the mock system until SIGINT, SIGTERM or *stop*; return the exit code 0."""
+    """Run the mock system until SIGINT, SIGTERM or *stop*; return the exit code 0.
+
+    Raises:
+        ConfigError: a type that the options name is not installed.
+    """
     stop = stop or threading.Event()
     with stopped_by_signals(stop), ros_context(console=options.console) as context:
         mock = MockSystem(context, options)
@@ -83,35 +87,39 @@ def topic_of(type_name: str, prefix: str) -> str:
 class MockSystem:
     """The node ``mock_system``; everything happens on the thread that runs ``loop``.
 
-    A type whose package is not installed is left out, with a warning in the log.
+    Without types in the options, one whose package is not installed is left out, with a warning
+    in the log.
     """
 
     def __init__(self, context: Context, options: MockOptions) -> None:
+        """Make the node.
+
+        Raises:
+            ConfigError: a type that the options name is not installed.
+        """
         definitions = InstalledDefinitions()
         self._inventor = Inventor(definitions)
         self._builder = Builder(definitions)
         self._write = options.write
+        classes, missing = _message_classes(options.type_names())
+        if missing and options.types:
+            raise ConfigError(*missing)
         self._node = Node("mock_system", context=context)
         self.loop = Loop(context)
-        names = []
-        for name in options.type_names():
-            try:
-                cls = message_class(name)
-            except ImportError as error:
-                self._node.get_logger().warning(f"{name} left out: {error}")
-                continue
-            names.append(name)
-            if options.listen:
+        for problem in missing:
+            self._node.get_logger().warning(f"left out: {problem}")
+        self._names = tuple(classes)
+        if options.listen:
+            for name, cls in classes.items():
                 self._listen(name, cls)
-        self._names = tuple(names)
         self._publishers = [
-            self._node.create_publisher(message_class(name), topic_of(name, "/mock"), _DEPTH)
-            for name in self._names
+            self._node.create_publisher(cls, topic_of(name, "/mock"), _DEPTH)
+            for name, cls in classes.items()
             if options.publish
         ]
         self._published = 0
         self._start_ns = time.monotonic_ns()
-        self._interval_ns = 1e9 / (options.rate_hz * max(1, len(names)))
+        self._interval_ns = 1e9 / (options.rate_hz * max(1, len(classes)))
         if self._publishers:
             self.loop.every(_TICK_NS, self._publish_due)
         self.loop.add_node(self._node)
@@ -119,7 +127,7 @@ class MockSystem:
             f"publishing at {options.rate_hz:g} Hz below /mock" if options.publish else "",
             "listening below /mock_in" if options.listen else "",
         ]
-        self._node.get_logger().info(f"{len(names)} types: {', '.join(filter(None, doing))}")
+        self._node.get_logger().info(f"{len(classes)} types: {', '.join(filter(None, doing))}")
 
     def close(self) -> None:
         """Take the node off the graph."""
@@ -145,3 +153,15 @@ class MockSystem:
                 values = self._inventor.values(name, counter, time.time_ns())
                 publisher.publish(self._builder.build(name, values))
         self._published = max(self._published, due)
+
+
+def _message_classes(names: Sequence[str]) -> tuple[dict[str, Any], list[str]]:
+    """Return the classes by type, and what is wrong with the types that are not installed."""
+    classes: dict[str, Any] = {}
+    missing = []
+    for name in names:
+        try:
+            classes[name] = message_class(name)
+        except ImportError as error:
+            missing.append(f"{name} is not installed: {error}")
+    return classes, missing

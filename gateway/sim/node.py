@@ -64,6 +64,8 @@ class SimOptions:
             raise ConfigError(f"camera_hz {self.camera_hz:g} is not from 0.1 to 60 Hz")
         if not 1 <= self.jpeg_quality <= 100:
             raise ConfigError(f"jpeg_quality {self.jpeg_quality} is not from 1 to 100")
+        if self.seed is not None and self.seed < 0:
+            raise ConfigError(f"seed {self.seed} is below 0")
 
 
 def run(options: SimOptions, stop: threading.Event | None = None) -> int:

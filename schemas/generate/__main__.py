@@ -17,7 +17,7 @@ _ROOT: Final = Path(__file__).parents[2]
 
 _HOW_TO_INSTALL: Final = """\
 install the ROS package of that name (apt install ros-$ROS_DISTRO-NAME, with - for _), or source
-the workspace that holds it; common_interfaces come with pip install 'ros2-json-gateway[ros]'"""
+the workspace that holds it; common_interfaces come with pip install '.[ros]' in the source tree"""
 
 
 def main(
@@ -54,7 +54,7 @@ def main(
         shown = path.relative_to(options.root)
         print(f"differs: {shown}" if options.check else f"wrote {shown}")
     if options.check and changed:
-        print(f"{len(changed)} files differ; run python -m schemas.generate", file=sys.stderr)
+        print(f"{len(changed)} files differ; run make docs", file=sys.stderr)
         return 1
     return 0
 

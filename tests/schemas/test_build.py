@@ -162,6 +162,15 @@ def test_a_definition_that_differs_from_the_checked_in_one_wins(tmp_path):
     assert models.get("geometry_msgs/msg/Point") is geometry_msgs.Point
 
 
+def test_a_definition_that_differs_in_defaults_and_constants_alone_does_not_win(tmp_path):
+    folder = tmp_path / "share" / "geometry_msgs" / "msg"
+    folder.mkdir(parents=True)
+    (folder / "Point.msg").write_text("int8 AXES=3\nfloat64 x 1.0\nfloat64 y\nfloat64 z\n")
+    point = Models(InstalledDefinitions([tmp_path])).get("geometry_msgs/msg/Point")
+
+    assert point is geometry_msgs.Point
+
+
 def test_a_type_that_is_not_installed_raises_unknown_type_error(models):
     with pytest.raises(UnknownTypeError, match="no_such_msgs/msg/Thing"):
         models.get("no_such_msgs/msg/Thing")

@@ -45,6 +45,8 @@ def test_a_field_type_prints_as_it_was_written(text):
         ("bool x true", True),
         ("int32 x -5", -5),
         ("int32 x 0x10", 16),
+        ("int32 x 010", 10),
+        ("int32[] x [010, 0b11]", (10, 3)),
         ("float32 x 1e3", 1000.0),
         ("string x hello", "hello"),
         ('string x "a # b"', "a # b"),
@@ -57,6 +59,46 @@ def test_a_field_type_prints_as_it_was_written(text):
 )
 def test_a_default_is_read_in_every_notation(line, default):
     assert only_field(line).default == default
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "float64\tx",
+        "int32 x\t5",
+        "int32\t X=1",
+        "int32\tX\t=\t1\t",
+        "uint8[<=3]\t\tx \t [1,\t2]",
+        'string x\t"a\tb"',
+        "string<=3\tx ab\t# beside",
+        "int32 x 010",
+        "int64 x -0x10",
+        "uint8 X=0b101",
+        "char x 1_0",
+        "float32 x\t1e-3",
+        "bool[2] x [True,\t0]",
+        "std_msgs/Header\tx",
+    ],
+)
+def test_a_line_is_read_as_rosidl_reads_it(line):
+    rosidl = pytest.importorskip("rosidl_adapter.parser")
+    theirs = rosidl.parse_message_string("some_msgs", "Thing", line)
+    ours = parse(line)
+
+    def read(field):
+        default = list(field.default) if isinstance(field.default, tuple) else field.default
+        return field.name, str(field.type).replace("/msg/", "/"), default
+
+    assert [read(field) for field in ours.fields] == [
+        (f.name, str(f.type), f.default_value) for f in theirs.fields
+    ]
+    assert [(c.name, c.type, c.value) for c in ours.constants] == [
+        (c.name, c.type, c.value) for c in theirs.constants
+    ]
+
+
+def test_the_text_of_a_definition_keeps_its_tabs():
+    assert parse("float64\tx\n").text == "float64\tx\n"
 
 
 def test_a_constant_is_told_from_a_field_with_a_default():

@@ -117,8 +117,30 @@ def test_what_arrives_is_written_as_one_line_each(watcher):
     )
 
 
+NOT_INSTALLED = """
+from gateway.sim import mock
+find = mock.message_class
+def message_class(name):
+    if name == "std_msgs/msg/Bool":
+        raise ImportError("no module of that name")
+    return find(name)
+mock.message_class = message_class
+"""
+
+
 def test_a_type_that_is_not_installed_is_left_out(watcher):
-    options = "types=('no_such_msgs/Thing', 0), rate_hz=20"
-    with child(MOCK.format(options=options)):
+    with child(NOT_INSTALLED + MOCK.format(options="rate_hz=20")):
         strings = watcher.subscribe(String, "/mock/std_msgs/string")
-        watcher.until(lambda: strings, what="the type that is installed")
+        watcher.until(lambda: strings, what="a type that is installed")
+        topics = [name for name, _ in watcher.node.get_topic_names_and_types()]
+        assert "/mock/std_msgs/bool" not in topics
+
+
+def test_a_type_that_is_asked_for_by_name_must_be_installed():
+    options = MockOptions(types=("no_such_msgs/Thing", 0, "std_msgs/Thing"))
+    with pytest.raises(ConfigError) as caught:
+        run(options)
+    assert caught.value.problems == (
+        "no_such_msgs/msg/Thing is not installed: No module named 'no_such_msgs'",
+        "std_msgs/msg/Thing is not installed: package std_msgs has no message Thing",
+    )

@@ -295,6 +295,7 @@ def test_it_runs_in_a_thread_until_it_is_stopped_and_then_again():
         ({"camera_hz": 0}, "camera_hz 0 is not from 0.1 to 60 Hz"),
         ({"camera_hz": math.nan}, "camera_hz nan"),
         ({"jpeg_quality": 0}, "jpeg_quality 0 is not from 1 to 100"),
+        ({"seed": -5}, "seed -5 is below 0"),
     ],
 )
 def test_wrong_options_are_refused_in_words(options, words):

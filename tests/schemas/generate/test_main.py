@@ -98,7 +98,7 @@ def test_check_names_each_file_that_differs_and_writes_nothing(tmp_path, tree, c
         "differs: schemas/json/std_msgs/String.json",
         "differs: schemas/models/gone_msgs.py",
     ]
-    assert "3 files differ; run python -m schemas.generate" in output.err
+    assert "3 files differ; run make docs" in output.err
     assert (root / "docs/messages.md").read_text() == "edited"
 
 

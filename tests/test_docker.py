@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The container's health check, run as Docker runs it: by a shell, at a stand-in's /healthz."""
+
+import os
+import re
+import subprocess
+import sys
+import threading
+from contextlib import contextmanager
+from http.server import BaseHTTPRequestHandler, HTTPServer
+from pathlib import Path
+from socket import AF_INET, AF_INET6
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+TIMEOUT_S = 60
+
+
+class Health(BaseHTTPRequestHandler):
+    def do_GET(self) -> None:
+        self.send_response(200 if self.path == "/healthz" else 404)
+        self.end_headers()
+
+    def log_message(self, *_: object) -> None:
+        pass
+
+
+@contextmanager
+def healthy(address):
+    """Yield the port of a server on *address* that reports its health."""
+
+    class Server(HTTPServer):
+        address_family = AF_INET6 if ":" in address else AF_INET
+
+    try:
+        server = Server((address, 0), Health)
+    except OSError:
+        pytest.skip(f"this machine has no {address}")
+    thread = threading.Thread(target=server.serve_forever)
+    thread.start()
+    try:
+        yield server.server_port
+    finally:
+        server.shutdown()
+        thread.join(TIMEOUT_S)
+        server.server_close()
+
+
+def health_check(**environment):
+    """Return the exit code of the health check."""
+    dockerfile = (ROOT / "docker/Dockerfile").read_text(encoding="utf-8")
+    found = re.search(r"HEALTHCHECK.*?CMD python3(.*?[^\\])$", dockerfile, re.DOTALL | re.MULTILINE)
+    assert found
+    arguments = found[1].replace("\\\n", "")  # as Docker joins lines
+    finished = subprocess.run(
+        ["/bin/sh", "-c", f"'{sys.executable}' {arguments}"],
+        env=os.environ | environment,
+        stderr=subprocess.DEVNULL,
+        timeout=TIMEOUT_S,
+        check=False,
+    )
+    return finished.returncode
+
+
+@pytest.mark.parametrize(
+    ("host", "asked"),
+    [
+        ({}, "127.0.0.1"),
+        ({"ROS2_GATEWAY_HOST": "0.0.0.0"}, "127.0.0.1"),  # noqa: S104  # asked, not bound
+        ({"ROS2_GATEWAY_HOST": "127.0.0.2"}, "127.0.0.2"),
+        ({"ROS2_GATEWAY_HOST": "::"}, "::1"),
+        ({"ROS2_GATEWAY_HOST": "::1"}, "::1"),
+    ],
+)
+def test_the_health_check_asks_where_the_gateway_listens(host, asked):
+    with healthy(asked) as port:
+        assert health_check(ROS2_GATEWAY_PORT=str(port), **host) == 0
+
+
+def test_the_health_check_fails_where_nothing_listens():
+    with healthy("127.0.0.1") as port:
+        pass
+    assert health_check(ROS2_GATEWAY_PORT=str(port)) == 1
