@@ -150,8 +150,9 @@ class Subscriptions:
         """Follow the graph: topics that appeared, topics that came back with another type."""
         waiting = []
         for entry in self._entries():
+            member = entry.member
             # a client that named the type itself hears of a mismatch from ROS instead
-            if entry.feed is not None and Wish.merge(entry.requests.values()).type is None:
+            if entry.feed is not None and member is not None and member.stream.wish.type is None:
                 types = self._ros.topic_types(entry.topic)
                 if types and entry.feed.key.type_name not in types:
                     self._detach(entry)
@@ -166,6 +167,7 @@ class Subscriptions:
         wish = Wish.merge(entry.requests.values())
         try:
             self._attach(entry, wish, self._source(entry, wish))
+            entry.complaint = ""
         except (ProtocolError, RosError) as error:
             if str(error) == entry.complaint:
                 return

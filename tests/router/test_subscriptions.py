@@ -437,3 +437,19 @@ async def test_a_warning_about_qos_carries_the_id_and_ends_with_its_cause(bench:
     other.send(op="subscribe", topic="/scan", type=STRING, qos={"reliability": "reliable"})
     await bench.settle()
     assert other.statuses == []
+
+
+async def test_a_topic_with_two_types_is_told_once_and_fed_when_one_is_left(bench: Bench):
+    client = bench.client()
+    client.send(op="subscribe", topic="/thing")
+    wrong = bench.ros.add_publisher("/thing", "std_msgs/msg/Int32")
+    right = bench.ros.add_publisher("/thing", STRING)
+    await bench.settle()
+    bench.ros.add_publisher("/other", STRING)
+    await bench.settle()
+    assert [code for code, _ in client.statuses] == ["not_found", "type_conflict"]
+    assert "choose one by `type`" in client.statuses[-1][1]
+    bench.ros.remove_publisher(wrong)
+    await eventually(lambda: bench.ros.entity_count() == 1)
+    right.publish(bench.cdr(STRING, data="clear now"))
+    assert (await client.sees(1))[0]["msg"] == {"data": "clear now"}
