@@ -91,11 +91,6 @@ class Feed:
         """Whether nobody is fed any more."""
         return not self._members
 
-    @property
-    def received(self) -> int:
-        """How many samples came from ROS."""
-        return self._seq
-
     def join(self, member: Member, key: RenditionKey, *, replay: bool) -> None:
         """Feed a stream from now on; *replay* begins with what transient-local topics keep."""
         rendition = next((known for known in self._members if known.key == key), None)

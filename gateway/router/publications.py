@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What clients publish: their advertisements, and their messages on the way into ROS."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from gateway.codec.errors import CodecError
@@ -27,10 +26,9 @@ class Advertised:
 class Publications:
     """Opens and closes ROS publishers as clients come and go, and publishes through them."""
 
-    def __init__(self, ros: Ros, types: TopicTypes, ros_now_ns: Callable[[], int]) -> None:
+    def __init__(self, ros: Ros, types: TopicTypes) -> None:
         self._ros = ros
         self._types = types
-        self._ros_now_ns = ros_now_ns
         self._advertised: dict[Session, dict[TopicName, Advertised]] = {}
 
     @property
@@ -89,7 +87,7 @@ class Publications:
         elif request.type is not None:
             self._check_type(topic, known, request.type)
         try:
-            message = known.message_type.validate(request.msg, self._ros_now_ns())
+            message = known.message_type.validate(request.msg, self._ros.now_ns())
             cdr = known.message_type.encode(message)
         except CodecError as error:
             raise ProtocolError("invalid_value", str(error)) from error

@@ -51,12 +51,8 @@ class Rendition:
 
     def body(self, frame: "Frame") -> bytes | None:
         """Return the message as JSON, ``None`` if not yet, empty if it cannot be decoded."""
-        return self.attempt(frame.sample.cdr)
-
-    def attempt(self, cdr: bytes) -> bytes:
-        """Render, or report why not and return nothing."""
         try:
-            return self._render(cdr)
+            return self._render(frame.sample.cdr)
         except CodecError as error:
             self._on_failure(error)
             return b""

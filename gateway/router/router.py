@@ -65,7 +65,7 @@ class Router:
         self._version = version
         self._topic_types = TopicTypes(ros, types, table)
         self._subscriptions = Subscriptions(ros, self._topic_types, self._rendition)
-        self._publications = Publications(ros, self._topic_types, ros.now_ns)
+        self._publications = Publications(ros, self._topic_types)
         self._sessions: set[Session] = set()
         self._watching: dict[Session, str | int | None] = {}
         self._seen: Graph | None = None  # what the watchers know
