@@ -91,9 +91,10 @@ def argument_parser() -> argparse.ArgumentParser:
     _add_schema(
         command(
             "schema",
-            "print the JSON Schema of a message type",
+            "print the JSON Schema of a message, service or action type",
             "  ros2-gateway schema geometry_msgs/msg/Twist\n"
             "  ros2-gateway schema 1              the same by its number in the message table\n"
+            "  ros2-gateway schema std_srvs/srv/SetBool\n"
             "  ros2-gateway schema std_msgs/Header --definition",
         )
     )
@@ -208,10 +209,13 @@ def _add_mock(parser: argparse.ArgumentParser) -> None:
 
 def _add_schema(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "type", metavar="TYPE", help="pkg/msg/Name, pkg/Name or a number of the message table"
+        "type",
+        metavar="TYPE",
+        help="pkg/msg/Name, pkg/srv/Name, pkg/action/Name, pkg/Name or a number of the message "
+        "table",
     )
     parser.add_argument(
-        "--definition", action="store_true", help="print the .msg definition instead"
+        "--definition", action="store_true", help="print the text of its definition instead"
     )
 
 

@@ -245,18 +245,18 @@ def _mock(arguments: argparse.Namespace) -> int:
 def _schema(arguments: argparse.Namespace) -> int:
     from schemas.definition import DefinitionError
     from schemas.installed import InstalledDefinitions, UnknownTypeError
-    from schemas.table import Table, TypeSpellingError, resolve_type
+    from schemas.table import Table, TypeSpellingError, resolve_any
 
     table = Table.load()
     definitions = InstalledDefinitions()
+    known = {*table.by_name, *(row.name for row in table.interfaces), *definitions.all_names()}
     try:
-        name = resolve_type(arguments.type, table)
+        name = resolve_any(arguments.type, table, known)
         if arguments.definition:
-            text = definitions.get(name).text.rstrip()
+            text = definitions.get_any(name).text.rstrip()
         else:
             text = _schema_text(name, definitions)
     except UnknownTypeError as error:
-        known = {*table.by_name, *definitions.names()}
         # of a known one, something is missing that no other name mends
         close = [] if name in known else get_close_matches(name, known, n=1)
         hint = ""
@@ -277,13 +277,13 @@ def _schema_text(name: str, definitions: "InstalledDefinitions") -> str:
 
     import schemas
     from schemas.build import json_schema
+    from schemas.generate.json_schemas import file_name
     from schemas.installed import UnknownTypeError
 
     try:
         return json.dumps(json_schema(name, definitions), indent=2, ensure_ascii=False)
     except UnknownTypeError:
-        package, _, short_name = name.split("/")
-        shipped = Path(schemas.__file__).parent / "json" / package / f"{short_name}.json"
+        shipped = Path(schemas.__file__).parent / "json" / file_name(name)
         if not shipped.is_file():
             raise
         return shipped.read_text(encoding="utf-8").rstrip()

@@ -6,9 +6,10 @@ from typing import Any, Self
 
 from schemas import message as ros
 from schemas.definition import Definition
-from schemas.generate.json_schemas import Schema, schema_of
+from schemas.generate.json_schemas import Schema, interface_schema, schema_of
 from schemas.generate.python_models import class_names, class_source
 from schemas.installed import InstalledDefinitions
+from schemas.interface import Interface
 from schemas.message import Message
 from schemas.type_hash import type_hash
 
@@ -31,7 +32,7 @@ class Models:
         return cls(InstalledDefinitions())
 
     def get(self, name: str) -> type[Message]:
-        """Return the model of ``pkg/msg/Name``.
+        """Return the model of ``pkg/msg/Name``, or of a part such as ``pkg/srv/Name_Request``.
 
         Raises:
             UnknownTypeError: it, or a type that it nests, is not installed.
@@ -47,12 +48,15 @@ class Models:
         return known
 
     def json_schema(self, name: str) -> Schema:
-        """Return the JSON Schema of ``pkg/msg/Name``, nested types included.
+        """Return the JSON Schema of a message, a service or an action, nested types included.
 
         Raises:
             UnknownTypeError, DefinitionError: as for `get`.
         """
-        definition = self._definitions.get(name)
+        definition = self._definitions.get_any(name)
+        if isinstance(definition, Interface):
+            parts = {role: self.json_schema(part.name) for role, part in definition.parts.items()}
+            return interface_schema(definition, parts)
         nested = self._definitions.closure(definition.nested())
         return schema_of(definition, nested, type_hash(definition, self._definitions))
 

@@ -6,7 +6,6 @@ The grammar is the one of the ROS 2 interface definition
 line, ``#`` comments, arrays ``T[]``, ``T[N]`` and ``T[<=N]``, bounded strings ``string<=N``.
 """
 
-import ast
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -98,7 +97,10 @@ class Constant:
 
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """A message type: its full name (``pkg/msg/Name``), members, words and source text."""
+    """A message type: its full name (``pkg/msg/Name``), members, words and source text.
+
+    A part of a service or an action has the name that rosidl gives it: ``pkg/srv/Name_Request``.
+    """
 
     name: str
     fields: tuple[Field, ...]
@@ -117,6 +119,15 @@ class Definition:
         """The name without package."""
         return self.name.rsplit("/", 1)[1]
 
+    @property
+    def title(self) -> str:
+        """What to call it to people: its name, or ``the pkg/srv/Name request``."""
+        # no message has an underscore in its name
+        interface, underscore, part = self.short_name.partition("_")
+        if not underscore:
+            return self.name
+        return f"the {self.name.rsplit('/', 1)[0]}/{interface} {part.lower()}"
+
     def nested(self) -> tuple[str, ...]:
         """Name the message types that the fields use directly, each once, in order."""
         return tuple(dict.fromkeys(f.type.base for f in self.fields if not f.type.is_primitive))
@@ -129,6 +140,9 @@ _TYPE = re.compile(
 )
 _FIELD_NAME = re.compile(r"[a-z](?:_?[a-z0-9]+)*_?", re.IGNORECASE)
 _CONSTANT_NAME = re.compile(r"[A-Z](?:_?[A-Z0-9]+)*_?", re.IGNORECASE)
+_STRING_ITEM = re.compile(
+    r"""(?P<item>"(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*'|[^"',][^,]*)\s*(?:,\s*|$)"""
+)
 # Types of ROS 1 that the ROS 2 generators still accept.
 _ALIASES: Final = {
     "time": "builtin_interfaces/msg/Time",
@@ -136,8 +150,12 @@ _ALIASES: Final = {
 }
 
 
-def parse_definition(name: str, text: str, type_hash: str | None = None) -> Definition:
-    """Parse the text of one message (a `.msg` file, or one part of a `.srv` or `.action`).
+def parse_definition(
+    name: str, text: str, type_hash: str | None = None, *, first_line: int = 1
+) -> Definition:
+    """Parse the text of one message: a `.msg` file, or one part of a `.srv` or an `.action`.
+
+    *first_line* is the number of its first line in the file.
 
     Raises:
         DefinitionError: a line is neither a comment, a field nor a constant.
@@ -145,7 +163,7 @@ def parse_definition(name: str, text: str, type_hash: str | None = None) -> Defi
     fields: list[Field] = []
     constants: list[Constant] = []
     message_comment: list[str] | None = None
-    for line_number, above, declaration, beside in _declarations(text):
+    for line_number, above, declaration, beside in _declarations(text, first_line):
         if message_comment is None:
             # The first block of comments describes the message, unless it touches a field.
             *blocks, own = above
@@ -169,7 +187,7 @@ def parse_definition(name: str, text: str, type_hash: str | None = None) -> Defi
     return Definition(name, tuple(fields), tuple(constants), comment, text, type_hash)
 
 
-def _declarations(text: str) -> Iterator[tuple[int, list[list[str]], str, str]]:
+def _declarations(text: str, first_line: int) -> Iterator[tuple[int, list[list[str]], str, str]]:
     """Yield line number, blocks of comments above, declaration, comment beside it.
 
     A comment beside a declaration goes on in the indented comment lines right below it.
@@ -178,7 +196,7 @@ def _declarations(text: str) -> Iterator[tuple[int, list[list[str]], str, str]]:
     blocks: list[list[str]] = [[]]
     declared: tuple[int, list[list[str]], str, str] | None = None
     number = 0
-    for number, line in enumerate(text.splitlines(), start=1):
+    for number, line in enumerate(text.splitlines(), start=first_line):
         stripped = line.strip()
         if declared is not None:
             if declared[3] and line[:1].isspace() and stripped.startswith("#"):
@@ -287,9 +305,28 @@ def _parse_value(field_type: FieldType, text: str) -> Value:
     if not (text.startswith("[") and text.endswith("]")):
         raise ValueError(f"{text!r} is no array")
     if field_type.base in STRINGS:
-        return tuple(str(value) for value in ast.literal_eval(text))
+        return _parse_strings(text[1:-1].strip())
     items = [item.strip() for item in text[1:-1].split(",")]
     return tuple(_parse_scalar(field_type.base, item) for item in items if item)
+
+
+def _parse_strings(text: str) -> tuple[str, ...]:
+    """Split strings at their commas; as to rosidl, those without a comma need no quotes."""
+    values: list[str] = []
+    end = 0
+    while end < len(text):
+        match = _STRING_ITEM.match(text, end)
+        if match is None:
+            raise ValueError(f"{text[end:]!r} is no array of strings")
+        values.append(_unquoted(match["item"].strip()))
+        end = match.end()
+    return tuple(values)
+
+
+def _unquoted(text: str) -> str:
+    if len(text) >= 2 and text[0] == text[-1] and text[0] in "\"'":
+        return text[1:-1].replace(f"\\{text[0]}", text[0])
+    return text
 
 
 def _parse_scalar(base: str, text: str) -> Scalar:
@@ -302,9 +339,7 @@ def _parse_scalar(base: str, text: str) -> Scalar:
     if base in FLOATS:
         return float(text)
     if base in STRINGS:
-        if len(text) >= 2 and text[0] == text[-1] and text[0] in "\"'":
-            return text[1:-1].replace(f"\\{text[0]}", text[0])
-        return text
+        return _unquoted(text)
     value = _parse_integer(text)
     low, high = INTEGER_RANGES[base]
     if not low <= value <= high:

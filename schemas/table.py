@@ -1,23 +1,33 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The message table: which types have a number, which way they travel and what they are for."""
+"""The message table: which types have a number, which way they travel and what they are for.
+
+Beside the messages stand the services and actions of which we ship models, without numbers.
+"""
 
 import re
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import Annotated, Final, Literal, Self
+from typing import Annotated, Final, Literal, Self, TypeVar, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+
+from schemas.interface import InterfaceKind
 
 TABLE_PATH: Final = Path(__file__).with_name("messages.toml")
 
 _TYPE_SPELLING: Final = re.compile(
     r"(?P<package>[a-z][a-z0-9_]*)/(?:msg/)?(?P<name>[A-Z][A-Za-z0-9]*)"
 )
+_INTERFACE_SPELLING: Final = re.compile(
+    r"(?P<package>[a-z][a-z0-9_]*)/(?:(?P<kind>srv|action)/)?(?P<name>[A-Z][A-Za-z0-9]*)"
+)
 # Ten times the digits that a table will ever need; int() of endless digits is slow.
 _NUMBER: Final = re.compile(r"[0-9]{1,9}", re.ASCII)
+
+_R = TypeVar("_R", bound=BaseModel)
 
 
 class TableError(ValueError):
@@ -39,22 +49,33 @@ class Row(BaseModel):
     purpose: Annotated[str, Field(min_length=1)]
 
 
+class InterfaceRow(BaseModel):
+    """One service or action of the table."""
+
+    model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
+
+    name: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*/(srv|action)/[A-Z][A-Za-z0-9]*$")]
+    purpose: Annotated[str, Field(min_length=1)]
+
+
 @dataclass(frozen=True, slots=True)
 class Table:
-    """The rows in the order of the file, and by number and name."""
+    """The rows in the order of the file, the messages' also by number and name."""
 
     rows: tuple[Row, ...]
     by_number: Mapping[int, Row]
     by_name: Mapping[str, Row]
+    interfaces: tuple[InterfaceRow, ...] = ()
 
     @classmethod
-    def of(cls, rows: Iterable[Row]) -> Self:
+    def of(cls, rows: Iterable[Row], interfaces: Iterable[InterfaceRow] = ()) -> Self:
         """Build the table of some rows.
 
         Raises:
             TableError: two rows share a number or a name.
         """
         kept = tuple(rows)
+        kept_interfaces = tuple(interfaces)
         by_number: dict[int, Row] = {}
         by_name: dict[str, Row] = {}
         for row in kept:
@@ -63,7 +84,11 @@ class Table:
                 raise TableError(f"number {row.number} has two rows, {other.name} and {row.name}")
             if by_name.setdefault(row.name, row) is not row:
                 raise TableError(f"{row.name} has two rows")
-        return cls(kept, MappingProxyType(by_number), MappingProxyType(by_name))
+        names = [row.name for row in kept_interfaces]
+        for name in names:
+            if names.count(name) > 1:
+                raise TableError(f"{name} has two rows")
+        return cls(kept, MappingProxyType(by_number), MappingProxyType(by_name), kept_interfaces)
 
     @classmethod
     def load(cls, path: Path = TABLE_PATH) -> Self:
@@ -75,16 +100,25 @@ class Table:
         """
         try:
             content = tomllib.loads(path.read_text(encoding="utf-8"))
-            return cls.of(_ROWS.validate_python(content.get("messages")))
-        except ValidationError as error:
-            first = error.errors(include_url=False)[0]
-            where = "".join(f"[{part}]" for part in first["loc"])
-            raise TableError(f"{path}: messages{where}: {first['msg']}") from error
+            return cls.of(
+                _rows(_ROWS, "messages", content.get("messages")),
+                _rows(_INTERFACE_ROWS, "interfaces", content.get("interfaces", [])),
+            )
         except ValueError as error:
             raise TableError(f"{path}: {error}") from error
 
 
 _ROWS: Final = TypeAdapter(list[Row])
+_INTERFACE_ROWS: Final = TypeAdapter(list[InterfaceRow])
+
+
+def _rows(adapter: TypeAdapter[list[_R]], key: str, value: object) -> list[_R]:
+    try:
+        return adapter.validate_python(value)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        where = "".join(f"[{part}]" for part in first["loc"])
+        raise TableError(f"{key}{where}: {first['msg']}") from error
 
 
 def resolve_type(spelling: str | int, table: Table) -> str:
@@ -108,6 +142,42 @@ def resolve_type(spelling: str | int, table: Table) -> str:
     raise TypeSpellingError(
         f"{spelling!r} is no message type: expected pkg/msg/Name, pkg/Name or a table number"
     )
+
+
+def resolve_interface(spelling: str, kind: InterfaceKind) -> str:
+    """Return ``pkg/srv/Name`` for what clients write as the type of a service; so for actions.
+
+    That is ``pkg/Name`` or ``pkg/srv/Name``. Whether the type is installed is not looked at.
+
+    Raises:
+        TypeSpellingError: it is neither.
+    """
+    match = _INTERFACE_SPELLING.fullmatch(spelling)
+    if match is None or match["kind"] not in {None, kind}:
+        called = "service" if kind == "srv" else "action"
+        raise TypeSpellingError(
+            f"{spelling!r} is no {called} type: expected pkg/{kind}/Name or pkg/Name"
+        )
+    return f"{match['package']}/{kind}/{match['name']}"
+
+
+def resolve_any(spelling: str | int, table: Table, known: Container[str]) -> str:
+    """Return the full name of the message, the service or the action that *spelling* means.
+
+    ``pkg/Name`` is the first of the three that is *known*, or a message if none is.
+
+    Raises:
+        TypeSpellingError: it is no type, or the table has no such number.
+    """
+    text = str(spelling)
+    for kind in get_args(InterfaceKind):
+        if f"/{kind}/" in text:
+            return resolve_interface(text, kind)
+    message = resolve_type(spelling, table)
+    if message in known or not _INTERFACE_SPELLING.fullmatch(text):
+        return message
+    interfaces = (resolve_interface(text, kind) for kind in get_args(InterfaceKind))
+    return next((name for name in interfaces if name in known), message)
 
 
 def _numbered(number: int, table: Table) -> str:

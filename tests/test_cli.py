@@ -249,21 +249,62 @@ def test_schema_prints_a_json_schema_by_name_short_name_and_number():
     assert "linear" in json.loads(output)["properties"]
 
 
+@pytest.mark.parametrize(
+    ("spellings", "parts"),
+    [
+        (("std_srvs/srv/SetBool", "std_srvs/SetBool"), ["request", "response"]),
+        (
+            ("test_msgs/action/Fibonacci", "test_msgs/Fibonacci"),
+            ["goal", "result", "feedback"],
+        ),
+    ],
+)
+def test_schema_prints_that_of_a_service_and_of_an_action(spellings, parts):
+    (output,) = {ros2_gateway("schema", spelling).stdout for spelling in spellings}
+    schema = json.loads(output)
+    assert schema["title"] == spellings[0]
+    assert list(schema["properties"]) == parts
+
+
+def test_schema_prefers_the_message_where_a_service_has_its_name():
+    titles = [
+        json.loads(ros2_gateway("schema", spelling).stdout)["title"]
+        for spelling in ("test_msgs/BasicTypes", "test_msgs/srv/BasicTypes")
+    ]
+    assert titles == ["test_msgs/msg/BasicTypes", "test_msgs/srv/BasicTypes"]
+
+
 def test_schema_prints_the_definition():
     assert "float64 x" in ros2_gateway("schema", "geometry_msgs/Vector3", "--definition").stdout
+    assert "\n---\n" in ros2_gateway("schema", "std_srvs/SetBool", "--definition").stdout
 
 
-def test_an_unknown_type_is_one_sentence_with_the_closest_one():
-    assert refusal("schema", "std_msgs/msg/Strng") == (
-        2,
-        "no definition of std_msgs/msg/Strng is installed, did you mean std_msgs/msg/String",
-    )
+@pytest.mark.parametrize(
+    ("spelling", "name", "close"),
+    [
+        ("std_msgs/msg/Strng", "std_msgs/msg/Strng", "std_msgs/msg/String"),
+        ("std_srvs/SetBol", "std_srvs/msg/SetBol", "std_srvs/srv/SetBool"),
+        ("std_srvs/srv/SetBol", "std_srvs/srv/SetBol", "std_srvs/srv/SetBool"),
+        ("test_msgs/action/Fibo", "test_msgs/action/Fibo", "test_msgs/action/Fibonacci"),
+    ],
+)
+def test_an_unknown_type_is_one_sentence_with_the_closest_one(spelling, name, close):
+    sentence = f"no definition of {name} is installed, did you mean {close}"
+    assert refusal("schema", spelling) == (2, sentence)
 
 
-def test_what_is_no_type_is_one_sentence():
-    code, sentence = refusal("schema", "twist")
+@pytest.mark.parametrize(
+    ("spelling", "reason"),
+    [
+        ("twist", "'twist' is no message type: expected pkg/msg/Name, pkg/Name or a table number"),
+        ("std_srvs/srv/setbool", "'std_srvs/srv/setbool' is no service type: expected pkg/srv/"),
+        ("a/action/b", "'a/action/b' is no action type: expected pkg/action/Name"),
+    ],
+)
+def test_what_is_no_type_is_one_sentence(spelling, reason):
+    code, sentence = refusal("schema", spelling)
     assert code == 2
-    assert "'twist' is no message type" in sentence
+    assert sentence.startswith(reason)
 
 
 def test_a_reader_that_stops_reading_is_no_error():
@@ -287,6 +328,18 @@ def restored_signals() -> Iterator[None]:
     yield
     for number, handler in handlers.items():
         signal.signal(number, handler)
+
+
+@pytest.mark.usefixtures("restored_signals")
+def test_without_ros_schema_prints_the_shipped_schema_of_a_service(monkeypatch, tmp_path, capsys):
+    monkeypatch.delenv("AMENT_PREFIX_PATH", raising=False)
+    monkeypatch.setattr(sys, "prefix", str(tmp_path))
+    shipped = (ROOT / "schemas" / "json" / "std_srvs" / "srv" / "SetBool.json").read_text("utf-8")
+    for spelling in ("std_srvs/srv/SetBool", "std_srvs/SetBool"):
+        assert cli.main(["schema", spelling]) == 0
+        assert capsys.readouterr().out == shipped
+    assert cli.main(["schema", "std_srvs/SetBool", "--definition"]) == 2
+    assert "needs the message package installed" in capsys.readouterr().err
 
 
 @pytest.mark.usefixtures("restored_signals")

@@ -1,18 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write JSON Schemas (2020-12): a self-contained file per type, describing what the wire carries.
 
-They cover both directions: what the gateway sends, and all that it takes.
+They cover both directions: what the gateway sends, and all that it takes. That of a service has
+its request and its response as properties, so for actions.
 """
 
 import json
 import math
 from collections.abc import Iterable, Mapping
+from pathlib import PurePosixPath
 from typing import Final
 
 from schemas.definition import INTEGER_RANGES, Definition, Field, FieldType, Scalar, Value
 from schemas.generate.catalogue import GENERATED, Catalogue
+from schemas.interface import Interface, Role
 
 Schema = dict[str, object]
+
+SCHEMA_FOLDER: Final = PurePosixPath("schemas/json")
 
 _DIALECT: Final = "https://json-schema.org/draft/2020-12/schema"
 _NO_NUL: Final = "^[^\\u0000]*$"
@@ -23,14 +28,29 @@ _ROS1_NAMES: Final = {"sec": "secs", "nanosec": "nsecs"}
 
 def write(catalogue: Catalogue) -> dict[str, str]:
     """Return the schema of each row's type."""
-    files = {}
-    for row in catalogue.rows:
-        definition = catalogue.definitions[row.name]
+
+    def schema(definition: Definition) -> Schema:
         nested = _closure(definition, catalogue.definitions)
-        schema = schema_of(definition, nested, catalogue.hashes[row.name])
-        text = json.dumps({"$comment": GENERATED, **schema}, indent=2, ensure_ascii=False)
-        files[f"schemas/json/{definition.package}/{definition.short_name}.json"] = text + "\n"
-    return files
+        return schema_of(definition, nested, catalogue.hashes[definition.name])
+
+    schemas = {row.name: schema(catalogue.definitions[row.name]) for row in catalogue.rows}
+    for interface in catalogue.interfaces.values():
+        parts = {role: schema(part) for role, part in interface.parts.items()}
+        schemas[interface.name] = interface_schema(interface, parts)
+    return {
+        str(SCHEMA_FOLDER / file_name(name)): _text({"$comment": GENERATED, **schema})
+        for name, schema in schemas.items()
+    }
+
+
+def file_name(name: str) -> PurePosixPath:
+    """Return where the schema of a row's type is, relative to `SCHEMA_FOLDER`.
+
+    That is ``pkg/Name.json`` for a message, ``pkg/srv/Name.json`` for a service.
+    """
+    package, kind, short_name = name.split("/")
+    folder = PurePosixPath(package) if kind == "msg" else PurePosixPath(package, kind)
+    return folder / f"{short_name}.json"
 
 
 def schema_of(definition: Definition, nested: Iterable[Definition], type_hash: str) -> Schema:
@@ -46,6 +66,29 @@ def schema_of(definition: Definition, nested: Iterable[Definition], type_hash: s
     if schemas:
         schema["$defs"] = dict(sorted(schemas.items()))
     return schema
+
+
+def interface_schema(interface: Interface, parts: Mapping[Role, Schema]) -> Schema:
+    """Return the schema of a service or an action, from those of its messages by role."""
+    nested: Schema = {}
+    properties: dict[str, Schema] = {}
+    for role, part in parts.items():
+        own = {key: value for key, value in part.items() if key not in {"$schema", "$defs"}}
+        properties[role] = own
+        nested_here = part.get("$defs")
+        if isinstance(nested_here, dict):
+            nested |= nested_here
+    schema: Schema = {"$schema": _DIALECT, "title": interface.name}
+    schema |= _object(properties) | {"required": list(properties)}
+    if interface.type_hash is not None:
+        schema["x-ros-type-hash"] = interface.type_hash
+    if nested:
+        schema["$defs"] = dict(sorted(nested.items()))
+    return schema
+
+
+def _text(schema: Schema) -> str:
+    return json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
 
 
 def _closure(definition: Definition, known: Mapping[str, Definition]) -> list[Definition]:

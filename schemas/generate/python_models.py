@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write Pydantic models: a module per package, a class per message type.
 
+The parts of services and actions are classes like the others, with the names that rosidl gives
+them (``SetBool_Request``); no message has an underscore in its name.
 The same text, one class at a time, is what `schemas.build` executes for types outside the table.
 """
 
@@ -10,7 +12,7 @@ from collections.abc import Iterable, Mapping
 from typing import Final
 
 from schemas.definition import Constant, Definition, Field, FieldType, Scalar, Value
-from schemas.generate.catalogue import GENERATED, Catalogue
+from schemas.generate.catalogue import GENERATED, Catalogue, by_package
 from schemas.naming import attribute, constant_attribute
 
 _LINE_LENGTH: Final = 100
@@ -56,9 +58,14 @@ _FIELD_TYPES: Final = {
 def write(catalogue: Catalogue) -> dict[str, str]:
     """Return the module of each package, and that of the package which holds them."""
     purposes = {row.name: row.purpose for row in catalogue.rows}
+    for interface in catalogue.interfaces.values():
+        for role, part in interface.parts.items():
+            purposes[part.name] = f"The {role} of {interface.name}"
     head = f"# SPDX-License-Identifier: Apache-2.0\n# {GENERATED}\n"
     files = {"schemas/models/__init__.py": f'{head}"""Models of the types of the table."""\n'}
-    for package, definitions in catalogue.packages().items():
+    for package, definitions in by_package(
+        [*catalogue.definitions.values(), *catalogue.parts()]
+    ).items():
         names = class_names(definitions)
         own = {definition.name for definition in definitions}
         imports = _imports({name: names[name] for name in sorted(names.keys() - own)})
@@ -69,7 +76,7 @@ def write(catalogue: Catalogue) -> dict[str, str]:
             for definition in definitions
         ]
         files[f"schemas/models/{package}.py"] = "\n\n".join(
-            [f'{head}"""Models of the messages of {package}."""\n\n{imports}', *classes]
+            [f'{head}"""Models of the types of {package}."""\n\n{imports}', *classes]
         )
     return files
 

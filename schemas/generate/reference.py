@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Write the reference page: the table, and every type with its fields and constants."""
+"""Write the reference page of messages: the table, and every type with fields and constants."""
 
 from typing import Final
 
-from schemas.definition import Constant, Definition, Field, Value
-from schemas.generate.catalogue import GENERATED, Catalogue
+from schemas.definition import Definition
+from schemas.generate.catalogue import GENERATED, Catalogue, by_package
+from schemas.generate.markdown import anchor, members
 from schemas.table import Row
 
 _INTRODUCTION: Final = f"""\
@@ -55,10 +56,10 @@ def write(catalogue: Catalogue) -> dict[str, str]:
     parts += ["", _OMITTED, "## The table\n"]
     parts.append("| no. | type | directions | purpose |\n|---|---|---|---|")
     parts += [
-        f"| {row.number} | [{row.name}](#{_anchor(row.name)}) | {row.directions} | {row.purpose} |"
+        f"| {row.number} | [{row.name}](#{anchor(row.name)}) | {row.directions} | {row.purpose} |"
         for row in catalogue.rows
     ]
-    for package, definitions in catalogue.packages().items():
+    for package, definitions in by_package(catalogue.definitions.values()).items():
         parts.append(f"\n## {package}")
         for definition in sorted(definitions, key=lambda one: one.name):
             parts.append(_section(definition, rows.get(definition.name)))
@@ -66,46 +67,7 @@ def write(catalogue: Catalogue) -> dict[str, str]:
 
 
 def _section(definition: Definition, row: Row | None) -> str:
-    lines = [f'\n### <a id="{_anchor(definition.name)}"></a>{definition.name}\n']
+    lines = [f'\n### <a id="{anchor(definition.name)}"></a>{definition.name}\n']
     if row is not None:
         lines.append(f"Number {row.number}. {row.purpose}.\n")
-    if definition.fields:
-        lines.append("| field | type | default | |\n|---|---|---|---|")
-        lines += [_field(field) for field in definition.fields]
-    else:
-        lines.append("No fields.")
-    if definition.constants:
-        lines.append("\n| constant | type | value | |\n|---|---|---|---|")
-        lines += [_constant(constant) for constant in definition.constants]
-    return "\n".join(lines)
-
-
-def _field(field: Field) -> str:
-    type_text = str(field.type)
-    if not field.type.is_primitive:
-        type_text = f"[{type_text}](#{_anchor(field.type.base)})".replace("[]]", "\\[\\]]")
-    default = "" if field.default is None else f"`{_value(field.default)}`"
-    return f"| {field.name} | {type_text} | {default} | {_cell(field.comment)} |"
-
-
-def _constant(constant: Constant) -> str:
-    value = _value(constant.value)
-    return f"| {constant.name} | {constant.type} | `{value}` | {_cell(constant.comment)} |"
-
-
-def _value(value: Value) -> str:
-    if isinstance(value, tuple):
-        return f"[{', '.join(_value(one) for one in value)}]"
-    return str(value).lower() if isinstance(value, bool) else str(value)
-
-
-def _cell(text: str) -> str:
-    """Return a comment as one cell of a table."""
-    words = " ".join(text.split())
-    for character in "\\|<>*_`[]":
-        words = words.replace(character, f"\\{character}")
-    return words
-
-
-def _anchor(name: str) -> str:
-    return name.replace("/", "-").lower()
+    return "\n".join([*lines, *members(definition)])

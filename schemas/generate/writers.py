@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from schemas.generate import json_schemas, python_models, reference
+from schemas.generate import interface_reference, json_schemas, python_models, reference
 from schemas.generate.catalogue import Catalogue
 
 
@@ -24,8 +24,9 @@ class Writer:
 
 WRITERS: Final = (
     Writer(python_models.write, "schemas/models/*.py"),
-    Writer(json_schemas.write, "schemas/json/*/*.json"),
+    Writer(json_schemas.write, "schemas/json/**/*.json"),
     Writer(reference.write, "docs/messages.md"),
+    Writer(interface_reference.write, "docs/services.md"),
 )
 
 

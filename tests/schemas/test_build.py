@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Models of any type: checked in, or built at run time."""
 
-import importlib
 import json
 import subprocess
 import sys
@@ -12,9 +11,10 @@ import pytest
 import schemas
 from schemas.build import Models, json_schema, model_for
 from schemas.definition import DefinitionError
-from schemas.installed import InstalledDefinitions, UnknownTypeError, installed_prefixes
-from schemas.models import geometry_msgs, std_msgs
+from schemas.installed import InstalledDefinitions, UnknownTypeError, installed_prefixes, parts_of
+from schemas.models import geometry_msgs, nav_msgs, std_msgs, std_srvs
 from schemas.naming import attribute
+from tests.messages import ros_class
 
 
 @pytest.fixture(scope="module")
@@ -34,11 +34,6 @@ def made_up(tmp_path):
         return Models(InstalledDefinitions([tmp_path, *installed_prefixes()]))
 
     return install
-
-
-def ros_message(name):
-    package, _, short_name = name.split("/")
-    return getattr(importlib.import_module(f"{package}.msg"), short_name)()
 
 
 def plain(value, field_type):
@@ -62,11 +57,43 @@ def assert_same(held, ros, definition, definitions):
                 assert_same(one, other, nested, definitions)
 
 
+def names_of_parts(definitions):
+    interfaces = definitions.names(kind="srv") + definitions.names(kind="action")
+    return [part for interface in interfaces for part in parts_of(interface)]
+
+
 def test_an_empty_object_is_the_message_that_rclpy_makes_for_every_installed_type(models):
     definitions = InstalledDefinitions()
-    for name in definitions.names():
+    for name in definitions.names() + names_of_parts(definitions):
         held = models.get(name).model_validate({})
-        assert_same(held, ros_message(name), definitions.get(name), definitions)
+        assert_same(held, ros_class(name)(), definitions.get(name), definitions)
+
+
+def test_a_service_of_the_table_has_checked_in_models_of_its_parts(models):
+    assert models.get("std_srvs/srv/SetBool_Request") is std_srvs.SetBool_Request
+    assert models.get("nav_msgs/srv/GetPlan_Response") is nav_msgs.GetPlan_Response
+    assert isinstance(models.get("nav_msgs/srv/GetPlan_Response")().plan, nav_msgs.Path)
+
+
+def test_the_parts_of_a_service_outside_the_table_are_built(models):
+    model = models.get("test_msgs/action/NestedMessage_Goal")
+
+    assert model.__name__ == "NestedMessage_Goal"
+    assert model.ros_type == "test_msgs/action/NestedMessage_Goal"
+    assert isinstance(model().nested_field, models.get("test_msgs/msg/BasicTypes"))
+
+
+def test_a_service_that_differs_from_the_checked_in_one_wins(tmp_path):
+    folder = tmp_path / "share" / "std_srvs" / "srv"
+    folder.mkdir(parents=True)
+    (folder / "SetBool.srv").write_text(
+        "bool data\nbool force\n---\nbool success\nstring message\n"
+    )
+    models = Models(InstalledDefinitions([tmp_path]))
+
+    assert models.get("std_srvs/srv/SetBool_Request").model_validate({"force": True}).force
+    # no hash is installed here, so that of the same structure is computed and found equal
+    assert models.get("std_srvs/srv/SetBool_Response") is std_srvs.SetBool_Response
 
 
 def test_a_type_of_the_table_has_its_checked_in_model(models):
@@ -192,6 +219,14 @@ def test_the_schema_of_a_checked_in_type_is_the_checked_in_one():
     del checked_in["$comment"]
 
     assert json_schema("nav_msgs/msg/Odometry", InstalledDefinitions()) == checked_in
+
+
+def test_the_schema_of_a_checked_in_service_is_the_checked_in_one():
+    path = Path(schemas.__file__).parent / "json" / "nav_msgs" / "srv" / "GetPlan.json"
+    checked_in = json.loads(path.read_bytes())
+    del checked_in["$comment"]
+
+    assert json_schema("nav_msgs/srv/GetPlan", InstalledDefinitions()) == checked_in
 
 
 def test_a_type_outside_the_table_has_a_schema_too(models):

@@ -54,6 +54,9 @@ def test_a_field_type_prints_as_it_was_written(text):
         ("int8[] x [1, -2]", (1, -2)),
         ("bool[2] x [true, false]", (True, False)),
         ("string[] x ['a', 'b, c']", ("a", "b, c")),
+        ('string[] x ["a", b c,]', ("a", "b c")),
+        (r"string[] x ['it\'s', '\n']", ("it's", r"\n")),
+        ("string[] x []", ()),
         ("uint8 x", None),
     ],
 )
@@ -77,6 +80,8 @@ def test_a_default_is_read_in_every_notation(line, default):
         "char x 1_0",
         "float32 x\t1e-3",
         "bool[2] x [True,\t0]",
+        "string[] x ['a', \"b, c\", d e]",
+        r"string[] x ['it\'s', '\n',]",
         "std_msgs/Header\tx",
     ],
 )

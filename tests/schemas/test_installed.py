@@ -6,8 +6,9 @@ import json
 import pytest
 
 from schemas.definition import DefinitionError
-from schemas.installed import InstalledDefinitions, UnknownTypeError, installed_prefixes
+from schemas.installed import InstalledDefinitions, UnknownTypeError, installed_prefixes, parts_of
 from schemas.type_hash import _type_id
+from tests.messages import ros_class
 
 
 def descriptions():
@@ -15,6 +16,22 @@ def descriptions():
     for prefix in installed_prefixes():
         for path in sorted(prefix.glob("share/*/msg/*.json")):
             yield json.loads(path.read_bytes())["type_description_msg"]["type_description"]
+
+
+def descriptions_of_parts():
+    """Yield those of the parts of every installed service and action."""
+    for kind in ("srv", "action"):
+        for name in InstalledDefinitions().names(kind=kind):
+            package, _, short_name = name.split("/")
+            (path,) = (
+                path
+                for prefix in installed_prefixes()
+                if (path := prefix / "share" / package / kind / f"{short_name}.json").is_file()
+            )
+            described = json.loads(path.read_bytes())["type_description_msg"]
+            by_name = {one["type_name"]: one for one in described["referenced_type_descriptions"]}
+            for part in parts_of(name):
+                yield by_name[part]
 
 
 def described_field(field):
@@ -31,16 +48,19 @@ def described_field(field):
 
 
 def write_definition(prefix, name, text):
-    package, _, short_name = name.split("/")
-    path = prefix / "share" / package / "msg" / f"{short_name}.msg"
+    package, kind, short_name = name.split("/")
+    path = prefix / "share" / package / kind / f"{short_name}.{kind}"
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text, encoding="utf-8")
 
 
-def test_every_installed_definition_reads_as_ros_describes_it():
+@pytest.mark.parametrize(
+    ("described", "at_least"), [(descriptions, 120), (descriptions_of_parts, 60)]
+)
+def test_every_installed_definition_reads_as_ros_describes_it(described, at_least):
     definitions = InstalledDefinitions()
     compared = 0
-    for description in descriptions():
+    for description in described():
         definition = definitions.get(description["type_name"])
         expected = [
             field
@@ -49,13 +69,90 @@ def test_every_installed_definition_reads_as_ros_describes_it():
         ]
         assert [described_field(field) for field in definition.fields] == expected
         compared += 1
-    assert compared > 120
+    assert compared > at_least
 
 
 def test_names_lists_the_types_of_the_packages_asked_for():
     names = InstalledDefinitions().names(["builtin_interfaces"])
 
     assert names == ["builtin_interfaces/msg/Duration", "builtin_interfaces/msg/Time"]
+
+
+def test_names_lists_services_and_actions_too():
+    definitions = InstalledDefinitions()
+
+    assert definitions.names(["std_srvs"], kind="srv") == [
+        "std_srvs/srv/Empty",
+        "std_srvs/srv/SetBool",
+        "std_srvs/srv/Trigger",
+    ]
+    assert definitions.names(["test_msgs"], kind="action") == [
+        "test_msgs/action/Fibonacci",
+        "test_msgs/action/NestedMessage",
+    ]
+    assert definitions.all_names() == (
+        definitions.names() + definitions.names(kind="srv") + definitions.names(kind="action")
+    )
+
+
+def idl_type(field_type):
+    """Write a type as rclpy's classes do."""
+    base = {"float64": "double", "float32": "float", "bool": "boolean", "byte": "octet"}.get(
+        field_type.base, field_type.base
+    )
+    base = {"char": "uint8"}.get(base, base.replace("/msg/", "/"))
+    if field_type.string_bound is not None:
+        base = f"{base}<{field_type.string_bound}>"
+    if field_type.length is not None:
+        return f"{base}[{field_type.length}]"
+    if not field_type.is_sequence:
+        return base
+    return (
+        f"sequence<{base}>" if field_type.bound is None else f"sequence<{base}, {field_type.bound}>"
+    )
+
+
+@pytest.mark.parametrize(
+    "name", [name for kind in ("srv", "action") for name in InstalledDefinitions().names(kind=kind)]
+)
+def test_every_part_of_a_service_or_an_action_has_the_fields_of_rclpys_class(name):
+    definitions = InstalledDefinitions()
+    assert [part.name for part in definitions.interface(name).parts.values()] == [*parts_of(name)]
+    for part in parts_of(name):
+        expected = ros_class(part).get_fields_and_field_types()
+        fields = {field.name: idl_type(field.type) for field in definitions.get(part).fields}
+        assert list(fields.items()) == list(expected.items()), part
+
+
+def test_a_part_and_its_whole_are_read_once(tmp_path):
+    write_definition(tmp_path, "some_msgs/srv/Thing", "int8 a\n---\nint8 b")
+    definitions = InstalledDefinitions([tmp_path])
+    service = definitions.interface("some_msgs/srv/Thing")
+
+    assert definitions.get("some_msgs/srv/Thing_Response") is service.parts["response"]
+    assert definitions.get_any("some_msgs/srv/Thing") is service
+    assert definitions.get_any("some_msgs/srv/Thing_Request") is service.parts["request"]
+    assert service.type_hash is None
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["", "SetBool", "std_srvs/SetBool", "std_srvs/msg/SetBool", "std_srvs/srv/SetBool_Request"],
+)
+def test_what_is_no_service_or_action_is_never_looked_up(name):
+    definitions = InstalledDefinitions()
+    for look_up in (definitions.interface, parts_of):
+        with pytest.raises(UnknownTypeError, match="expected pkg/srv/Name or pkg/action/Name"):
+            look_up(name)
+
+
+@pytest.mark.parametrize("name", ["some_msgs/srv/Thing", "some_msgs/action/Thing"])
+def test_a_service_that_is_not_installed_is_named_without_its_part(tmp_path, name):
+    definitions = InstalledDefinitions([tmp_path])
+    for look_up, asked in ((definitions.interface, name), (definitions.get, parts_of(name)[0])):
+        with pytest.raises(UnknownTypeError) as caught:
+            look_up(asked)
+        assert str(caught.value) == f"no definition of {name} is installed"
 
 
 def test_closure_gives_nested_types_first_and_each_once():
@@ -98,7 +195,19 @@ def test_an_earlier_prefix_hides_a_later_one(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "name", ["", "Thing", "some_msgs/Thing", "some_msgs/srv/Thing", "../msg/Thing", "a/msg/../B"]
+    "name",
+    [
+        "",
+        "Thing",
+        "some_msgs/Thing",
+        "../msg/Thing",
+        "a/msg/../B",
+        "some_msgs/srv/Thing",
+        "some_msgs/srv/Thing_Event",
+        "some_msgs/srv/Thing_Goal",
+        "some_msgs/action/Thing_Request",
+        "some_msgs/msg/Thing_Request",
+    ],
 )
 def test_what_is_no_type_name_is_never_looked_up(tmp_path, name):
     with pytest.raises(UnknownTypeError, match="expected pkg/msg/Name"):

@@ -4,7 +4,14 @@
 import pytest
 
 from schemas.installed import InstalledDefinitions
-from schemas.table import Table, TableError, TypeSpellingError, resolve_type
+from schemas.table import (
+    Table,
+    TableError,
+    TypeSpellingError,
+    resolve_any,
+    resolve_interface,
+    resolve_type,
+)
 
 COMMON_INTERFACES = [
     "actionlib_msgs",
@@ -33,6 +40,9 @@ def load(tmp_path, text):
 
 def row(number, name):
     return f'{{ number = {number}, name = "{name}", directions = "both", purpose = "x" }}'
+
+
+SERVICE_ROW = '{ name = "a/srv/B", purpose = "x" }'
 
 
 def test_the_first_ten_numbers_are_the_historical_ones(table):
@@ -89,6 +99,17 @@ def test_every_row_goes_both_ways_and_says_what_it_is_for(table):
     assert all(row.purpose[0].isupper() and row.purpose[-1] != "." for row in table.rows)
 
 
+def test_the_table_has_every_service_of_common_interfaces(table):
+    names = {row.name for row in table.interfaces}
+
+    assert set(InstalledDefinitions().names([*COMMON_INTERFACES, "std_srvs"], kind="srv")) <= names
+
+
+def test_every_service_says_what_it_is_for(table):
+    assert table.interfaces
+    assert all(row.purpose[0].isupper() and row.purpose[-1] != "." for row in table.interfaces)
+
+
 @pytest.mark.parametrize(
     "spelling", ["geometry_msgs/Twist", "geometry_msgs/msg/Twist", 1, "1", "01"]
 )
@@ -123,6 +144,63 @@ def test_what_is_no_type_is_refused_with_the_spellings_that_are(table, spelling)
         resolve_type(spelling, table)
 
 
+@pytest.mark.parametrize("kind", ["srv", "action"])
+def test_a_service_or_an_action_is_resolved_in_every_spelling(kind):
+    assert resolve_interface("some_msgs/Thing", kind) == f"some_msgs/{kind}/Thing"
+    assert resolve_interface(f"some_msgs/{kind}/Thing", kind) == f"some_msgs/{kind}/Thing"
+
+
+@pytest.mark.parametrize(
+    "spelling",
+    [
+        "",
+        "1",
+        "SetBool",
+        "std_srvs/msg/SetBool",
+        "std_srvs/action/SetBool",
+        "std_srvs/srv/SetBool_Request",
+        "std_srvs/srv/SetBool\n",
+        "../srv/SetBool",
+    ],
+)
+def test_what_is_no_service_type_is_refused_with_the_spellings_that_are(spelling):
+    with pytest.raises(TypeSpellingError, match="no service type: expected pkg/srv/Name or pkg/"):
+        resolve_interface(spelling, "srv")
+
+
+def test_what_is_no_action_type_is_refused_with_the_spellings_that_are():
+    with pytest.raises(TypeSpellingError, match="no action type: expected pkg/action/Name or pkg/"):
+        resolve_interface("std_srvs/srv/SetBool", "action")
+
+
+@pytest.mark.parametrize(
+    ("spelling", "name"),
+    [
+        ("a/srv/B", "a/srv/B"),
+        ("a/action/B", "a/action/B"),
+        ("a/msg/B", "a/msg/B"),
+        ("a/Message", "a/msg/Message"),
+        ("a/Service", "a/srv/Service"),
+        ("a/Action", "a/action/Action"),
+        ("a/All", "a/msg/All"),
+        ("a/None", "a/msg/None"),
+        (1, "geometry_msgs/msg/Twist"),
+        ("1", "geometry_msgs/msg/Twist"),
+    ],
+)
+def test_a_name_without_kind_is_a_message_unless_only_a_service_or_an_action_has_it(
+    table, spelling, name
+):
+    known = {"a/msg/Message", "a/srv/Service", "a/action/Action", "a/msg/All", "a/srv/All"}
+    assert resolve_any(spelling, table, known) == name
+
+
+@pytest.mark.parametrize("spelling", ["", "a", "a/srv/b", "a/foo/B", 99999, "a/srv/action/B"])
+def test_what_is_no_type_of_any_kind_is_refused(table, spelling):
+    with pytest.raises(TypeSpellingError):
+        resolve_any(spelling, table, {})
+
+
 @pytest.mark.parametrize("number", [99999, "99999", -1])
 def test_a_number_without_row_is_refused_by_name(table, number):
     with pytest.raises(TypeSpellingError, match=f"the message table has no number {number}"):
@@ -139,6 +217,16 @@ def test_a_number_without_row_is_refused_by_name(table, number):
         (f"messages = [{row(0, 'a/B')}]", r"messages\[0\]\[name\]: "),
         (f"messages = [{row(0, 'a/msg/B')}, {row(0, 'a/msg/C')}]", "number 0 has two rows"),
         (f"messages = [{row(0, 'a/msg/B')}, {row(1, 'a/msg/B')}]", "a/msg/B has two rows"),
+        ("messages = []\ninterfaces = 1", "interfaces: Input should be a valid list"),
+        ("messages = []\ninterfaces = [{}]", r"interfaces\[0\]\[name\]: Field required"),
+        (
+            'messages = []\ninterfaces = [{ name = "a/msg/B", purpose = "x" }]',
+            r"interfaces\[0\]\[name\]: ",
+        ),
+        (
+            f"messages = []\ninterfaces = [{SERVICE_ROW}, {SERVICE_ROW}]",
+            "a/srv/B has two rows",
+        ),
     ],
 )
 def test_a_malformed_table_raises_table_error_with_the_reason(tmp_path, text, reason):

@@ -15,6 +15,13 @@ def test_the_computed_hash_is_the_installed_one_for_every_type():
         assert computed_type_hash(definition, definitions) == definition.type_hash, name
 
 
+def test_the_computed_hash_is_the_installed_one_for_every_part_of_a_service_or_an_action():
+    definitions = InstalledDefinitions()
+    for name in definitions.names(kind="srv") + definitions.names(kind="action"):
+        for part in definitions.interface(name).parts.values():
+            assert computed_type_hash(part, definitions) == part.type_hash, part.name
+
+
 def test_a_type_without_installed_hash_gets_the_computed_one():
     definitions = InstalledDefinitions()
     definition = definitions.get("geometry_msgs/msg/Twist")

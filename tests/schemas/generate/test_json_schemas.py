@@ -87,6 +87,24 @@ def test_a_time_may_be_spelt_in_three_ways():
     ]
 
 
+@pytest.mark.parametrize("kind", ["srv", "action"])
+def test_the_schema_of_a_service_or_an_action_holds_those_of_its_parts(kind):
+    models = Models.installed()
+    for name in InstalledDefinitions().names(kind=kind):
+        schema = models.json_schema(name)
+        parts = InstalledDefinitions().interface(name).parts
+        assert schema["title"] == name
+        assert list(schema["properties"]) == schema["required"] == list(parts)
+        assert schema["x-ros-type-hash"].startswith("RIHS01_")
+        for role, part in parts.items():
+            inner = schema["properties"][role]
+            alone = models.json_schema(part.name)
+            assert alone.pop("$defs", {}).items() <= schema.get("$defs", {}).items()
+            assert {"$schema": schema["$schema"], **inner} == alone
+        for reference in references(schema):
+            assert reference.removeprefix("#/$defs/") in schema["$defs"]
+
+
 def test_constants_and_the_type_hash_are_told():
     schema = Models.installed().json_schema("sensor_msgs/msg/NavSatStatus")
 

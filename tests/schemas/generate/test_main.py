@@ -18,6 +18,14 @@ messages = [
 NEW_ROW = '{ number = 1, name = "made_up_msgs/msg/Lamp", directions = "both", purpose = "A lamp" },'
 
 
+INTERFACES = """\
+interfaces = [
+  { name = "test_msgs/action/Fibonacci", purpose = "Counts rabbits" },
+  { name = "std_srvs/srv/SetBool", purpose = "Switches" },
+]
+"""
+
+
 @pytest.fixture
 def tree(tmp_path):
     """Return the arguments that generate from a table in tmp_path into a tree there."""
@@ -40,6 +48,14 @@ def files(tmp_path):
     return sorted(str(path.relative_to(root)) for path in root.rglob("*") if path.is_file())
 
 
+def generated_module(tmp_path, package):
+    path = tmp_path / "tree" / "schemas" / "models" / f"{package}.py"
+    spec = importlib.util.spec_from_file_location(f"{package}_models", path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
 def test_what_is_checked_in_is_what_would_be_generated(capsys):
     assert main(["--check"]) == 0, capsys.readouterr().out
 
@@ -48,11 +64,12 @@ def test_it_writes_models_schemas_and_the_reference_page(tmp_path, tree, capsys)
     assert main(tree) == 0
     assert files(tmp_path) == [
         "docs/messages.md",
+        "docs/services.md",
         "schemas/json/std_msgs/String.json",
         "schemas/models/__init__.py",
         "schemas/models/std_msgs.py",
     ]
-    assert capsys.readouterr().out.count("wrote ") == 4
+    assert capsys.readouterr().out.count("wrote ") == 5
 
 
 def test_a_second_run_changes_nothing(tree, capsys):
@@ -71,16 +88,51 @@ def test_one_row_more_generates_its_type(tmp_path, tree, made_up):
 
     assert main([*tree, "--check"], made_up) == 1
     assert main(tree, made_up) == 0
-    path = tmp_path / "tree" / "schemas" / "models" / "made_up_msgs.py"
-    spec = importlib.util.spec_from_file_location("made_up_msgs_models", path)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    module = generated_module(tmp_path, "made_up_msgs")
     lamp = module.Lamp.model_validate({"header": {"seq": 1, "frame_id": "hall"}})
     assert (lamp.header.frame_id, lamp.level) == ("hall", 7)
     assert module.Lamp.__doc__.split("\n\n")[0] == "A lamp."
     schema = json.loads((tmp_path / "tree/schemas/json/made_up_msgs/Lamp.json").read_bytes())
     assert schema["properties"]["level"]["default"] == 7
     assert "| 1 | [made_up_msgs/msg/Lamp]" in (tmp_path / "tree/docs/messages.md").read_text()
+
+
+def test_one_row_more_generates_its_service_or_action(tmp_path, tree):
+    main(tree)
+    table = tmp_path / "messages.toml"
+    table.write_text(TABLE + INTERFACES)
+
+    assert main([*tree, "--check"]) == 1
+    assert main(tree) == 0
+    request = generated_module(tmp_path, "std_srvs").SetBool_Request
+    goal = generated_module(tmp_path, "test_msgs").Fibonacci_Goal
+    assert request.model_validate({"data": True}).data is True
+    assert request.__doc__ == "The request of std_srvs/srv/SetBool."
+    assert goal.model_validate({"order": 3}).order == 3
+    schemas = tmp_path / "tree" / "schemas" / "json"
+    service = json.loads((schemas / "std_srvs" / "srv" / "SetBool.json").read_bytes())
+    action = json.loads((schemas / "test_msgs" / "action" / "Fibonacci.json").read_bytes())
+    assert list(service["properties"]) == ["request", "response"]
+    assert list(action["properties"]) == ["goal", "result", "feedback"]
+    page = (tmp_path / "tree" / "docs" / "services.md").read_text()
+    assert "| [std_srvs/srv/SetBool](#std_srvs-srv-setbool) | Switches |" in page
+    assert "| [test_msgs/action/Fibonacci](#test_msgs-action-fibonacci) | Counts rabbits |" in page
+
+
+def test_a_service_that_no_row_names_any_more_is_removed(tmp_path, tree):
+    table = tmp_path / "messages.toml"
+    table.write_text(TABLE + INTERFACES)
+    main(tree)
+    before = files(tmp_path)
+    table.write_text(TABLE)
+
+    assert main(tree) == 0
+    assert {*before} - {*files(tmp_path)} == {
+        "schemas/json/std_srvs/srv/SetBool.json",
+        "schemas/json/test_msgs/action/Fibonacci.json",
+        "schemas/models/std_srvs.py",
+        "schemas/models/test_msgs.py",
+    }
 
 
 def test_check_names_each_file_that_differs_and_writes_nothing(tmp_path, tree, capsys):

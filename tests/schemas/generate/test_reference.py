@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The reference page."""
+"""The reference page of messages."""
 
 import re
 
