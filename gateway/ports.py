@@ -10,6 +10,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, Protocol
 
+# action_msgs/msg/GoalStatus: how a goal ended
+GoalOutcome = Literal[4, 5, 6]
+SUCCEEDED: GoalOutcome = 4
+CANCELED: GoalOutcome = 5
+ABORTED: GoalOutcome = 6
+
 Reliability = Literal["reliable", "best_effort"]
 Durability = Literal["volatile", "transient_local"]
 History = Literal["keep_last", "keep_all"]
@@ -20,7 +26,9 @@ class RosError(Exception):
     """ROS refuses what was asked for; ``code`` is the protocol's word for the reason."""
 
     def __init__(
-        self, code: Literal["bad_name", "bad_type", "limit_exceeded", "internal"], reason: str
+        self,
+        code: Literal["bad_name", "bad_type", "not_found", "limit_exceeded", "internal"],
+        reason: str,
     ) -> None:
         super().__init__(reason)
         self.code = code
@@ -59,11 +67,22 @@ class Topic:
 
 
 @dataclass(frozen=True, slots=True)
+class Provided:
+    """A service or an action of the graph: its types, and the nodes that provide it."""
+
+    name: str
+    types: tuple[str, ...]  # pkg/srv/Name or pkg/action/Name
+    nodes: tuple[str, ...]  # full names, sorted
+
+
+@dataclass(frozen=True, slots=True)
 class Graph:
     """One picture of the ROS graph, sorted by name."""
 
     topics: tuple[Topic, ...]
     nodes: tuple[str, ...]  # full names
+    services: tuple[Provided, ...] = ()  # those behind actions are not listed
+    actions: tuple[Provided, ...] = ()
 
 
 class Subscription(Protocol):
@@ -96,6 +115,108 @@ class Publisher(Protocol):
 
     def close(self) -> None:
         """Destroy it. Closing twice is harmless."""
+
+
+class Client(Protocol):
+    """A client of a ROS service; its requests and responses are CDR."""
+
+    async def call(self, request: bytes) -> bytes:
+        """Wait for a server, send the request, wait for the response; cancelling forgets it.
+
+        Any number of calls may be under way. There is no time limit: that is the caller's.
+
+        Raises:
+            RosError: ``not_found``: the server has gone while it had the request, or the
+                client was closed.
+        """
+
+    def close(self) -> None:
+        """Destroy it; what is under way fails. Closing twice is harmless."""
+
+
+class Request(Protocol):
+    """A request to a service that the gateway provides."""
+
+    @property
+    def cdr(self) -> bytes:
+        """The request, encapsulation header included."""
+
+    def answer(self, response: bytes) -> None:
+        """Respond. At most once; nothing happens once the service is closed."""
+
+
+class Service(Protocol):
+    """A ROS service that the gateway provides."""
+
+    def close(self) -> None:
+        """Destroy it; no request comes after. Closing twice is harmless."""
+
+
+class GoalResult(NamedTuple):
+    """How a goal ended."""
+
+    status: GoalOutcome
+    cdr: bytes  # the action's Result, with its 4-byte encapsulation header
+
+
+class Goal(Protocol):
+    """A goal that an action server has accepted."""
+
+    async def result(self) -> GoalResult:
+        """Wait for the end of the goal.
+
+        Raises:
+            RosError: ``not_found``: the server has gone or forgotten the goal, or the action
+                client was closed.
+        """
+
+    def cancel(self) -> None:
+        """Ask the server to cancel; whether it does, `result` tells. Returns at once."""
+
+
+class ActionClient(Protocol):
+    """A client of a ROS action; goals, feedback and results are CDR."""
+
+    async def send_goal(self, goal: bytes, on_feedback: Callable[[bytes], None]) -> Goal | None:
+        """Wait for a server and send it a goal; ``None``: it rejects the goal.
+
+        *on_feedback* gets CDR of the action's Feedback until the result is there. Any number of
+        goals may be under way. There is no time limit: that is the caller's.
+
+        Raises:
+            RosError: ``not_found``, as for `Client.call`.
+        """
+
+    def close(self) -> None:
+        """Destroy it; goals go on without us. Closing twice is harmless."""
+
+
+class GoalRequest(Protocol):
+    """A goal that a ROS client has sent to an action that the gateway provides.
+
+    It counts as accepted and being executed. Nothing happens once the action is closed or the
+    goal has finished.
+    """
+
+    @property
+    def cdr(self) -> bytes:
+        """The action's Goal, encapsulation header included."""
+
+    def feedback(self, cdr: bytes) -> None:
+        """Publish the action's Feedback."""
+
+    def finish(self, status: GoalOutcome, result: bytes) -> None:
+        """End the goal; *result* is CDR of the action's Result.
+
+        A goal can end as canceled only while it is being canceled; else it counts as aborted.
+        """
+
+
+class ActionServer(Protocol):
+    """A ROS action that the gateway provides."""
+
+    def close(self) -> None:
+        """Destroy it; unfinished goals are aborted first. Closing twice is harmless."""
 
 
 class Watch(Protocol):
@@ -141,12 +262,57 @@ class Ros(Protocol):
             RosError: as for `subscribe`.
         """
 
+    def client(self, service: str, type_name: str) -> Client:
+        """Create a client of a service by its fully resolved name.
+
+        Raises:
+            RosError: as for `subscribe`; *type_name* is ``pkg/srv/Name``.
+        """
+
+    def serve(self, service: str, type_name: str, on_request: Callable[[Request], None]) -> Service:
+        """Provide a service by its fully resolved name.
+
+        Raises:
+            RosError: as for `client`; also ``limit_exceeded`` where the gateway provides it
+                already.
+        """
+
+    def action_client(self, action: str, type_name: str) -> ActionClient:
+        """Create a client of an action by its fully resolved name.
+
+        Raises:
+            RosError: as for `subscribe`; *type_name* is ``pkg/action/Name``.
+        """
+
+    def serve_action(
+        self,
+        action: str,
+        type_name: str,
+        on_goal: Callable[[GoalRequest], None],
+        on_cancel: Callable[[GoalRequest], None],
+    ) -> ActionServer:
+        """Provide an action by its fully resolved name.
+
+        *on_cancel* is called once for a goal of *on_goal*'s that a client wants cancelled; the
+        goal goes on until it is finished.
+
+        Raises:
+            RosError: as for `action_client`; also ``limit_exceeded`` where the gateway provides
+                it already.
+        """
+
     def topic_types(self, topic: str) -> tuple[str, ...]:
         """Return the types of a topic, sorted, empty where the graph does not know it.
 
         These are what its publishers publish; without any, what its subscribers expect, the
         gateway's own counting only where they are alone.
         """
+
+    def service_types(self, service: str) -> tuple[str, ...]:
+        """Return the types of a service, sorted, empty where the graph knows no server."""
+
+    def action_types(self, action: str) -> tuple[str, ...]:
+        """Return the types of an action, sorted, empty where the graph knows no server."""
 
     def graph(self) -> Graph:
         """Return the graph as it is known now."""
@@ -161,7 +327,7 @@ class Ros(Protocol):
         """Write to the debug node's logger, and so to ``/rosout``."""
 
     def entity_count(self) -> int:
-        """Count the subscriptions and publishers open through this port."""
+        """Count what is open through this port, of whatever kind."""
 
 
 MAX_TAKES_PER_TURN = 32  # 4 ms of 4 kHz Odometry; then other sockets and topics get their turn

@@ -111,8 +111,10 @@ def to_objects(value: Any) -> Any:
 
 
 def ros_class(name: str) -> Any:
-    package, _, short = name.split("/")
-    return getattr(importlib.import_module(f"{package}.msg"), short)
+    package, kind, short = name.split("/")
+    outer, _, part = short.partition("_")  # no message has an underscore in its name
+    found = getattr(importlib.import_module(f"{package}.{kind}"), outer)
+    return getattr(found, part) if part else found
 
 
 def to_ros(definition: Definition, definitions: InstalledDefinitions, values: Plain) -> Any:

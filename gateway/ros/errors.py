@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """From rclpy's exceptions to the port's."""
 
+import contextlib
+from collections.abc import Iterator
 from typing import Final
 
 from rclpy.exceptions import (
@@ -34,6 +36,16 @@ def refused(subject: str, error: Exception) -> RosError:
     return RosError("internal", f"{subject}: {reason or type(error).__name__}")
 
 
-def remapped(asked: str, given: str) -> RosError:
-    """Return the refusal of a topic name that ROS arguments of this process turn into another."""
-    return RosError("bad_name", f"topic {asked} is remapped to {given} here, ask for {given}")
+@contextlib.contextmanager
+def refusals(subject: str) -> Iterator[None]:
+    """Turn what rclpy raises within into what the port raises."""
+    try:
+        yield
+    except REFUSALS as error:
+        raise refused(subject, error) from error
+
+
+def remapped(subject: str, given: str) -> RosError:
+    """Return the refusal of a name that ROS arguments of this process turn into another."""
+    other = given.partition("/_action/")[0]  # an action's parts are remapped one by one
+    return RosError("bad_name", f"{subject} is remapped to {other} here, ask for {other}")

@@ -11,15 +11,17 @@ import contextlib
 import ctypes
 import logging
 import threading
-from collections.abc import Callable, Container, Iterator
+from collections import defaultdict
+from collections.abc import Callable, Container, Iterable, Iterator
 from time import perf_counter
 from typing import Any, Final
 
+from rclpy.action.graph import get_action_server_names_and_types_by_node
 from rclpy.guard_condition import GuardCondition
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 
-from gateway.ports import Graph, Topic
+from gateway.ports import Graph, Provided, Topic
 from gateway.ros.errors import REFUSALS
 from gateway.ros.profile import endpoint_node, full_name, to_offer
 from gateway.ros.qos import Offer
@@ -35,6 +37,8 @@ MAX_SETTLE_S: Final = 1.0
 # 100 topics take about 1.5 ms to look at: 0.3 % of a core
 POLL_S: Final = 0.5
 
+_BEHIND_ACTION: Final = "/_action/"  # what an action is made of
+
 _logger = logging.getLogger(__name__)
 
 
@@ -48,9 +52,24 @@ def read_graph(node: Node) -> Graph:
             subscribers=_nodes(node.get_subscriptions_info_by_topic(name)),
         )
         for name, types in sorted(node.get_topic_names_and_types())
+        if _BEHIND_ACTION not in name
     )
     nodes = (full_name(namespace, name) for name, namespace in node.get_node_names_and_namespaces())
-    return Graph(topics, tuple(sorted(nodes)))
+    return Graph(topics, tuple(sorted(nodes)), read_services(node), read_actions(node))
+
+
+def read_services(node: Node) -> tuple[Provided, ...]:
+    """Return the services that nodes provide, those behind actions left out; 7 us a node.
+
+    The list without nodes has those as well that only a client has named.
+    """
+    services = _provided(node, lambda *each: node.get_service_names_and_types_by_node(*each))
+    return tuple(service for service in services if _BEHIND_ACTION not in service.name)
+
+
+def read_actions(node: Node) -> tuple[Provided, ...]:
+    """Return the actions that nodes provide; 3 us a node."""
+    return _provided(node, lambda *each: get_action_server_names_and_types_by_node(node, *each))
 
 
 def read_types(node: Node, topic: str, own_nodes: Container[str]) -> tuple[str, ...]:
@@ -204,12 +223,29 @@ def _nodes(endpoints: list[Any]) -> tuple[str, ...]:
     return tuple(sorted(endpoint_node(endpoint) for endpoint in endpoints))
 
 
+def _provided(
+    node: Node, read: Callable[[str, str], Iterable[tuple[str, list[str]]]]
+) -> tuple[Provided, ...]:
+    types: dict[str, set[str]] = defaultdict(set)
+    nodes: dict[str, list[str]] = defaultdict(list)
+    for name, namespace in node.get_node_names_and_namespaces():
+        with contextlib.suppress(RuntimeError):  # the node has gone since, or has no name yet
+            for each, its_types in read(name, namespace):
+                types[each].update(its_types)
+                nodes[each].append(full_name(namespace, name))
+    return tuple(
+        Provided(each, tuple(sorted(types[each])), tuple(sorted(nodes[each])))
+        for each in sorted(types)
+    )
+
+
 def _fingerprint(node: Node) -> object:
     topics = node.get_topic_names_and_types()
     return (
         topics,
         sorted(node.get_node_names_and_namespaces()),
         [(node.count_publishers(name), node.count_subscribers(name)) for name, _ in topics],
+        read_services(node),
     )
 
 

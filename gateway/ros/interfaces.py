@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From the name of a message type to the class that its ROS package generated."""
+"""From the name of a type to the class that its ROS package generated."""
 
 import importlib
 import importlib.util
 from pathlib import Path
+from typing import Any
 
 from gateway.ports import RosError
-from gateway.ros.names import split_type
+from gateway.ros.names import TypeKind, split_type
 
 
 def message_class(type_name: str) -> type:
@@ -15,11 +16,33 @@ def message_class(type_name: str) -> type:
     Raises:
         RosError: ``bad_type``: the name is none, or no ROS package here has that message.
     """
-    package, name = split_type(type_name)
-    if not _is_ros_package(package):
+    return _find_class(type_name, "msg")
+
+
+def service_class(type_name: str) -> Any:
+    """Import the class of ``pkg/srv/Name``, which has a ``Request`` and a ``Response``.
+
+    Raises:
+        RosError: ``bad_type``, as for `message_class`.
+    """
+    return _find_class(type_name, "srv")
+
+
+def action_class(type_name: str) -> Any:
+    """Import the class of ``pkg/action/Name``, whose ``Impl`` has its services and messages.
+
+    Raises:
+        RosError: ``bad_type``, as for `message_class`.
+    """
+    return _find_class(type_name, "action")
+
+
+def _find_class(type_name: str, kind: TypeKind) -> type:
+    package, name = split_type(type_name, kind)
+    if not _is_ros_package(package, kind):
         raise RosError("bad_type", f"no ROS package {package} is installed here ({type_name})")
     try:
-        found = getattr(importlib.import_module(f"{package}.msg"), name, None)
+        found = getattr(importlib.import_module(f"{package}.{kind}"), name, None)
     except ImportError as error:
         raise RosError("bad_type", f"package {package} cannot be imported: {error}") from error
     if not isinstance(found, type):
@@ -27,7 +50,7 @@ def message_class(type_name: str) -> type:
     return found
 
 
-def _is_ros_package(package: str) -> bool:
+def _is_ros_package(package: str, kind: TypeKind) -> bool:
     """Tell, without importing it, whether a package was generated from ROS interfaces.
 
     A client chooses the name: importing any package it likes would run that package's code.
@@ -38,6 +61,6 @@ def _is_ros_package(package: str) -> bool:
         return False
     folders = [Path(folder) for folder in (spec and spec.submodule_search_locations) or ()]
     return any(
-        (folder / "msg").is_dir() and any(folder.glob(f"{package}_s__rosidl_typesupport_c*"))
+        (folder / kind).is_dir() and any(folder.glob(f"{package}_s__rosidl_typesupport_c*"))
         for folder in folders
     )

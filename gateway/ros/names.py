@@ -1,20 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Names of topics and types, checked before ROS sees them.
+"""Names of topics, services, actions and types, checked before ROS sees them.
 
 rclpy expands relative names, ``~`` and ``{node}``, and cuts a name at a NUL byte: a permission
 given for the name that was asked for would then hold for another one.
 """
 
 import re
-from typing import Final
+from typing import Final, Literal
 
 from gateway.ports import RosError
 
+TypeKind = Literal["msg", "srv", "action"]
+
 # rmw's limit: the 255 characters of a DDS topic less its longest own prefix
 MAX_TOPIC_CHARACTERS: Final = 247
+# less what an action adds for the longest of its parts
+MAX_ACTION_CHARACTERS: Final = MAX_TOPIC_CHARACTERS - len("/_action/cancel_goal")
 
-_TOPIC = re.compile(r"(?:/[A-Za-z_][A-Za-z0-9_]*)+", re.ASCII)
-_TYPE = re.compile(r"([a-z][a-z0-9_]*)/msg/([A-Z][A-Za-z0-9]*)", re.ASCII)
+_NAME = re.compile(r"(?:/[A-Za-z_][A-Za-z0-9_]*)+", re.ASCII)
+_TYPE = re.compile(r"([a-z][a-z0-9_]*)/(msg|srv|action)/([A-Z][A-Za-z0-9]*)", re.ASCII)
+_NOUNS: Final = {"msg": "message", "srv": "service", "action": "action"}
 
 
 def check_topic(topic: str) -> None:
@@ -23,21 +28,43 @@ def check_topic(topic: str) -> None:
     Raises:
         RosError: ``bad_name``.
     """
-    if len(topic) > MAX_TOPIC_CHARACTERS:
-        raise RosError(
-            "bad_name", f"topic name has {len(topic)} characters, at most {MAX_TOPIC_CHARACTERS}"
-        )
-    if not _TOPIC.fullmatch(topic):
-        raise RosError("bad_name", f"{topic!r} is no fully qualified topic name such as /odom")
+    _check("topic", topic, MAX_TOPIC_CHARACTERS, example="/odom")
 
 
-def split_type(type_name: str) -> tuple[str, str]:
-    """Return the package and the short name of ``pkg/msg/Name``.
+def check_service(service: str) -> None:
+    """Accept a fully qualified service name and nothing else.
+
+    Raises:
+        RosError: ``bad_name``.
+    """
+    _check("service", service, MAX_TOPIC_CHARACTERS, example="/reset")
+
+
+def check_action(action: str) -> None:
+    """Accept a fully qualified action name and nothing else.
+
+    Raises:
+        RosError: ``bad_name``.
+    """
+    _check("action", action, MAX_ACTION_CHARACTERS, example="/dock")
+
+
+def split_type(type_name: str, kind: TypeKind = "msg") -> tuple[str, str]:
+    """Return the package and the short name of ``pkg/msg/Name``, or of another kind.
 
     Raises:
         RosError: ``bad_type``.
     """
     match = _TYPE.fullmatch(type_name)
-    if match is None:
-        raise RosError("bad_type", f"{type_name!r} is no message type name: expected pkg/msg/Name")
-    return match[1], match[2]
+    if match is None or match[2] != kind:
+        expected = f"expected pkg/{kind}/Name"
+        raise RosError("bad_type", f"{type_name!r} is no {_NOUNS[kind]} type name: {expected}")
+    return match[1], match[3]
+
+
+def _check(noun: str, name: str, limit: int, *, example: str) -> None:
+    if len(name) > limit:
+        raise RosError("bad_name", f"{noun} name has {len(name)} characters, at most {limit}")
+    if not _NAME.fullmatch(name):
+        expected = f"fully qualified {noun} name such as {example}"
+        raise RosError("bad_name", f"{name!r} is no {expected}")

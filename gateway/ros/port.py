@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The gateway's three nodes, and the port on top of them."""
+"""The gateway's four nodes, and the port on top of them."""
 
 import asyncio
 import contextlib
@@ -12,13 +12,25 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from gateway.domain import MAX_DOMAIN_ID
-from gateway.ports import Graph, LogLevel, Qos, RosError, Sample
+from gateway.ports import GoalRequest, Graph, LogLevel, Qos, Request, RosError, Sample
+from gateway.ros.action_client import RclpyActionClient
+from gateway.ros.action_server import RclpyActionServer
+from gateway.ros.actions import Actions
+from gateway.ros.arrivals import Arrivals, EventfdArrivals, PolledArrivals, UnsupportedError
+from gateway.ros.endpoints import Endpoints
 from gateway.ros.errors import REFUSALS, refused
 from gateway.ros.executor import ExecutorThread
-from gateway.ros.graph import GraphChanges, read_graph, read_types
+from gateway.ros.graph import (
+    GraphChanges,
+    read_actions,
+    read_graph,
+    read_services,
+    read_types,
+)
 from gateway.ros.options import RosOptions, Taking
 from gateway.ros.publishers import Publishers, RclpyPublisher
-from gateway.ros.samples import EventfdSamples, ExecutorSamples, Samples, UnsupportedError
+from gateway.ros.samples import EventfdSamples, ExecutorSamples, Samples
+from gateway.ros.services import RclpyClient, RclpyService, Services
 from gateway.ros.subscriptions import RclpySubscription, Subscriptions
 from gateway.ros.watches import GraphWatch, GraphWatches
 
@@ -26,9 +38,10 @@ from gateway.ros.watches import GraphWatch, GraphWatches
 class RclpyRos:
     """ROS 2 as `gateway.ports.Ros` describes it, on the running event loop.
 
-    The nodes are ``PREFIX_subscriptions`` and ``PREFIX_publishers``, which nothing spins, and
-    ``PREFIX_debug``, which has the parameters, the clock and ``/rosout``. Their context is their
-    own and installs no signal handlers: rclpy's would end it before the gateway said goodbye.
+    The nodes are ``PREFIX_subscriptions``, ``PREFIX_publishers`` and ``PREFIX_services``, which
+    nothing spins, and ``PREFIX_debug``, which has the parameters, the clock and ``/rosout``. Their
+    context is their own and installs no signal handlers: rclpy's would end it before the gateway
+    said goodbye.
     """
 
     def __init__(self, options: RosOptions) -> None:
@@ -44,6 +57,7 @@ class RclpyRos:
                 context = _open_context(options, undo)
                 subscribing = _open_node(context, options, "subscriptions", undo)
                 publishing = _open_node(context, options, "publishers", undo)
+                serving = _open_node(context, options, "services", undo)
                 self._debug = _open_node(context, options, "debug", undo)
             except REFUSALS as error:
                 raise refused("starting ROS", error) from error
@@ -51,13 +65,20 @@ class RclpyRos:
             undo.callback(executor.close)
             executor.add_node(self._debug)
             self._own_nodes = frozenset(
-                node.get_fully_qualified_name() for node in (subscribing, publishing, self._debug)
+                node.get_fully_qualified_name()
+                for node in (subscribing, publishing, serving, self._debug)
             )
-            samples = _open_samples(options.taking, subscribing, loop, undo)
+            arrivals = _open_arrivals(options.taking, loop)
+            samples = _open_samples(arrivals, subscribing, loop, undo)
             self._subscriptions = Subscriptions(subscribing, samples, loop)
             undo.callback(self._subscriptions.close)
             self._publishers = Publishers(publishing)
             undo.callback(self._publishers.close)
+            endpoints = Endpoints(serving, arrivals, loop)
+            self._services = Services(endpoints)
+            undo.callback(self._services.close)
+            self._actions = Actions(endpoints, samples, self.now_ns)
+            undo.callback(self._actions.close)
             self._watches = GraphWatches(loop)
             undo.callback(self._watches.close)
             changes = GraphChanges(self._debug, loop, self._graph_changed)
@@ -66,6 +87,8 @@ class RclpyRos:
         self._is_closed = False
         self._graph: Graph | None = None
         self._types: dict[str, tuple[str, ...]] = {}
+        self._service_types: dict[str, tuple[str, ...]] | None = None
+        self._action_types: dict[str, tuple[str, ...]] | None = None
 
     def close(self) -> None:
         """End everything that is open, then the nodes; no callback comes after."""
@@ -90,13 +113,41 @@ class RclpyRos:
         on_incompatible: Callable[[str], None],
     ) -> RclpySubscription:
         """Subscribe to a fully resolved topic name; see the port."""
-        self._check_new(topic, type_name)
+        self._check_topic(topic, type_name)
         return self._subscriptions.subscribe(topic, type_name, qos, on_samples, on_incompatible)
 
     def advertise(self, topic: str, type_name: str, qos: Qos) -> RclpyPublisher:
         """Create a publisher on a fully resolved topic name; see the port."""
-        self._check_new(topic, type_name)
+        self._check_topic(topic, type_name)
         return self._publishers.advertise(topic, type_name, qos)
+
+    def client(self, service: str, type_name: str) -> RclpyClient:
+        """Create a client of a service by its fully resolved name; see the port."""
+        self._check_service(service, type_name)
+        return self._services.client(service, type_name)
+
+    def serve(
+        self, service: str, type_name: str, on_request: Callable[[Request], None]
+    ) -> RclpyService:
+        """Provide a service by its fully resolved name; see the port."""
+        self._check_service(service, type_name)
+        return self._services.serve(service, type_name, on_request)
+
+    def action_client(self, action: str, type_name: str) -> RclpyActionClient:
+        """Create a client of an action by its fully resolved name; see the port."""
+        self._check_action(action, type_name)
+        return self._actions.client(action, type_name)
+
+    def serve_action(
+        self,
+        action: str,
+        type_name: str,
+        on_goal: Callable[[GoalRequest], None],
+        on_cancel: Callable[[GoalRequest], None],
+    ) -> RclpyActionServer:
+        """Provide an action by its fully resolved name; see the port."""
+        self._check_action(action, type_name)
+        return self._actions.serve(action, type_name, on_goal, on_cancel)
 
     def topic_types(self, topic: str) -> tuple[str, ...]:
         """Return the types of a topic; see the port. Kept until the graph changes."""
@@ -106,6 +157,18 @@ class RclpyRos:
             if known:  # clients may name any number of topics that do not exist
                 self._types[topic] = known
         return known
+
+    def service_types(self, service: str) -> tuple[str, ...]:
+        """Return the types of a service; see the port. Kept until the graph changes."""
+        if self._service_types is None:
+            self._service_types = {each.name: each.types for each in read_services(self._debug)}
+        return self._service_types.get(service, ())
+
+    def action_types(self, action: str) -> tuple[str, ...]:
+        """Return the types of an action; see the port. Kept until the graph changes."""
+        if self._action_types is None:
+            self._action_types = {each.name: each.types for each in read_actions(self._debug)}
+        return self._action_types.get(action, ())
 
     def graph(self) -> Graph:
         """Return the graph as it is known now; kept until it changes."""
@@ -136,22 +199,38 @@ class RclpyRos:
                 assert_never(level)
 
     def entity_count(self) -> int:
-        """Count the subscriptions and publishers open through this port."""
-        return len(self._subscriptions) + len(self._publishers)
+        """Count the handles of all kinds that are open through this port."""
+        parts = (self._subscriptions, self._publishers, self._services, self._actions)
+        return sum(len(part) for part in parts)
 
-    def _check_new(self, topic: str, type_name: str) -> None:
+    def _check_topic(self, topic: str, type_name: str) -> None:
+        known = self._subscriptions.type_of(topic) or self._publishers.type_of(topic)
+        self._check_new(f"topic {topic}", type_name, known)
+        self._types.pop(topic, None)  # the new endpoint is not waited for
+
+    def _check_service(self, service: str, type_name: str) -> None:
+        self._check_new(f"service {service}", type_name, self._services.type_of(service))
+        self._service_types = None
+
+    def _check_action(self, action: str, type_name: str) -> None:
+        self._check_new(f"action {action}", type_name, self._actions.type_of(action))
+        self._action_types = None
+
+    def _check_new(self, subject: str, type_name: str, known: str | None) -> None:
         if self.entity_count() >= self._max_entities:
             raise RosError("limit_exceeded", f"at most {self._max_entities} ROS entities")
         # One DDS participant cannot have both, and rcl loses rmw's reason for saying so.
-        known = self._subscriptions.type_of(topic) or self._publishers.type_of(topic)
         if known not in {None, type_name}:
-            raise RosError("bad_type", f"topic {topic} is open here as {known}, not {type_name}")
-        self._types.pop(topic, None)  # the new endpoint is not waited for
+            raise RosError("bad_type", f"{subject} is open here as {known}, not {type_name}")
 
     def _graph_changed(self) -> None:
         self._graph = None
         self._types.clear()
+        self._service_types = None
+        self._action_types = None
         self._subscriptions.follow_publishers()
+        self._services.follow_graph()
+        self._actions.follow_graph()
         self._watches.notify()
 
 
@@ -194,15 +273,21 @@ def _open_node(
     return node
 
 
-def _open_samples(
-    taking: Taking, node: Node, loop: asyncio.AbstractEventLoop, undo: contextlib.ExitStack
-) -> Samples:
+def _open_arrivals(taking: Taking, loop: asyncio.AbstractEventLoop) -> Arrivals:
     if taking != "executor":
         try:
-            return EventfdSamples(node, loop)
+            return EventfdArrivals(loop)
         except UnsupportedError:
             if taking == "eventfd":
                 raise
+    return PolledArrivals(loop)
+
+
+def _open_samples(
+    arrivals: Arrivals, node: Node, loop: asyncio.AbstractEventLoop, undo: contextlib.ExitStack
+) -> Samples:
+    if isinstance(arrivals, EventfdArrivals):
+        return EventfdSamples(node, arrivals)
     # The standard one: the EventsExecutor of rclpy 7.1 fails to hand over a message's info.
     executor = ExecutorThread(node.context, standard=True)
     undo.callback(executor.close)

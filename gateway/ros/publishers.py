@@ -86,7 +86,7 @@ class Publishers:
         given = publisher.topic_name
         if given != key.topic:
             self._node.destroy_publisher(publisher)
-            raise remapped(key.topic, given)
+            raise remapped(f"topic {key.topic}", given)
         return publisher
 
 

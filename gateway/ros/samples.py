@@ -1,17 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """From DDS to the event loop: the data path.
 
-`EventfdSamples` is the fast one. The listener thread of DDS writes an eventfd, in C and without
-the GIL, and the loop takes the samples itself. It stands on rcl's
-``rcl_subscription_set_on_new_message_callback``, whose callback ``(user_data, count)`` fits libc's
-``eventfd_write(fd, count)``. `ExecutorSamples` stands on nothing but rclpy, and needs an executor
-that spins its node in a thread.
+`EventfdSamples` is the fast one: word comes by an eventfd and the loop takes the samples itself.
+`ExecutorSamples` stands on nothing but rclpy, and needs an executor that spins its node in a
+thread.
 """
 
 import asyncio
-import contextlib
-import ctypes
-import os
 from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Any, Final, Protocol
@@ -21,6 +16,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
 from gateway.ports import MAX_TAKES_PER_TURN, Sample
+from gateway.ros.arrivals import EventfdArrivals
 from gateway.ros.qos import MAX_DEPTH
 
 OnSamples = Callable[[Sequence[Sample]], None]
@@ -52,73 +48,51 @@ class Samples(Protocol):
         """Create a subscription; raises what rclpy raises."""
 
 
-class UnsupportedError(Exception):
-    """Raised when this platform or this ROS lacks what `EventfdSamples` stands on."""
-
-
 class EventfdSamples:
     """Readers whose samples the event loop takes by itself; no executor may spin their node."""
 
-    def __init__(self, node: Node, loop: asyncio.AbstractEventLoop) -> None:
-        """Find what this needs.
-
-        Raises:
-            UnsupportedError: rcl, libc, Python or the loop lacks it.
-        """
-        _require_readers(loop)
+    def __init__(self, node: Node, arrivals: EventfdArrivals) -> None:
         self._node = node
-        self._loop = loop
-        self._arrivals = _Arrivals()
+        self._arrivals = arrivals
 
     def read(
         self, message_class: type, topic: str, profile: QoSProfile, on_samples: OnSamples
     ) -> Reader:
         """Create a subscription; raises what rclpy raises."""
-        return _EventfdReader(
-            self._node, self._loop, self._arrivals, message_class, topic, profile, on_samples
-        )
+        return _EventfdReader(self._node, self._arrivals, message_class, topic, profile, on_samples)
 
 
 class _EventfdReader:
     def __init__(
         self,
         node: Node,
-        loop: asyncio.AbstractEventLoop,
-        arrivals: "_Arrivals",
+        arrivals: EventfdArrivals,
         message_class: type,
         topic: str,
         profile: QoSProfile,
         on_samples: OnSamples,
     ) -> None:
+        def create() -> Any:
+            return node.create_subscription(
+                message_class, topic, _never_called, profile, raw=True, event_callbacks=_no_events()
+            )
+
         self._message_class = message_class
         self._on_samples = on_samples
         self._is_closed = False
-        with contextlib.ExitStack() as undo:
-            # non-blocking: the thread of DDS must not wait when the loop does not read
-            self._fd = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
-            undo.callback(os.close, self._fd)
-            self._subscription: Any = node.create_subscription(
-                message_class, topic, _never_called, profile, raw=True, event_callbacks=_no_events()
-            )
-            undo.callback(node.destroy_subscription, self._subscription)
-            self._take_message = self._subscription.handle.take_message
-            loop.add_reader(self._fd, self._deliver)
-            undo.callback(loop.remove_reader, self._fd)
-            arrivals.count(self._subscription, self._fd)
-            undo.callback(arrivals.stop, self._subscription)
-            self._undo = undo.pop_all()
+        self._inlet = arrivals.open(
+            "subscription", create, node.destroy_subscription, self._deliver
+        )
+        self._subscription = self._inlet.entity
+        self._take_message = self._subscription.handle.take_message
 
     @property
     def topic_name(self) -> str:
         return str(self._subscription.topic_name)
 
     def close(self) -> None:
-        """Unhook, then destroy, then close: the steps of opening, backwards.
-
-        In any other order the thread of DDS might write into whatever reuses the number.
-        """
         self._is_closed = True
-        self._undo.close()
+        self._inlet.close()
 
     def flush(self) -> None:
         for _ in range(_TURNS_PER_FLUSH):
@@ -127,10 +101,9 @@ class _EventfdReader:
             self._on_samples(samples)
 
     def _deliver(self) -> None:
-        os.eventfd_read(self._fd)
         samples = self._take()
         if len(samples) == MAX_TAKES_PER_TURN:
-            os.eventfd_write(self._fd, 1)  # there may be more, after the others' turn
+            self._inlet.again()  # there may be more
         if samples:
             self._on_samples(samples)
 
@@ -222,46 +195,6 @@ class _ExecutorReader:
     def _take(self) -> list[Sample]:
         waiting = self._waiting
         return [waiting.popleft() for _ in range(min(len(waiting), MAX_TAKES_PER_TURN))]
-
-
-class _Arrivals:
-    """The two C functions that count arrivals in an eventfd."""
-
-    def __init__(self) -> None:
-        try:
-            self._set = ctypes.CDLL("librcl.so").rcl_subscription_set_on_new_message_callback
-            self._write = ctypes.cast(ctypes.CDLL(None).eventfd_write, ctypes.c_void_p)
-        except (OSError, TypeError, AttributeError) as error:  # TypeError: CDLL(None) on Windows
-            raise UnsupportedError(str(error)) from error
-        self._set.argtypes = [ctypes.c_void_p] * 3
-        self._set.restype = ctypes.c_int
-
-    def count(self, subscription: Any, fd: int) -> None:
-        """Add each arrival to an eventfd from now on, and at once what has arrived before."""
-        self._call(subscription, self._write, fd)
-
-    def stop(self, subscription: Any) -> None:
-        """Stop counting; once this returns no thread writes the eventfd any more."""
-        self._call(subscription, None, None)
-
-    def _call(self, subscription: Any, function: object, user_data: int | None) -> None:
-        with subscription.handle:
-            code = self._set(subscription.handle.pointer, function, user_data)
-        if code != 0:
-            raise RuntimeError(f"rcl_subscription_set_on_new_message_callback returned {code}")
-
-
-def _require_readers(loop: asyncio.AbstractEventLoop) -> None:
-    if not hasattr(os, "eventfd"):
-        raise UnsupportedError("this Python has no eventfd")
-    fd = os.eventfd(0, os.EFD_CLOEXEC)
-    try:
-        loop.add_reader(fd, _never_called)
-        loop.remove_reader(fd)
-    except NotImplementedError as error:
-        raise UnsupportedError("this event loop watches no file descriptors") from error
-    finally:
-        os.close(fd)
 
 
 def _no_events() -> SubscriptionEventCallbacks:

@@ -79,7 +79,7 @@ class Subscriptions:
         given = reader.topic_name
         if given != topic:
             reader.close()
-            raise remapped(topic, given)
+            raise remapped(f"topic {topic}", given)
         return reader
 
     def forget(self, subscription: "RclpySubscription") -> None:

@@ -303,7 +303,7 @@ class Connection(asyncio.BufferedProtocol):
                 # RFC 6455 8.1: on invalid UTF-8 in a text frame an endpoint MUST fail the
                 # connection; the client learns where the bad byte was first
                 text = f"not UTF-8: byte 0x{message[error.start]:02x} at offset {error.start}"
-                self._session.refuse(ProtocolError("bad_json", text), None, None)
+                self._session.refuse(ProtocolError("bad_json", text))
                 self.close(INVALID_DATA, text)
                 return
         self._reception.receive(self._session, message)
@@ -315,7 +315,7 @@ class Connection(asyncio.BufferedProtocol):
         if isinstance(self._protocol.parser_exc, PayloadTooBig):
             self._closing_s = time.monotonic()
             text = f"message too large, at most {self._limits.message_bytes} bytes"
-            self._session.refuse(ProtocolError("limit_exceeded", text), None, None)
+            self._session.refuse(ProtocolError("limit_exceeded", text))
             # the state is no longer open, so `flush` would not send it
             self._transport.writelines(self._session.outbox.take(WRITE_HIGH_WATER_BYTES))
 

@@ -81,6 +81,7 @@ class Server:
             "version": self._version,
             "uptime_s": round(time.monotonic() - self._started_s, 1),
             **self._router.counts(),
+            "tasks": len(asyncio.all_tasks()),
             **totals,
         }
 

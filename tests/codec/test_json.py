@@ -8,7 +8,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from gateway.codec.json import JsonError, dumps, loads
+from gateway.codec.json import JsonError, ascii_only, dumps, loads
 
 KIB_256 = 256 * 1024
 
@@ -195,3 +195,19 @@ def test_many_escaped_quotes_do_not_take_quadratic_time():
     bomb = b'["' + b'\\"' * 1_000_000 + b"," * 200_000
     with pytest.raises(JsonError):
         loads(bomb)
+
+
+@given(st.recursive(st.text(), lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner)))
+def test_escaped_json_is_ascii_and_the_same(value):
+    escaped = ascii_only(dumps(value))
+    assert escaped.isascii()
+    assert json.loads(escaped) == value
+
+
+def test_what_is_beyond_16_bits_is_escaped_as_a_surrogate_pair():
+    assert ascii_only('{"ä":"a\\"🤖"}'.encode()) == rb'{"\u00e4":"a\"\ud83e\udd16"}'
+
+
+def test_what_is_ascii_already_is_not_copied():
+    text = b'{"a":1}'
+    assert ascii_only(text) is text

@@ -1,15 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
 import pytest
+from rclpy.serialization import deserialize_message, serialize_message
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from gateway.codec.errors import FieldError
 from gateway.codec.json import dumps, loads
 from gateway.codec.types import MAX_DECODERS, Types
 from gateway.codec.validation import InvalidValueError
-from schemas.installed import InstalledDefinitions, UnknownTypeError
-from tests.messages import RandomMessages, normalized, to_json
+from schemas.build import Models
+from schemas.installed import InstalledDefinitions, UnknownTypeError, parts_of
+from tests.messages import (
+    RandomMessages,
+    from_ros,
+    normalized,
+    ros_class,
+    to_json,
+    to_objects,
+    to_ros,
+)
 
 DEFINITIONS = InstalledDefinitions()
+INTERFACES = DEFINITIONS.names(kind="srv") + DEFINITIONS.names(kind="action")
+PARTS = [part for interface in INTERFACES for part in parts_of(interface)]
 ODOMETRY = "nav_msgs/msg/Odometry"
+SET_BOOL = "std_srvs/srv/SetBool"
+FIBONACCI = "test_msgs/action/Fibonacci"
 
 
 @pytest.fixture(scope="module")
@@ -17,7 +32,7 @@ def types():
     return Types(DEFINITIONS)
 
 
-@pytest.mark.parametrize("name", DEFINITIONS.names())
+@pytest.mark.parametrize("name", DEFINITIONS.names() + PARTS)
 def test_what_json_says_comes_back_from_cdr(name, types):
     message_type = types.get(name)
     for seed in range(2):
@@ -26,16 +41,133 @@ def test_what_json_says_comes_back_from_cdr(name, types):
         assert normalized(message_type.decode(message_type.encode(message))) == values
 
 
-@pytest.mark.parametrize("name", DEFINITIONS.names())
+@pytest.mark.parametrize("name", DEFINITIONS.names() + PARTS)
 def test_an_empty_value_encodes_to_the_defaults_of_rclpy(name, types):
-    from rclpy.serialization import serialize_message
-
-    from tests.messages import ros_class
-
     message_type = types.get(name)
     ours = message_type.decode(message_type.encode(message_type.validate({}, now_ns=0)))
     theirs = message_type.decode(serialize_message(ros_class(name)()))
     assert normalized(ours) == normalized(theirs)
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_the_parts_of_services_and_actions_are_on_the_wire_what_rclpy_says(name, types):
+    part = types.get(name)
+    for seed in range(3):
+        values = RandomMessages(DEFINITIONS, seed).message(name)
+        theirs = serialize_message(to_ros(part.definition, DEFINITIONS, values))
+        assert normalized(part.decode(theirs)) == to_json(values)
+        read = deserialize_message(part.encode(to_objects(values)), ros_class(name))
+        assert from_ros(part.definition, DEFINITIONS, read) == values
+
+
+def called_by_rosbags(name):
+    """Return a part's name in rosbags, to which all are messages."""
+    return name.replace("/srv/", "/msg/").replace("/action/", "/msg/")
+
+
+@pytest.fixture(scope="module")
+def rosbags_store():
+    """The parts in rosbags, which shares no code with rclpy."""
+    found = {}
+    for definition in DEFINITIONS.closure(PARTS):
+        found.update(get_types_from_msg(definition.text, called_by_rosbags(definition.name)))
+    store = get_typestore(Stores.EMPTY)
+    store.register(found)
+    return store
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_rosbags_reads_the_parts_of_services_and_actions(name, types, rosbags_store):
+    part = types.get(name)
+    values = RandomMessages(DEFINITIONS, 7).message(name)
+    read = rosbags_store.deserialize_cdr(part.encode(to_objects(values)), called_by_rosbags(name))
+    assert from_ros(part.definition, DEFINITIONS, read) == values
+
+
+def test_a_service_is_its_request_and_its_response(types):
+    service = types.service(SET_BOOL)
+    assert service.name == SET_BOOL
+    assert service.request is types.get(f"{SET_BOOL}_Request")
+    assert service.response is types.get(f"{SET_BOOL}_Response")
+    assert service.definition.text.splitlines()[1] == "---"
+    assert types.service(SET_BOOL) is service
+
+
+def test_an_action_is_its_goal_its_result_and_its_feedback(types):
+    action = types.action(FIBONACCI)
+    assert action.name == FIBONACCI
+    assert action.goal is types.get(f"{FIBONACCI}_Goal")
+    assert action.result is types.get(f"{FIBONACCI}_Result")
+    assert action.feedback is types.get(f"{FIBONACCI}_Feedback")
+    assert types.action(FIBONACCI) is action
+
+
+def test_the_schema_of_a_service_or_an_action_is_that_of_the_generator(types):
+    models = Models(DEFINITIONS)
+    for name in INTERFACES:
+        found = types.service(name) if "/srv/" in name else types.action(name)
+        assert found.json_schema() == models.json_schema(name)
+
+
+@pytest.mark.parametrize(
+    "name", ["SetBool", "std_srvs/SetBool", ODOMETRY, FIBONACCI, f"{SET_BOOL}_Request"]
+)
+def test_what_is_no_service_type_name_raises_unknown_type_error(types, name):
+    types.action(FIBONACCI)  # knowing it must make no difference
+    with pytest.raises(UnknownTypeError) as caught:
+        types.service(name)
+    assert str(caught.value) == f"{name!r} is no service type name: expected pkg/srv/Name"
+
+
+@pytest.mark.parametrize("name", ["Fibonacci", SET_BOOL, f"{FIBONACCI}_Goal"])
+def test_what_is_no_action_type_name_raises_unknown_type_error(types, name):
+    types.service(SET_BOOL)
+    with pytest.raises(UnknownTypeError) as caught:
+        types.action(name)
+    assert str(caught.value) == f"{name!r} is no action type name: expected pkg/action/Name"
+
+
+def test_a_service_or_an_action_that_is_not_installed_raises_unknown_type_error(types):
+    with pytest.raises(UnknownTypeError, match="no definition of std_srvs/srv/SetBol is installed"):
+        types.service("std_srvs/srv/SetBol")
+    with pytest.raises(UnknownTypeError, match="no definition of a_msgs/action/B is installed"):
+        types.action("a_msgs/action/B")
+
+
+@pytest.mark.parametrize("values", [[], [1], [1, "two"]])
+def test_values_without_names_are_those_of_the_first_fields(types, values):
+    pair = types.get("diagnostic_msgs/msg/KeyValue")
+    assert pair.named(values) == dict(zip(["key", "value"], values, strict=False))
+
+
+@pytest.mark.parametrize(
+    ("name", "expected", "having"),
+    [
+        (f"{SET_BOOL}_Request", "at most 1 element", "the std_srvs/srv/SetBool request has data"),
+        ("geometry_msgs/msg/Point", "at most 3 elements", "geometry_msgs/msg/Point has x, y, z"),
+        ("std_srvs/srv/Empty_Response", "no elements", "the std_srvs/srv/Empty response is empty"),
+    ],
+)
+def test_more_values_than_fields_raise_invalid_value_error(types, name, expected, having):
+    with pytest.raises(InvalidValueError) as caught:
+        types.get(name).named([1, 2, 3, 4])
+    assert str(caught.value) == f"args: expected {expected}, got 4: {having}"
+    assert caught.value.path == "args"
+
+
+@pytest.mark.parametrize(
+    ("value", "reason"),
+    [
+        ({"data": "on"}, "args.data: expected true or false, got a string"),
+        ({"dat": 1}, "args.dat: unknown field of the SERVICE request; did you mean data?"),
+        ({"x": 1}, "args.x: unknown field of the SERVICE request, which has data"),
+        (3, "args: expected an object, got 3"),
+    ],
+)
+def test_what_is_no_request_is_told_in_the_words_of_its_service(types, value, reason):
+    with pytest.raises(InvalidValueError) as caught:
+        types.service(SET_BOOL).request.validate(value, now_ns=0, root="args")
+    assert str(caught.value) == reason.replace("SERVICE", SET_BOOL)
 
 
 def test_a_type_is_made_once(types):

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 from dataclasses import dataclass
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -22,7 +23,7 @@ class Item:
         return b"%d" % self.number
 
 
-def wish(*requests: dict) -> Wish:
+def wish(*requests: dict[str, Any]) -> Wish:
     return Wish.merge(
         Subscribe.model_validate({"topic": "/t", **request}) for request in requests or [{}]
     )
@@ -104,6 +105,26 @@ def test_several_subscriptions_merge_to_the_most_demanding():
 def test_one_subscription_to_everything_gets_everything():
     assert wish({"fields": ["pose"]}, {"id": "b"}).fields is None
     assert wish({"throttle_rate": 100}, {"id": "b"}).throttle_ns == 0
+
+
+@pytest.mark.parametrize(
+    ("asked", "merged"),
+    [
+        (["none", None], "none"),
+        ([None, "zip", ""], "none"),
+        (["png", "none"], "png"),
+        (["png", "cbor", "zip"], "cbor"),
+        (["cbor", "cbor-raw", "png"], "cbor-raw"),
+    ],
+)
+def test_the_strongest_compression_wins(asked, merged):
+    requests = [{"id": number, "compression": one} for number, one in enumerate(asked)]
+    assert wish(*requests).compression == merged
+
+
+def test_the_smallest_fragments_win_and_none_are_the_default():
+    assert wish().fragment_size is None
+    assert wish({}, {"fragment_size": 2**31 - 1}, {"fragment_size": 64}).fragment_size == 64
 
 
 @pytest.mark.parametrize(("max_fps", "throttle", "expected_ms"), [(10, 0, 100), (10, 200, 200)])

@@ -7,7 +7,16 @@ from typing import Any, Protocol
 
 import pytest
 
-from gateway.ports import Publisher, Qos, Ros, Sample
+from gateway.ports import (
+    ActionClient,
+    Client,
+    GoalRequest,
+    Publisher,
+    Qos,
+    Request,
+    Ros,
+    Sample,
+)
 from gateway.ros import RosOptions, open_ros
 from tests.ros.fake import FakeRos
 from tests.ros.outside import Outside
@@ -24,6 +33,23 @@ class World(Protocol):
         type_name: str,
         on_samples: Callable[[Sequence[Sample]], None],
         qos: Qos | None = None,
+    ) -> Any: ...
+
+    def add_client(self, name: str, type_name: str) -> Client: ...
+
+    def add_service(
+        self, name: str, type_name: str, on_request: Callable[[Request], None]
+    ) -> Any: ...
+
+    def add_action_client(self, name: str, type_name: str) -> ActionClient: ...
+
+    def add_action_server(
+        self,
+        name: str,
+        type_name: str,
+        on_goal: Callable[[GoalRequest], None],
+        on_cancel: Callable[[GoalRequest], None],
+        accepts: Callable[[bytes], bool] = ...,
     ) -> Any: ...
 
 

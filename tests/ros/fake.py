@@ -11,12 +11,27 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
-from gateway.ports import MAX_TAKES_PER_TURN, Graph, LogLevel, Qos, RosError, Sample, Topic
-from gateway.ros.names import check_topic, split_type
+from gateway.codec.types import Types
+from gateway.ports import (
+    MAX_TAKES_PER_TURN,
+    GoalRequest,
+    Graph,
+    LogLevel,
+    Provided,
+    Qos,
+    Request,
+    RosError,
+    Sample,
+    Topic,
+)
+from gateway.ros.names import TypeKind, check_action, check_service, check_topic, split_type
 from gateway.ros.qos import Offer, adopt, complete_offer, is_same_request, mismatches
-from schemas.installed import InstalledDefinitions, UnknownTypeError
+from schemas.installed import InstalledDefinitions, UnknownTypeError, parts_of
+from tests.ros.fake_actions import FakeActionClient, FakeActionServer
+from tests.ros.fake_services import FakeClient, FakeService
 
 _MAX_RETAINED: Final = 1024
+_NOUNS: Final = {"msg": "topic", "srv": "service", "action": "action"}
 
 
 @dataclass(eq=False)
@@ -136,6 +151,8 @@ class FakeSubscription:
 
 
 Endpoint = FakePublisher | FakeSubscription
+Caller = FakeClient | FakeActionClient
+Server = FakeService | FakeActionServer
 
 
 class FakeWatch:
@@ -160,9 +177,13 @@ class FakeRos:
         self.now = 1_700_000_000_000_000_000
         self.publishers: list[FakePublisher] = []
         self.subscriptions: list[FakeSubscription] = []
+        self.clients: list[FakeClient] = []
+        self.services: list[FakeService] = []
+        self.action_clients: list[FakeActionClient] = []
+        self.action_servers: list[FakeActionServer] = []
         self.watches: list[FakeWatch] = []
         self.logged: list[tuple[LogLevel, str]] = []
-        self._definitions = InstalledDefinitions()
+        self._types = Types(InstalledDefinitions())
         self._is_changing = False
 
     # The port
@@ -182,21 +203,59 @@ class FakeRos:
         on_samples: Callable[[Sequence[Sample]], None],
         on_incompatible: Callable[[str], None],
     ) -> FakeSubscription:
-        self._check_new(topic, type_name)
+        self._check_topic(topic, type_name)
         return self._open_subscription(
             topic, type_name, qos, on_samples, on_incompatible, f"/{self.prefix}_subscriptions"
         )
 
     def advertise(self, topic: str, type_name: str, qos: Qos) -> FakePublisher:
-        self._check_new(topic, type_name)
+        self._check_topic(topic, type_name)
         return self.add_publisher(topic, type_name, qos, f"/{self.prefix}_publishers")
 
+    def client(self, service: str, type_name: str) -> FakeClient:
+        check_service(service)
+        self._check_new(service, type_name, "srv", [*self.clients, *self.services])
+        return self.add_client(service, type_name, f"/{self.prefix}_services")
+
+    def serve(
+        self, service: str, type_name: str, on_request: Callable[[Request], None]
+    ) -> FakeService:
+        check_service(service)
+        self._check_new(service, type_name, "srv", [*self.clients, *self.services])
+        if any(each.name == service for each in self.services if self.is_own(each.node)):
+            raise RosError("limit_exceeded", f"service {service} is provided here already")
+        return self.add_service(service, type_name, on_request, f"/{self.prefix}_services")
+
+    def action_client(self, action: str, type_name: str) -> FakeActionClient:
+        check_action(action)
+        self._check_new(action, type_name, "action", [*self.action_clients, *self.action_servers])
+        return self.add_action_client(action, type_name, f"/{self.prefix}_services")
+
+    def serve_action(
+        self,
+        action: str,
+        type_name: str,
+        on_goal: Callable[[GoalRequest], None],
+        on_cancel: Callable[[GoalRequest], None],
+    ) -> FakeActionServer:
+        check_action(action)
+        self._check_new(action, type_name, "action", [*self.action_clients, *self.action_servers])
+        if any(each.name == action for each in self.action_servers if self.is_own(each.node)):
+            raise RosError("limit_exceeded", f"action {action} is provided here already")
+        node = f"/{self.prefix}_services"
+        return self.add_action_server(action, type_name, on_goal, on_cancel, node=node)
+
     def topic_types(self, topic: str) -> tuple[str, ...]:
-        own = f"/{self.prefix}_"
         publishers = [p for p in self.publishers if p.topic == topic]
         subscriptions = [s for s in self.subscriptions if s.topic == topic]
-        others = [s for s in subscriptions if not s.node.startswith(own)]
+        others = [s for s in subscriptions if not self.is_own(s.node)]
         return tuple(sorted({e.type_name for e in publishers or others or subscriptions}))
+
+    def service_types(self, service: str) -> tuple[str, ...]:
+        return tuple(sorted({s.type_name for s in self.services if s.name == service}))
+
+    def action_types(self, action: str) -> tuple[str, ...]:
+        return tuple(sorted({s.type_name for s in self.action_servers if s.name == action}))
 
     def graph(self) -> Graph:
         endpoints: list[Endpoint] = [*self.publishers, *self.subscriptions]
@@ -209,9 +268,15 @@ class FakeRos:
             )
             for name in sorted({endpoint.topic for endpoint in endpoints})
         )
-        own = {f"/{self.prefix}_{each}" for each in ("subscriptions", "publishers", "debug")}
-        nodes = own | {endpoint.node for endpoint in endpoints}
-        return Graph(tuple(topics), tuple(sorted(nodes)))
+        purposes = ("subscriptions", "publishers", "services", "debug")
+        nodes = {f"/{self.prefix}_{each}" for each in purposes}
+        nodes |= {each.node for each in [*endpoints, *self._calling()]}
+        return Graph(
+            tuple(topics),
+            tuple(sorted(nodes)),
+            _provided(self.services),
+            _provided(self.action_servers),
+        )
 
     def watch_graph(self, on_change: Callable[[], None]) -> FakeWatch:
         watch = FakeWatch(self, on_change)
@@ -222,16 +287,16 @@ class FakeRos:
         self.logged.append((level, text))
 
     def entity_count(self) -> int:
-        return len(self._own([*self.publishers, *self.subscriptions]))
+        topics: list[Endpoint] = [*self.publishers, *self.subscriptions]
+        return sum(self.is_own(each.node) for each in [*topics, *self._calling()])
 
     # The world outside
 
     def publish(self, topic: str, cdr: bytes) -> None:
         """Publish from the outside publisher that was added to a topic first."""
-        outside = f"/{self.prefix}_"
-        next(
-            p for p in self.publishers if p.topic == topic and not p.node.startswith(outside)
-        ).publish(cdr)
+        next(p for p in self.publishers if p.topic == topic and not self.is_own(p.node)).publish(
+            cdr
+        )
 
     def add_publisher(
         self, topic: str, type_name: str, qos: Qos | None = None, node: str = "/outside"
@@ -262,7 +327,58 @@ class FakeRos:
             topic, type_name, qos or Qos(), on_samples, lambda _: None, node
         )
 
+    def add_client(self, name: str, type_name: str, node: str = "/outside") -> FakeClient:
+        """Add a client of a service."""
+        client = FakeClient(self, name, type_name, node)
+        self.clients.append(client)
+        self.changed()
+        return client
+
+    def add_service(
+        self,
+        name: str,
+        type_name: str,
+        on_request: Callable[[Request], None],
+        node: str = "/outside",
+    ) -> FakeService:
+        """Add a server of a service; closing it lets it vanish."""
+        service = FakeService(self, name, type_name, on_request, node)
+        self.services.append(service)
+        self.changed()
+        return service
+
+    def add_action_client(
+        self, name: str, type_name: str, node: str = "/outside"
+    ) -> FakeActionClient:
+        """Add a client of an action."""
+        client = FakeActionClient(self, name, type_name, node)
+        self.action_clients.append(client)
+        self.changed()
+        return client
+
+    def add_action_server(
+        self,
+        name: str,
+        type_name: str,
+        on_goal: Callable[[GoalRequest], None],
+        on_cancel: Callable[[GoalRequest], None],
+        accepts: Callable[[bytes], bool] = lambda goal: True,
+        node: str = "/outside",
+    ) -> FakeActionServer:
+        """Add a server of an action; closing it lets it vanish, with its goals unfinished."""
+        server = FakeActionServer(self, name, type_name, on_goal, on_cancel, node, accepts)
+        self.action_servers.append(server)
+        self.changed()
+        return server
+
     # What its parts need
+
+    def is_own(self, node: str) -> bool:
+        return node.startswith(f"/{self.prefix}_")
+
+    def empty(self, type_name: str) -> bytes:
+        message_type = self._types.get(type_name)
+        return message_type.encode(message_type.validate({}, now_ns=0))
 
     def offers(self, topic: str) -> list[Offer]:
         return [p.offer for p in self.publishers if p.topic == topic]
@@ -277,10 +393,18 @@ class FakeRos:
             self._is_changing = True
             self.loop.call_soon(self._tell)
 
+    def _calling(self) -> "list[Caller | Server]":
+        calling: list[Caller | Server] = [*self.clients, *self.services]
+        return [*calling, *self.action_clients, *self.action_servers]
+
     def _tell(self) -> None:
         self._is_changing = False
         for subscription in list(self.subscriptions):
             subscription.follow()
+        for client in list(self.clients):
+            client.follow()
+        for action_client in list(self.action_clients):
+            action_client.follow()
         for watch in list(self.watches):
             if watch in self.watches:
                 watch.on_change()
@@ -302,19 +426,41 @@ class FakeRos:
         self.changed()
         return subscription
 
-    def _check_new(self, topic: str, type_name: str) -> None:
+    def _check_topic(self, topic: str, type_name: str) -> None:
+        check_topic(topic)
+        self._check_new(topic, type_name, "msg", [*self.publishers, *self.subscriptions])
+
+    def _check_new(
+        self,
+        name: str,
+        type_name: str,
+        kind: TypeKind,
+        others: Iterable[Endpoint | Caller | Server],
+    ) -> None:
         if self.entity_count() >= self.max_entities:
             raise RosError("limit_exceeded", f"at most {self.max_entities} ROS entities")
-        check_topic(topic)
-        split_type(type_name)
+        split_type(type_name, kind)
         try:
-            self._definitions.get(type_name)
+            self._types.get(type_name if kind == "msg" else parts_of(type_name)[0])
         except UnknownTypeError as error:
             raise RosError("bad_type", str(error)) from error
-        own = self._own([*self.publishers, *self.subscriptions])
-        known = next((each.type_name for each in own if each.topic == topic), type_name)
-        if known != type_name:
-            raise RosError("bad_type", f"topic {topic} is open here as {known}, not {type_name}")
+        for other in others:
+            known = other.type_name
+            if self.is_own(other.node) and _name(other) == name and known != type_name:
+                subject = f"{_NOUNS[kind]} {name}"
+                raise RosError("bad_type", f"{subject} is open here as {known}, not {type_name}")
 
-    def _own(self, endpoints: Iterable[Endpoint]) -> list[Endpoint]:
-        return [each for each in endpoints if each.node.startswith(f"/{self.prefix}_")]
+
+def _name(each: Endpoint | Caller | Server) -> str:
+    return each.topic if isinstance(each, FakePublisher | FakeSubscription) else each.name
+
+
+def _provided(servers: Sequence[Server]) -> tuple[Provided, ...]:
+    return tuple(
+        Provided(
+            name,
+            tuple(sorted({s.type_name for s in servers if s.name == name})),
+            tuple(sorted(s.node for s in servers if s.name == name)),
+        )
+        for name in sorted({server.name for server in servers})
+    )

@@ -7,11 +7,13 @@ from typing import Any
 from rclpy.context import Context
 from rclpy.node import Node
 
-from gateway.ports import Qos, Sample
+from gateway.ports import GoalRequest, Qos, Request, Sample
 from gateway.ros.executor import ExecutorThread
 from gateway.ros.interfaces import message_class
 from gateway.ros.profile import to_profile
 from gateway.ros.qos import adopt, complete_offer
+from tests.ros.outside_actions import OutsideActionClient, OutsideActionServer
+from tests.ros.outside_services import OutsideClient, OutsideService
 
 
 class OutsidePublisher:
@@ -39,6 +41,7 @@ class Outside:
         # The standard one: that of the product must not vouch for itself.
         self._executor = ExecutorThread(self.context, standard=True)
         self._executor.add_node(self.node)
+        self._actions: list[OutsideActionClient | OutsideActionServer] = []
 
     def add_publisher(self, topic: str, type_name: str, qos: Qos | None = None) -> OutsidePublisher:
         return OutsidePublisher(self.node, topic, type_name, qos or Qos())
@@ -61,8 +64,37 @@ class Outside:
             raw=True,
         )
 
+    def add_client(self, name: str, type_name: str) -> OutsideClient:
+        return OutsideClient(self.node, name, type_name)
+
+    def add_service(
+        self, name: str, type_name: str, on_request: Callable[[Request], None]
+    ) -> OutsideService:
+        return OutsideService(self.node, self._executor.wake, name, type_name, on_request)
+
+    def add_action_client(self, name: str, type_name: str) -> OutsideActionClient:
+        client = OutsideActionClient(self.node, name, type_name)
+        self._actions.append(client)
+        return client
+
+    def add_action_server(
+        self,
+        name: str,
+        type_name: str,
+        on_goal: Callable[[GoalRequest], None],
+        on_cancel: Callable[[GoalRequest], None],
+        accepts: Callable[[bytes], bool] = lambda goal: True,
+    ) -> OutsideActionServer:
+        server = OutsideActionServer(
+            self.node, self._executor.wake, name, type_name, on_goal, on_cancel, accepts
+        )
+        self._actions.append(server)
+        return server
+
     def close(self) -> None:
         self._executor.close()
+        for each in self._actions:  # a node does not take these along
+            each.close()
         self.node.destroy_node()
         self.context.try_shutdown()
         self.context.destroy()

@@ -341,8 +341,10 @@ async def test_the_graph_lists_endpoints_by_node_our_own_included(robot: Robot) 
     assert topic.types == (INT32,)
     assert topic.subscribers == ("/ros2_gateway_subscriptions",)
     nodes = robot.ros.graph().nodes
-    ours = ["/ros2_gateway_debug", "/ros2_gateway_publishers", "/ros2_gateway_subscriptions"]
-    assert [node for node in nodes if node.startswith("/ros2_gateway_")] == ours
+    ours = ["debug", "publishers", "services", "subscriptions"]
+    assert [node for node in nodes if node.startswith("/ros2_gateway_")] == [
+        f"/ros2_gateway_{each}" for each in ours
+    ]
     assert "/outside" in nodes
     assert list(nodes) == sorted(nodes)
 

@@ -7,20 +7,24 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
+from rclpy.node import Node
 
 from gateway.errors import RosMissingError
-from gateway.ports import LogLevel, Qos, Ros, RosError, Sample
+from gateway.ports import GoalRequest, LogLevel, Qos, Request, Ros, RosError, Sample
 from gateway.ros import RosOptions, open_ros
 from gateway.ros.options import Taking
+from gateway.ros.port import RclpyRos
 from tests.client import eventually
 from tests.ros.outside import Outside
 from tests.ros.test_samples import CDR, Flood
 
 INT32 = "std_msgs/msg/Int32"
+SET_BOOL = "std_srvs/srv/SetBool"
+FIBONACCI = "test_msgs/action/Fibonacci"
 LOG = "rcl_interfaces/msg/Log"
 
 
@@ -41,6 +45,25 @@ async def hears_itself(ros: Ros) -> None:
     publisher.close()
 
 
+async def leave_calls_open(ros: Ros) -> list[asyncio.Future[object]]:
+    """Leave a call, a waiting call, a goal and a waiting goal under way."""
+    requests: list[object] = []
+    ros.serve("/left_open", SET_BOOL, requests.append)
+    ros.serve_action("/left_open", FIBONACCI, requests.append, ignore)
+    left: list[asyncio.Future[object]] = [
+        asyncio.ensure_future(ros.client(name, SET_BOOL).call(b"\0\1\0\0\1"))
+        for name in ("/left_open", "/nobody")
+    ]
+    left.append(
+        asyncio.ensure_future(ros.action_client("/nobody", FIBONACCI).send_goal(CDR, ignore))
+    )
+    goal = await ros.action_client("/left_open", FIBONACCI).send_goal(CDR, ignore)
+    assert goal is not None
+    left.append(asyncio.ensure_future(goal.result()))
+    await eventually(lambda: len(requests) == 2)
+    return left
+
+
 def resources() -> tuple[int, int]:
     """Count open file descriptors and threads."""
     return len(list(Path("/proc/self/fd").iterdir())), len(list(Path("/proc/self/task").iterdir()))
@@ -55,6 +78,10 @@ async def test_repeated_starts_leave_no_descriptor_and_no_thread(taking: Taking)
             ros.watch_graph(ignore)
             ros.subscribe("/left_open", INT32, Qos(), ignore, ignore)
             ros.advertise("/left_open", INT32, Qos())
+            left = await leave_calls_open(ros)
+        for failed in left:
+            with pytest.raises(RosError, match="is closed"):
+                await failed
         if number == 1:  # the first time leaves what the process keeps, such as rcl's log file
             baseline = resources()
     await eventually(lambda: resources() <= baseline)
@@ -122,10 +149,11 @@ async def test_ros_leaves_signals_to_the_loop() -> None:
 
 async def test_nodes_carry_prefix_and_namespace() -> None:
     async with open_ros(RosOptions(node_prefix="xr", namespace="/robot1")) as ros:
-        await eventually(lambda: len(ros.graph().nodes) == 3)
+        await eventually(lambda: len(ros.graph().nodes) == 4)
         assert ros.graph().nodes == (
             "/robot1/xr_debug",
             "/robot1/xr_publishers",
+            "/robot1/xr_services",
             "/robot1/xr_subscriptions",
         )
 
@@ -143,6 +171,43 @@ async def test_options_that_ros_refuses_are_a_ros_error(options: RosOptions, wor
     with pytest.raises(RosError, match=words):
         async with open_ros(options):
             pass
+
+
+async def test_only_the_debug_node_has_parameter_services() -> None:
+    async with open_ros(RosOptions(node_prefix="xr")) as ros:
+        await eventually(lambda: len(ros.graph().nodes) == 4)
+        own = [each for each in ros.graph().services if each.name.startswith("/xr_")]
+        assert "/xr_debug/get_parameters" in [each.name for each in own]
+        assert {node for each in own for node in each.nodes} == {"/xr_debug"}
+
+
+async def test_a_remapped_service_is_refused_by_name() -> None:
+    options = RosOptions(arguments=("--ros-args", "-r", "/arm:=/other"))
+    async with open_ros(options) as ros:
+        for attempt in (
+            lambda: ros.client("/arm", SET_BOOL),
+            lambda: ros.serve("/arm", SET_BOOL, ignore),
+        ):
+            with pytest.raises(RosError, match="service /arm is remapped to /other here") as caught:
+                attempt()
+            assert caught.value.code == "bad_name"
+        assert ros.entity_count() == 0
+        await eventually(lambda: not ros.service_types("/other"))
+
+
+@pytest.mark.parametrize("part", ["send_goal", "status", "feedback"])
+async def test_an_action_of_which_a_part_is_remapped_is_refused_by_name(part: str) -> None:
+    remapping = f"/dock/_action/{part}:=/other/_action/{part}"
+    async with open_ros(RosOptions(arguments=("--ros-args", "-r", remapping))) as ros:
+        attempts: list[Callable[[], object]] = [
+            lambda: ros.serve_action("/dock", FIBONACCI, ignore, ignore)
+        ]
+        if part != "status":  # which a client does without
+            attempts.append(lambda: ros.action_client("/dock", FIBONACCI))
+        for attempt in attempts:
+            with pytest.raises(RosError, match="action /dock is remapped to /other here"):
+                attempt()
+        assert ros.entity_count() == 0
 
 
 async def test_a_remapped_topic_is_refused_by_name() -> None:
@@ -163,9 +228,18 @@ async def test_entities_are_limited() -> None:
     async with open_ros(RosOptions(max_entities=2)) as ros:
         first = ros.advertise("/a", INT32, Qos())
         ros.subscribe("/b", INT32, Qos(), ignore, ignore)
+        others: list[Callable[[], object]] = [
+            lambda: ros.client("/c", SET_BOOL),
+            lambda: ros.serve("/c", SET_BOOL, ignore),
+            lambda: ros.action_client("/c", FIBONACCI),
+            lambda: ros.serve_action("/c", FIBONACCI, ignore, ignore),
+        ]
         with pytest.raises(RosError, match="at most 2 ROS entities") as caught:
             ros.advertise("/c", INT32, Qos())
         assert caught.value.code == "limit_exceeded"
+        for attempt in others:
+            with pytest.raises(RosError, match="at most 2 ROS entities"):
+                attempt()
         first.close()
         ros.advertise("/c", INT32, Qos())
 
@@ -190,6 +264,7 @@ async def test_a_lack_of_descriptors_is_a_ros_error_and_leaves_nothing(
 async def test_simulated_time_follows_the_clock_topic(outside: Outside) -> None:
     clock = outside.add_publisher("/clock", "rosgraph_msgs/msg/Clock")
     async with open_ros(RosOptions(use_sim_time=True)) as ros:
+        assert ros.now_ns() == 0  # nobody has told the time yet
         stamp = b"\0\1\0\0" + (42).to_bytes(4, "little") + (7).to_bytes(4, "little")
 
         def has_arrived() -> bool:
@@ -254,3 +329,48 @@ async def test_one_thread_for_the_executor_and_one_for_the_graph() -> None:
     async with open_ros():
         assert threading.active_count() == before + 2
     assert threading.active_count() == before
+
+
+@pytest.mark.parametrize("taking", ["eventfd", "executor"])
+async def test_two_hundred_rounds_of_each_kind_leave_nothing(taking: Taking) -> None:
+    requests: list[Request] = []
+    goals: list[GoalRequest] = []
+    ros = RclpyRos(RosOptions(taking=taking))
+    nodes: list[Node] = [
+        *(ros._services._endpoints.node, ros._publishers._node),
+        ros._subscriptions._node,
+    ]
+
+    def entities() -> list[int]:
+        return [
+            len(list(kind))
+            for node in nodes
+            for kind in (node.clients, node.services, node.publishers, node.subscriptions)
+        ]
+
+    async def round_of_each() -> None:
+        service = ros.serve("/arm", SET_BOOL, requests.append)
+        action = ros.serve_action("/dock", FIBONACCI, goals.append, ignore)
+        client = ros.client("/arm", SET_BOOL)
+        action_client = ros.action_client("/dock", FIBONACCI)
+        tasks = [
+            asyncio.ensure_future(client.call(b"\0\1\0\0\1")),
+            asyncio.ensure_future(action_client.send_goal(CDR, ignore)),
+        ]
+        await asyncio.sleep(0)
+        for each in (client, action_client, service, action):
+            each.close()
+        for task in tasks:
+            with pytest.raises(RosError, match="is closed"):
+                await task
+
+    try:
+        await round_of_each()
+        before = (entities(), resources())
+        for _ in range(200):
+            await round_of_each()
+        assert ros.entity_count() == 0
+        assert entities() == before[0]
+        await eventually(lambda: resources() <= before[1])
+    finally:
+        ros.close()

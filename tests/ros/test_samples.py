@@ -12,10 +12,11 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 
 from gateway.ports import MAX_TAKES_PER_TURN, Qos, Sample
+from gateway.ros.arrivals import EventfdArrivals
 from gateway.ros.interfaces import message_class
 from gateway.ros.profile import to_profile
 from gateway.ros.qos import MAX_DEPTH, adopt
-from gateway.ros.samples import EventfdSamples, ExecutorSamples, UnsupportedError
+from gateway.ros.samples import EventfdSamples, ExecutorSamples
 from tests.client import eventually
 from tests.ros.outside import Outside, OutsidePublisher
 
@@ -33,6 +34,10 @@ def node() -> Iterator[Node]:
     node.destroy_node()
     context.try_shutdown()
     context.destroy()
+
+
+def samples_of(node: Node) -> EventfdSamples:
+    return EventfdSamples(node, EventfdArrivals(asyncio.get_running_loop()))
 
 
 class Flood:
@@ -68,7 +73,7 @@ async def test_samples_that_came_before_the_callback_was_set_are_taken(
     for _ in range(3):
         publisher.publish(CDR)
     profile = to_profile(adopt(latched, ()))
-    samples = EventfdSamples(node, asyncio.get_running_loop())
+    samples = samples_of(node)
     # Let DDS have them while nobody asks, then hook a reader on that same subscription.
     subscription = node.create_subscription(CLASS, "/map", lambda _: None, profile, raw=True)
     node.create_subscription = lambda *_, **__: subscription  # type: ignore[method-assign]
@@ -92,13 +97,13 @@ def wait_for_a_sample(node: Node, subscription: object) -> None:
 async def test_no_stale_callback_writes_into_a_descriptor_that_reuses_the_number(
     node: Node, outside: Outside, flood: Flood
 ) -> None:
-    samples = EventfdSamples(node, asyncio.get_running_loop())
+    samples = samples_of(node)
     profile = to_profile(adopt(Qos(), ()))
     for _ in range(20):
         received: list[Sample] = []
         reader = samples.read(CLASS, "/flood", profile, received.extend)
         await eventually(lambda: bool(received))  # noqa: B023  # awaited before the next round
-        fd = reader._fd  # type: ignore[attr-defined]
+        fd = reader._inlet._fd  # type: ignore[attr-defined]
         witness: list[Sample] = []
         other = samples.read(CLASS, "/flood", profile, witness.extend)
         reader.close()
@@ -117,23 +122,23 @@ async def test_a_reader_unhooks_then_destroys_then_closes(
     node: Node, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     loop = asyncio.get_running_loop()
-    samples = EventfdSamples(node, loop)
+    samples = samples_of(node)
     steps: list[tuple[str, object]] = []
 
     def record(owner: object, name: str) -> None:
         act = getattr(owner, name)
 
-        def recorded(subject: object) -> None:
-            steps.append((name, subject))
-            act(subject)
+        def recorded(*subject: object) -> None:
+            steps.append((name, subject[-1]))
+            act(*subject)
 
         monkeypatch.setattr(owner, name, recorded)
 
-    record(samples._arrivals, "stop")
+    record(samples._arrivals._hooks, "stop")
     record(node, "destroy_subscription")
     record(os, "close")
     reader = samples.read(CLASS, "/count", to_profile(adopt(Qos(), ())), lambda _: None)
-    fd = reader._fd  # type: ignore[attr-defined]
+    fd = reader._inlet._fd  # type: ignore[attr-defined]
     subscription = reader._subscription  # type: ignore[attr-defined]
     reader.close()
     assert [step for step in steps if step[1] in (fd, subscription)] == [
@@ -153,10 +158,10 @@ async def test_a_reader_that_cannot_be_hooked_leaves_nothing(
         raise RuntimeError("no callbacks today")
 
     loop = asyncio.get_running_loop()
-    samples = EventfdSamples(node, loop)
+    samples = samples_of(node)
     free = os.eventfd(0)
     os.close(free)
-    monkeypatch.setattr(samples._arrivals, "count", refuse)
+    monkeypatch.setattr(samples._arrivals._hooks, "count", refuse)
     with pytest.raises(RuntimeError, match="no callbacks today"):
         samples.read(CLASS, "/count", to_profile(adopt(Qos(), ())), lambda _: None)
     assert list(node.subscriptions) == []
@@ -180,9 +185,7 @@ async def test_the_newest_samples_wait_where_an_executor_takes_them(node: Node) 
 
 async def test_a_flush_ends_though_the_samples_do_not(node: Node) -> None:
     received: list[Sample] = []
-    reader = EventfdSamples(node, asyncio.get_running_loop()).read(
-        CLASS, "/count", to_profile(adopt(Qos(), ())), received.extend
-    )
+    reader = samples_of(node).read(CLASS, "/count", to_profile(adopt(Qos(), ())), received.extend)
     reader._take_message = lambda *_: (CDR, {"received_timestamp": 0})  # type: ignore[attr-defined]
     reader.flush()
     assert len(received) == MAX_DEPTH
@@ -192,7 +195,7 @@ async def test_a_flush_ends_though_the_samples_do_not(node: Node) -> None:
 async def test_a_flood_leaves_the_loop_to_others(
     node: Node, outside: Outside, flood: Flood
 ) -> None:
-    samples = EventfdSamples(node, asyncio.get_running_loop())
+    samples = samples_of(node)
     batches: list[int] = []
     profile = to_profile(adopt(Qos(depth=1000), ()))
     reader = samples.read(CLASS, "/flood", profile, lambda batch: batches.append(len(batch)))
@@ -217,33 +220,9 @@ async def test_what_one_callback_raises_does_not_stop_the_samples(
         calls.append(1)
         raise LookupError
 
-    reader = EventfdSamples(node, loop).read(
+    reader = samples_of(node).read(
         CLASS, "/flood", to_profile(adopt(Qos(depth=1000), ())), on_samples
     )
     await eventually(lambda: len(calls) > 3)
     reader.close()
     assert all(isinstance(each, LookupError) for each in raised)
-
-
-async def test_without_the_function_of_rcl_it_is_unsupported(
-    node: Node, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def no_library(name: str) -> None:
-        raise OSError(f"{name}: cannot open shared object file")
-
-    monkeypatch.setattr("ctypes.CDLL", no_library)
-    with pytest.raises(UnsupportedError, match=r"librcl\.so"):
-        EventfdSamples(node, asyncio.get_running_loop())
-
-
-async def test_without_readers_on_the_loop_it_is_unsupported(
-    node: Node, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    loop = asyncio.get_running_loop()
-
-    def no_readers(*_: object) -> None:
-        raise NotImplementedError
-
-    monkeypatch.setattr(loop, "add_reader", no_readers)
-    with pytest.raises(UnsupportedError, match="watches no file descriptors"):
-        EventfdSamples(node, loop)

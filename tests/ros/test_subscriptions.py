@@ -69,7 +69,7 @@ def waiting(reader: Any) -> int:
     """Count what has arrived and was not taken."""
     if hasattr(reader, "_waiting"):
         return len(reader._waiting)
-    lines = Path(f"/proc/self/fdinfo/{reader._fd}").read_text().splitlines()
+    lines = Path(f"/proc/self/fdinfo/{reader._inlet._fd}").read_text().splitlines()
     return int(next(line for line in lines if line.startswith("eventfd-count:")).split()[1], 16)
 
 

@@ -17,13 +17,9 @@ from schemas.installed import InstalledDefinitions
 from schemas.table import Table
 from tests.client import Frame, eventually
 from tests.ros.fake import FakeRos
+from tests.wire import unpacked
 
 LIMITS = Limits(subscriptions=4, advertisements=3, operations_per_s=0)
-
-
-def payload(wire: bytes) -> bytes:
-    """Return what is behind the header of a WebSocket frame."""
-    return wire[{126: 4, 127: 10}.get(wire[1], 2) :]
 
 
 class Socketless:
@@ -44,7 +40,7 @@ class Socketless:
         outbox = self.session.outbox
         while not self.is_paused and ((batch := outbox.take(1 << 20)) or outbox.has_control):
             self.wires += batch
-            self.frames += [json.loads(payload(wire)) for wire in batch]
+            self.frames += [frame for wire in batch for frame in unpacked(wire)]
         self.is_flushing = False
 
     def send(self, **operation: Any) -> None:

@@ -328,10 +328,14 @@ async def test_an_image_that_contradicts_itself_is_a_status_not_a_crash(bench: B
 
 async def test_an_unknown_compression_is_a_warning_and_plain_json(bench: Bench):
     client = bench.client()
-    client.send(op="subscribe", topic="/chatter", type=STRING, compression="cbor")
-    (status,) = client.of("status")
-    assert status["level"] == "warning"
-    assert bench.ros.entity_count() == 1
+    bench.ros.add_publisher("/chatter", STRING)
+    client.send(op="subscribe", topic="/chatter", compression="zip")
+    assert client.statuses == [
+        ("bad_request", "compression: 'zip' is not available; sending plain JSON")
+    ]
+    assert client.of("status")[0]["level"] == "warning"
+    bench.ros.publish("/chatter", bench.cdr(STRING, data="x"))
+    assert (await client.sees(1))[0]["msg"] == {"data": "x"}
 
 
 async def test_a_late_client_gets_a_sample_of_each_latching_publisher(bench: Bench):

@@ -29,6 +29,7 @@ from gateway.errors import ConfigError
 from gateway.sim.messages import heading, quaternion
 from gateway.sim.node import SimOptions, run
 from gateway.sim.world import furnished_room
+from tests import interfaces
 from tests.sim.ros import TIMEOUT_S, Watcher, child
 
 SIMULATION = """
@@ -173,7 +174,7 @@ def test_a_command_beyond_the_limits_is_dismissed_and_logged_once(robot):
 
 
 def test_frames_are_published_where_tf2_is_installed(robot):
-    tf2_msgs = pytest.importorskip("tf2_msgs.msg")
+    tf2_msgs = pytest.importorskip("tf2_msgs.msg", reason=interfaces.HOW)
     moving = robot.watcher.subscribe(tf2_msgs.TFMessage, "/tf")
     fixed = robot.watcher.subscribe(tf2_msgs.TFMessage, "/tf_static", LATCHED)
     robot.watcher.until(lambda: moving and fixed, what="/tf and /tf_static")

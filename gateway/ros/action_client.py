@@ -1,0 +1,196 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Goals that the gateway sends: three services and a topic, as the design of actions has it.
+
+https://design.ros2.org/articles/actions.html
+"""
+
+import asyncio
+import contextlib
+import math
+import uuid
+from collections.abc import Callable, Sequence
+from typing import Any, Final
+
+from rclpy.qos import QoSProfile
+from rclpy.serialization import deserialize_message, serialize_message
+
+from gateway.ports import ABORTED, CANCELED, SUCCEEDED, GoalResult, RosError, Sample
+from gateway.ros.endpoints import Endpoints, Requester
+from gateway.ros.errors import refusals, remapped
+from gateway.ros.interfaces import action_class, service_class
+from gateway.ros.samples import Samples
+
+CDR_HEADER_BYTES: Final = 4
+# A goal's id comes first in SendGoal_Request and in FeedbackMessage. Nothing in CDR is aligned to
+# more than 8: what follows the 16 bytes is laid out as it is alone.
+GOAL_ID_BYTES: Final = 16
+FEEDBACK_PROFILE: Final = QoSProfile(depth=10)  # of rcl_action: reliable, volatile
+
+# How long the answer to a goal that nobody waits for any more is waited for, to cancel it; a
+# server that takes longer has a problem, and each goal is a few hundred bytes.
+_ABANDONED_S: Final = 10.0
+
+OnFeedback = Callable[[bytes], None]
+
+
+def with_goal_id(goal_id: bytes, cdr: bytes) -> bytes:
+    """Put a goal's id before a Goal or a Feedback, all CDR but the id."""
+    return b"".join((cdr[:CDR_HEADER_BYTES], goal_id, cdr[CDR_HEADER_BYTES:]))
+
+
+class RclpyActionClient:
+    """A client of an action."""
+
+    def __init__(
+        self,
+        endpoints: Endpoints,
+        samples: Samples,
+        name: str,
+        type_name: str,
+        on_close: Callable[["RclpyActionClient"], None],
+    ) -> None:
+        self.name = name
+        self.type_name = type_name
+        self._on_close = on_close
+        self._node = endpoints.node
+        self._loop = endpoints.loop
+        self._subject = f"action {name}"
+        self._listening: dict[bytes, OnFeedback] = {}
+        self._cancel_class = service_class("action_msgs/srv/CancelGoal")
+        self._feedback_topic = f"{name}/_action/feedback"
+        parts = action_class(type_name).Impl
+        self._goal_class = parts.SendGoalService
+        self._result_class = parts.GetResultService
+        with contextlib.ExitStack() as undo:
+
+            def requester(part_class: Any, part: str, **options: Any) -> Requester:
+                full_name = f"{name}/_action/{part}"
+                opened = Requester(
+                    endpoints, part_class, full_name, subject=self._subject, **options
+                )
+                undo.callback(opened.close)
+                return opened
+
+            # These are under way as long as their goals, which servers take at once.
+            self._results = requester(parts.GetResultService, "get_result", max_unanswered=math.inf)
+            self._cancels = requester(self._cancel_class, "cancel_goal")
+            self._goals = requester(
+                parts.SendGoalService, "send_goal", is_ready=self._is_rest_ready
+            )
+            with refusals(self._subject):
+                self._feedback = samples.read(
+                    parts.FeedbackMessage, self._feedback_topic, FEEDBACK_PROFILE, self._hear
+                )
+            undo.callback(self._feedback.close)
+            if self._feedback.topic_name != self._feedback_topic:
+                raise remapped(self._subject, self._feedback.topic_name)
+            self._undo = undo.pop_all()
+
+    async def send_goal(self, goal: bytes, on_feedback: OnFeedback) -> "RclpyGoal | None":
+        """Wait for a server and send it a goal; see the port.
+
+        Cancelling this cancels the goal, too, should the server accept it yet.
+        """
+        goal_id = uuid.uuid4().bytes
+        with refusals(self._subject):
+            request = deserialize_message(with_goal_id(goal_id, goal), self._goal_class.Request)
+        self._listening[goal_id] = on_feedback  # it may come before the answer
+        answer = self._goals.send(request)
+        is_accepted = False
+        try:
+            is_accepted = (await asyncio.shield(answer)).accepted
+        except asyncio.CancelledError:
+            self._abandon(goal_id, answer)
+            raise
+        finally:
+            if not is_accepted:
+                del self._listening[goal_id]
+        return RclpyGoal(self, goal_id, self._ask_result(goal_id)) if is_accepted else None
+
+    def cancel_goal(self, goal_id: bytes) -> "asyncio.Future[Any]":
+        """Ask the server to cancel a goal; what it answers need not be waited for."""
+        request = self._cancel_class.Request()
+        request.goal_info.goal_id.uuid = list(goal_id)
+        return self._cancels.send(request, waits=False)
+
+    def to_result(self, response: Any) -> GoalResult:
+        """Convert the answer to who asked for the result of a goal.
+
+        Raises:
+            RosError: ``not_found``: the server does not know the goal.
+        """
+        for status in (SUCCEEDED, CANCELED, ABORTED):
+            if response.status == status:
+                return GoalResult(status, serialize_message(response.result))
+        raise RosError("not_found", f"{self._subject} has forgotten the goal")
+
+    def follow_graph(self) -> None:
+        """See whether servers have come or gone."""
+        for requester in (self._goals, self._results, self._cancels):
+            requester.follow_graph()
+
+    def close(self) -> None:
+        """Destroy it; goals go on without us. Closing twice is harmless."""
+        self._on_close(self)
+        self._undo.close()
+
+    def _is_rest_ready(self) -> bool:
+        # Without this the first feedback of a goal, or its result, would be lost.
+        return (
+            self._results.is_ready
+            and self._cancels.is_ready
+            and self._node.count_publishers(self._feedback_topic) > 0
+        )
+
+    def _ask_result(self, goal_id: bytes) -> "asyncio.Future[Any]":
+        request = self._result_class.Request()
+        request.goal_id.uuid = list(goal_id)
+        result = self._results.send(request, waits=False)
+        result.add_done_callback(lambda _: self._stop_listening(goal_id))
+        return result
+
+    def _stop_listening(self, goal_id: bytes) -> None:
+        self._feedback.flush()  # what was published before the result
+        self._listening.pop(goal_id, None)
+
+    def _abandon(self, goal_id: bytes, answer: "asyncio.Future[Any]") -> None:
+        if self._goals.is_waiting(answer):
+            answer.cancel()
+            return
+
+        def decide(answer: "asyncio.Future[Any]") -> None:
+            timer.cancel()
+            if not answer.cancelled() and answer.exception() is None and answer.result().accepted:
+                self.cancel_goal(goal_id)  # it would be executed for nobody
+
+        timer = self._loop.call_later(_ABANDONED_S, answer.cancel)
+        answer.add_done_callback(decide)
+
+    def _hear(self, samples: Sequence[Sample]) -> None:
+        start = CDR_HEADER_BYTES + GOAL_ID_BYTES
+        for cdr, _ in samples:
+            on_feedback = self._listening.get(cdr[CDR_HEADER_BYTES:start])
+            if on_feedback is not None:
+                on_feedback(cdr[:CDR_HEADER_BYTES] + cdr[start:])
+
+
+class RclpyGoal:
+    """A goal that a server has accepted."""
+
+    def __init__(
+        self, client: RclpyActionClient, goal_id: bytes, response: "asyncio.Future[Any]"
+    ) -> None:
+        self._client = client
+        self._goal_id = goal_id
+        self._response = response
+        self._canceling: asyncio.Future[Any] | None = None
+
+    async def result(self) -> GoalResult:
+        """Wait for the end of the goal; see the port."""
+        return self._client.to_result(await asyncio.shield(self._response))
+
+    def cancel(self) -> None:
+        """Ask the server to cancel. Returns at once."""
+        # A server that does not answer is not asked again: each request would wait for ever.
+        if self._canceling is None or self._canceling.done():
+            self._canceling = self._client.cancel_goal(self._goal_id)

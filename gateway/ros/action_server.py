@@ -1,0 +1,272 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Goals that come to the gateway: three services and two topics, as the design of actions has it.
+
+https://design.ros2.org/articles/actions.html
+"""
+
+import asyncio
+import contextlib
+from collections import deque
+from collections.abc import Callable
+from typing import Any, Final
+
+from rclpy.event_handler import PublisherEventCallbacks
+from rclpy.qos import QoSProfile, qos_profile_action_status_default
+from rclpy.serialization import deserialize_message, serialize_message
+
+from gateway.ports import ABORTED, CANCELED, GoalOutcome, GoalRequest
+from gateway.ros.action_client import FEEDBACK_PROFILE, with_goal_id
+from gateway.ros.endpoints import Endpoints, OnRequest, Replier, Reply
+from gateway.ros.errors import refusals, remapped
+from gateway.ros.interfaces import action_class, message_class, service_class
+
+# A person with a headset looks after a few; what a client floods beyond is rejected.
+MAX_GOALS: Final = 64
+# The default of rcl_action. Clients ask for the result when they send the goal, only one that
+# lost its network for a moment asks later.
+RESULT_KEPT_S: Final = 10.0
+# of results: together with the time, at 1 MB each, 64 MB for one action at worst
+MAX_RESULTS_KEPT: Final = 64
+# of one goal's result; there is one client of a goal, and perhaps a tool that looks on
+MAX_WAITING: Final = 16
+
+# action_msgs/msg/GoalStatus
+_EXECUTING: Final = 2
+_CANCELING: Final = 3
+
+# action_msgs/srv/CancelGoal
+_NONE: Final = 0
+_UNKNOWN_GOAL_ID: Final = 2
+_GOAL_TERMINATED: Final = 3
+
+_NO_ID: Final = bytes(16)
+
+
+class RclpyGoalRequest:
+    """A goal that a client has sent, and what the server knows of it."""
+
+    def __init__(
+        self, server: "RclpyActionServer", info: Any, accepted_ns: int, cdr: bytes
+    ) -> None:
+        self.cdr = cdr
+        self.info = info  # action_msgs/msg/GoalInfo
+        self.goal_id = bytes(info.goal_id.uuid)
+        self.accepted_ns = accepted_ns
+        self.status: int = _EXECUTING
+        self.response: Any = None  # once it has ended
+        self.waiting: deque[Reply] = deque(maxlen=MAX_WAITING)
+        self.expiry: asyncio.TimerHandle | None = None
+        self._server = server
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it has not ended."""
+        return self.response is None
+
+    def feedback(self, cdr: bytes) -> None:
+        """Publish the action's Feedback."""
+        if self.is_open:
+            self._server.publish_feedback(self.goal_id, cdr)
+
+    def finish(self, status: GoalOutcome, result: bytes) -> None:
+        """End the goal; see the port."""
+        if self.is_open:
+            is_possible = status != CANCELED or self.status == _CANCELING
+            self._server.finish(self, status if is_possible else ABORTED, result)
+
+
+class RclpyActionServer:
+    """An action that the gateway provides.
+
+    A goal is executing from its acceptance on; it may come to be canceling; it ends as succeeded,
+    canceled or aborted, and is then kept for those who ask for its result late.
+    """
+
+    def __init__(
+        self,
+        endpoints: Endpoints,
+        now_ns: Callable[[], int],
+        name: str,
+        type_name: str,
+        on_goal: Callable[[GoalRequest], None],
+        on_cancel: Callable[[GoalRequest], None],
+        on_close: Callable[["RclpyActionServer"], None],
+    ) -> None:
+        self.name = name
+        self.type_name = type_name
+        self._loop = endpoints.loop
+        self._now_ns = now_ns
+        self._on_goal = on_goal
+        self._on_cancel = on_cancel
+        self._on_close = on_close
+        self._subject = f"action {name}"
+        self._goals: dict[bytes, RclpyGoalRequest] = {}
+        self._ended: dict[bytes, RclpyGoalRequest] = {}  # those of them, the oldest first
+        found = action_class(type_name)
+        parts = found.Impl
+        self._goal_response = parts.SendGoalService.Response
+        self._result_class = found.Result
+        self._result_response = parts.GetResultService.Response
+        cancel_class = service_class("action_msgs/srv/CancelGoal")
+        self._cancel_response = cancel_class.Response
+        self._statuses = message_class("action_msgs/msg/GoalStatusArray")
+        self._status = message_class("action_msgs/msg/GoalStatus")
+        self._info = message_class("action_msgs/msg/GoalInfo")
+        with contextlib.ExitStack() as undo:
+
+            def publisher(part: str, part_class: Any, profile: QoSProfile) -> Any:
+                topic = f"{name}/_action/{part}"
+                opened = _open_publisher(endpoints, self._subject, topic, part_class, profile)
+                undo.callback(endpoints.node.destroy_publisher, opened)
+                return opened
+
+            self._feedback = publisher("feedback", parts.FeedbackMessage, FEEDBACK_PROFILE)
+            self._status_topic = publisher(
+                "status", self._statuses, qos_profile_action_status_default
+            )
+            # What a client sends first comes last: the rest is there when it sees that.
+            services: list[tuple[str, Any, OnRequest]] = [
+                ("get_result", parts.GetResultService, self._answer_result),
+                ("cancel_goal", cancel_class, self._cancel),
+                ("send_goal", parts.SendGoalService, self._accept),
+            ]
+            for part, part_class, on_request in services:
+                full_name = f"{name}/_action/{part}"
+                replier = Replier(
+                    endpoints, part_class, full_name, on_request, subject=self._subject
+                )
+                undo.callback(replier.close)
+            self._undo = undo.pop_all()
+
+    def publish_feedback(self, goal_id: bytes, cdr: bytes) -> None:
+        """Publish the Feedback of a goal."""
+        with refusals(self._subject):
+            self._feedback.handle.publish_raw(with_goal_id(goal_id, cdr))
+
+    def finish(self, goal: RclpyGoalRequest, status: int, result: bytes) -> None:
+        """End a goal that has not ended."""
+        with refusals(self._subject):
+            message = deserialize_message(result, self._result_class)
+        self._end(goal, status, message)
+
+    def close(self) -> None:
+        """Abort what has not ended and destroy the action. Closing twice is harmless."""
+        self._on_close(self)
+        try:
+            for goal in list(self._goals.values()):
+                if goal.is_open:
+                    self._end(goal, ABORTED, self._result_class())
+        finally:
+            for goal in self._ended.values():
+                if goal.expiry is not None:
+                    goal.expiry.cancel()
+            self._undo.close()
+
+    def _accept(self, message: Any, reply: Reply) -> None:
+        goal_id = bytes(message.goal_id.uuid)
+        response = self._goal_response()
+        if goal_id in self._goals or len(self._goals) - len(self._ended) >= MAX_GOALS:
+            reply(response)  # one that says no, as it is made
+            return
+        now_ns = self._now_ns()
+        info = self._info()
+        info.goal_id = message.goal_id
+        info.stamp.sec, info.stamp.nanosec = divmod(now_ns, 10**9)
+        response.accepted = True
+        response.stamp = info.stamp
+        reply(response)
+        goal = RclpyGoalRequest(self, info, now_ns, serialize_message(message.goal))
+        self._goals[goal_id] = goal
+        self._publish_status()
+        self._on_goal(goal)
+
+    def _cancel(self, message: Any, reply: Reply) -> None:
+        goal_id = bytes(message.goal_info.goal_id.uuid)
+        stamp = message.goal_info.stamp
+        wanted = self._to_cancel(goal_id, stamp.sec * 10**9 + stamp.nanosec)
+        response = self._cancel_response()
+        response.return_code = _NONE
+        if goal_id != _NO_ID and not wanted:
+            response.return_code = _GOAL_TERMINATED if goal_id in self._goals else _UNKNOWN_GOAL_ID
+        response.goals_canceling = [goal.info for goal in wanted]
+        reply(response)
+        new = [goal for goal in wanted if goal.status == _EXECUTING]
+        for goal in new:
+            goal.status = _CANCELING
+        if new:
+            self._publish_status()
+        for goal in new:
+            if goal.is_open:  # an earlier callback may have ended it, or closed the action
+                self._on_cancel(goal)
+
+    def _to_cancel(self, goal_id: bytes, until_ns: int) -> list[RclpyGoalRequest]:
+        """Choose as action_msgs/srv/CancelGoal has it.
+
+        That is a goal by its id, those accepted until a stamp, both, or with neither all of them.
+        """
+        wants_all = goal_id == _NO_ID and not until_ns
+        return [
+            goal
+            for goal in self._goals.values()
+            if goal.is_open
+            and (
+                wants_all
+                or goal.goal_id == goal_id
+                or (until_ns > 0 and goal.accepted_ns <= until_ns)
+            )
+        ]
+
+    def _answer_result(self, message: Any, reply: Reply) -> None:
+        goal = self._goals.get(bytes(message.goal_id.uuid))
+        if goal is None:
+            reply(self._result_response())  # its status is "unknown", as it is made
+        elif goal.is_open:
+            goal.waiting.append(reply)
+        else:
+            reply(goal.response)
+
+    def _end(self, goal: RclpyGoalRequest, status: int, result: Any) -> None:
+        goal.status = status
+        goal.response = self._result_response()
+        goal.response.status = status
+        goal.response.result = result
+        self._ended[goal.goal_id] = goal
+        goal.expiry = self._loop.call_later(RESULT_KEPT_S, self._forget, goal)
+        if len(self._ended) > MAX_RESULTS_KEPT:
+            self._forget(next(iter(self._ended.values())))
+        self._publish_status()
+        while goal.waiting:
+            goal.waiting.popleft()(goal.response)
+
+    def _forget(self, goal: RclpyGoalRequest) -> None:
+        if goal.expiry is not None:
+            goal.expiry.cancel()
+        del self._goals[goal.goal_id], self._ended[goal.goal_id]
+
+    def _publish_status(self) -> None:
+        message: Any = self._statuses()
+        for goal in self._goals.values():
+            status: Any = self._status()
+            status.goal_info = goal.info
+            status.status = goal.status
+            message.status_list.append(status)
+        with refusals(self._subject):
+            self._status_topic.publish(message)
+
+
+def _open_publisher(
+    endpoints: Endpoints, subject: str, topic: str, message_class: Any, profile: QoSProfile
+) -> Any:
+    node = endpoints.node
+    with refusals(subject):
+        publisher = node.create_publisher(
+            message_class,
+            topic,
+            profile,
+            event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
+        )
+    given = publisher.topic_name
+    if given != topic:
+        node.destroy_publisher(publisher)
+        raise remapped(subject, given)
+    return publisher

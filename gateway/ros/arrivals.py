@@ -1,0 +1,222 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Word from DDS to the event loop that something has arrived at an entity of rcl's.
+
+`EventfdArrivals` is the fast way. The listener thread of DDS writes an eventfd, in C and without
+the GIL, and the loop takes what has arrived itself. It stands on rcl's functions such as
+``rcl_service_set_on_new_request_callback``, whose callback ``(user_data, count)`` fits libc's
+``eventfd_write(fd, count)``. `PolledArrivals` stands on nothing but the loop's clock.
+"""
+
+import asyncio
+import contextlib
+import ctypes
+import os
+from collections.abc import Callable
+from typing import Any, Final, Literal, Protocol
+
+Kind = Literal["subscription", "client", "service"]
+
+# a call takes 10 ms at most for want of a better way; an idle entity costs 0.1 % of a core
+POLL_S: Final = 0.01
+
+_FUNCTIONS: Final[dict[Kind, str]] = {
+    "subscription": "rcl_subscription_set_on_new_message_callback",
+    "client": "rcl_client_set_on_new_response_callback",
+    "service": "rcl_service_set_on_new_request_callback",
+}
+
+
+class UnsupportedError(Exception):
+    """Raised when this platform or this ROS lacks what `EventfdArrivals` stands on."""
+
+
+class Inlet(Protocol):
+    """One entity of rcl's that the event loop takes from."""
+
+    @property
+    def entity(self) -> Any:
+        """What rclpy made for it."""
+
+    def again(self) -> None:
+        """Call *on_arrival* once more, after the others' turn."""
+
+    def close(self) -> None:
+        """Call nothing any more and destroy the entity. Closing twice is harmless."""
+
+
+class Arrivals(Protocol):
+    """A way to tell the event loop of arrivals; no executor may spin the entities' node."""
+
+    def open(
+        self,
+        kind: Kind,
+        create: Callable[[], Any],
+        destroy: Callable[[Any], object],
+        on_arrival: Callable[[], None],
+    ) -> Inlet:
+        """Create an entity; *on_arrival* is called on the loop's thread when it has something.
+
+        One call may stand for many arrivals, or for none. Raises what *create* raises.
+        """
+
+
+class EventfdArrivals:
+    """Tells by an eventfd for each entity."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
+        """Find what this needs.
+
+        Raises:
+            UnsupportedError: rcl, libc, Python or the loop lacks it.
+        """
+        _require_readers(loop)
+        self._loop = loop
+        self._hooks = _Hooks()
+
+    def open(
+        self,
+        kind: Kind,
+        create: Callable[[], Any],
+        destroy: Callable[[Any], object],
+        on_arrival: Callable[[], None],
+    ) -> "EventfdInlet":
+        """Create an entity; see `Arrivals`."""
+        return EventfdInlet(self._loop, self._hooks, kind, create, destroy, on_arrival)
+
+
+class EventfdInlet:
+    """One entity and the eventfd that counts what arrives at it."""
+
+    def __init__(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        hooks: "_Hooks",
+        kind: Kind,
+        create: Callable[[], Any],
+        destroy: Callable[[Any], object],
+        on_arrival: Callable[[], None],
+    ) -> None:
+        self._on_arrival = on_arrival
+        with contextlib.ExitStack() as undo:
+            # non-blocking: the thread of DDS must not wait when the loop does not read
+            self._fd = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
+            undo.callback(os.close, self._fd)
+            self.entity = create()
+            undo.callback(destroy, self.entity)
+            loop.add_reader(self._fd, self._arrive)
+            undo.callback(loop.remove_reader, self._fd)
+            hooks.count(kind, self.entity, self._fd)
+            undo.callback(hooks.stop, kind, self.entity)
+            self._undo = undo.pop_all()
+
+    def again(self) -> None:
+        """Call *on_arrival* once more, after the others' turn."""
+        os.eventfd_write(self._fd, 1)
+
+    def close(self) -> None:
+        """Unhook, then destroy, then close: the steps of opening, backwards.
+
+        In any other order the thread of DDS might write into whatever reuses the number.
+        """
+        self._undo.close()
+
+    def _arrive(self) -> None:
+        os.eventfd_read(self._fd)
+        self._on_arrival()
+
+
+class PolledArrivals:
+    """Tells of nothing: the loop looks every `POLL_S`."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
+        self._loop = loop
+
+    def open(
+        self,
+        kind: Kind,  # all are looked at in the same way
+        create: Callable[[], Any],
+        destroy: Callable[[Any], object],
+        on_arrival: Callable[[], None],
+    ) -> "PolledInlet":
+        """Create an entity; see `Arrivals`."""
+        return PolledInlet(self._loop, create, destroy, on_arrival)
+
+
+class PolledInlet:
+    """One entity and the timer for the next look at it."""
+
+    def __init__(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        create: Callable[[], Any],
+        destroy: Callable[[Any], object],
+        on_arrival: Callable[[], None],
+    ) -> None:
+        self._loop = loop
+        self._on_arrival = on_arrival
+        self._destroy = destroy
+        self.entity = create()
+        self._is_closed = False
+        self._next: asyncio.Handle = loop.call_soon(self._look)
+
+    def again(self) -> None:
+        """Call *on_arrival* once more, after the others' turn."""
+        self._next.cancel()
+        self._next = self._loop.call_soon(self._look)
+
+    def close(self) -> None:
+        """Look no more and destroy the entity. Closing twice is harmless."""
+        if not self._is_closed:
+            self._is_closed = True
+            self._next.cancel()
+            self._destroy(self.entity)
+
+    def _look(self) -> None:
+        self._next = self._loop.call_later(POLL_S, self._look)
+        self._on_arrival()
+
+
+class _Hooks:
+    """The C functions that count arrivals in an eventfd."""
+
+    def __init__(self) -> None:
+        try:
+            rcl = ctypes.CDLL("librcl.so")
+            self._set = {kind: getattr(rcl, name) for kind, name in _FUNCTIONS.items()}
+            self._write = ctypes.cast(ctypes.CDLL(None).eventfd_write, ctypes.c_void_p)
+        except (OSError, TypeError, AttributeError) as error:  # TypeError: CDLL(None) on Windows
+            raise UnsupportedError(str(error)) from error
+        for function in self._set.values():
+            function.argtypes = [ctypes.c_void_p] * 3
+            function.restype = ctypes.c_int
+
+    def count(self, kind: Kind, entity: Any, fd: int) -> None:
+        """Add each arrival to an eventfd from now on, and at once what has arrived before."""
+        self._call(kind, entity, self._write, fd)
+
+    def stop(self, kind: Kind, entity: Any) -> None:
+        """Stop counting; once this returns no thread writes the eventfd any more."""
+        self._call(kind, entity, None, None)
+
+    def _call(self, kind: Kind, entity: Any, function: object, user_data: int | None) -> None:
+        with entity.handle:
+            code = self._set[kind](entity.handle.pointer, function, user_data)
+        if code != 0:
+            raise RuntimeError(f"{_FUNCTIONS[kind]} returned {code}")
+
+
+def _require_readers(loop: asyncio.AbstractEventLoop) -> None:
+    if not hasattr(os, "eventfd"):
+        raise UnsupportedError("this Python has no eventfd")
+    fd = os.eventfd(0, os.EFD_CLOEXEC)
+    try:
+        loop.add_reader(fd, _never_called)
+        loop.remove_reader(fd)
+    except NotImplementedError as error:
+        raise UnsupportedError("this event loop watches no file descriptors") from error
+    finally:
+        os.close(fd)
+
+
+def _never_called() -> None:
+    """Stand in where the loop wants a callback."""

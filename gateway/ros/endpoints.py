@@ -1,0 +1,277 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Requests and responses of rclpy's classes, taken and sent by the event loop itself.
+
+Services are these, and so is most of an action. No executor is part of it: in rclpy 7.1 a service
+whose answer comes later fails on the EventsExecutor, and actions lose results on it.
+"""
+
+import asyncio
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final, NamedTuple
+
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+
+from gateway.ports import MAX_TAKES_PER_TURN, RosError
+from gateway.ros.arrivals import Arrivals
+from gateway.ros.errors import REFUSALS, refusals, refused, remapped
+from gateway.ros.qos import MAX_DEPTH
+
+# How soon a server that appears gets what waits for it: the graph tells of a server before DDS
+# has matched both its topics, and nothing tells of that.
+LOOK_S: Final = 0.02
+# Servers keep 10 requests that they have not taken, the default of ROS, and DDS drops what comes
+# beyond without a word. Cancelled requests, such as those whose time is over, do not count.
+MAX_UNANSWERED: Final = 10
+
+Reply = Callable[[Any], None]  # sends the response, unless the server is closed
+OnRequest = Callable[[Any, Reply], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Endpoints:
+    """Where clients and servers are created: on a node that nothing spins."""
+
+    node: Node
+    arrivals: Arrivals
+    loop: asyncio.AbstractEventLoop
+
+
+class _UnderWay(NamedTuple):
+    response: asyncio.Future[Any]
+    servers: frozenset[bytes]  # those that may have the request
+
+
+class Requester:
+    """One client of rclpy's, with any number of requests under way."""
+
+    def __init__(
+        self,
+        endpoints: Endpoints,
+        service_class: Any,
+        name: str,
+        *,
+        subject: str,
+        is_ready: Callable[[], bool] = lambda: True,
+        max_unanswered: float = MAX_UNANSWERED,
+    ) -> None:
+        """Create it; *subject*, such as ``service /reset``, is what its errors are about.
+
+        *is_ready* may hold requests back though the server is there. Those beyond
+        *max_unanswered* wait as well.
+
+        Raises:
+            RosError: ROS refuses it, or gives it another name.
+        """
+        node = endpoints.node
+        self._node = node
+        self._name = name
+        self._loop = endpoints.loop
+        self._subject = subject
+        self._is_other_ready = is_ready
+        self._max_unanswered = max_unanswered
+        self._response_class = service_class.Response
+        self._waiting: dict[asyncio.Future[Any], Any] = {}
+        self._under_way: dict[int, _UnderWay] = {}
+        self._servers: frozenset[bytes] | None = None  # None: to be looked up
+        self._next_look: asyncio.TimerHandle | None = None
+        self._is_closed = False
+        with refusals(subject):
+            self._inlet = endpoints.arrivals.open(
+                "client",
+                lambda: node.create_client(service_class, name, qos_profile=_profile()),
+                node.destroy_client,
+                self._take,
+            )
+        self._client = self._inlet.entity
+        given = self._client.service_name
+        if given != name:
+            self.close()
+            raise remapped(subject, given)
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether a server is there to be sent to."""
+        return bool(self._client.service_is_ready()) and self._is_other_ready()
+
+    def send(self, request: Any, *, waits: bool = True) -> "asyncio.Future[Any]":
+        """Return the response to come; if there is no server the request waits, or it fails.
+
+        Cancelling it forgets the request. It fails with a `RosError`, ``not_found``, when the
+        server has gone since it got the request, or this is closed.
+        """
+        response = self._loop.create_future()
+        if self._is_closed:
+            self._fail(response, self._closed())
+        elif not waits and not self.is_ready:
+            self._fail(response, self._gone())
+        else:
+            self._waiting[response] = request
+            response.add_done_callback(self._forget)
+            self._send_waiting()
+        return response
+
+    def is_waiting(self, response: "asyncio.Future[Any]") -> bool:
+        """Whether a request has not been sent yet."""
+        return response in self._waiting
+
+    def follow_graph(self) -> None:
+        """See whether servers have come or gone."""
+        self._servers = None
+        lost = [each.response for each in self._under_way.values() if self._is_lost(each)]
+        if lost:
+            self._take()  # an answer that is there already counts
+        for response in lost:
+            self._fail(response, self._gone())
+        self._send_waiting()
+
+    def close(self) -> None:
+        """Destroy it; what is under way fails. Closing twice is harmless."""
+        if self._is_closed:
+            return
+        self._is_closed = True
+        if self._next_look is not None:
+            self._next_look.cancel()
+        self._inlet.close()
+        for response in [*(each.response for each in self._under_way.values()), *self._waiting]:
+            self._fail(response, self._closed())
+
+    def _is_lost(self, request: "_UnderWay") -> bool:
+        if not self.is_ready:
+            return True
+        # Another server may have come in place of one that died without a word.
+        return bool(request.servers) and request.servers.isdisjoint(self._find_servers())
+
+    def _find_servers(self) -> frozenset[bytes]:
+        """Identify the servers by their DDS readers; 40 us, so kept until the graph changes.
+
+        Empty where another rmw than those of Fast DDS and Cyclone DDS names its topics otherwise.
+        """
+        if self._servers is None:
+            topic = f"rq{self._name}Request"
+            readers = self._node.get_subscriptions_info_by_topic(topic, no_mangle=True)
+            self._servers = frozenset(bytes(reader.endpoint_gid) for reader in readers)
+        return self._servers
+
+    def _look_again(self) -> None:
+        if self._next_look is None:
+            self._next_look = self._loop.call_later(LOOK_S, self._look_now)
+
+    def _look_now(self) -> None:
+        self._next_look = None
+        self._send_waiting()
+
+    def _send_waiting(self) -> None:
+        while self._waiting and len(self._under_way) < self._max_unanswered:
+            if not self.is_ready:
+                self._look_again()
+                break
+            response = next(iter(self._waiting))
+            request = self._waiting.pop(response)
+            if not response.done():
+                self._send(request, response)
+
+    def _send(self, request: Any, response: "asyncio.Future[Any]") -> None:
+        try:
+            number = self._client.handle.send_request(request)
+        except REFUSALS as error:
+            self._fail(response, refused(self._subject, error))
+            return
+        self._under_way[number] = _UnderWay(response, self._find_servers())
+        response.add_done_callback(lambda _: self._end(number))
+
+    def _end(self, number: int) -> None:
+        del self._under_way[number]
+        if not self._is_closed:
+            self._send_waiting()
+
+    def _take(self) -> None:
+        for _ in range(MAX_TAKES_PER_TURN):
+            info, message = self._client.handle.take_response(self._response_class)
+            if info is None:
+                return
+            request = self._under_way.get(info.request_id.sequence_number)
+            if request is not None and not request.response.done():
+                request.response.set_result(message)
+        self._inlet.again()  # there may be more
+
+    def _forget(self, response: "asyncio.Future[Any]") -> None:
+        self._waiting.pop(response, None)
+
+    def _gone(self) -> RosError:
+        return RosError("not_found", f"{self._subject} has gone")
+
+    def _closed(self) -> RosError:
+        return RosError("not_found", f"the client of {self._subject} is closed")
+
+    def _fail(self, response: "asyncio.Future[Any]", error: RosError) -> None:
+        if not response.done():
+            response.set_exception(error)
+            response.exception()  # known: nobody needs to wait for it
+
+
+class Replier:
+    """One server of rclpy's."""
+
+    def __init__(
+        self,
+        endpoints: Endpoints,
+        service_class: Any,
+        name: str,
+        on_request: OnRequest,
+        *,
+        subject: str,
+    ) -> None:
+        """Create it; *subject*, such as ``service /reset``, is what its errors are about.
+
+        Raises:
+            RosError: ROS refuses it, or gives it another name.
+        """
+        node = endpoints.node
+        self._subject = subject
+        self._on_request = on_request
+        self._request_class = service_class.Request
+        self._is_closed = False
+        with refusals(subject):
+            self._inlet = endpoints.arrivals.open(
+                "service",
+                lambda: node.create_service(
+                    service_class, name, _never_called, qos_profile=_profile()
+                ),
+                node.destroy_service,
+                self._take,
+            )
+        self._service = self._inlet.entity
+        given = self._service.service_name
+        if given != name:
+            self.close()
+            raise remapped(subject, given)
+
+    def close(self) -> None:
+        """Destroy it; no request comes after. Closing twice is harmless."""
+        self._is_closed = True
+        self._inlet.close()
+
+    def _take(self) -> None:
+        request, info = self._service.handle.service_take_request(self._request_class)
+        if request is None:
+            return
+        # One a turn, and before the callback: what that raises, or closes, keeps no other waiting.
+        self._inlet.again()
+
+        def reply(response: Any) -> None:
+            if not self._is_closed:
+                with refusals(self._subject):
+                    self._service.handle.service_send_response(response, info.request_id)
+
+        self._on_request(request, reply)
+
+
+def _profile() -> QoSProfile:
+    # That of ROS is reliable and volatile, too, and keeps 10: the rest of a burst would be lost.
+    return QoSProfile(depth=MAX_DEPTH)
+
+
+def _never_called(*_: object) -> None:
+    """Stand in where rclpy wants a callback and nothing calls it."""

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: Apache-2.0
+import base64
+import json
+
+import cbor2
+import pytest
+
+from gateway.codec.errors import CodecError
+from gateway.codec.image import ImageOptions
+from gateway.codec.picture import cbor_picture_renderer, picture_renderer
+from gateway.codec.types import Types
+from schemas.installed import InstalledDefinitions
+
+IMAGE = Types(InstalledDefinitions()).get("sensor_msgs/msg/Image")
+HEADER = {"stamp": {"sec": 3, "nanosec": 4}, "frame_id": "camera"}
+
+
+def cdr(**values) -> bytes:
+    plain = {"height": 2, "width": 2, "encoding": "mono8", "step": 2, "data": [0, 85, 170, 255]}
+    return IMAGE.encode(IMAGE.validate({"header": HEADER, **plain, **values}, 0))
+
+
+@pytest.mark.parametrize("picture_format", ["jpeg", "png"])
+def test_the_picture_is_the_same_in_json_and_cbor(picture_format):
+    options = ImageOptions(picture_format)
+    plain = json.loads(picture_renderer(IMAGE, options)(cdr()))
+    packed = cbor2.loads(cbor_picture_renderer(IMAGE, options)(cdr()))
+    assert plain.pop("data") == base64.b64encode(packed.pop("data")).decode()
+    assert plain == packed
+    assert packed == {"header": HEADER, "format": picture_format, "width": 2, "height": 2}
+
+
+def test_depth_tells_its_range():
+    depth = cdr(encoding="16UC1", step=4, data=[0, 4] * 4)
+    options = ImageOptions(depth_range_m=(0.5, 4.0))
+    for packed in (
+        json.loads(picture_renderer(IMAGE, options)(depth)),
+        cbor2.loads(cbor_picture_renderer(IMAGE, options)(depth)),
+    ):
+        assert packed["depth_range_m"] == [0.5, 4.0]
+
+
+def test_what_is_no_image_raises_codec_error():
+    for make in (picture_renderer, cbor_picture_renderer):
+        with pytest.raises(CodecError, match="step is 1"):
+            make(IMAGE, ImageOptions())(cdr(step=1))

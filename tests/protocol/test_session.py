@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: Apache-2.0
+import json
+
+import pytest
+
+from gateway.protocol.errors import ProtocolError
+from gateway.protocol.fragments import MAX_AGE_NS
+from gateway.protocol.limits import Limits
+from gateway.protocol.operations import CallService, Ping, SendActionGoal, Subscribe
+from gateway.protocol.session import ROS_SHARP_FRAGMENT_SIZE, Session
+from tests.wire import unpacked, websocket_frames
+
+LIMITS = Limits(operations_per_s=1, operations_burst=10, message_bytes=2000)
+
+
+class Client:
+    def __init__(self, limits: Limits = LIMITS) -> None:
+        self.session = Session(limits, 0, lambda: None)
+
+    def send(self, now_ns=0, **operation):
+        return self.session.receive(json.dumps(operation).encode(), now_ns)
+
+    @property
+    def wires(self):
+        return self.session.outbox.take(1 << 30)
+
+    @property
+    def answers(self):
+        return [answer for wire in self.wires for answer in unpacked(wire)]
+
+    def send_in_pieces(self, operation, size=20, fragment_id="f"):
+        text = operation if isinstance(operation, str) else json.dumps(operation)
+        parts = [text[start : start + size] for start in range(0, len(text), size)]
+        return [
+            self.send(op="fragment", id=fragment_id, num=num, total=len(parts), data=part)
+            for num, part in enumerate(parts)
+        ]
+
+
+CALL = {"op": "call_service", "id": "c", "service": "set_bool"}
+GOAL = {"op": "send_action_goal", "id": "g", "action": "fibonacci"}
+
+
+def response(values, **members):
+    return {
+        "op": "service_response",
+        "service": "set_bool",
+        "values": values,
+        "result": False,
+        "id": "c",
+    } | members
+
+
+def result(values):
+    return {
+        "op": "action_result",
+        "action": "fibonacci",
+        "values": values,
+        "status": 0,
+        "result": False,
+        "id": "g",
+    }
+
+
+def test_a_call_that_cannot_be_parsed_gets_its_response():
+    client = Client()
+    assert client.send(**CALL, timeout="soon") is None
+    assert client.answers == [response("timeout: expected a number, got 'soon'")]
+    assert client.session.refused == 1
+
+
+def test_a_goal_that_cannot_be_parsed_gets_its_result():
+    client = Client()
+    assert client.send(**GOAL, feedback="yes") is None
+    assert client.answers == [result("feedback: expected true or false, got 'yes'")]
+
+
+@pytest.mark.parametrize("operation", [CALL | {"service": 7}, {"op": "call_service", "id": "c"}])
+def test_a_call_of_nothing_gets_a_status(operation):
+    client = Client()
+    client.send(**operation)
+    (answer,) = client.answers
+    assert (answer["op"], answer["id"], answer["code"]) == ("status", "c", "bad_request")
+
+
+def test_what_is_rate_limited_gets_the_answer_that_is_waited_for():
+    client = Client()
+    assert all(client.send(op="ping") for _ in range(10))
+    for operation in (CALL, GOAL, {"op": "ping", "id": 1}):
+        assert client.send(**operation) is None
+    text = "at most 1 operations per second"
+    call, goal, ping = client.answers
+    assert (call, goal) == (response(text), result(text))
+    assert (ping["op"], ping["id"], ping["code"]) == ("status", 1, "rate_limited")
+
+
+def test_refusing_an_operation_answers_it_in_its_own_way():
+    client = Client()
+    error = ProtocolError("not_found", "no such thing")
+    client.session.refuse(error, CallService(service="set_bool", id="c"))
+    client.session.refuse(error, SendActionGoal(action="fibonacci", id="g"))
+    client.session.refuse(error, Subscribe(topic="/t", id=3))
+    client.session.refuse(error)
+    call, goal, subscribe, nothing = client.answers
+    assert (call, goal) == (response("no such thing"), result("no such thing"))
+    status = {"op": "status", "level": "error", "msg": "no such thing", "code": "not_found"}
+    assert subscribe == status | {"id": 3, "request": "subscribe"}
+    assert nothing == status
+
+
+def test_a_response_comes_whatever_the_level_of_status_frames():
+    client = Client()
+    client.session.set_level("none")
+    client.send(**CALL, timeout="soon")
+    client.send(op="no_such")
+    assert [answer["op"] for answer in client.answers] == ["service_response"]
+
+
+def test_ros_sharp_gets_an_object_that_it_can_read_as_the_response():
+    client = Client()
+    client.send(**CALL, fragment_size=ROS_SHARP_FRAGMENT_SIZE, timeout="soon")
+    client.send(**CALL, timeout="soon")
+    client.send(**GOAL, feedback="yes")
+    assert client.answers == [response({}), response({}), result({})]
+
+
+def test_ros_sharp_gets_ascii_from_its_first_such_operation_on():
+    client, other = Client(), Client()
+    text = "größe \U0001f916"
+    for one in (client, other):
+        one.session.answer("pong", 1, value=text)
+    assert not client.wires[0].isascii()
+    client.send(op="subscribe", topic="/t", fragment_size=ROS_SHARP_FRAGMENT_SIZE)
+    other.send(op="subscribe", topic="/t", fragment_size=ROS_SHARP_FRAGMENT_SIZE - 1)
+    for one in (client, other):
+        one.session.answer("pong", 1, value=text)
+    (frame,) = websocket_frames(client.wires[0])
+    assert bytes(frame.data) == rb'{"op":"pong","id":1,"value":"gr\u00f6\u00dfe \ud83e\udd16"}'
+    assert text.encode() in other.wires[1]
+
+
+def test_an_answer_is_cut_only_where_that_is_asked_for():
+    client = Client()
+    payload = json.dumps({"op": "service_response", "values": "x" * 300}).encode()
+    client.session.send(payload)
+    client.session.send(payload, 100)
+    client.session.send(payload, 100)
+    whole, *pieces = client.answers
+    assert whole == json.loads(payload)
+    ids = {piece["id"] for piece in pieces}
+    assert len(ids) == 2
+    for one in ids:
+        data = "".join(piece["data"] for piece in pieces if piece["id"] == one)
+        assert data == payload.decode()
+
+
+def test_an_operation_in_pieces_is_carried_out_as_if_it_had_come_whole():
+    client = Client()
+    *before, operation = client.send_in_pieces({"op": "ping", "id": "p", "value": "größe"})
+    assert set(before) == {None}
+    assert operation == Ping(id="p", value="größe")
+    assert client.answers == []
+
+
+def test_what_is_wrong_with_the_whole_is_answered_with_its_own_id():
+    client = Client()
+    client.send_in_pieces(CALL | {"timeout": "soon"}, size=40)
+    client.send_in_pieces("no JSON at all", size=10)
+    call, no_json = client.answers
+    assert call["op"] == "service_response"
+    assert call["id"] == "c"
+    assert (no_json["code"], no_json.get("id")) == ("bad_json", None)
+
+
+def test_a_fragment_within_a_fragment_is_refused():
+    client = Client()
+    inner = {"op": "fragment", "id": "inner", "num": 0, "total": 1, "data": "{}"}
+    assert set(client.send_in_pieces(inner)) == {None}
+    (answer,) = client.answers
+    assert (answer["code"], answer["id"]) == ("bad_request", "inner")
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        ({"num": -1}, "num: expected at least 0"),
+        ({"num": 1, "total": 1}, "num: 1, expected less than 1"),
+        ({"total": 0}, "total: expected at least 1"),
+        ({"total": 3.066666}, "total: expected an integer"),
+        ({"data": 7}, "data: expected a string"),
+        ({"data": "x" * 2001}, "data: 2001 bytes so far"),
+    ],
+)
+def test_a_malformed_fragment_is_answered_with_its_id(wrong, words):
+    client = Client(Limits(message_bytes=2000))
+    fragment = {"op": "fragment", "id": "f", "num": 0, "total": 2, "data": "x"} | wrong
+    assert client.send(**fragment) is None
+    (answer,) = client.answers
+    assert (answer["op"], answer["id"]) == ("status", "f")
+    assert words in answer["msg"]
+
+
+def test_a_fragment_without_an_id_is_refused():
+    client = Client()
+    client.send(op="fragment", num=0, total=1, data="{}")
+    assert [answer["msg"] for answer in client.answers] == ["id: missing"]
+
+
+def test_what_stays_incomplete_is_answered_when_the_next_message_comes():
+    client = Client()
+    client.send(op="fragment", id="f", num=0, total=2, data="{")
+    client.send(op="ping", now_ns=MAX_AGE_NS + 1)
+    (answer,) = client.answers
+    assert (answer["id"], answer["code"]) == ("f", "limit_exceeded")
+    assert answer["msg"] == "fragment: 1 of 2 pieces came within 60 s"
+
+
+def test_each_fragment_counts_as_an_operation_and_the_whole_does_not():
+    client = Client()
+    outcome = client.send_in_pieces({"op": "ping", "value": "x" * 170})
+    assert len(outcome) == 10
+    assert isinstance(outcome[-1], Ping)
+    assert client.send(op="ping") is None
+    assert [answer["code"] for answer in client.answers] == ["rate_limited"]

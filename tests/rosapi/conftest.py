@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Parameters of real nodes, asked for over real ROS."""
+
+from collections.abc import AsyncIterator, Iterator
+
+import pytest
+
+from gateway.calls import Calls
+from gateway.codec.types import Types
+from gateway.ports import Ros
+from gateway.ros import RosOptions, open_ros
+from gateway.rosapi import Parameters
+from schemas.installed import InstalledDefinitions
+from tests.client import eventually
+from tests.rosapi.robot import NodeWithParameters, declare
+
+
+@pytest.fixture
+def robot() -> Iterator[NodeWithParameters]:
+    robot = NodeWithParameters("robot")
+    declare(robot.node)
+    yield robot
+    robot.close()
+
+
+@pytest.fixture
+def silent() -> Iterator[NodeWithParameters]:
+    silent = NodeWithParameters("silent", silent=True)
+    yield silent
+    silent.close()
+
+
+@pytest.fixture
+async def ros() -> AsyncIterator[Ros]:
+    async with open_ros(RosOptions()) as ros:
+        yield ros
+
+
+@pytest.fixture
+async def parameters(ros: Ros, robot: NodeWithParameters) -> AsyncIterator[Parameters]:
+    await discovered(ros, robot)
+    calls = Calls(ros, Types(InstalledDefinitions()))
+    yield Parameters(ros, calls)
+    calls.close()
+
+
+async def discovered(ros: Ros, *nodes: NodeWithParameters) -> None:
+    """Wait until the gateway knows the nodes and their parameter services."""
+    services = {f"{node.node.get_fully_qualified_name()}/set_parameters" for node in nodes}
+    names = {node.node.get_fully_qualified_name() for node in nodes}
+    await eventually(
+        lambda: (
+            names <= set(ros.graph().nodes)
+            and services <= {service.name for service in ros.graph().services}
+        )
+    )

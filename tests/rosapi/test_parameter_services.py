@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+import json
+from typing import Any
+
+import pytest
+
+from gateway.ports import Ros
+from gateway.rosapi import Parameters, Rosapi
+from schemas.installed import InstalledDefinitions
+from tests.rosapi.robot import NAMES, NodeWithParameters
+
+
+@pytest.fixture
+async def rosapi(ros: Ros, parameters: Parameters) -> Rosapi:
+    return Rosapi(ros, InstalledDefinitions(), parameters)
+
+
+async def answer(rosapi: Rosapi, name: str, *args: str) -> Any:
+    answered = rosapi.answer(f"/rosapi/{name}", list(args))
+    assert not isinstance(answered, dict)
+    return await answered()
+
+
+@pytest.mark.parametrize("name", ["/robot:gains", "robot:gains"])
+async def test_a_value_is_json_in_a_string(rosapi: Rosapi, name: str) -> None:
+    assert await answer(rosapi, "get_param", name) == {
+        "value": "[0.1,null]",
+        "successful": True,
+        "reason": "",
+    }
+
+
+@pytest.mark.parametrize(
+    ("default", "value"),
+    [("", "null"), ("5", "5"), ('{"a":[1]}', '{"a":[1]}'), ("plain text", '"plain text"')],
+)
+async def test_the_default_stands_in_as_json(rosapi: Rosapi, default: str, value: str) -> None:
+    answered = await answer(rosapi, "get_param", "/robot:sped", default)
+    assert answered == {
+        "value": value,
+        "successful": False,
+        "reason": "node /robot has not declared parameter sped; did you mean speed?",
+    }
+
+
+async def test_a_parameter_without_a_value_has_the_default(rosapi: Rosapi) -> None:
+    answered = await answer(rosapi, "get_param", "/robot:later", "1.5")
+    assert answered == {
+        "value": "1.5",
+        "successful": False,
+        "reason": "the parameter has no value",
+    }
+
+
+@pytest.mark.parametrize("name", ["", "speed", "/robot", ":speed", "/robot:"])
+async def test_a_name_without_node_or_parameter_is_explained(rosapi: Rosapi, name: str) -> None:
+    for service in ("get_param", "set_param", "delete_param"):
+        answered = await answer(rosapi, service, name, *(["1"] if service == "set_param" else []))
+        assert not answered["successful"]
+        assert answered["reason"] == f"name: expected node:parameter, got {name!r}"
+
+
+async def test_a_value_is_set_from_json(rosapi: Rosapi, robot: NodeWithParameters) -> None:
+    assert await answer(rosapi, "set_param", "/robot:speed", "1") == {
+        "successful": True,
+        "reason": "",
+    }
+    assert robot.value("speed") == 1.0
+
+
+async def test_text_that_is_no_json_is_not_set(rosapi: Rosapi, robot: NodeWithParameters) -> None:
+    answered = await answer(rosapi, "set_param", "/robot:camera.name", "rear")
+    assert answered == {"successful": False, "reason": "value: expected JSON, got 'rear'"}
+    assert robot.value("camera.name") == "front"
+
+
+async def test_what_the_node_refuses_comes_with_its_reason(rosapi: Rosapi) -> None:
+    answered = await answer(rosapi, "set_param", "/robot:firmware", '"2.0"')
+    assert not answered["successful"]
+    assert "read-only" in answered["reason"]
+
+
+async def test_a_node_that_is_unknown_is_explained(rosapi: Rosapi) -> None:
+    for service, args in [("set_param", ["/robt:speed", "1"]), ("delete_param", ["/robt:speed"])]:
+        answered = await answer(rosapi, service, *args)
+        assert answered == {
+            "successful": False,
+            "reason": "node /robt does not exist; did you mean /robot?",
+        }
+
+
+async def test_a_parameter_is_deleted(rosapi: Rosapi, robot: NodeWithParameters) -> None:
+    answered = await answer(rosapi, "delete_param", "/robot:anything")
+    assert answered == {"successful": True, "reason": ""}
+    assert not robot.node.has_parameter("anything")
+
+
+@pytest.mark.parametrize(
+    ("name", "exists"),
+    [
+        ("/robot:speed", True),
+        ("/robot:sped", False),
+        ("/robot:later", False),
+        ("/nowhere:speed", False),
+        ("speed", False),
+    ],
+)
+async def test_a_parameter_with_a_value_exists(rosapi: Rosapi, name: str, exists: bool) -> None:
+    assert await answer(rosapi, "has_param", name) == {"exists": exists}
+
+
+async def test_names_of_all_nodes_come_with_their_node(rosapi: Rosapi) -> None:
+    answered = await answer(rosapi, "get_param_names")
+    assert {f"/robot:{name}" for name in NAMES} <= set(answered["names"])
+    value = await answer(rosapi, "get_param", "/robot:camera.fps")
+    assert json.loads(value["value"]) == 30

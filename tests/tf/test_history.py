@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One frame over time."""
+
+import pytest
+
+from gateway.tf import history
+from gateway.tf.history import HISTORY_NS, JUMP_BACK_NS, History
+from gateway.tf.rigid import Rigid
+
+SECOND = 1_000_000_000
+
+
+def at(x):
+    return Rigid(float(x), 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+
+
+def test_between_two_samples_it_is_interpolated_and_outside_of_all_unknown():
+    frame = History(10 * SECOND, "odom", at(1))
+    frame.add(12 * SECOND, "odom", at(3))
+    assert frame.at(10 * SECOND) == at(1)
+    assert frame.at(11 * SECOND) == at(2)
+    assert frame.at(12 * SECOND) == at(3)
+    assert frame.at(10 * SECOND - 1) is None
+    assert frame.at(12 * SECOND + 1) is None
+
+
+def test_samples_may_come_out_of_order():
+    frame = History(0, "odom", at(0))
+    for second in (2, 1):
+        assert frame.add(second * SECOND, "odom", at(second * second))
+    assert frame.at(SECOND) == at(1)
+    assert frame.at(3 * SECOND // 2) == at(2.5)
+
+
+def test_of_two_samples_of_one_time_the_first_stays():
+    frame = History(0, "odom", at(0))
+    assert not frame.add(0, "odom", at(1))
+    assert frame.at(0) == at(0)
+
+
+def test_between_two_parents_it_is_where_it_was_in_the_earlier():
+    frame = History(0, "odom", at(0))
+    frame.add(2 * SECOND, "map", at(5))
+    assert frame.parent(SECOND) == "odom"
+    assert frame.at(SECOND) == at(0)
+    assert frame.parent(None) == frame.parent(2 * SECOND) == "map"
+    assert frame.parents == {"odom", "map"}
+
+
+def test_what_is_older_than_the_history_goes():
+    frame = History(0, "odom", at(0))
+    frame.add(HISTORY_NS // 2, "odom", at(1))
+    frame.add(HISTORY_NS + 1, "odom", at(2))
+    assert frame.oldest_ns == HISTORY_NS // 2
+
+
+def test_samples_are_bounded(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(history, "MAX_SAMPLES", 3)
+    frame = History(0, "odom", at(0))
+    for stamp in range(1, 10):
+        frame.add(stamp, "odom", at(stamp))
+    assert (frame.oldest_ns, frame.newest_ns) == (7, 9)
+    assert frame.at(8) == at(8)
+
+
+def test_a_sample_from_long_before_begins_a_new_history():
+    frame = History(100 * SECOND, "odom", at(0))
+    frame.add(100 * SECOND - JUMP_BACK_NS, "odom", at(1))
+    assert frame.newest_ns == 100 * SECOND
+    frame.add(3 * SECOND, "odom", at(2))
+    assert (frame.oldest_ns, frame.newest_ns) == (3 * SECOND, 3 * SECOND)
