@@ -19,10 +19,11 @@ from gateway.memory import keep_large_blocks
 from gateway.ports import LogLevel, Ros, RosError
 from gateway.protocol.limits import Limits
 from gateway.ros import RosOptions, open_ros
+from gateway.rosapi import interfaces_prefix
 from gateway.router.router import Router
 from gateway.server.server import Server
 from gateway.server.timing import Timing
-from schemas.installed import InstalledDefinitions
+from schemas.installed import InstalledDefinitions, installed_prefixes
 from schemas.table import Table
 
 logger = logging.getLogger("gateway")
@@ -60,7 +61,7 @@ async def _serve(config: Config, announce: Announce) -> int:
         limits = _limits(config)
         router = Router(
             ros,
-            Types(InstalledDefinitions()),
+            Types(InstalledDefinitions([*installed_prefixes(), interfaces_prefix()])),
             Table.load(),
             limits=limits,
             workers=workers,
@@ -132,6 +133,10 @@ def _limits(config: Config) -> Limits:
         operations_burst=limits.operation_burst,
         subscriptions=limits.max_subscriptions,
         advertisements=limits.max_advertisements,
+        pending_calls=limits.max_pending_calls,
+        goals=limits.max_goals,
+        transforms=limits.max_transforms,
+        service_timeout_s=limits.service_timeout_s,
         send_queue_bytes=limits.send_queue_bytes,
         queue_length=limits.max_queue_length,
     )

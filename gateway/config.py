@@ -119,15 +119,33 @@ class LimitsConfig(Section):
         64, description="subscriptions a client may hold; one more is refused as `limit_exceeded`"
     )
     max_advertisements: Count = Field(
-        32, description="topics a client may advertise; one more is refused as `limit_exceeded`"
+        32,
+        description="topics a client may advertise, and as many services and actions;"
+        " one more is refused as `limit_exceeded`",
+    )
+    max_pending_calls: Count = Field(
+        16,
+        description="service calls of a client that are under way at once; 256 more wait for"
+        " their turn, and one more is refused as `limit_exceeded`",
+    )
+    max_goals: Count = Field(
+        16, description="action goals a client may pursue at once; one more is refused"
+    )
+    max_transforms: Count = Field(
+        16, description="repeated transform lookups a client may hold; one more is refused"
+    )
+    service_timeout_s: Seconds = Field(
+        5,
+        description="seconds a service has to answer, of ROS where a call does not say and of"
+        " a client in any case; then the caller is told so",
     )
     max_ros_entities: Count = Field(
         256,
-        description="ROS subscriptions and publishers of all clients together, each of which"
-        " costs every node of the system discovery traffic; one more is refused",
+        description="ROS subscriptions, publishers, services and actions of all clients together,"
+        " each of which costs every node of the system discovery traffic; one more is refused",
     )
     max_name_characters: Annotated[int, Field(ge=1, le=250)] = Field(
-        200, description="characters of a topic name; DDS ends them at 255 with its own prefix"
+        200, description="characters of a name; DDS ends them at 255 with its own prefix"
     )
     max_json_depth: Annotated[int, Field(ge=1, le=250)] = Field(
         32, description="levels of nesting in a client's JSON; ROS messages nest 8 at most"

@@ -25,6 +25,8 @@ MAX_ITEMS: Final = 100_000
 # escaped quotes; nothing is ever given back, or each escape would be kept in mind.
 _STRING: Final = re.compile(rb'"[^"\\]*+(?:\\.[^"\\]*+)*+"?', re.DOTALL)
 
+_NOT_ASCII: Final = re.compile(r"[^\0-\x7f]+")
+
 
 class JsonError(CodecError):
     """What a client sent is not the JSON it may send; the text says where and why."""
@@ -34,6 +36,13 @@ def dumps(values: object) -> bytes:
     """Write values as UTF-8 JSON: numpy arrays as arrays, NaN and infinities as null."""
     # RFC 8259 has no NaN: orjson sends null
     return orjson.dumps(values, option=orjson.OPT_SERIALIZE_NUMPY)
+
+
+def ascii_only(text: bytes) -> bytes:
+    """Return a JSON text with escapes for what is not ASCII: beyond U+FFFF, surrogate pairs."""
+    if text.isascii():
+        return text
+    return _NOT_ASCII.sub(lambda found: json.dumps(found[0])[1:-1], text.decode()).encode()
 
 
 def loads(data: bytes | str, *, max_depth: int = MAX_DEPTH, max_items: int = MAX_ITEMS) -> object:

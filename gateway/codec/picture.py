@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A sensor_msgs/msg/Image as JSON that carries a compressed picture instead of pixels."""
+"""A sensor_msgs/msg/Image that carries a compressed picture instead of pixels."""
 
 from collections.abc import Callable
 from typing import Any, cast
 
 import pybase64
 
+from gateway.codec import cbor
 from gateway.codec.image import ImageOptions, RawImage, compress
 from gateway.codec.json import dumps
 from gateway.codec.types import MessageType
@@ -18,9 +19,24 @@ def picture_renderer(image_type: MessageType, options: ImageOptions) -> Callable
     picture, and ``depth_range_m`` where grey means distance. The function may run in any
     thread; it raises `CodecError`.
     """
+    render = _renderer(image_type, options, pybase64.b64encode_as_string)
+    return lambda cdr: dumps(render(cdr))
+
+
+def cbor_picture_renderer(
+    image_type: MessageType, options: ImageOptions
+) -> Callable[[bytes], bytes]:
+    """Return the same for CBOR, with ``data`` as a byte string."""
+    render = _renderer(image_type, options, lambda data: data)
+    return lambda cdr: cbor.dumps(render(cdr))
+
+
+def _renderer(
+    image_type: MessageType, options: ImageOptions, wrap: Callable[[bytes], object]
+) -> Callable[[bytes], dict[str, object]]:
     decode = image_type.decoder(octets="raw")
 
-    def render(cdr: bytes) -> bytes:
+    def render(cdr: bytes) -> dict[str, object]:
         values = cast("dict[str, Any]", decode(cdr))
         picture = compress(
             RawImage(
@@ -36,12 +52,12 @@ def picture_renderer(image_type: MessageType, options: ImageOptions) -> Callable
         message: dict[str, object] = {
             "header": values["header"],
             "format": picture.format,
-            "data": pybase64.b64encode_as_string(picture.data),
+            "data": wrap(picture.data),
             "width": picture.width,
             "height": picture.height,
         }
         if picture.depth_range_m is not None:
             message["depth_range_m"] = picture.depth_range_m
-        return dumps(message)
+        return message
 
     return render

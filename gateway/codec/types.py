@@ -1,18 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The message types of this machine, each with its codecs, made when first needed."""
+"""The types of this machine, each message with its codecs, made when first needed."""
 
 from collections import OrderedDict
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Final
+from typing import Final, Generic, TypeVar
 
 from pydantic import ValidationError
 
-from gateway.codec.cdr import Decoder, Encoder, Octets, compile_decoder, compile_encoder
-from gateway.codec.validation import invalid_value
+from gateway.codec.cdr import (
+    Decoder,
+    Encoder,
+    Octets,
+    Transcoder,
+    compile_decoder,
+    compile_encoder,
+    compile_transcoder,
+)
+from gateway.codec.validation import InvalidValueError, invalid_value
+from gateway.codec.words import cut
 from schemas.build import Models
 from schemas.definition import Definition
-from schemas.generate.json_schemas import Schema
+from schemas.generate.json_schemas import Schema, interface_schema
 from schemas.installed import InstalledDefinitions
+from schemas.interface import Interface, InterfaceKind
 from schemas.message import Message
 
 # Selections of fields that stay compiled per type. Clients share a few, and compiling takes a
@@ -21,7 +33,7 @@ MAX_DECODERS: Final = 32
 
 
 class MessageType:
-    """One message type: its definition, its model and its codecs."""
+    """One message type, or one part of a service or an action: definition, model and codecs."""
 
     def __init__(
         self, definition: Definition, definitions: InstalledDefinitions, models: Models
@@ -30,7 +42,8 @@ class MessageType:
         self.definition = definition
         self._definitions = definitions
         self._models = models
-        self._decoders: OrderedDict[tuple[tuple[str, ...], Octets], Decoder] = OrderedDict()
+        self._decoders: _Compiled[Decoder] = _Compiled()
+        self._transcoders: _Compiled[Transcoder] = _Compiled()
 
     @cached_property
     def model(self) -> type[Message]:
@@ -59,15 +72,22 @@ class MessageType:
         """
         if not fields and octets == "base64":
             return self.decode
-        key = (tuple(sorted(set(fields or ()))), octets)
-        known = self._decoders.get(key)
-        if known is None:
-            known = compile_decoder(self.definition, self._definitions, key[0], octets=octets)
-            if len(self._decoders) >= MAX_DECODERS:
-                self._decoders.popitem(last=False)
-            self._decoders[key] = known
-        self._decoders.move_to_end(key)
-        return known
+        wanted = _sorted(fields)
+        return self._decoders.get(
+            (*wanted, octets),
+            lambda: compile_decoder(self.definition, self._definitions, wanted, octets=octets),
+        )
+
+    def transcoder(self, fields: tuple[str, ...] | None = None) -> Transcoder:
+        """Return a function from CDR to CBOR, of some fields; see `compile_transcoder`.
+
+        Raises:
+            FieldError: *fields* names what is no field.
+        """
+        wanted = _sorted(fields)
+        return self._transcoders.get(
+            wanted, lambda: compile_transcoder(self.definition, self._definitions, wanted)
+        )
 
     def validate(self, value: object, now_ns: int, root: str = "msg") -> Message:
         """Turn decoded JSON into a message; *now_ns* is what its ``"now"`` stands for.
@@ -80,25 +100,148 @@ class MessageType:
         except ValidationError as error:
             raise invalid_value(error, self.definition, self._definitions, root) from None
 
+    def named(self, values: Sequence[object], root: str = "args") -> dict[str, object]:
+        """Turn the values of the first fields, in order, into the object that `validate` takes.
+
+        Raises:
+            InvalidValueError: there are more values than fields.
+        """
+        names = [field.name for field in self.definition.fields]
+        if len(values) > len(names):
+            raise InvalidValueError(root, f"{root}: {self._too_many(len(values), names)}")
+        return dict(zip(names, values, strict=False))
+
+    def _too_many(self, count: int, names: list[str]) -> str:
+        title = self.definition.title
+        if not names:
+            return f"expected no elements, got {count}: {title} is empty"
+        limit = "1 element" if len(names) == 1 else f"{len(names)} elements"
+        return f"expected at most {limit}, got {count}: {title} has {cut(', '.join(names))}"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ServiceType:
+    """One service type: its definition and the types of its two messages."""
+
+    definition: Interface
+    request: MessageType
+    response: MessageType
+
+    @property
+    def name(self) -> str:
+        """The full name, ``pkg/srv/Name``."""
+        return self.definition.name
+
+    def json_schema(self) -> Schema:
+        """Return the JSON Schema of an object with a ``request`` and a ``response``."""
+        return interface_schema(
+            self.definition,
+            {"request": self.request.json_schema(), "response": self.response.json_schema()},
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ActionType:
+    """One action type: its definition and the types of its three messages."""
+
+    definition: Interface
+    goal: MessageType
+    result: MessageType
+    feedback: MessageType
+
+    @property
+    def name(self) -> str:
+        """The full name, ``pkg/action/Name``."""
+        return self.definition.name
+
+    def json_schema(self) -> Schema:
+        """Return the JSON Schema of an object with a ``goal``, a ``result`` and a ``feedback``."""
+        return interface_schema(
+            self.definition,
+            {
+                "goal": self.goal.json_schema(),
+                "result": self.result.json_schema(),
+                "feedback": self.feedback.json_schema(),
+            },
+        )
+
 
 class Types:
-    """The message types that some definitions describe. Not safe across threads."""
+    """The types that some definitions describe. Not safe across threads."""
 
     def __init__(self, definitions: InstalledDefinitions) -> None:
-        self._definitions = definitions
+        self.definitions = definitions
         self._models = Models(definitions)
-        self._known: dict[str, MessageType] = {}
+        self._messages: dict[str, MessageType] = {}
+        self._services: dict[str, ServiceType] = {}
+        self._actions: dict[str, ActionType] = {}
 
     def get(self, name: str) -> MessageType:
-        """Return the type ``pkg/msg/Name``.
+        """Return the message type ``pkg/msg/Name``, or a part such as ``pkg/srv/Name_Request``.
 
         Raises:
             UnknownTypeError: it is not installed, or *name* is no such name.
             DefinitionError: its definition cannot be parsed.
         """
-        known = self._known.get(name)
+        known = self._messages.get(name)
         if known is None:
-            definition = self._definitions.get(name)
-            known = MessageType(definition, self._definitions, self._models)
-            self._known[name] = known
+            definition = self.definitions.get(name)
+            known = MessageType(definition, self.definitions, self._models)
+            self._messages[name] = known
         return known
+
+    def service(self, name: str) -> ServiceType:
+        """Return the service type ``pkg/srv/Name``.
+
+        Raises:
+            UnknownTypeError, DefinitionError: as for `get`.
+        """
+        known = self._services.get(name)
+        if known is None:
+            definition, parts = self._interface(name, "srv")
+            known = self._services[name] = ServiceType(definition, *parts)
+        return known
+
+    def action(self, name: str) -> ActionType:
+        """Return the action type ``pkg/action/Name``.
+
+        Raises:
+            UnknownTypeError, DefinitionError: as for `get`.
+        """
+        known = self._actions.get(name)
+        if known is None:
+            definition, parts = self._interface(name, "action")
+            known = self._actions[name] = ActionType(definition, *parts)
+        return known
+
+    def _interface(self, name: str, kind: InterfaceKind) -> tuple[Interface, list[MessageType]]:
+        definition = self.definitions.interface(name, kind)
+        return definition, [self.get(part.name) for part in definition.parts.values()]
+
+
+_Codec = TypeVar("_Codec")
+
+
+class _Compiled(Generic[_Codec]):
+    """The codecs that were asked for most recently, at most `MAX_DECODERS`."""
+
+    def __init__(self) -> None:
+        self._known: OrderedDict[tuple[str, ...], _Codec] = OrderedDict()
+
+    def __len__(self) -> int:
+        return len(self._known)
+
+    def get(self, key: tuple[str, ...], make: Callable[[], _Codec]) -> _Codec:
+        """Return the codec of a key, made if it is not there."""
+        known = self._known.get(key)
+        if known is None:
+            known = make()
+            if len(self._known) >= MAX_DECODERS:
+                self._known.popitem(last=False)
+            self._known[key] = known
+        self._known.move_to_end(key)
+        return known
+
+
+def _sorted(fields: tuple[str, ...] | None) -> tuple[str, ...]:
+    return tuple(sorted(set(fields or ())))

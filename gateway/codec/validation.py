@@ -98,7 +98,7 @@ class _Words:
 
 
 def _unknown(name: str, definition: Definition) -> str:
-    reason = f"unknown field of {definition.name}"
+    reason = f"unknown field of {definition.title}"
     names = [field.name for field in definition.fields]
     # Comparing takes the product of the lengths.
     close = difflib.get_close_matches(name[:MAX_ECHO], names, n=1)

@@ -15,6 +15,7 @@ StatusCode = Literal[
     "rate_limited",
     "limit_exceeded",
     "invalid_value",  # the message does not fit its type
+    "timeout",  # nobody answered in time
     "internal",
 ]
 

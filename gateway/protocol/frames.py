@@ -6,6 +6,7 @@ from typing import Any, Final, Literal
 
 import orjson
 
+from gateway.codec.json import dumps
 from gateway.protocol.errors import StatusCode
 
 Level = Literal["none", "error", "warning", "info"]
@@ -37,7 +38,7 @@ def answer(op: str, request_id: str | int | None, **members: Any) -> bytes:
     frame: dict[str, Any] = {"op": op}
     if request_id is not None:
         frame["id"] = request_id
-    return orjson.dumps(frame | members)
+    return dumps(frame | members)
 
 
 def publish_prefix(topic: str) -> bytes:
@@ -54,6 +55,52 @@ def publish_meta_prefix(topic: str, seq: int, received_ns: int, dropped: int) ->
         b'{"op":"publish","topic":%b,"seq":%d,"received":{"sec":%d,"nanosec":%d},"dropped":%d,"msg":'
         % (orjson.dumps(topic), seq, *divmod(received_ns, 1_000_000_000), dropped)
     )
+
+
+def service_response(
+    service: str, request_id: str | int | None, values: object, *, result: bool
+) -> bytes:
+    """Build the answer to a `call_service`; *values* of a failure say what was wrong.
+
+    rosbridge clients read ``values`` and ``id`` without looking whether they are there.
+    """
+    frame = {"op": "service_response", "service": service, "values": values, "result": result}
+    return dumps(frame if request_id is None else frame | {"id": request_id})
+
+
+def call_service(service: str, call_id: str, args: object) -> bytes:
+    """Build a `call_service` for the client that provides the service."""
+    return dumps({"op": "call_service", "id": call_id, "service": service, "args": args})
+
+
+def send_action_goal(action: str, goal_id: str, action_type: str, args: object) -> bytes:
+    """Build a `send_action_goal` for the client that provides the action."""
+    frame = {"op": "send_action_goal", "id": goal_id, "action": action, "action_type": action_type}
+    return dumps(frame | {"args": args, "feedback": True})
+
+
+def cancel_action_goal(action: str, goal_id: str) -> bytes:
+    """Build a `cancel_action_goal` for the client that provides the action."""
+    return dumps({"op": "cancel_action_goal", "id": goal_id, "action": action})
+
+
+def action_feedback(action: str, goal_id: str | int | None, values: object) -> bytes:
+    """Build an `action_feedback` for the client that sent the goal."""
+    frame = {"op": "action_feedback", "action": action, "values": values}
+    return dumps(frame if goal_id is None else frame | {"id": goal_id})
+
+
+def action_result(
+    action: str, goal_id: str | int | None, values: object, *, status: int, result: bool
+) -> bytes:
+    """Build the answer to a `send_action_goal`; *status* is of action_msgs/msg/GoalStatus.
+
+    As with rosbridge *result* is true for goals that were aborted or canceled, too; false means
+    that there was no goal, and *values* say why.
+    """
+    frame = {"op": "action_result", "action": action, "values": values}
+    frame |= {"status": status, "result": result}
+    return dumps(frame if goal_id is None else frame | {"id": goal_id})
 
 
 PUBLISH_SUFFIX: Final = b"}"

@@ -17,10 +17,16 @@ class Limits:
     operations_per_s: float = 200  # two hands on joysticks at 60 Hz, and room for a page's start
     operations_burst: int = 400
     subscriptions: int = 64
-    advertisements: int = 32
+    advertisements: int = 32  # of topics, of services and of actions
+    pending_calls: int = 16  # under way at once; as many more as `MAX_WAITING_CALLS` wait
+    goals: int = 16  # a goal may take minutes, so they do not count as calls
+    transforms: int = 16  # repeated lookups: head, two hands, and the robot's main frames
+    service_timeout_s: float = 5  # where a call does not say; what rosbridge has
     send_queue_bytes: int = 8 * 1024 * 1024  # five 1.2 MB point clouds, or 3 s of VGA JPEG
     queue_length: int = 1024  # what a client may ask for: 10 s at 100 Hz
 
+
+MAX_WAITING_CALLS = 256  # a page that asks for all parameters of a robot when it starts
 
 DEFAULT_QUEUE_LENGTH = 100  # 1 s at 100 Hz: rides out a WiFi hiccup without losing odometry
 DEFAULT_LANE_BYTES = 256 * 1024  # but of big messages only the newest few: pictures stay fresh

@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Topic names as clients write them, and as ROS knows them."""
+"""Names of topics, services and actions as clients write them, and as ROS knows them."""
 
 import re
-from typing import Final, NewType
+from typing import Final, Literal, NewType
 
 from gateway.codec.words import cut
 from gateway.protocol.errors import ProtocolError
 
-TopicName = NewType("TopicName", str)  # fully resolved: "/odom", never "odom"
+# fully resolved: "/odom", never "odom"
+TopicName = NewType("TopicName", str)
+ServiceName = NewType("ServiceName", str)
+ActionName = NewType("ActionName", str)
 
 # https://design.ros2.org/articles/topic_and_service_names.html, fully qualified names only.
 # `~`, `{node}` and remapping are left to nodes: a name means the same for every client.
@@ -20,15 +23,29 @@ def resolve_topic(name: str, max_characters: int) -> TopicName:
     Raises:
         ProtocolError: the name is none, or too long.
     """
+    return TopicName(_resolve("topic", name, max_characters))
+
+
+def resolve_service(name: str, max_characters: int) -> ServiceName:
+    """Return the full name of a service; see `resolve_topic`."""
+    return ServiceName(_resolve("service", name, max_characters))
+
+
+def resolve_action(name: str, max_characters: int) -> ActionName:
+    """Return the full name of an action; see `resolve_topic`."""
+    return ActionName(_resolve("action", name, max_characters))
+
+
+def _resolve(kind: Literal["topic", "service", "action"], name: str, max_characters: int) -> str:
     if len(name) > max_characters:
         raise ProtocolError(
-            "bad_name", f"topic: {len(name)} characters, at most {max_characters} allowed"
+            "bad_name", f"{kind}: {len(name)} characters, at most {max_characters} allowed"
         )
     resolved = name if name.startswith("/") else f"/{name}"
     if not _RESOLVED.fullmatch(resolved):
         raise ProtocolError(
             "bad_name",
-            f"topic: {cut(name)!r} is no topic name: expected letters, digits and _ between"
+            f"{kind}: {cut(name)!r} is no {kind} name: expected letters, digits and _ between"
             " slashes, no part starting with a digit",
         )
-    return TopicName(resolved)
+    return resolved

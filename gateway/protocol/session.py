@@ -2,20 +2,29 @@
 """One client's state: what it may send, what it subscribed to, what waits for it."""
 
 import difflib
+import itertools
 from collections.abc import Callable
+from typing import Final, NamedTuple
 
 from pydantic import ValidationError
 
-from gateway.codec.json import JsonError, loads
+from gateway.codec.json import JsonError, ascii_only, loads
 from gateway.codec.words import cut
 from gateway.protocol import frames
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.explain import explain
-from gateway.protocol.framing import text_frame
+from gateway.protocol.fragments import Assembly, text_frames
 from gateway.protocol.limits import Limits
-from gateway.protocol.operations import MAX_ID_CHARACTERS, OPERATIONS, ClientOperation
+from gateway.protocol.operations import OPERATIONS, ClientOperation
+from gateway.protocol.operations.base import MAX_ID_CHARACTERS, Operation
+from gateway.protocol.operations.fragment import Fragment
 from gateway.protocol.outbox import Outbox
 from gateway.protocol.rate import TokenBucket
+
+ROS_SHARP_FRAGMENT_SIZE: Final = 2**31 - 1  # which only ROS# sends, with all that it asks for
+
+# the operations whose failure is answered by a frame of their own, and what names their subject
+_NAMED_BY: Final = {"call_service": "service", "send_action_goal": "action"}
 
 
 class Session:
@@ -31,28 +40,44 @@ class Session:
         self.wake = wake
         self.received = 0
         self.refused = 0
+        self.is_ros_sharp = False  # it reads frames as ASCII, and `values` as the type's only
+        self.numbers = itertools.count(1)  # of the calls and goals that this client is passed
         self._level: frames.Level = "warning"
         self._operations = TokenBucket(limits.operations_per_s, limits.operations_burst, now_ns)
+        self._assembly = Assembly(limits.message_bytes)
+        self._fragmented = 0
 
     def receive(self, data: bytes, now_ns: int) -> ClientOperation | None:
-        """Parse one message; a message that is no operation is answered and gives ``None``."""
+        """Parse one message; ``None``: it was answered, or is but a piece of an operation."""
         self.received += 1
-        op: str | None = None
-        request_id: str | int | None = None
+        if self._assembly:
+            self._expire(now_ns)
+        operation = self._parse(data, now_ns)
+        if not isinstance(operation, Fragment):
+            return operation
         try:
-            values = _object(data, self.limits)
-            request_id = _readable_id(values.get("id"))
-            op = _readable_op(values)
-            self._check_rate(now_ns)
-            return _parse(op, values)
+            whole = self._assembly.add(operation, now_ns)
         except ProtocolError as error:
-            self.refuse(error, op, request_id)
-        return None
+            self.refuse(error, operation)
+            return None
+        # each of its pieces has counted as an operation, so the whole does not
+        operation = None if whole is None else self._parse(whole, None)
+        if isinstance(operation, Fragment):
+            self.refuse(ProtocolError("bad_request", "fragment: within a fragment"), operation)
+            return None
+        return operation
 
-    def refuse(self, error: ProtocolError, op: str | None, request_id: str | int | None) -> None:
-        """Answer an operation that failed."""
-        self.refused += 1
-        self._say("error", str(error), error, op, request_id)
+    def refuse(self, error: ProtocolError, operation: Operation | None = None) -> None:
+        """Answer an operation that failed, or where there is none, say what is wrong.
+
+        A call gets its response and a goal its result, as clients wait for these; all else a
+        `status`.
+        """
+        asked = _Asked()
+        if operation is not None:
+            name = getattr(operation, _NAMED_BY.get(operation.op, ""), None)
+            asked = _Asked(operation.op, operation.id, name)
+        self._refuse(error, asked)
 
     def set_level(self, level: frames.Level) -> None:
         """Send only `status` frames of this severity and worse."""
@@ -70,10 +95,52 @@ class Session:
         """Send the answer to an operation."""
         self.send(frames.answer(op, request_id, **members))
 
-    def send(self, payload: bytes) -> None:
-        """Send a frame ahead of everything that waits in lanes."""
-        self.outbox.put_control(text_frame(payload))
+    def send(self, payload: bytes, fragment_size: int | None = None) -> None:
+        """Send JSON ahead of everything that waits in lanes.
+
+        What has more characters than *fragment_size* goes in pieces of so many.
+        """
+        self.outbox.put_control(self.framed(payload, fragment_size))
         self.wake()
+
+    def framed(self, payload: bytes, fragment_size: int | None = None) -> bytes:
+        """Return JSON as this client gets it on the wire; *fragment_size* is as for `send`."""
+        text = ascii_only(payload) if self.is_ros_sharp else payload
+        self._fragmented += fragment_size is not None
+        return text_frames(text, fragment_size, f"answer:{self._fragmented}")
+
+    def _parse(self, data: bytes, now_ns: int | None) -> ClientOperation | Fragment | None:
+        """Parse one operation, at the time *now_ns* where it counts; answer what is none."""
+        values: dict[str, object] = {}
+        try:
+            values = _object(data, self.limits)
+            if values.get("fragment_size") == ROS_SHARP_FRAGMENT_SIZE:
+                self.is_ros_sharp = True
+            op = _readable_op(values)
+            if now_ns is not None:
+                self._check_rate(now_ns)
+            return _operation(op, values)
+        except ProtocolError as error:
+            self._refuse(error, _readable(values))
+        return None
+
+    def _expire(self, now_ns: int) -> None:
+        for fragment_id, progress in self._assembly.expire(now_ns):
+            error = ProtocolError("limit_exceeded", f"fragment: {progress}")
+            self._refuse(error, _Asked(Fragment.op, fragment_id))
+
+    def _refuse(self, error: ProtocolError, asked: "_Asked") -> None:
+        self.refused += 1
+        text = str(error)
+        values = {} if self.is_ros_sharp else text
+        match asked:
+            # clients know a response by this name, so it is as they spelt it
+            case _Asked("call_service", request_id, str(service)):
+                self.send(frames.service_response(service, request_id, values, result=False))
+            case _Asked("send_action_goal", request_id, str(action)):
+                self.send(frames.action_result(action, request_id, values, status=0, result=False))
+            case _:
+                self._say("error", text, error, asked.op, asked.id)
 
     def _check_rate(self, now_ns: int) -> None:
         if not self._operations.allow(now_ns):
@@ -91,6 +158,14 @@ class Session:
         if frames.SEVERITY[level] <= frames.SEVERITY[self._level]:
             code = error.code if error else None
             self.send(frames.status(level, text, code=code, request=op, request_id=request_id))
+
+
+class _Asked(NamedTuple):
+    """What can be read of an operation that may be none: enough to answer it."""
+
+    op: str | None = None
+    id: str | int | None = None
+    name: object = None  # of the service or action, if it is a string
 
 
 def _object(data: bytes, limits: Limits) -> dict[str, object]:
@@ -111,6 +186,13 @@ def _readable_id(value: object) -> str | int | None:
     return value if isinstance(value, int) and not isinstance(value, bool) else None
 
 
+def _readable(values: dict[str, object]) -> _Asked:
+    op = values.get("op")
+    if not isinstance(op, str):
+        return _Asked(id=_readable_id(values.get("id")))
+    return _Asked(cut(op), _readable_id(values.get("id")), values.get(_NAMED_BY.get(op, "")))
+
+
 def _readable_op(values: dict[str, object]) -> str:
     op = values.get("op")
     if op is None:
@@ -120,7 +202,7 @@ def _readable_op(values: dict[str, object]) -> str:
     return cut(op)
 
 
-def _parse(op: str, values: dict[str, object]) -> ClientOperation:
+def _operation(op: str, values: dict[str, object]) -> ClientOperation | Fragment:
     model = OPERATIONS.get(op)
     if model is None:
         near = difflib.get_close_matches(op, OPERATIONS, n=1)

@@ -3,13 +3,16 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Final, TypeVar, get_args
 
+from gateway.protocol.envelope import Compression
 from gateway.protocol.limits import DEFAULT_LANE_BYTES, DEFAULT_QUEUE_LENGTH
-from gateway.protocol.operations import ImageRequest, QosRequest, Subscribe
+from gateway.protocol.operations.topics import ImageRequest, QosRequest, Subscribe
 from gateway.protocol.outbox import Entry, Lane, Outbox
 
 T = TypeVar("T")
+
+_COMPRESSIONS: Final[tuple[Compression, ...]] = get_args(Compression)  # later ones win
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,7 +21,8 @@ class Wish:
 
     A `publish` frame does not say which subscription it is for, so several subscriptions
     of one client to one topic share one stream, as in rosbridge: the shortest throttle and
-    queue, all the fields that any of them asked for, the newest word on type, QoS and image.
+    queue, the strongest compression, the smallest fragments, all the fields that any of them
+    asked for, the newest word on type, QoS and image.
     """
 
     type: str | int | None
@@ -28,6 +32,8 @@ class Wish:
     meta: bool
     throttle_ns: int
     queue_length: int | None
+    compression: Compression
+    fragment_size: int | None
 
     @classmethod
     def merge(cls, requests: Iterable[Subscribe]) -> "Wish":
@@ -42,6 +48,7 @@ class Wish:
             fields = tuple(sorted({field for request in wanted for field in request.fields or ()}))
         types = [request.type for request in wanted if request.type is not None]
         lengths = [request.queue_length for request in wanted if request.queue_length]
+        sizes = [known for request in wanted if (known := request.fragment_size) is not None]
         return cls(
             type=types[-1] if types else None,
             qos=_newest(request.qos for request in wanted) or QosRequest(),
@@ -50,7 +57,14 @@ class Wish:
             meta=any(request.meta for request in wanted),
             throttle_ns=round(throttle_ms * 1e6),
             queue_length=min(lengths, default=None),
+            compression=max((compression(request) for request in wanted), key=_COMPRESSIONS.index),
+            fragment_size=min(sizes, default=None),
         )
+
+
+def compression(request: Subscribe) -> Compression:
+    """Return what a subscription asks for; what is unknown counts as ``none``, as in rosbridge."""
+    return next((known for known in _COMPRESSIONS if known == request.compression), "none")
 
 
 def _newest(values: Iterable[T | None]) -> T | None:

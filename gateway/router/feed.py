@@ -13,8 +13,8 @@ from gateway.protocol.errors import ProtocolError
 from gateway.protocol.outbox import Entry
 from gateway.protocol.session import Session
 from gateway.protocol.stream import Stream
-from gateway.router.latch import Latch
-from gateway.router.rendition import Frame, MetaFrame, Rendition, RenditionKey
+from gateway.router.latch import Latch, TransformLatch
+from gateway.router.rendition import Frame, Rendition, RenditionKey, TailoredFrame
 
 _MAX_BROKEN = 16  # a publisher that sends ever new nonsense fills no memory and no log
 _RATE_BATCHES = 16  # enough to tell 30 Hz from 25, few enough to follow a change within a second
@@ -67,7 +67,7 @@ class Feed:
     """Hands every sample to its streams: one frame per rendition, however many clients.
 
     Runs on the event loop's thread. *make_rendition* builds a rendition when the first
-    stream asks for it; *ros_now_ns* stamps frames with meta.
+    stream asks for it; *ros_now_ns* stamps frames with meta; *latch* keeps what late streams get.
     """
 
     def __init__(
@@ -75,6 +75,7 @@ class Feed:
         key: FeedKey,
         make_rendition: Callable[["Feed", RenditionKey], Rendition],
         ros_now_ns: Callable[[], int],
+        latch: Latch | TransformLatch,
     ) -> None:
         self.key = key
         self.subscription: Subscription | None = None  # set by the opener, before any sample
@@ -83,7 +84,7 @@ class Feed:
         self._members: dict[Rendition, list[Member]] = {}
         self._seq = 0
         self._arrivals: deque[tuple[int, int]] = deque(maxlen=_RATE_BATCHES)
-        self._latch = Latch()
+        self._latch = latch
         self._broken: set[str] = set()  # what is wrong with samples, as far as it was told
 
     @property
@@ -182,8 +183,10 @@ class Feed:
         return max(1, subscription.publishers) * (self.key.qos.depth or 1)
 
     def _offer(self, member: Member, frame: Frame, now_ns: int) -> None:
-        stream = member.stream
-        if stream.wish.meta:
-            member.offer(MetaFrame(frame, stream, self._ros_now_ns()), now_ns)
+        stream, session = member.stream, member.session
+        wish = stream.wish
+        if wish.meta or wish.fragment_size is not None or session.is_ros_sharp:
+            own = TailoredFrame(frame, stream, session, self._ros_now_ns())
+            member.offer(own, now_ns)
         else:
             member.offer(frame, now_ns)

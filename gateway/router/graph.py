@@ -1,16 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """The ROS graph as clients see it: one picture, then what changed."""
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Iterable, Mapping
+from typing import Any, TypeVar
 
-from gateway.ports import Graph, Topic
+from gateway.ports import Graph, Provided, Topic
 
 
 def picture(graph: Graph, rates_hz: Mapping[str, float]) -> dict[str, Any]:
     """Return the members of a `graph` answer; rates are known for received topics only."""
     return {
         "topics": [_topic(topic, rates_hz) for topic in graph.topics],
+        "services": [_provided(service) for service in graph.services],
+        "actions": [_provided(action) for action in graph.actions],
         "nodes": list(graph.nodes),
     }
 
@@ -18,18 +20,42 @@ def picture(graph: Graph, rates_hz: Mapping[str, float]) -> dict[str, Any]:
 def changes(before: Graph, after: Graph) -> dict[str, Any]:
     """Return the members of a later `graph` frame, empty where nothing changed.
 
-    ``topics`` holds what is new or different, complete; ``gone_topics``, ``nodes`` and
-    ``gone_nodes`` hold names.
+    ``topics``, ``services`` and ``actions`` hold what is new or different, complete;
+    ``gone_topics`` and the like, ``nodes`` and ``gone_nodes`` hold names.
     """
-    known = {topic.name: topic for topic in before.topics}
-    now = {topic.name: topic for topic in after.topics}
+    new_topics, gone_topics = _difference(before.topics, after.topics)
+    new_services, gone_services = _difference(before.services, after.services)
+    new_actions, gone_actions = _difference(before.actions, after.actions)
     members: dict[str, Any] = {
-        "topics": [_topic(topic, {}) for name, topic in now.items() if known.get(name) != topic],
-        "gone_topics": [name for name in known if name not in now],
+        "topics": [_topic(topic, {}) for topic in new_topics],
+        "gone_topics": gone_topics,
+        "services": [_provided(service) for service in new_services],
+        "gone_services": gone_services,
+        "actions": [_provided(action) for action in new_actions],
+        "gone_actions": gone_actions,
         "nodes": [node for node in after.nodes if node not in set(before.nodes)],
         "gone_nodes": [node for node in before.nodes if node not in set(after.nodes)],
     }
     return {name: value for name, value in members.items() if value}
+
+
+T = TypeVar("T", Topic, Provided)
+
+
+def _difference(before: Iterable[T], after: Iterable[T]) -> tuple[list[T], list[str]]:
+    """Return what is new or different, and the names of what is gone."""
+    known = {each.name: each for each in before}
+    now = {each.name: each for each in after}
+    new = [each for name, each in now.items() if known.get(name) != each]
+    return new, [name for name in known if name not in now]
+
+
+def _provided(provided: Provided) -> dict[str, Any]:
+    return {
+        "name": provided.name,
+        "types": list(provided.types),
+        "nodes": list(provided.nodes),
+    }
 
 
 def _topic(topic: Topic, rates_hz: Mapping[str, float]) -> dict[str, Any]:

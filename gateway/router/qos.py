@@ -4,7 +4,7 @@
 from dataclasses import replace
 
 from gateway.ports import Qos
-from gateway.protocol.operations import Advertise, Duration, QosRequest, SecsNsecs
+from gateway.protocol.operations.topics import Advertise, Duration, QosRequest, SecsNsecs
 
 MAX_DEPTH = 1024  # queue_size counts messages that the middleware keeps: 10 s at 100 Hz
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Frames that are rendered once and shared by every client that asked for the same.
 
-A rendition is what distinguishes frames of one topic: its spelling, the fields, the image
-options. Rendering happens when a frame's turn on some socket has come, so what is dropped
+A rendition is what distinguishes frames of one topic: its spelling, the compression, the fields,
+the image options. Rendering happens when a frame's turn on some socket has come, so what is dropped
 before is never decoded.
 """
 
@@ -15,13 +15,13 @@ from dataclasses import dataclass
 from gateway.codec.errors import CodecError
 from gateway.codec.image import ImageOptions
 from gateway.ports import Sample
-from gateway.protocol import frames
-from gateway.protocol.framing import text_header
+from gateway.protocol.envelope import Compression, Envelope, Meta, Tailoring
+from gateway.protocol.session import Session
 from gateway.protocol.stream import Stream
 
 logger = logging.getLogger(__name__)
 
-Render = Callable[[bytes], bytes]  # CDR -> JSON of the message; raises CodecError
+Render = Callable[[bytes], bytes]  # CDR -> what the envelope takes; raises CodecError
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,18 +31,23 @@ class RenditionKey:
     topic: str  # as the clients spell it
     fields: tuple[str, ...] | None
     image: ImageOptions | None  # None: a plain message
+    compression: Compression = "none"
 
 
 class Rendition:
     """Renders on the event loop, at the moment the bytes are wanted."""
 
     def __init__(
-        self, key: RenditionKey, render: Render, on_failure: Callable[[CodecError], None]
+        self,
+        key: RenditionKey,
+        envelope: Envelope,
+        render: Render,
+        on_failure: Callable[[CodecError], None],
     ) -> None:
         self.key = key
+        self.envelope = envelope
         self._render = render
         self._on_failure = on_failure
-        self._prefix = frames.publish_prefix(key.topic)
 
     def is_rendering(self, frame: "Frame") -> bool:
         """Whether a frame is being rendered elsewhere."""
@@ -50,22 +55,16 @@ class Rendition:
         return False
 
     def body(self, frame: "Frame") -> bytes | None:
-        """Return the message as JSON, ``None`` if not yet, empty if it cannot be decoded."""
+        """Return the message for the envelope; ``None``: not yet; empty: it cannot be decoded."""
         try:
             return self._render(frame.sample.cdr)
         except CodecError as error:
             self._on_failure(error)
             return b""
 
-    def envelope(self, body: bytes) -> bytes:
-        """Return the complete WebSocket frame around a message."""
-        prefix = self._prefix
-        length = len(prefix) + len(body) + 1
-        return b"".join((text_header(length), prefix, body, frames.PUBLISH_SUFFIX))
 
-
-class PictureRendition(Rendition):
-    """Renders in a worker thread: a JPEG takes milliseconds, and OpenCV releases the GIL.
+class ThreadedRendition(Rendition):
+    """Renders in a worker thread: a picture takes milliseconds, and OpenCV releases the GIL.
 
     At most one picture is in the works; whoever wants another one asks again when *on_ready*
     says so, and by then a newer one may wait in its place.
@@ -74,13 +73,14 @@ class PictureRendition(Rendition):
     def __init__(
         self,
         key: RenditionKey,
+        envelope: Envelope,
         render: Render,
         on_failure: Callable[[CodecError], None],
         *,
         workers: Executor,
         on_ready: Callable[[], None],
     ) -> None:
-        super().__init__(key, render, on_failure)
+        super().__init__(key, envelope, render, on_failure)
         self._workers = workers
         self._on_ready = on_ready
         self._in_work: Frame | None = None
@@ -133,16 +133,16 @@ class Frame:
         return self.rendition.is_rendering(self)
 
     def wire(self) -> bytes | None:
-        """Return the frame as all streams without meta get it."""
+        """Return the frame as all streams get it that want nothing special."""
         if self._wire is None:
             body = self.body()
             if not body:
                 return body
-            self._wire = self.rendition.envelope(body)
+            self._wire = self.rendition.envelope.shared(body)
         return self._wire
 
     def body(self) -> bytes | None:
-        """Return the message as JSON; see `Rendition.body`."""
+        """Return the message for the envelope; see `Rendition.body`."""
         if self._body is None:
             self._body = self.rendition.body(self)
         return self._body
@@ -152,14 +152,15 @@ class Frame:
         self._body = body
 
 
-class MetaFrame:
-    """A frame with its sequence number, time of arrival and the drops so far of one stream."""
+class TailoredFrame:
+    """A frame as one stream alone gets it: with meta, in pieces, or in ASCII."""
 
-    __slots__ = ("_frame", "_ros_time_ns", "_stream", "size")
+    __slots__ = ("_frame", "_ros_time_ns", "_session", "_stream", "size")
 
-    def __init__(self, frame: Frame, stream: Stream, ros_time_ns: int) -> None:
+    def __init__(self, frame: Frame, stream: Stream, session: Session, ros_time_ns: int) -> None:
         self._frame = frame
         self._stream = stream
+        self._session = session
         self._ros_time_ns = ros_time_ns
         self.size = frame.size
 
@@ -169,13 +170,15 @@ class MetaFrame:
         return self._frame.is_being_rendered
 
     def wire(self) -> bytes | None:
-        """Return the frame as this stream alone gets it."""
-        body = self._frame.body()
+        """Return the frame, or frames in a row, as this stream alone gets it."""
+        frame = self._frame
+        body = frame.body()
         if not body:
             return body
-        stream = self._stream
-        prefix = frames.publish_meta_prefix(
-            stream.topic, self._frame.seq, self._ros_time_ns, stream.lane.dropped
+        wish = self._stream.wish
+        meta = None
+        if wish.meta:
+            meta = Meta(frame.seq, self._ros_time_ns, self._stream.lane.dropped)
+        return frame.rendition.envelope.tailored(
+            body, Tailoring(frame.seq, meta, wish.fragment_size, self._session.is_ros_sharp)
         )
-        length = len(prefix) + len(body) + 1
-        return b"".join((text_header(length), prefix, body, frames.PUBLISH_SUFFIX))

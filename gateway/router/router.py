@@ -2,44 +2,62 @@
 """Carries out what clients ask for."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from concurrent.futures import Executor
-from dataclasses import asdict
-from typing import assert_never
+from typing import Any, assert_never
 
-from gateway.codec.json import dumps
-from gateway.codec.picture import picture_renderer
+from gateway.calls import Calls
 from gateway.codec.types import Types
 from gateway.codec.words import cut
-from gateway.ports import Graph, Ros, RosError
-from gateway.protocol import frames
+from gateway.ports import Ros, RosError
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.limits import Limits
 from gateway.protocol.operations import (
+    ActionFeedback,
+    ActionResult,
     Advertise,
+    AdvertiseAction,
+    AdvertiseService,
     Auth,
+    CallService,
+    CancelActionGoal,
+    CancelTransform,
     ClientOperation,
     Describe,
+    DescribeParameters,
+    GetParameters,
     GraphRequest,
     Hello,
+    ListParameters,
+    LookupTransform,
     Ping,
     Publish,
+    SendActionGoal,
+    ServiceResponse,
     SetLevel,
+    SetParameters,
     Subscribe,
     Unadvertise,
+    UnadvertiseAction,
+    UnadvertiseService,
     Unsubscribe,
 )
 from gateway.protocol.session import Session
-from gateway.router import graph
-from gateway.router.feed import Feed
+from gateway.rosapi import Parameters, Rosapi
+from gateway.router.goals import Goals
+from gateway.router.inquiries import Inquiries
+from gateway.router.interface_types import InterfaceTypes
+from gateway.router.parameters import ParameterOperations
+from gateway.router.provided_actions import ProvidedActions
+from gateway.router.provided_services import ProvidedServices
 from gateway.router.publications import Publications
-from gateway.router.rendition import PictureRendition, Rendition, RenditionKey
+from gateway.router.renditions import Renditions
+from gateway.router.service_calls import ServiceCalls
 from gateway.router.subscriptions import Subscriptions
+from gateway.router.tasks import Tasks
 from gateway.router.topic_types import TopicTypes
+from gateway.router.transforms import Transforms
 from schemas.table import Table
-
-SERVER_NAME = "ros2-json-gateway"
-PROTOCOL = "rosbridge 2.0"
 
 
 class Router:
@@ -59,16 +77,27 @@ class Router:
         workers: Executor,
         version: str,
     ) -> None:
+        topic_types = TopicTypes(ros, types, table)
+        interface_types = InterfaceTypes(ros, types)
         self._ros = ros
         self._limits = limits
-        self._workers = workers
-        self._version = version
-        self._topic_types = TopicTypes(ros, types, table)
-        self._subscriptions = Subscriptions(ros, self._topic_types, self._rendition)
-        self._publications = Publications(ros, self._topic_types)
         self._sessions: set[Session] = set()
-        self._watching: dict[Session, str | int | None] = {}
-        self._seen: Graph | None = None  # what the watchers know
+        self._tasks = Tasks()
+        self._calls = Calls(ros, types)
+        parameters = Parameters(ros, self._calls)
+        rosapi = Rosapi(ros, types.definitions, parameters)
+        renditions = Renditions(ros, topic_types, workers)
+        self._subscriptions = Subscriptions(ros, topic_types, renditions)
+        self._publications = Publications(ros, topic_types)
+        self._service_calls = ServiceCalls(interface_types, self._calls, rosapi, self._tasks)
+        self._services = ProvidedServices(ros, interface_types)
+        self._goals = Goals(ros, interface_types)
+        self._actions = ProvidedActions(ros, interface_types)
+        self._parameters = ParameterOperations(parameters)
+        self._transforms = Transforms(ros, topic_types)
+        self._inquiries = Inquiries(
+            ros, topic_types, interface_types, self._subscriptions, limits=limits, version=version
+        )
         self._watch = ros.watch_graph(self._on_graph_change)
 
     def enter(self, wake: Callable[[], None]) -> Session:
@@ -85,30 +114,44 @@ class Router:
         try:
             self._carry_out(session, operation)
         except ProtocolError as error:
-            session.refuse(error, operation.op, operation.id)
+            session.refuse(error, operation)
         except RosError as error:
-            refusal = ProtocolError(error.code, cut(str(error)))
-            session.refuse(refusal, operation.op, operation.id)
+            session.refuse(ProtocolError(error.code, cut(str(error))), operation)
 
     def leave(self, session: Session) -> None:
         """Close every ROS entity that was open for a client, and forget it."""
         self._sessions.discard(session)
-        self._watching.pop(session, None)
+        self._tasks.leave(session)
+        self._inquiries.leave(session)
+        self._transforms.leave(session)
         self._subscriptions.leave(session)
         self._publications.leave(session)
+        self._services.leave(session)
+        self._goals.leave(session)
+        self._actions.leave(session)
 
     def close(self) -> None:
         """End all sessions and stop following the graph."""
         self._watch.close()
         for session in list(self._sessions):
             self.leave(session)
+        self._transforms.close()
+        self._goals.close()
+        self._calls.close()
 
     def counts(self) -> dict[str, int]:
         """Count what is open, for health reports."""
         return {
             "clients": len(self._sessions),
+            "ros_entities": self._ros.entity_count(),
             "subscriptions": self._subscriptions.feeds,
             "publishers": self._publications.publishers,
+            "services": self._services.services,
+            "action_servers": self._actions.servers,
+            "service_clients": self._calls.clients,
+            "action_clients": self._goals.clients,
+            "calls": len(self._tasks) + self._services.pending,
+            "goals": self._goals.pursued + self._actions.pending,
         }
 
     def _carry_out(self, session: Session, operation: ClientOperation) -> None:
@@ -123,14 +166,48 @@ class Router:
                 self._publications.advertise(session, operation)
             case Unadvertise():
                 self._publications.unadvertise(session, operation)
+            case CallService():
+                self._service_calls.call(session, operation)
+            case AdvertiseService():
+                self._services.advertise(session, operation)
+            case UnadvertiseService():
+                self._services.unadvertise(session, operation)
+            case ServiceResponse():
+                self._services.respond(session, operation)
+            case SendActionGoal():
+                self._goals.send(session, operation)
+            case CancelActionGoal():
+                self._goals.cancel(session, operation)
+            case AdvertiseAction():
+                self._actions.advertise(session, operation)
+            case UnadvertiseAction():
+                self._actions.unadvertise(session, operation)
+            case ActionFeedback():
+                self._actions.feedback(session, operation)
+            case ActionResult():
+                self._actions.finish(session, operation)
+            case ListParameters():
+                self._answer_later(session, operation, lambda: self._parameters.list(operation))
+            case GetParameters():
+                self._answer_later(session, operation, lambda: self._parameters.get(operation))
+            case SetParameters():
+                self._answer_later(session, operation, lambda: self._parameters.set(operation))
+            case DescribeParameters():
+                self._answer_later(session, operation, lambda: self._parameters.describe(operation))
+            case LookupTransform(rate=None):
+                self._answer_later(session, operation, lambda: self._transforms.lookup(operation))
+            case LookupTransform():
+                self._transforms.watch(session, operation)
+            case CancelTransform():
+                self._transforms.cancel(session, operation)
             case Ping():
-                self._ping(session, operation)
+                self._inquiries.ping(session, operation)
             case Hello():
-                self._hello(session, operation)
+                self._inquiries.hello(session, operation)
             case Describe():
-                self._describe(session, operation)
+                self._inquiries.describe(session, operation)
             case GraphRequest():
-                self._graph(session, operation)
+                self._inquiries.graph(session, operation)
             case SetLevel():
                 session.set_level(operation.level)
             case Auth():
@@ -138,69 +215,17 @@ class Router:
             case _:
                 assert_never(operation)
 
-    def _ping(self, session: Session, request: Ping) -> None:
-        session.answer(
-            "pong",
-            request.id,
-            value=request.value,
-            ros_time=frames.time(self._ros.now_ns()),
-            gateway_time=frames.time(time.time_ns()),
-        )
+    def _answer_later(
+        self,
+        session: Session,
+        operation: ClientOperation,
+        work: Callable[[], Awaitable[dict[str, Any]]],
+    ) -> None:
+        async def answer() -> None:
+            session.answer(operation.op, operation.id, **await work())
 
-    def _hello(self, session: Session, request: Hello) -> None:
-        session.answer(
-            "hello",
-            request.id,
-            server=SERVER_NAME,
-            version=self._version,
-            protocol=PROTOCOL,
-            ros_distro=self._ros.distro,
-            role="operator",
-            limits=asdict(self._limits),
-        )
-
-    def _describe(self, session: Session, request: Describe) -> None:
-        message_type = self._topic_types.named(request.type)
-        session.answer(
-            "describe",
-            request.id,
-            type=message_type.name,
-            number=self._topic_types.number(message_type.name),
-            type_hash=message_type.definition.type_hash,
-            definition=message_type.definition.text,
-            schema=message_type.json_schema(),
-        )
-
-    def _graph(self, session: Session, request: GraphRequest) -> None:
-        now = self._ros.graph()
-        if request.watch is False:
-            self._watching.pop(session, None)
-        elif request.watch:
-            if not self._watching:
-                self._seen = now
-            self._watching[session] = request.id
-        rates_hz = self._subscriptions.rates_hz(time.monotonic_ns())
-        session.answer("graph", request.id, **graph.picture(now, rates_hz))
+        self._tasks.start(session, operation, answer)
 
     def _on_graph_change(self) -> None:
         self._subscriptions.refresh()
-        if not self._watching or self._seen is None:
-            return
-        before, self._seen = self._seen, self._ros.graph()
-        changes = graph.changes(before, self._seen)
-        if changes:
-            for session, request_id in self._watching.items():
-                session.answer("graph", request_id, changes=changes)
-
-    def _rendition(self, feed: Feed, key: RenditionKey) -> Rendition:
-        message_type = self._topic_types.get(feed.key.type_name)
-        if key.image is None:
-            decode = message_type.decoder(key.fields)
-            return Rendition(key, lambda cdr: dumps(decode(cdr)), feed.on_codec_error)
-        return PictureRendition(
-            key,
-            picture_renderer(message_type, key.image),
-            feed.on_codec_error,
-            workers=self._workers,
-            on_ready=feed.wake_all,
-        )
+        self._inquiries.on_graph_change()

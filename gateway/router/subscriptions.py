@@ -2,7 +2,7 @@
 """Which client gets which topic: streams on one side, feeds from ROS on the other."""
 
 import difflib
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -15,13 +15,15 @@ from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import TopicName, resolve_topic
 from gateway.protocol.operations import Subscribe, Unsubscribe
 from gateway.protocol.session import Session
-from gateway.protocol.stream import Stream, Wish
+from gateway.protocol.stream import Stream, Wish, compression
 from gateway.router.feed import Feed, FeedKey, Member
+from gateway.router.latch import make_latch
 from gateway.router.qos import requested
 from gateway.router.rendition import Rendition, RenditionKey
+from gateway.router.renditions import Renditions
 from gateway.router.topic_types import TopicTypes
 
-_KNOWN_COMPRESSIONS = frozenset({None, "", "none"})
+_NO_COMPRESSION = frozenset({None, "", "none"})
 
 
 @dataclass(slots=True)
@@ -48,15 +50,10 @@ class Source(NamedTuple):
 class Subscriptions:
     """Opens and closes ROS subscriptions as clients come and go."""
 
-    def __init__(
-        self,
-        ros: Ros,
-        types: TopicTypes,
-        make_rendition: Callable[[Feed, RenditionKey], Rendition],
-    ) -> None:
+    def __init__(self, ros: Ros, types: TopicTypes, renditions: Renditions) -> None:
         self._ros = ros
         self._types = types
-        self._make_rendition = make_rendition
+        self._renditions = renditions
         self._feeds: dict[FeedKey, Feed] = {}
         self._subscribed: dict[Session, dict[str, Subscribed]] = {}
 
@@ -99,7 +96,7 @@ class Subscriptions:
         self._attach(entry, wish, source)
         entry.requests = requests
         self._subscribed.setdefault(session, {})[request.topic] = entry
-        if request.compression not in _KNOWN_COMPRESSIONS:
+        if compression(request) == "none" and request.compression not in _NO_COMPRESSION:
             asked = cut(request.compression or "")
             text = f"compression: {asked!r} is not available; sending plain JSON"
             session.warn(ProtocolError("bad_request", text), request.op, request.id)
@@ -189,9 +186,13 @@ class Subscriptions:
             message_type.decoder(wish.fields)
         except FieldError as error:
             raise ProtocolError("bad_request", f"fields: {cut(str(error))}") from error
+        if wish.fields is not None and wish.compression == "cbor-raw":
+            text = "fields: cbor-raw is CDR untouched; choose cbor for some fields of it"
+            raise ProtocolError("bad_request", text)
+        image = _pictures(message_type, wish)
         return Source(
             FeedKey(entry.topic, message_type.name, requested(wish.qos)),
-            RenditionKey(entry.spelling, wish.fields, _pictures(message_type, wish)),
+            RenditionKey(entry.spelling, wish.fields, image, wish.compression),
         )
 
     def _attach(self, entry: Subscribed, wish: Wish, source: Source | None) -> None:
@@ -225,7 +226,8 @@ class Subscriptions:
             del self._feeds[feed.key]
 
     def _open(self, key: FeedKey) -> Feed:
-        feed = Feed(key, self._make_rendition, self._ros.now_ns)
+        latch = make_latch(key.topic, self._types.get(key.type_name))
+        feed = Feed(key, self._renditions.make, self._ros.now_ns, latch)
         feed.subscription = self._ros.subscribe(
             key.topic,
             key.type_name,
@@ -251,6 +253,8 @@ def _pictures(message_type: MessageType, wish: Wish) -> ImageOptions | None:
     """Return the picture options where a stream gets pictures instead of plain messages."""
     image = wish.image
     if message_type.name != "sensor_msgs/msg/Image" or wish.fields or image.format == "raw":
+        return None
+    if wish.compression == "cbor-raw":
         return None
     options = ImageOptions(image.format, image.quality, image.max_width, image.max_height)
     if image.depth_range_m is None:

@@ -5,7 +5,16 @@ The format is plain CDR, encoding version 1 (DDS-XTypes 1.3, 7.4.3; what ROS 2 u
 encapsulation header, then every primitive aligned to its size, counted from after the header.
 """
 
-from gateway.codec.cdr.decoder import Decoder, Octets, compile_decoder
+from gateway.codec.cdr.decoder import Decoder, Transcoder, compile_decoder, compile_transcoder
 from gateway.codec.cdr.encoder import Encoder, compile_encoder
+from gateway.codec.cdr.target import Octets
 
-__all__ = ["Decoder", "Encoder", "Octets", "compile_decoder", "compile_encoder"]
+__all__ = [
+    "Decoder",
+    "Encoder",
+    "Octets",
+    "Transcoder",
+    "compile_decoder",
+    "compile_encoder",
+    "compile_transcoder",
+]

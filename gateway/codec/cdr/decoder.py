@@ -1,21 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""CDR to values that `gateway.codec.json.dumps` can write."""
+"""CDR to values that `gateway.codec.json.dumps` can write, or to CBOR."""
 
-import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache
 from struct import calcsize, unpack_from
 from struct import error as StructError  # noqa: N812
-from typing import Final, Literal, TypeAlias, assert_never
+from typing import Any, Final, Generic, TypeAlias, assert_never
 
 import numpy as np
-from pybase64 import b64encode_as_string
 
 from gateway.codec.cdr.layout import (
     ALIGNMENTS,
     CODES,
     HEADER_BYTES,
-    NUMPY_LENGTH,
     ByteOrder,
     Elements,
     Fixed,
@@ -31,16 +28,17 @@ from gateway.codec.cdr.layout import (
 )
 from gateway.codec.cdr.selection import Selection, select
 from gateway.codec.cdr.source import Source, variable
+from gateway.codec.cdr.target import Octets, Target, Value, Values
+from gateway.codec.cdr.to_cbor import Cbor
 from gateway.codec.errors import CodecError
-from schemas.definition import Definition
+from schemas.definition import Definition, FieldType
 from schemas.installed import InstalledDefinitions
 
 Decoder: TypeAlias = Callable[[bytes], dict[str, object]]
-Octets = Literal["base64", "raw"]
+Transcoder: TypeAlias = Callable[[bytes], bytes]
 
 # RTPS 2.5, 10.2: CDR_LE is the octets {0x00, 0x01}, CDR_BE {0x00, 0x00}, here as read by each.
 _ENCAPSULATIONS: Final = {"<": 0x0100, ">": 0x0000}
-_NATIVE: Final = "<" if sys.byteorder == "little" else ">"
 
 
 def compile_decoder(
@@ -67,28 +65,55 @@ def compile_decoder(
         FieldError: *fields* names what is no field.
         UnknownTypeError: a nested type is not installed.
     """
+    note = ", octets raw" if octets == "raw" else ""
+    return _compile(definition, definitions, fields, Values(octets), "CDR decoder", note)
+
+
+def compile_transcoder(
+    definition: Definition, definitions: InstalledDefinitions, fields: Iterable[str] | None = None
+) -> Transcoder:
+    """Compile a function from CDR, encapsulation header included, to CBOR: a map.
+
+    As rosbridge has it: octet arrays are byte strings, all other arrays of numbers typed arrays
+    (RFC 8746), little-endian, short and empty ones too; every float is a float64. Else all is
+    as for `compile_decoder`, *fields* and what the function raises included.
+
+    Raises:
+        FieldError: *fields* names what is no field.
+        UnknownTypeError: a nested type is not installed.
+    """
+    return _compile(definition, definitions, fields, Cbor(), "CDR to CBOR transcoder", "")
+
+
+def _compile(
+    definition: Definition,
+    definitions: InstalledDefinitions,
+    fields: Iterable[str] | None,
+    target: Target[Value],
+    what: str,
+    note: str,
+) -> Callable[[bytes], Any]:
     paths = tuple(fields or ())
     selection = select(definition, definitions, paths)
-    title = f"CDR decoder of {definition.name}"
+    title = f"{what} of {definition.name}"
     if paths:
         title += f", fields {', '.join(paths)}"
-    if octets == "raw":
-        title += ", octets raw"
+    title += note
     members = flatten(definition, definitions, selection)
 
     @cache
-    def big_endian() -> Decoder:
-        writer = _Writer(">", octets, definitions)
+    def big_endian() -> Callable[[bytes], Any]:
+        writer = _Writer(">", target, definitions)
         return writer.write(definition, members, selection, f"{title}, big-endian", _refuse)
 
-    def other_encapsulation(cdr: bytes) -> dict[str, object]:
+    def other_encapsulation(cdr: bytes) -> object:
         return big_endian()(cdr)
 
-    writer = _Writer("<", octets, definitions)
+    writer = _Writer("<", target, definitions)
     return writer.write(definition, members, selection, title, other_encapsulation)
 
 
-def _refuse(cdr: bytes) -> dict[str, object]:
+def _refuse(cdr: bytes) -> object:
     raise CodecError(
         f"encapsulation 0x{cdr[:2].hex()} is not plain CDR, 0x0000 or 0x0001", offset=0
     )
@@ -108,16 +133,18 @@ def _wide_text(units: bytes, order: ByteOrder) -> str:
     return narrow.tobytes().decode("utf-16-le", "replace")
 
 
-class _Writer:
+class _Writer(Generic[Value]):
     """Writes the source of one decoder.
 
     Its variables: ``data`` and its ``size``; ``offset``, where reading goes on; ``length``, what
     the run at ``offset`` takes; ``count`` of the array or string that comes next, and its ``end``.
     """
 
-    def __init__(self, order: ByteOrder, octets: Octets, definitions: InstalledDefinitions) -> None:
-        self._order = order
-        self._octets = octets
+    def __init__(
+        self, order: ByteOrder, target: Target[Value], definitions: InstalledDefinitions
+    ) -> None:
+        self._order: ByteOrder = order
+        self._target = target
         self._definitions = definitions
         self._source = Source()
         self._slots: list[Slot] = []
@@ -130,8 +157,8 @@ class _Writer:
         members: Sequence[Member],
         selection: Selection,
         title: str,
-        other_encapsulation: Decoder,
-    ) -> Decoder:
+        other_encapsulation: Callable[[bytes], object],
+    ) -> Callable[[bytes], Any]:
         source = self._source
         with source.block("def decode(data):"):
             source.line("size = len(data)")
@@ -144,14 +171,11 @@ class _Writer:
                 self._flush()
             with source.block("except StructError:"):
                 source.line("raise truncated(offset, length, size) from None")
-            with source.block("return {"):
-                for entry in self._entries(definition, (), selection):
-                    source.line(f"{entry},")
-            source.line("}")
+            message = self._message(definition, (), selection)
+            source.line(f"return {self._target.expression(message, source)}")
         names = {
+            **self._target.names,
             "StructError": StructError,
-            "base64": b64encode_as_string,
-            "frombuffer": np.frombuffer,
             "other_encapsulation": other_encapsulation,
             "too_long": _too_long,
             "truncated": _truncated,
@@ -186,8 +210,10 @@ class _Writer:
             self._slots.append(Slot("s", member.length))
             self._targets.append(name)
             self._flush()
-            wrap = "base64" if self._octets == "base64" else "memoryview"
-            self._source.line(f"{name} = {wrap}({name})")
+            if self._target.octets(name) != name:
+                self._source.line(f"{name} = {self._target.octets(name)}")
+        elif not self._target.takes_tuples:
+            self._numbers(Numbers(member.path, member.base, member.length, None, wanted=True))
         else:
             # The tuple of an own struct is the value as it stands.
             self._flush()
@@ -228,22 +254,8 @@ class _Writer:
 
     def _array(self, member: Numbers) -> str:
         if member.is_octets:
-            view = "memoryview(data)[offset:end]"
-            return f"base64({view})" if self._octets == "base64" else view
-        code = CODES[member.base]
-        if member.base == "bool":
-            # Any octet but 0 is true, and a view must not show octets as bools that are neither.
-            view = '(frombuffer(data, "u1", count, offset) != 0)'
-        else:
-            wire = np.dtype(f"{self._order}{code}")
-            dtype = self._source.constant(member.base.upper(), wire, wire.str)
-            view = f"frombuffer(data, {dtype}, count, offset)"
-            if self._order != _NATIVE:  # orjson writes arrays in native order only
-                view += f'.astype("={code}")'
-        if member.length is not None:
-            return view
-        few = f'unpack_from(f"{self._order}{{count}}{code}", data, offset)'
-        return f"({view} if count > {NUMPY_LENGTH} else {few}) if count else ()"
+            return self._target.octets("memoryview(data)[offset:end]")
+        return self._target.numbers(member, self._order, self._source)
 
     def _elements(self, member: Elements) -> None:
         source = self._source
@@ -290,8 +302,10 @@ class _Writer:
     def _element(self, member: Elements) -> str:
         """Return the expression for one element."""
         if member.definition is None:
-            return variable(item_path(member.path))
-        return self._dict(member.definition, member.path, member.selection)
+            value = self._target.value(FieldType("string"), variable(item_path(member.path)))
+        else:
+            value = self._message(member.definition, member.path, member.selection)
+        return self._target.expression(value, self._source)
 
     def _count(self, path: Path, bound: int | None, terminators: int = 0) -> None:
         """Read the uint32 count of an array or string, which ends a run."""
@@ -350,21 +364,23 @@ class _Writer:
         self._slots = []
         self._targets = []
 
-    def _entries(self, definition: Definition, path: Path, selection: Selection) -> Iterator[str]:
-        """Yield the entries of the dict for a message."""
+    def _message(self, definition: Definition, path: Path, selection: Selection) -> Value:
+        """Put the fields of a message together, those of nested ones within."""
+        return self._target.message(list(self._entries(definition, path, selection)))
+
+    def _entries(
+        self, definition: Definition, path: Path, selection: Selection
+    ) -> Iterator[tuple[str, Value]]:
         for field in definition.fields:
             if selection is not None and field.name not in selection:
                 continue
             here = (*path, field.name)
             if field.type.is_primitive or field.type.is_array:
-                value = variable(here)
+                value = self._target.value(field.type, variable(here))
             else:
                 nested = self._definitions.get(field.type.base)
-                value = self._dict(nested, here, selection[field.name] if selection else None)
-            yield f'"{field.name}": {value}'
-
-    def _dict(self, definition: Definition, path: Path, selection: Selection) -> str:
-        return f"{{{', '.join(self._entries(definition, path, selection))}}}"
+                value = self._message(nested, here, selection[field.name] if selection else None)
+            yield field.name, value
 
 
 def _names(members: Sequence[Member]) -> list[str]:

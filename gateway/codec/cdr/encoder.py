@@ -52,7 +52,7 @@ def compile_encoder(definition: Definition, definitions: InstalledDefinitions) -
     title = f"CDR encoder of {definition.name}"
 
     def refuse(_message: object, error: Exception) -> bytes:
-        raise CodecError(f"{definition.name} cannot be encoded: {error}") from error
+        raise CodecError(f"{definition.title} cannot be encoded: {error}") from error
 
     @cache
     def with_nan() -> Encoder:

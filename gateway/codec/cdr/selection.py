@@ -51,4 +51,4 @@ def _field(definition: Definition, name: str, path: str) -> Field:
         if field.name == name:
             return field
     names = ", ".join(field.name for field in definition.fields) or "no fields"
-    raise FieldError(f"unknown field {path}: {definition.name} has {names}")
+    raise FieldError(f"unknown field {path}: {definition.title} has {names}")

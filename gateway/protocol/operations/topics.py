@@ -1,28 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The operations that clients send, as frozen models.
+"""Topics: advertise, publish, subscribe."""
 
-rosbridge protocol v2 and this gateway's extensions (docs/protocol.md). Keys that an operation
-does not know are ignored, because clients send extras; the keys it knows are strict.
-"""
-
-from typing import Annotated, Any, ClassVar, Final, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from gateway.protocol.operations.base import FragmentSize, Operation, Seconds
+
 Milliseconds = Annotated[float, Field(ge=0, le=3_600_000)]
-Seconds = Annotated[float, Field(ge=0, le=1e9)]
-# rosbridge clients build ids from a topic and a counter, or a UUID
-MAX_ID_CHARACTERS: Final = 256
-Id = Annotated[str, Field(max_length=MAX_ID_CHARACTERS)] | int
-
-
-class Operation(BaseModel):
-    """What every operation has: a name, and an id that answers carry back."""
-
-    model_config = ConfigDict(strict=True, frozen=True, extra="ignore")
-
-    op: ClassVar[str]
-    id: Id | None = None
 
 
 class SecsNsecs(BaseModel):
@@ -115,6 +100,7 @@ class Subscribe(Operation):
     throttle_rate: Milliseconds | None = None
     queue_length: Annotated[int, Field(ge=0)] | None = None
     compression: str | None = None
+    fragment_size: FragmentSize | None = None
     qos: QosRequest | None = None
     fields: Annotated[tuple[str, ...], Field(strict=False, min_length=1, max_length=64)] | None = (
         None
@@ -128,75 +114,3 @@ class Unsubscribe(Operation):
 
     op = "unsubscribe"
     topic: str
-
-
-class SetLevel(Operation):
-    """Choose the least severe `status` frames that this client wants."""
-
-    op = "set_level"
-    level: Literal["none", "error", "warning", "info"]
-
-
-class Hello(Operation):
-    """Ask who the server is and what it allows."""
-
-    op = "hello"
-
-
-class Ping(Operation):
-    """Ask for the clocks; the value comes back untouched."""
-
-    op = "ping"
-    value: Any = None
-
-
-class Describe(Operation):
-    """Ask for the schema, the definition and the hash of a message type."""
-
-    op = "describe"
-    type: str | int
-
-
-class GraphRequest(Operation):
-    """Ask for topics and nodes, once or with all later changes; ``watch: false`` ends these."""
-
-    op = "graph"
-    watch: bool | None = None
-
-
-class Auth(Operation):
-    """Accepted for old clients' sake; this server asks nobody for a password."""
-
-    op = "auth"
-
-
-ClientOperation = (
-    Advertise
-    | Unadvertise
-    | Publish
-    | Subscribe
-    | Unsubscribe
-    | SetLevel
-    | Hello
-    | Ping
-    | Describe
-    | GraphRequest
-    | Auth
-)
-
-OPERATIONS: Final[dict[str, type[ClientOperation]]] = {
-    model.op: model
-    for model in (
-        Advertise,
-        Unadvertise,
-        Publish,
-        Subscribe,
-        Unsubscribe,
-        SetLevel,
-        Hello,
-        Ping,
-        Describe,
-        GraphRequest,
-        Auth,
-    )
-}

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: Apache-2.0
+"""CDR to CBOR without Python objects for what is alike in both: arrays are slices of the CDR."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from struct import Struct
+from typing import Final, TypeAlias
+
+import numpy as np
+
+from gateway.codec import cbor
+from gateway.codec.cdr.layout import CODES, ByteOrder, Numbers
+from gateway.codec.cdr.source import Source
+from schemas.definition import FLOATS, INTEGER_RANGES, OCTETS, STRINGS, FieldType
+
+# Any octet but 0 is true.
+_BOOLEANS: Final = bytes((cbor.FALSE, *[cbor.TRUE] * 255))
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """Some bytes of the item: a constant, a number of fixed size, or source that makes bytes."""
+
+    content: bytes | str
+    code: str = ""  # of struct, for a number
+
+    @property
+    def is_fixed(self) -> bool:
+        """Whether its size is known."""
+        return isinstance(self.content, bytes) or bool(self.code)
+
+
+Pieces: TypeAlias = tuple[Piece, ...]
+
+
+class Cbor:
+    """Makes one CBOR item.
+
+    Numbers have the width of their type, whatever their value (RFC 8949, 4.1 prefers the
+    shortest, and demands it of nobody): neighbours are written by one `struct.Struct`, together
+    with the names between them.
+    """
+
+    takes_tuples = False
+    names: Mapping[str, Callable[..., object] | bytes] = {
+        "BOOLEANS": _BOOLEANS,
+        "frombuffer": np.frombuffer,
+        "head": cbor.head,
+        "text": cbor.text,
+    }
+
+    def octets(self, octets: str) -> str:
+        """Keep the bytes, or the view."""
+        return octets
+
+    def numbers(self, member: Numbers, order: ByteOrder, source: Source) -> str:
+        """Make little-endian bytes; they are the CDR's own where that is little-endian."""
+        if member.base == "bool":
+            return "data[offset:end].translate(BOOLEANS)"
+        if order == ">" and member.size > 1:
+            wire = np.dtype(f">{CODES[member.base]}")
+            dtype = source.constant(member.base.upper(), wire, wire.str)
+            little = f"<{CODES[member.base]}"
+            return f'frombuffer(data, {dtype}, count, offset).astype("{little}").tobytes()'
+        # a view costs as much as a copy of some hundred bytes
+        return "data[offset:end]" if member.length is not None else "memoryview(data)[offset:end]"
+
+    def value(self, kind: FieldType, name: str) -> Pieces:
+        """Make the item of one field."""
+        if not kind.is_array:
+            return _text(name) if kind.base in STRINGS else _number(kind.base, name)
+        if kind.base in OCTETS:
+            return _counted(cbor.OCTETS, kind, name)
+        if kind.base in FLOATS or kind.base in INTEGER_RANGES:
+            size = np.dtype(CODES[kind.base]).itemsize
+            tag = Piece(cbor.TYPED_ARRAYS[kind.base])
+            return (tag, *_counted(cbor.OCTETS, kind, name, size))
+        if kind.base == "bool":
+            return _counted(cbor.ARRAY, kind, name)
+        count = Piece(f"head({cbor.ARRAY}, len({name}))")
+        return (count, Piece(f'b"".join({name})'))
+
+    def message(self, members: Sequence[tuple[str, Pieces]]) -> Pieces:
+        """Make a map."""
+        pieces = [Piece(cbor.head(cbor.MAP, len(members)))]
+        for name, value in members:
+            pieces += (Piece(cbor.text(name)), *value)
+        return tuple(pieces)
+
+    def expression(self, value: Pieces, source: Source) -> str:
+        """Join the pieces, neighbours of fixed size in one."""
+        parts = []
+        for is_fixed, group in groupby(value, key=lambda piece: piece.is_fixed):
+            if is_fixed:
+                parts.append(_packed(group, source))
+            else:
+                parts += [str(piece.content) for piece in group]
+        return parts[0] if len(parts) == 1 else f'b"".join(({", ".join(parts)}))'
+
+
+def _text(name: str) -> Pieces:
+    return (Piece(f"text({name})"),)
+
+
+def _number(base: str, name: str) -> Pieces:
+    if base in FLOATS:
+        return (Piece(cbor.FLOAT64), Piece(name, "d"))
+    if base == "bool":
+        return (Piece(f"{cbor.FALSE} + {name}", "B"),)
+    code = CODES[base]
+    width = {"b": 24, "h": 25, "i": 26, "q": 27}[code.lower()]
+    if code.isupper():
+        return (Piece(bytes((cbor.UNSIGNED | width,))), Piece(name, code))
+    # of a negative number its complement is written; >> 63 is 0 or -1
+    kind = Piece(f"{width} | {name} >> 63 & {cbor.NEGATIVE}", "B")
+    return (kind, Piece(f"{name} ^ {name} >> 63", code.upper()))
+
+
+def _counted(major: int, kind: FieldType, name: str, size: int = 1) -> Pieces:
+    if kind.length is not None:
+        return (Piece(cbor.head(major, kind.length * size)), Piece(name))
+    return (Piece(f"head({major}, len({name}))"), Piece(name))
+
+
+def _packed(pieces: Iterable[Piece], source: Source) -> str:
+    """Write pieces of fixed size at once, constants that follow each other as one."""
+    form = ">"
+    values: list[str] = []
+    for is_number, group in groupby(pieces, key=lambda piece: bool(piece.code)):
+        if is_number:
+            numbers = list(group)
+            form += "".join(piece.code for piece in numbers)
+            values += [str(piece.content) for piece in numbers]
+        else:
+            constant = b"".join(bytes(piece.content) for piece in group)  # type: ignore[arg-type]
+            form += f"{len(constant)}s"
+            values.append(source.constant("KEYS", constant, repr(constant)))
+    if len(values) == 1 and form.endswith("s"):
+        return values[0]
+    struct = Struct(form)
+    return f"{source.constant('PACK', struct.pack, struct.format)}({', '.join(values)})"

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Things that are costly to open and stay open for a while after their last use."""
+
+import asyncio
+import contextlib
+from collections.abc import Callable, Hashable, Iterator
+from dataclasses import dataclass
+from typing import Final, Generic, Protocol, TypeVar
+
+# DDS takes some tenths of a second until a new client is heard by its server, so who calls once
+# a second must not pay that each time. Nor must what nobody uses any more be seen for long.
+LINGER_S: Final = 5.0
+MAX_IDLE: Final = 32  # of 256 ROS entities in all
+
+
+class Closable(Protocol):
+    """Something that is open until it is closed."""
+
+    def close(self) -> None:
+        """Close it. Closing twice is harmless."""
+
+
+T = TypeVar("T", bound=Closable)
+
+
+@dataclass(slots=True)
+class _Entry(Generic[T]):
+    thing: T
+    users: int = 0
+    end: asyncio.TimerHandle | None = None
+
+
+class Lingering(Generic[T]):
+    """Opens each thing once for all who use it, and closes it `LINGER_S` after the last."""
+
+    def __init__(self) -> None:
+        self._entries: dict[Hashable, _Entry[T]] = {}
+
+    def __len__(self) -> int:
+        """Count what is open."""
+        return len(self._entries)
+
+    @contextlib.contextmanager
+    def use(self, key: Hashable, open_thing: Callable[[], T]) -> Iterator[T]:
+        """Lend what *key* stands for, opened by *open_thing* where it is not open yet."""
+        entry = self._entries.pop(key, None)
+        if entry is None:
+            entry = _Entry(open_thing())
+        elif entry.end is not None:
+            entry.end.cancel()
+            entry.end = None
+        self._entries[key] = entry  # last in the order: the longest idle comes first
+        entry.users += 1
+        try:
+            yield entry.thing
+        finally:
+            entry.users -= 1
+            if not entry.users and self._entries.get(key) is entry:
+                loop = asyncio.get_running_loop()
+                entry.end = loop.call_later(LINGER_S, self._close, key)
+                self._shed()
+
+    def close(self) -> None:
+        """Close everything, in use or not."""
+        for key in list(self._entries):
+            self._close(key)
+
+    def _shed(self) -> None:
+        idle = [key for key, entry in self._entries.items() if not entry.users]
+        for key in idle[: max(0, len(idle) - MAX_IDLE)]:
+            self._close(key)
+
+    def _close(self, key: Hashable) -> None:
+        entry = self._entries.pop(key)
+        if entry.end is not None:
+            entry.end.cancel()
+        entry.thing.close()

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Actions: send a goal, or provide the action."""
+
+from typing import Any
+
+from gateway.protocol.operations.base import FragmentSize, Id, Operation
+
+
+class SendActionGoal(Operation):
+    """Send a goal; the answer is an `action_result` with the same id, whatever happens."""
+
+    op = "send_action_goal"
+    action: str
+    action_type: str | None = None
+    args: Any = None  # an object, or the values of the fields in order
+    feedback: bool = False
+    keep: bool = False  # do not cancel the goal when this client leaves
+    fragment_size: FragmentSize | None = None
+
+
+class CancelActionGoal(Operation):
+    """Ask for a goal, by its id, to be cancelled; the result tells whether it was."""
+
+    op = "cancel_action_goal"
+    action: str
+    id: Id
+
+
+class AdvertiseAction(Operation):
+    """Provide an action: goals come as `send_action_goal`, and `cancel_action_goal`."""
+
+    op = "advertise_action"
+    action: str
+    type: str
+
+
+class UnadvertiseAction(Operation):
+    """Provide an action no longer; its goals are aborted."""
+
+    op = "unadvertise_action"
+    action: str
+
+
+class ActionFeedback(Operation):
+    """Tell how a goal is getting on; *id* is the goal's."""
+
+    op = "action_feedback"
+    action: str
+    id: Id
+    values: Any = None
+
+
+class ActionResult(Operation):
+    """End a goal; *id* is the goal's."""
+
+    op = "action_result"
+    action: str
+    id: Id
+    values: Any = None
+    status: int | None = None  # of action_msgs/msg/GoalStatus; roslib 1 sends none
+    result: bool = True

@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Messages in pieces."""
+
+from typing import Annotated
+
+from pydantic import Field
+
+from gateway.protocol.operations.base import Id, Operation
+
+
+class Fragment(Operation):
+    """One piece of a message; the pieces of one message share an id."""
+
+    op = "fragment"
+    id: Id
+    num: Annotated[int, Field(ge=0)]
+    total: Annotated[int, Field(ge=1)]
+    data: str

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Services: call one, or provide one."""
+
+from typing import Any
+
+from gateway.protocol.operations.base import FragmentSize, Operation, Seconds
+
+
+class CallService(Operation):
+    """Call a service; the answer is a `service_response` with the same id, whatever happens."""
+
+    op = "call_service"
+    service: str
+    args: Any = None  # an object, or the values of the fields in order
+    type: str | None = None
+    timeout: Seconds | None = None
+    fragment_size: FragmentSize | None = None
+
+
+class AdvertiseService(Operation):
+    """Provide a service: calls come as `call_service`, answers go back as `service_response`."""
+
+    op = "advertise_service"
+    service: str
+    type: str
+
+
+class UnadvertiseService(Operation):
+    """Provide a service no longer."""
+
+    op = "unadvertise_service"
+    service: str
+
+
+class ServiceResponse(Operation):
+    """Answer a call that the gateway passed on; *id* is the call's."""
+
+    op = "service_response"
+    service: str
+    values: Any = None
+    result: bool = True

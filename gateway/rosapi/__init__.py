@@ -1,0 +1,8 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The rosapi services of rosbridge, answered in-process: the graph, types, parameters, time."""
+
+from gateway.rosapi.interfaces import interfaces_prefix
+from gateway.rosapi.parameters import Parameters, SetResult
+from gateway.rosapi.service import Rosapi
+
+__all__ = ["Parameters", "Rosapi", "SetResult", "interfaces_prefix"]

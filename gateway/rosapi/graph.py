@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Topics, services, actions and nodes, as rosapi tells of them.
+
+What is not known has the type ``""`` and empty lists, as in rosbridge. Hidden names, those with a
+part that begins with ``_``, are not listed, but can be asked for.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Final, TypeVar
+
+from gateway.ports import Provided, Ros, Topic
+from schemas.installed import Kind
+
+ROSAPI_NODE: Final = "/rosapi"
+
+_Entry = TypeVar("_Entry", Topic, Provided)
+_Answer = dict[str, object]
+
+
+class GraphServices:
+    """The services about the graph; *own* returns rosapi's services with their types.
+
+    These are told of as if a node ``/rosapi`` provided them, as it does beside rosbridge.
+    """
+
+    def __init__(self, ros: Ros, own: Callable[[], Mapping[str, str]]) -> None:
+        self._ros = ros
+        self._own = own
+
+    def topics(self, _: Mapping[str, str]) -> _Answer:
+        """List the topics, and the first type of each."""
+        found = self.types_of_topics()
+        return {"topics": list(found), "types": list(found.values())}
+
+    def topics_for_type(self, request: Mapping[str, str]) -> _Answer:
+        """List the topics of a type."""
+        return {"topics": _of_type(self._ros.graph().topics, request["type"], "msg")}
+
+    def topic_type(self, request: Mapping[str, str]) -> _Answer:
+        """Tell the type of a topic."""
+        return {"type": _first_type(_find(self._ros.graph().topics, request["topic"]))}
+
+    def publishers(self, request: Mapping[str, str]) -> _Answer:
+        """List the nodes that publish a topic, each once."""
+        topic = _find(self._ros.graph().topics, request["topic"])
+        return {"publishers": _each_once(topic.publishers if topic else ())}
+
+    def subscribers(self, request: Mapping[str, str]) -> _Answer:
+        """List the nodes that subscribe to a topic, each once."""
+        topic = _find(self._ros.graph().topics, request["topic"])
+        return {"subscribers": _each_once(topic.subscribers if topic else ())}
+
+    def services(self, _: Mapping[str, str]) -> _Answer:
+        """List the services."""
+        return {"services": [service.name for service in _visible(self._services())]}
+
+    def services_for_type(self, request: Mapping[str, str]) -> _Answer:
+        """List the services of a type."""
+        return {"services": _of_type(self._services(), request["type"], "srv")}
+
+    def service_type(self, request: Mapping[str, str]) -> _Answer:
+        """Tell the type of a service."""
+        return {"type": _first_type(_find(self._services(), request["service"]))}
+
+    def service_node(self, request: Mapping[str, str]) -> _Answer:
+        """Tell a node that provides a service."""
+        service = _find(self._services(), request["service"])
+        return {"node": service.nodes[0] if service and service.nodes else ""}
+
+    def service_providers(self, request: Mapping[str, str]) -> _Answer:
+        """List the nodes that provide services of a type, which is what ``service`` holds."""
+        type_name = full_type(request["service"], "srv")
+        services = [service for service in self._services() if type_name in service.types]
+        return {"providers": _each_once(node for service in services for node in service.nodes)}
+
+    def nodes(self, _: Mapping[str, str]) -> _Answer:
+        """List the nodes."""
+        nodes = {node for node in self._ros.graph().nodes if not _is_hidden(node)}
+        return {"nodes": sorted(nodes | {ROSAPI_NODE})}
+
+    def node_details(self, request: Mapping[str, str]) -> _Answer:
+        """List what a node subscribes to, publishes and provides."""
+        node = _full_name(request["node"])
+        topics = _visible(self._ros.graph().topics)
+        services = _visible(self._services())
+        return {
+            "subscribing": [topic.name for topic in topics if node in topic.subscribers],
+            "publishing": [topic.name for topic in topics if node in topic.publishers],
+            "services": [service.name for service in services if node in service.nodes],
+        }
+
+    def action_servers(self, _: Mapping[str, str]) -> _Answer:
+        """List the actions that somebody provides."""
+        return {"action_servers": [action.name for action in _visible(self._ros.graph().actions)]}
+
+    def action_type(self, request: Mapping[str, str]) -> _Answer:
+        """Tell the type of an action."""
+        return {"type": _first_type(_find(self._ros.graph().actions, request["action"]))}
+
+    def types_of_topics(self) -> dict[str, str]:
+        """Return the first type of each topic that is not hidden."""
+        return {each.name: _first_type(each) for each in _visible(self._ros.graph().topics)}
+
+    def _services(self) -> list[Provided]:
+        own = [Provided(name, (type_,), (ROSAPI_NODE,)) for name, type_ in self._own().items()]
+        names = {each.name for each in own}
+        others = [each for each in self._ros.graph().services if each.name not in names]
+        return sorted([*others, *own], key=lambda service: service.name)
+
+
+def full_type(spelling: str, kind: Kind) -> str:
+    """Return ``pkg/KIND/Name`` for ``pkg/Name``, and whatever else as it is."""
+    package, slash, name = spelling.partition("/")
+    return f"{package}/{kind}/{name}" if slash and "/" not in name else spelling
+
+
+def _visible(entries: Iterable[_Entry]) -> list[_Entry]:
+    return [entry for entry in entries if not _is_hidden(entry.name)]
+
+
+def _is_hidden(name: str) -> bool:
+    return "/_" in name
+
+
+def _find(entries: Iterable[_Entry], name: str) -> _Entry | None:
+    full_name = _full_name(name)
+    return next((entry for entry in entries if entry.name == full_name), None)
+
+
+def _full_name(name: str) -> str:
+    return name if name.startswith("/") else f"/{name}"
+
+
+def _first_type(entry: Topic | Provided | None) -> str:
+    return entry.types[0] if entry and entry.types else ""
+
+
+def _of_type(entries: Iterable[_Entry], spelling: str, kind: Kind) -> list[str]:
+    type_name = full_type(spelling, kind)
+    return [entry.name for entry in _visible(entries) if type_name in entry.types]
+
+
+def _each_once(names: Iterable[str]) -> list[str]:
+    return sorted(set(names))

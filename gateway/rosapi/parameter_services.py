@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The services about parameters: names are ``node:parameter``, values are JSON in a string.
+
+What goes wrong stands in ``reason``: clients look there, and not all of them wait for an error.
+"""
+
+from collections.abc import Mapping
+
+from gateway.codec.errors import CodecError
+from gateway.codec.json import dumps, loads
+from gateway.codec.words import cut
+from gateway.protocol.errors import ProtocolError
+from gateway.rosapi.parameters import Parameters, SetResult
+
+_Request = Mapping[str, str]
+_Answer = dict[str, object]
+
+# What clients parse where there is no value; they would fail on an empty string.
+_NO_VALUE = "null"
+
+
+class ParameterServices:
+    """The services about parameters."""
+
+    def __init__(self, parameters: Parameters) -> None:
+        self._parameters = parameters
+
+    async def get_param(self, request: _Request) -> _Answer:
+        """Return a value, or the default that the client gives."""
+        try:
+            value = await self._value(request["name"])
+            reason = "" if value is not None else "the parameter has no value"
+        except ProtocolError as error:
+            value, reason = None, str(error)
+        text = _default(request["default_value"]) if value is None else dumps(value).decode()
+        return {"value": text, "successful": not reason, "reason": reason}
+
+    async def set_param(self, request: _Request) -> _Answer:
+        """Set a value."""
+        try:
+            value = loads(request["value"])
+        except CodecError:
+            reason = f"value: expected JSON, got {cut(request['value'])!r}"
+            return _told(SetResult(successful=False, reason=reason))
+        return await self._set(request["name"], value)
+
+    async def delete_param(self, request: _Request) -> _Answer:
+        """Undeclare a parameter."""
+        return await self._set(request["name"], None)
+
+    async def has_param(self, request: _Request) -> _Answer:
+        """Tell whether a parameter has a value; whatever goes wrong, it has none."""
+        try:
+            return {"exists": await self._value(request["name"]) is not None}
+        except ProtocolError:
+            return {"exists": False}
+
+    async def get_param_names(self, _: _Request) -> _Answer:
+        """Name the parameters of all nodes that answer in time."""
+        found = await self._parameters.names_by_node()
+        return {"names": [f"{node}:{name}" for node, names in found.items() for name in names]}
+
+    async def _value(self, spelling: str) -> object:
+        node, name = _split(spelling)
+        return (await self._parameters.get(node, [name]))[name]
+
+    async def _set(self, spelling: str, value: object) -> _Answer:
+        try:
+            node, name = _split(spelling)
+            results = await self._parameters.set(node, {name: value})
+        except ProtocolError as error:
+            return _told(SetResult(successful=False, reason=str(error)))
+        return _told(results[name])
+
+
+def _split(spelling: str) -> tuple[str, str]:
+    node, _, name = spelling.partition(":")
+    if not node or not name:
+        raise ProtocolError("bad_name", f"name: expected node:parameter, got {cut(spelling)!r}")
+    return node, name
+
+
+def _default(text: str) -> str:
+    """Return what a client gave as default as JSON; rosbridge takes plain text as well."""
+    if not text:
+        return _NO_VALUE
+    try:
+        loads(text)
+    except CodecError:
+        return dumps(text).decode()
+    return text
+
+
+def _told(result: SetResult) -> _Answer:
+    return {"successful": result.successful, "reason": result.reason}

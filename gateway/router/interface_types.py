@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which service or action type is meant: by name, or by what the ROS graph says."""
+
+import contextlib
+import difflib
+from collections.abc import Callable, Iterable
+from typing import Literal, TypeVar
+
+from gateway.codec.types import ActionType, ServiceType, Types
+from gateway.codec.words import cut
+from gateway.ports import Ros
+from gateway.protocol.errors import ProtocolError
+from gateway.protocol.names import ActionName, ServiceName
+from schemas.definition import DefinitionError
+from schemas.installed import UnknownTypeError
+from schemas.interface import InterfaceKind
+from schemas.table import TypeSpellingError, resolve_interface
+
+T = TypeVar("T", ServiceType, ActionType)
+
+
+class InterfaceTypes:
+    """Turns what clients write as a type, and what ROS knows, into service and action types."""
+
+    def __init__(self, ros: Ros, types: Types) -> None:
+        self._ros = ros
+        self._types = types
+
+    def service(self, spelling: str) -> ServiceType:
+        """Return the service type that a client names.
+
+        Raises:
+            ProtocolError: it is none, or none that is installed here.
+        """
+        return self._known(self._types.service, spelling, "srv")
+
+    def action(self, spelling: str) -> ActionType:
+        """Return the action type that a client names.
+
+        Raises:
+            ProtocolError: it is none, or none that is installed here.
+        """
+        return self._known(self._types.action, spelling, "action")
+
+    def described(self, spelling: str | int) -> ServiceType | ActionType | None:
+        """Return the service or action type that a name means which is no message's.
+
+        Raises:
+            ProtocolError: it says that it is one, and there is none.
+        """
+        if not isinstance(spelling, str):
+            return None
+        match spelling.split("/"):
+            case [_, "srv", _]:
+                return self.service(spelling)
+            case [_, "action", _]:
+                return self.action(spelling)
+            case [_, _]:
+                for named in (self.service, self.action):
+                    with contextlib.suppress(ProtocolError):
+                        return named(spelling)
+        return None
+
+    def of_service(self, service: ServiceName, spelling: str | None) -> ServiceType:
+        """Return the type to call a service with; *spelling* is what the client says, if it does.
+
+        Raises:
+            ProtocolError: nobody provides it, or not with that type.
+        """
+        found = self._ros.service_types(service)
+        known = (each.name for each in self._ros.graph().services) if not found else ()
+        name = _one("service", service, spelling, found, known)
+        return self.service(name)
+
+    def of_action(self, action: ActionName, spelling: str | None) -> ActionType:
+        """Return the type to send goals to an action with; see `of_service`.
+
+        Raises:
+            ProtocolError: nobody provides it, or not with that type.
+        """
+        found = self._ros.action_types(action)
+        known = (each.name for each in self._ros.graph().actions) if not found else ()
+        name = _one("action", action, spelling, found, known)
+        return self.action(name)
+
+    def _known(self, get: Callable[[str], T], spelling: str, kind: InterfaceKind) -> T:
+        name = _resolved(spelling, kind)
+        try:
+            return get(name)
+        except UnknownTypeError as error:
+            near = difflib.get_close_matches(name, self._types.definitions.names(kind=kind), n=1)
+            hint = f"; did you mean {near[0]}?" if near else ""
+            raise ProtocolError("bad_type", f"type: {cut(str(error))}{hint}") from error
+        except DefinitionError as error:
+            raise ProtocolError("bad_type", f"type: {cut(str(error))}") from error
+
+
+def _one(
+    kind: Literal["service", "action"],
+    name: str,
+    spelling: str | None,
+    found: tuple[str, ...],
+    known: Iterable[str],
+) -> str:
+    """Choose among the types that the graph has found for a name."""
+    if not found:
+        near = difflib.get_close_matches(name, known, n=1)
+        hint = f"; did you mean {near[0]}?" if near else ""
+        raise ProtocolError("not_found", f"{kind} {name} does not exist{hint}")
+    if spelling is None:
+        if len(found) > 1:
+            types = " and ".join(found)
+            raise ProtocolError("type_conflict", f"{kind} {name} has types {types}: choose one")
+        return found[0]
+    named = _resolved(spelling, "srv" if kind == "service" else "action")
+    if named not in found:
+        types = " and ".join(found)
+        raise ProtocolError("type_conflict", f"{kind} {name} has type {types}, not {named}")
+    return named
+
+
+def _resolved(spelling: str, kind: InterfaceKind) -> str:
+    try:
+        return resolve_interface(spelling, kind)
+    except TypeSpellingError as error:
+        raise ProtocolError("bad_type", f"type: {cut(str(error))}") from error

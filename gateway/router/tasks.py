@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Operations that take longer than the moment in which they came."""
+
+import asyncio
+import logging
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass, field
+
+from gateway.codec.words import cut
+from gateway.ports import RosError
+from gateway.protocol.errors import ProtocolError
+from gateway.protocol.limits import MAX_WAITING_CALLS
+from gateway.protocol.operations import ClientOperation
+from gateway.protocol.session import Session
+
+logger = logging.getLogger(__name__)
+
+
+@dataclass(slots=True)
+class _Own:
+    slots: asyncio.Semaphore
+    tasks: set[asyncio.Task[None]] = field(default_factory=set)
+
+
+class Tasks:
+    """One task per operation under way; they end with the session that asked for them."""
+
+    def __init__(self) -> None:
+        self._own: dict[Session, _Own] = {}
+
+    def __len__(self) -> int:
+        """Count the operations under way, waiting ones included."""
+        return sum(len(own.tasks) for own in self._own.values())
+
+    def start(
+        self, session: Session, operation: ClientOperation, work: Callable[[], Awaitable[None]]
+    ) -> None:
+        """Do *work*, and answer the operation if it fails.
+
+        As many operations of a session as its limits allow are under way at once, the others
+        wait for their turn.
+
+        Raises:
+            ProtocolError: too many of them wait.
+        """
+        own = self._own.get(session)
+        if own is None:
+            own = self._own[session] = _Own(asyncio.Semaphore(session.limits.pending_calls))
+        limit = session.limits.pending_calls + MAX_WAITING_CALLS
+        if len(own.tasks) >= limit:
+            raise ProtocolError("limit_exceeded", f"at most {limit} calls under way per client")
+        task = asyncio.get_running_loop().create_task(self._run(own, session, operation, work))
+        own.tasks.add(task)
+        task.add_done_callback(own.tasks.discard)
+
+    def leave(self, session: Session) -> None:
+        """Cancel everything that is under way for a client."""
+        own = self._own.pop(session, None)
+        if own is not None:
+            for task in own.tasks:
+                task.cancel()
+
+    async def _run(
+        self,
+        own: _Own,
+        session: Session,
+        operation: ClientOperation,
+        work: Callable[[], Awaitable[None]],
+    ) -> None:
+        async with own.slots:
+            await answered(session, operation, work)
+
+
+async def answered(
+    session: Session, operation: ClientOperation, work: Callable[[], Awaitable[None]]
+) -> None:
+    """Do *work*; whatever goes wrong is the answer to the operation."""
+    try:
+        await work()
+    except ProtocolError as error:
+        session.refuse(error, operation)
+    except RosError as error:
+        session.refuse(ProtocolError(error.code, cut(str(error))), operation)
+    except Exception:  # our bug: this client is told, the others are unharmed
+        logger.exception("%s failed", operation.op)
+        session.refuse(ProtocolError("internal", "a fault of the gateway; see its log"), operation)

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What ``/tf`` and ``/tf_static`` say, for as long as somebody wants to know."""
+
+import asyncio
+import contextlib
+from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import Any, Final
+
+from gateway.codec.errors import CodecError
+from gateway.codec.types import MessageType
+from gateway.ports import Qos, Ros, RosError, Sample, Subscription
+from gateway.protocol.errors import ProtocolError
+from gateway.router.topic_types import TopicTypes
+from gateway.tf.buffer import Buffer
+from gateway.tf.errors import InvalidTransformError
+from gateway.tf.history import JUMP_BACK_NS
+from gateway.tf.rigid import Rigid
+
+TF_MESSAGE: Final = "tf2_msgs/msg/TFMessage"
+# After the last lookup. Who asks every few seconds, or reconnects, finds the buffer full; what
+# nobody needs then costs some percent of a core at the usual 50 Hz.
+LINGER_S: Final = 30.0
+_DEPTH: Final = 100  # as tf2's listeners have it
+_RETRY_S: Final = 0.02  # between looks of one who waits: /tf may come in a thousand small messages
+_MAX_COMPLAINTS: Final = 16  # so many different faults of /tf are told on /rosout
+
+
+class TfListener:
+    """The two ROS subscriptions while they are needed, and the buffer that they fill."""
+
+    def __init__(self, ros: Ros, types: TopicTypes) -> None:
+        self.buffer = Buffer()
+        self._ros = ros
+        self._types = types
+        self._open: list[Subscription] = []
+        self._users = 0
+        self._end: asyncio.TimerHandle | None = None
+        self._newest_now_ns = 0
+        self._news: asyncio.Event | None = None  # while somebody waits for it
+        self._complaints: set[str] = set()
+
+    def acquire(self) -> None:
+        """Listen until released, and a while after.
+
+        Raises:
+            ProtocolError: there is no tf2_msgs here.
+            RosError: ROS refuses the subscriptions.
+        """
+        if not self._open:
+            self._subscribe()
+        if self._end is not None:
+            self._end.cancel()
+            self._end = None
+        self._users += 1
+
+    def release(self) -> None:
+        """Listen no longer than `LINGER_S`, unless others want to."""
+        self._users -= 1
+        if not self._users and self._open:
+            self._end = asyncio.get_running_loop().call_later(LINGER_S, self.close)
+
+    def close(self) -> None:
+        """End the subscriptions, and forget what they told."""
+        if self._end is not None:
+            self._end.cancel()
+            self._end = None
+        for subscription in self._open:
+            subscription.close()
+        self._open.clear()
+        self.buffer.forget()
+
+    async def news(self, deadline: float) -> bool:
+        """Wait for new transforms until *deadline*, in loop time; return whether it was ahead."""
+        if asyncio.get_running_loop().time() >= deadline:
+            return False
+        if self._news is None:
+            self._news = asyncio.Event()
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout_at(deadline):
+                await self._news.wait()
+                await asyncio.sleep(_RETRY_S)
+        return True
+
+    def _subscribe(self) -> None:
+        try:
+            message_type = self._types.get(TF_MESSAGE)
+        except ProtocolError as error:
+            raise ProtocolError(error.code, f"transforms need package tf2_msgs: {error}") from error
+        # tf2's own listeners insist on transient local, too: what is fixed is said but once
+        latched = Qos(durability="transient_local", depth=_DEPTH)
+        for topic, qos, is_static in (
+            ("/tf", Qos(depth=_DEPTH), False),
+            ("/tf_static", latched, True),
+        ):
+            take = partial(self._on_samples, message_type, is_static)
+            try:
+                opened = self._ros.subscribe(topic, TF_MESSAGE, qos, take, self._complain)
+            except RosError:
+                self.close()
+                raise
+            self._open.append(opened)
+
+    def _on_samples(
+        self, message_type: MessageType, is_static: bool, samples: Sequence[Sample]
+    ) -> None:
+        now_ns = self._ros.now_ns()
+        if now_ns < self._newest_now_ns - JUMP_BACK_NS:
+            self.buffer.clear()  # as tf2: a simulation or a recording has started over
+            self._newest_now_ns = now_ns
+        self._newest_now_ns = max(self._newest_now_ns, now_ns)
+        for sample in samples:
+            try:
+                message: Any = message_type.decode(sample.cdr)
+            except CodecError as error:
+                self._complain(f"{TF_MESSAGE}: {error}")
+                continue
+            for stamped in message["transforms"]:
+                self._insert(stamped, is_static)
+        if self._news is not None:
+            self._news.set()
+            self._news = None
+
+    def _insert(self, stamped: Mapping[str, Any], is_static: bool) -> None:
+        header = stamped["header"]
+        stamp = header["stamp"]
+        transform = stamped["transform"]
+        try:
+            self.buffer.insert(
+                stamped["child_frame_id"],
+                header["frame_id"],
+                stamp["sec"] * 1_000_000_000 + stamp["nanosec"],
+                Rigid(*transform["translation"].values(), *transform["rotation"].values()),
+                is_static=is_static,
+            )
+        except InvalidTransformError as error:
+            self._complain(str(error))
+
+    def _complain(self, text: str) -> None:
+        if text not in self._complaints and len(self._complaints) < _MAX_COMPLAINTS:
+            self._complaints.add(text)
+            self._ros.log("warning", f"tf: {text}")

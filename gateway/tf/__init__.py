@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where frames are in each other: a transform buffer as tf2 has it. Pure computation."""

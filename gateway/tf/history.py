@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where one frame was in its parent over the last seconds."""
+
+from array import array
+from bisect import bisect_left, bisect_right
+from typing import Final
+
+from gateway.tf.rigid import Rigid
+
+HISTORY_NS: Final = 10_000_000_000  # as tf2 keeps by default
+# 10 s at 200 Hz, 150 kB a frame. A faster frame is kept for less time.
+MAX_SAMPLES: Final = 2000
+# No network holds a sample back for this long; a clock that is set back, or a recording that
+# starts over, goes back further.
+JUMP_BACK_NS: Final = 2_000_000_000
+
+_WIDTH: Final = len(Rigid._fields)
+
+
+class History:
+    """The samples of one frame, sorted by stamp; there is one at least."""
+
+    def __init__(self, stamp_ns: int, parent: str, transform: Rigid) -> None:
+        self._stamps = [stamp_ns]
+        self._parents = [parent]
+        self._values = array("d", transform)
+
+    @property
+    def oldest_ns(self) -> int:
+        """The stamp of the oldest sample."""
+        return self._stamps[0]
+
+    @property
+    def newest_ns(self) -> int:
+        """The stamp of the newest sample."""
+        return self._stamps[-1]
+
+    @property
+    def parents(self) -> set[str]:
+        """The frames that this one is, or was, in."""
+        return set(self._parents)
+
+    def parent(self, stamp_ns: int | None) -> str:
+        """Return the frame that this one was in; ``None`` is the newest sample's time."""
+        if stamp_ns is None:
+            return self._parents[-1]
+        return self._parents[max(0, bisect_right(self._stamps, stamp_ns) - 1)]
+
+    def add(self, stamp_ns: int, parent: str, transform: Rigid) -> bool:
+        """Add a sample; return whether anything has changed.
+
+        Of two samples of one time the first one stays, as in tf2. A sample from long before the
+        newest begins a new history: time has jumped back.
+        """
+        if stamp_ns < self.newest_ns - JUMP_BACK_NS:
+            self._drop(len(self._stamps))
+        at = bisect_left(self._stamps, stamp_ns)
+        if at < len(self._stamps) and self._stamps[at] == stamp_ns:
+            return False
+        self._stamps.insert(at, stamp_ns)
+        self._parents.insert(at, parent)
+        self._values[at * _WIDTH : at * _WIDTH] = array("d", transform)
+        expired = bisect_left(self._stamps, self.newest_ns - HISTORY_NS)
+        self._drop(max(expired, len(self._stamps) - MAX_SAMPLES))
+        return True
+
+    def at(self, stamp_ns: int) -> Rigid | None:
+        """Return where the frame was, interpolated between the samples before and after.
+
+        ``None``: the time is before the oldest sample or after the newest.
+        """
+        after = bisect_left(self._stamps, stamp_ns)
+        if after == len(self._stamps):
+            return None
+        if self._stamps[after] == stamp_ns:
+            return self._value(after)
+        if not after:
+            return None
+        before = after - 1
+        if self._parents[before] != self._parents[after]:
+            return self._value(before)  # as tf2: nothing lies between two parents
+        start_ns = self._stamps[before]
+        ratio = (stamp_ns - start_ns) / (self._stamps[after] - start_ns)
+        return self._value(before).towards(self._value(after), ratio)
+
+    def _value(self, index: int) -> Rigid:
+        return Rigid(*self._values[index * _WIDTH : (index + 1) * _WIDTH])
+
+    def _drop(self, count: int) -> None:
+        if count > 0:
+            del self._stamps[:count]
+            del self._parents[:count]
+            del self._values[: count * _WIDTH]
