@@ -6,6 +6,8 @@ BIN := $(VENV)/bin
 # A new set of dependencies is installed when pyproject.toml changes, otherwise nothing is done.
 READY := $(VENV)/.ready
 READY_FOR_TESTS := $(VENV)/.ready-for-tests
+# roslib and roslibpy, which the tests drive
+CLIENTS := $(VENV)/clients/.ready
 # -qq: warnings about caches and extra indexes hide nothing that matters, errors still show
 PIP := $(BIN)/python -m pip -qq --disable-pip-version-check --no-input
 
@@ -24,8 +26,9 @@ demo: $(READY) ## start the simulated robot and the gateway (make demo ARGS='--p
 serve: $(READY) ## start the gateway alone (make serve ARGS='--domain-id 7')
 	@$(BIN)/ros2-gateway serve $(ARGS)
 
-test: lint ## check and test everything (make test ARGS='tests/test_cli.py -x')
+test: lint $(CLIENTS) ## check and test everything (make test ARGS='tests/test_cli.py -x')
 	$(BIN)/python -m schemas.generate --check
+	@$(BIN)/python -m tests.interfaces
 	$(BIN)/python -m pytest $(PYTEST_ARGS)
 
 lint: $(READY_FOR_TESTS) ## check style, types and layers
@@ -48,7 +51,7 @@ bench: $(READY) ## measure speed (a few minutes)
 	@$(BIN)/python -m benchmarks $(ARGS)
 
 clean: ## remove .venv and all caches
-	rm -rf $(VENV) dist build .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf $(VENV) dist build .cache .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
 	find gateway schemas tests benchmarks -name __pycache__ -type d -prune -exec rm -rf {} +
 
 $(BIN)/python:
@@ -64,3 +67,7 @@ $(READY_FOR_TESTS): pyproject.toml $(READY)
 	@echo "installing what the tests need ..."
 	@$(PIP) install --group dev
 	@touch $@
+
+$(CLIENTS): tools/make-clients.sh $(wildcard tests/clients/*/package-lock.json) | $(READY_FOR_TESTS)
+	@echo "installing the clients that the tests drive, some 90 MB ..."
+	@sh tools/make-clients.sh $(VENV)

@@ -1,0 +1,323 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Quality of service as the robot and the clients see it: a gateway's process, rclpy outside."""
+
+import asyncio
+import itertools
+from collections.abc import AsyncIterator, Callable, Coroutine, Iterator
+from typing import Any
+
+import pytest
+import pytest_asyncio
+from rclpy.duration import Duration
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from std_msgs.msg import Int32, String
+
+from tests.client import PATIENCE_S, Client, Frame, client, eventually
+from tests.gateway_process import GatewayProcess, gateway_process
+from tests.ros.outside import Outside
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+RELIABLE, BEST_EFFORT = ReliabilityPolicy.RELIABLE, ReliabilityPolicy.BEST_EFFORT
+LATCHED, VOLATILE = DurabilityPolicy.TRANSIENT_LOCAL, DurabilityPolicy.VOLATILE
+STRING = "std_msgs/msg/String"
+
+numbers = itertools.count(1)
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def gateway() -> AsyncIterator[GatewayProcess]:
+    async with gateway_process() as gateway:
+        yield gateway
+
+
+@pytest_asyncio.fixture(loop_scope="module")
+async def speaker(gateway: GatewayProcess) -> AsyncIterator[Client]:
+    async with client(gateway.url) as speaker:
+        yield speaker
+
+
+@pytest.fixture(scope="module")
+def outside() -> Iterator[Outside]:
+    outside = Outside()
+    yield outside
+    outside.close()
+
+
+@pytest.fixture
+def topic() -> str:
+    return f"/qos_{next(numbers)}"
+
+
+class Robot:
+    """Publishers and subscriptions on one topic, by plain rclpy."""
+
+    def __init__(self, outside: Outside, topic: str) -> None:
+        self._node = outside.node
+        self._topic = topic
+
+    def publisher(self, qos: QoSProfile | int = 10, type_: type = String) -> Any:
+        return self._node.create_publisher(type_, self._topic, qos)
+
+    def remove(self, publisher: Any) -> None:
+        self._node.destroy_publisher(publisher)
+
+    def listen(self, qos: QoSProfile) -> list[str]:
+        heard: list[str] = []
+
+        def hear(message: Any) -> None:
+            heard.append(message.data)
+
+        self._node.create_subscription(String, self._topic, hear, qos)
+        return heard
+
+    async def offered(self) -> QoSProfile:
+        """Return the profile of the gateway's publisher, once discovery knows it."""
+        return await self._only(self._node.get_publishers_info_by_topic)
+
+    async def asked(self) -> QoSProfile:
+        """Return the profile of the gateway's subscription, once discovery knows it."""
+        return await self._only(self._node.get_subscriptions_info_by_topic)
+
+    async def _only(self, endpoints: Callable[[str], list[Any]]) -> QoSProfile:
+        def profiles() -> list[QoSProfile]:
+            found = endpoints(self._topic)
+            return [each.qos_profile for each in found if each.node_name != self._node.get_name()]
+
+        await eventually(lambda: len(profiles()) == 1)
+        return profiles()[0]
+
+
+@pytest.fixture
+def robot(outside: Outside, topic: str) -> Robot:
+    return Robot(outside, topic)
+
+
+async def while_publishing(publish: Callable[[], None], wait: Coroutine[Any, Any, Any]) -> Any:
+    """Publish again and again until what is waited for is there."""
+    task = asyncio.get_running_loop().create_task(wait)
+    while not task.done():
+        publish()
+        await asyncio.wait([task], timeout=0.05)
+    return task.result()
+
+
+async def texts(speaker: Client, topic: str, count: int) -> list[str]:
+    return [(await speaker.message(topic))["data"] for _ in range(count)]
+
+
+def is_complaint(frame: Frame) -> bool:
+    return frame["op"] == "status" and frame.get("code") == "qos_incompatible"
+
+
+async def until_data(speaker: Client, topic: str, data: str | int) -> None:
+    while (await speaker.message(topic))["data"] != data:
+        pass
+
+
+async def test_a_subscription_adopts_what_its_publishers_offer(
+    speaker: Client, robot: Robot, topic: str
+):
+    publisher = robot.publisher(QoSProfile(depth=5, reliability=BEST_EFFORT))
+    await speaker.send(op="subscribe", topic=topic, type=STRING)
+    await while_publishing(
+        lambda: publisher.publish(String(data="x")), until_data(speaker, topic, "x")
+    )
+    assert (await robot.asked()).reliability == BEST_EFFORT
+
+
+async def test_a_publisher_that_returns_with_a_weaker_offer_is_followed(
+    speaker: Client, robot: Robot, topic: str
+):
+    publisher = robot.publisher(QoSProfile(depth=5, durability=LATCHED))
+    await speaker.send(op="subscribe", topic=topic)
+    await while_publishing(
+        lambda: publisher.publish(String(data="1")), until_data(speaker, topic, "1")
+    )
+    assert (await robot.asked()).durability == LATCHED
+    robot.remove(publisher)
+    publisher = robot.publisher(QoSProfile(depth=5, reliability=BEST_EFFORT))
+    await while_publishing(
+        lambda: publisher.publish(String(data="2")), until_data(speaker, topic, "2")
+    )
+    asked = await robot.asked()
+    assert (asked.reliability, asked.durability) == (BEST_EFFORT, VOLATILE)
+
+
+async def test_a_publisher_that_returns_with_another_type_is_followed(
+    speaker: Client, robot: Robot, topic: str
+):
+    publisher = robot.publisher()
+    await speaker.send(op="subscribe", topic=topic)
+    await while_publishing(
+        lambda: publisher.publish(String(data="1")), until_data(speaker, topic, "1")
+    )
+    robot.remove(publisher)
+    successor = Outside("successor")  # a participant knows a topic by one type
+    try:
+        publisher = Robot(successor, topic).publisher(type_=Int32)
+        await while_publishing(
+            lambda: publisher.publish(Int32(data=2)), until_data(speaker, topic, 2)
+        )
+    finally:
+        successor.close()
+
+
+async def test_every_client_gets_the_retained_sample_of_every_publisher(
+    gateway: GatewayProcess, speaker: Client, robot: Robot, topic: str
+):
+    words = ["a", "b", "c"]
+    publishers = [robot.publisher(QoSProfile(depth=1, durability=LATCHED)) for _ in words]
+    for publisher, word in zip(publishers, words, strict=True):
+        publisher.publish(String(data="older"))
+        publisher.publish(String(data=word))
+    await speaker.send(op="subscribe", topic=topic, type=STRING)
+    heard: set[str] = set()
+    while heard < set(words):  # the publishers are discovered one after the other
+        heard |= {*await texts(speaker, topic, 1)}
+    async with client(gateway.url) as late:
+        await late.send(op="subscribe", topic=topic)
+        assert sorted(await texts(late, topic, 3)) == words
+        assert await late.sync() == []
+
+
+async def test_an_explicit_profile_is_the_one_that_ros_sees(
+    speaker: Client, robot: Robot, topic: str
+):
+    await speaker.send(
+        op="subscribe",
+        topic=topic,
+        type=STRING,
+        qos={
+            "reliability": "best_effort",
+            "durability": "transient_local",
+            "depth": 3,
+            "deadline": 0.5,
+            "lifespan": {"secs": 2},
+        },
+    )
+    asked = await robot.asked()
+    assert (asked.reliability, asked.durability) == (BEST_EFFORT, LATCHED)
+    assert asked.deadline == Duration(seconds=0.5)
+
+
+async def test_an_explicit_offer_is_the_one_that_ros_sees(
+    speaker: Client, robot: Robot, topic: str
+):
+    await speaker.send(
+        op="advertise",
+        topic=topic,
+        type=STRING,
+        qos={
+            "reliability": "best_effort",
+            "durability": "transient_local",
+            "depth": 3,
+            "deadline": 0.5,
+            "lifespan": {"secs": 2, "nsecs": 500_000_000},
+        },
+    )
+    offered = await robot.offered()
+    assert (offered.reliability, offered.durability) == (BEST_EFFORT, LATCHED)
+    assert offered.deadline == Duration(seconds=0.5)
+    assert offered.lifespan == Duration(seconds=2.5)
+
+
+async def test_an_offer_without_wishes_is_that_of_ros(speaker: Client, robot: Robot, topic: str):
+    await speaker.send(op="advertise", topic=topic, type=STRING)
+    offered = await robot.offered()
+    assert (offered.reliability, offered.durability) == (RELIABLE, VOLATILE)
+
+
+async def test_a_latched_topic_keeps_its_last_message_for_later(
+    speaker: Client, robot: Robot, topic: str
+):
+    await speaker.send(op="advertise", topic=topic, type=STRING, latch=True)
+    for text in ("1", "2"):
+        await speaker.send(op="publish", topic=topic, msg={"data": text})
+    await speaker.sync()
+    heard = robot.listen(QoSProfile(depth=9, durability=LATCHED))
+    await eventually(lambda: bool(heard))
+    assert heard == ["2"]
+
+
+async def test_a_depth_is_how_many_messages_are_kept_for_later(
+    speaker: Client, robot: Robot, topic: str
+):
+    qos = {"durability": "transient_local", "depth": 3}
+    await speaker.send(op="advertise", topic=topic, type=STRING, qos=qos)
+    for text in "12345":
+        await speaker.send(op="publish", topic=topic, msg={"data": text})
+    await speaker.sync()
+    heard = robot.listen(QoSProfile(depth=9, durability=LATCHED))
+    await eventually(lambda: len(heard) >= 3)
+    assert heard == ["3", "4", "5"]
+
+
+async def test_a_message_beyond_its_lifespan_is_not_kept_for_later(
+    speaker: Client, robot: Robot, topic: str
+):
+    qos = {"durability": "transient_local", "lifespan": 0.2}
+    await speaker.send(op="advertise", topic=topic, type=STRING, qos=qos)
+    await speaker.send(op="publish", topic=topic, msg={"data": "old"})
+    heard = ["old"]
+    async with asyncio.timeout(PATIENCE_S):
+        while heard[0] == "old":
+            heard = robot.listen(QoSProfile(depth=9, durability=LATCHED))
+            while not heard:
+                await speaker.send(op="publish", topic=topic, msg={"data": "new"})
+                await asyncio.sleep(0.05)
+
+
+async def test_who_insists_on_what_is_not_offered_is_told_and_nobody_else(
+    gateway: GatewayProcess, speaker: Client, robot: Robot, topic: str
+):
+    publisher = robot.publisher(QoSProfile(depth=5, reliability=BEST_EFFORT))
+    async with client(gateway.url) as strict:
+        await speaker.send(op="subscribe", topic=topic, type=STRING)
+        await strict.send(
+            op="subscribe", id=7, topic=topic, type=STRING, qos={"reliability": "reliable"}
+        )
+        status = await strict.receive(is_complaint)
+        assert (status["level"], status["id"], status["request"]) == ("warning", 7, "subscribe")
+        assert "/outside" in status["msg"]
+        assert "best_effort" in status["msg"]
+        await while_publishing(
+            lambda: publisher.publish(String(data="x")), until_data(speaker, topic, "x")
+        )
+        assert not [frame for frame in await strict.sync() if frame["op"] == "publish"]
+    assert not [frame for frame in await speaker.sync() if frame["op"] == "status"]
+
+
+@pytest.mark.parametrize(
+    ("offer", "wish", "words"),
+    [
+        (QoSProfile(depth=1), {"durability": "transient_local"}, "durability volatile"),
+        (QoSProfile(depth=1), {"deadline": 0.1}, "no deadline"),
+        (QoSProfile(depth=1, deadline=Duration(seconds=1)), {"deadline": 0.1}, "of 1000 ms"),
+    ],
+)
+async def test_each_thing_that_is_not_offered_is_told_in_words(
+    speaker: Client, robot: Robot, topic: str, offer: QoSProfile, wish: dict[str, Any], words: str
+):
+    await speaker.send(op="subscribe", topic=topic, type=STRING, qos=wish)
+    robot.publisher(offer)
+    status = await speaker.receive(is_complaint)
+    assert words in status["msg"]
+
+
+async def test_best_available_is_what_all_publishers_offer(
+    speaker: Client, robot: Robot, topic: str
+):
+    strong = robot.publisher(QoSProfile(depth=1, durability=LATCHED))
+    weak = robot.publisher(QoSProfile(depth=1, reliability=BEST_EFFORT))
+    best = {"reliability": "best_available", "durability": "best_available"}
+    await speaker.send(op="subscribe", topic=topic, type=STRING, qos=best)
+    for publisher, text in ((strong, "strong"), (weak, "weak")):
+
+        def publish(publisher: Any = publisher, text: str = text) -> None:
+            publisher.publish(String(data=text))
+
+        await while_publishing(publish, until_data(speaker, topic, text))
+    asked = await robot.asked()
+    assert (asked.reliability, asked.durability) == (BEST_EFFORT, VOLATILE)
+    assert not [frame for frame in await speaker.sync() if frame["op"] == "status"]

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+"""ROS packages that tests need and PyPI lacks, built from their definitions.
+
+`python -m tests.interfaces` builds them (gcc needed, a few seconds, once) against the wheels, and
+the tests' `conftest.py` uses them from then on.
+"""
+
+import hashlib
+import importlib.metadata
+import os
+import sys
+from pathlib import Path
+from typing import Final
+
+FOLDER: Final = Path(__file__).parent
+PACKAGES: Final = ("tf2_msgs",)
+HOW: Final = "tf2_msgs is not built: `python -m tests.interfaces` builds it, with gcc"
+
+_CACHE: Final = FOLDER.parents[1] / ".cache/interfaces"
+# what the built code depends on beside the definitions and the interpreter
+_GENERATORS: Final = ("ros-rosidl-generator-py", "ros-rosidl-typesupport-fastrtps-c", "numpy")
+
+
+def prefix() -> Path | None:
+    """Return the folder into which this interpreter's packages are built.
+
+    ``None``: rclpy is not from the wheels, and such a ROS installation has its own packages.
+    """
+    key = hashlib.sha256(f"{sys.prefix} {sys.version}".encode())
+    try:
+        for name in _GENERATORS:
+            key.update(f" {name} {importlib.metadata.version(name)}".encode())
+    except importlib.metadata.PackageNotFoundError:
+        return None
+    definitions = (path for package in PACKAGES for path in (FOLDER / package).rglob("*.*"))
+    for path in (FOLDER / "build.py", *sorted(definitions)):
+        key.update(f"\n{path.relative_to(FOLDER)}\n".encode() + path.read_bytes())
+    return _CACHE / key.hexdigest()[:16]
+
+
+def use() -> None:
+    """Let this process and those that it starts find what was built; call it before rclpy."""
+    built = prefix()
+    if built is None or not built.is_dir():
+        return
+    modules = str(built / "python")
+    for variable, entry in (("PYTHONPATH", modules), ("AMENT_PREFIX_PATH", str(built))):
+        entries = os.environ.get(variable, "").split(os.pathsep)
+        os.environ[variable] = os.pathsep.join([entry, *filter(None, entries)])
+    sys.path.insert(0, modules)
