@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``python -m benchmarks [odometry] [image]``: measure the gateway beside the floor.
+"""``python -m benchmarks [odometry] [image] [codec]``: measure the gateway beside the floor.
 
-Both receive from the same publisher in alternating rounds; figures are medians. CPU time is
-user and system time of the whole process, from the operating system.
+Of ``odometry`` and ``image`` both receive from the same publisher in alternating rounds; figures are
+medians. CPU time is user and system time of the whole process, from the operating system.
+``codec`` measures what rendering costs, as JSON and as CBOR.
 """
 
 import argparse
@@ -11,22 +12,27 @@ import statistics
 import time
 from collections.abc import Callable
 
+from benchmarks import codec
 from benchmarks.processes import Receipt, line_with, receive, running
 
 RATES_HZ = {"odometry": 1000.0, "image": 30.0}
+WHAT = (*RATES_HZ, "codec")
 
 
 def main() -> None:
     """Run what the command line names."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
-    parser.add_argument("what", nargs="*", default=list(RATES_HZ), metavar="odometry|image")
+    parser.add_argument("what", nargs="*", default=list(WHAT), choices=WHAT)
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--seconds", type=float, default=8.0, help="of each measurement")
     arguments = parser.parse_args()
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
     os.environ["ROS_DOMAIN_ID"] = str(1 + os.getpid() % 100)
     for name in arguments.what:
-        _measure(name, arguments.rounds, arguments.seconds)
+        if name == "codec":
+            codec.main()
+        else:
+            _measure(name, arguments.rounds, arguments.seconds)
 
 
 def _measure(name: str, rounds: int, seconds: float) -> None:

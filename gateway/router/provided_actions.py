@@ -17,8 +17,8 @@ from gateway.protocol.operations.actions import (
     UnadvertiseAction,
 )
 from gateway.protocol.session import Session
+from gateway.router.failure import failure
 from gateway.router.interface_types import InterfaceTypes
-from gateway.router.provided_services import failure
 
 _OUTCOMES: dict[int, GoalOutcome] = {4: SUCCEEDED, 5: CANCELED, 6: ABORTED}
 

@@ -8,7 +8,7 @@ from typing import Final
 
 from gateway.calls import encode_values
 from gateway.codec.errors import CodecError
-from gateway.codec.types import MessageType, ServiceType
+from gateway.codec.types import ServiceType
 from gateway.ports import Request, Ros, Service
 from gateway.protocol import frames
 from gateway.protocol.errors import ProtocolError
@@ -19,14 +19,13 @@ from gateway.protocol.operations.services import (
     UnadvertiseService,
 )
 from gateway.protocol.session import Session
+from gateway.router.failure import failure
 from gateway.router.interface_types import InterfaceTypes
 
 logger = logging.getLogger(__name__)
 
 # What waits for one client to answer; a client that is so far behind will not catch up.
 MAX_PENDING: Final = 64
-# Fields of a response that are for people, in the order in which they are tried.
-_WORDS: Final = ("message", "status_message", "error_message", "error_string", "reason")
 
 
 @dataclass(slots=True)
@@ -183,18 +182,3 @@ class ProvidedServices:
             pending.request.answer(failure(provided.type.response, reason))
         provided.pending.clear()
         provided.service.close()
-
-
-def failure(response_type: MessageType, reason: str) -> bytes:
-    """Return the response that says best that there is none.
-
-    A ROS service cannot fail, only not answer, and then its caller waits for ever. So all fields
-    have their defaults, which makes ``success`` false, and *reason* goes where people look.
-    """
-    values: dict[str, object] = {}
-    for name in _WORDS:
-        field_ = next((each for each in response_type.definition.fields if each.name == name), None)
-        if field_ is not None and str(field_.type) == "string":
-            values[name] = reason
-            break
-    return response_type.encode(response_type.validate(values, now_ns=0))

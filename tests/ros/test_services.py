@@ -74,10 +74,12 @@ async def test_requests_beyond_what_a_server_keeps_wait_here(
     requests: list[Request] = []
     outside.add_service("/arm", SET_BOOL, requests.append)
     client = ros.client("/arm", SET_BOOL)
-    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(30)]
+    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(MAX_UNANSWERED)]
+    unsent = asyncio.ensure_future(client.call(request(False)))
+    calls += [asyncio.ensure_future(client.call(request(True))) for _ in range(20)]
     await eventually(lambda: len(requests) == MAX_UNANSWERED)
     assert len(client._requester._under_way) == MAX_UNANSWERED
-    for calling in calls[:MAX_UNANSWERED]:
+    for calling in [*calls[:MAX_UNANSWERED], unsent]:
         calling.cancel()  # given up, which makes room
     await eventually(lambda: len(requests) == 2 * MAX_UNANSWERED)
     for each in requests:
@@ -87,6 +89,7 @@ async def test_requests_beyond_what_a_server_keeps_wait_here(
         each.answer(response("done"))
     for calling in calls[MAX_UNANSWERED:]:
         assert text_of(await soon(calling)) == "done"
+    assert all(each.cdr[4] for each in requests)
 
 
 async def test_a_call_fails_with_its_server_though_another_has_come(

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What rendering costs: from the CDR of one message to its JSON, and to its CBOR."""
+
+import statistics
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from gateway.codec.json import dumps
+from gateway.codec.types import MessageType, Types
+from schemas.installed import InstalledDefinitions
+
+_REPEATS = 15
+_BATCH_S = 0.05
+
+_SCAN = {"ranges": np.linspace(0.1, 3.5, 720).tolist(), "intensities": [47.0] * 720}
+_CLOUD = {
+    "height": 240,
+    "width": 320,
+    "point_step": 16,
+    "row_step": 5120,
+    "data": np.random.default_rng(1).bytes(1_228_800),
+}
+_MESSAGES = {
+    "nav_msgs/msg/Odometry": {},
+    "sensor_msgs/msg/LaserScan": _SCAN,
+    "sensor_msgs/msg/PointCloud2": _CLOUD,
+}
+
+
+def main() -> None:
+    """Print a table."""
+    types = Types(InstalledDefinitions())
+    print(f"\n{'CDR to':28}{'JSON us':>10}{'bytes':>10}{'CBOR us':>10}{'bytes':>10}{'ratio':>8}")
+    for name, values in _MESSAGES.items():
+        message_type = types.get(name)
+        cdr = message_type.encode(message_type.validate(values, now_ns=0))
+        json_us, json_bytes = _cost(_as_json(message_type), cdr)
+        cbor_us, cbor_bytes = _cost(message_type.transcoder(), cdr)
+        print(
+            f"{name:28}{json_us:10.1f}{json_bytes:10}{cbor_us:10.1f}{cbor_bytes:10}"
+            f"{cbor_us / json_us:8.2f}"
+        )
+
+
+def _as_json(message_type: MessageType) -> Callable[[bytes], bytes]:
+    decode = message_type.decode
+    return lambda cdr: dumps(decode(cdr))
+
+
+def _cost(render: Callable[[bytes], bytes], cdr: bytes) -> tuple[float, int]:
+    """Return the CPU time of one message in microseconds, and the bytes that come out."""
+    size = len(render(cdr))
+    started = time.thread_time()
+    render(cdr)
+    count = max(1, round(_BATCH_S / max(time.thread_time() - started, 1e-6)))
+    durations = []
+    for _ in range(_REPEATS):
+        started = time.thread_time()
+        for _ in range(count):
+            render(cdr)
+        durations.append((time.thread_time() - started) / count)
+    return statistics.median(durations) * 1e6, size
