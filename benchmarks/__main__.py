@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """``python -m benchmarks [odometry] [image] [codec]``: measure the gateway beside the floor.
 
-Of ``odometry`` and ``image`` both receive from the same publisher in alternating rounds; figures are
-medians. CPU time is user and system time of the whole process, from the operating system.
+Of ``odometry`` and ``image`` both receive from the same publisher in alternating rounds; figures
+are medians. CPU time is user and system time of the whole process, from the operating system.
 ``codec`` measures what rendering costs, as JSON and as CBOR.
 """
 
