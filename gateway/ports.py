@@ -309,7 +309,10 @@ class Ros(Protocol):
         """
 
     def service_types(self, service: str) -> tuple[str, ...]:
-        """Return the types of a service, sorted, empty where the graph knows no server."""
+        """Return the types of a service, also of one behind an action, sorted.
+
+        Empty where the graph knows no server.
+        """
 
     def action_types(self, action: str) -> tuple[str, ...]:
         """Return the types of an action, sorted, empty where the graph knows no server."""

@@ -14,8 +14,15 @@ from gateway.ros.samples import Samples
 class Actions:
     """The clients and the servers of one node; *samples* takes the feedback."""
 
-    def __init__(self, endpoints: Endpoints, samples: Samples, now_ns: Callable[[], int]) -> None:
+    def __init__(
+        self,
+        endpoints: Endpoints,
+        samples: Samples,
+        now_ns: Callable[[], int],
+        on_close: Callable[[], None],
+    ) -> None:
         self._endpoints = endpoints
+        self._on_close = on_close
         self._samples = samples
         self._now_ns = now_ns
         self._clients: set[RclpyActionClient] = set()
@@ -72,3 +79,4 @@ class Actions:
     def _forget(self, server: RclpyActionServer) -> None:
         if self._provided.get(server.name) is server:
             del self._provided[server.name]
+            self._on_close()

@@ -63,8 +63,12 @@ def read_services(node: Node) -> tuple[Provided, ...]:
 
     The list without nodes has those as well that only a client has named.
     """
-    services = _provided(node, lambda *each: node.get_service_names_and_types_by_node(*each))
-    return tuple(service for service in services if _BEHIND_ACTION not in service.name)
+    return tuple(each for each in read_all_services(node) if _BEHIND_ACTION not in each.name)
+
+
+def read_all_services(node: Node) -> tuple[Provided, ...]:
+    """Return the services that nodes provide, those behind actions as well."""
+    return _provided(node, lambda *each: node.get_service_names_and_types_by_node(*each))
 
 
 def read_actions(node: Node) -> tuple[Provided, ...]:

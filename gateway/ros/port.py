@@ -23,8 +23,8 @@ from gateway.ros.executor import ExecutorThread
 from gateway.ros.graph import (
     GraphChanges,
     read_actions,
+    read_all_services,
     read_graph,
-    read_services,
     read_types,
 )
 from gateway.ros.options import RosOptions, Taking
@@ -52,6 +52,11 @@ class RclpyRos:
         """
         loop = asyncio.get_running_loop()
         self._max_entities = options.max_entities
+        # of the graph, until it changes
+        self._graph: Graph | None = None
+        self._types: dict[str, tuple[str, ...]] = {}
+        self._service_types: dict[str, tuple[str, ...]] | None = None
+        self._action_types: dict[str, tuple[str, ...]] | None = None
         with contextlib.ExitStack() as undo:
             try:
                 context = _open_context(options, undo)
@@ -70,14 +75,14 @@ class RclpyRos:
             )
             arrivals = _open_arrivals(options.taking, loop)
             samples = _open_samples(arrivals, subscribing, loop, undo)
-            self._subscriptions = Subscriptions(subscribing, samples, loop)
+            self._subscriptions = Subscriptions(subscribing, samples, loop, self._forget_graph)
             undo.callback(self._subscriptions.close)
-            self._publishers = Publishers(publishing)
+            self._publishers = Publishers(publishing, self._forget_graph)
             undo.callback(self._publishers.close)
             endpoints = Endpoints(serving, arrivals, loop)
-            self._services = Services(endpoints)
+            self._services = Services(endpoints, self._forget_graph)
             undo.callback(self._services.close)
-            self._actions = Actions(endpoints, samples, self.now_ns)
+            self._actions = Actions(endpoints, samples, self.now_ns, self._forget_graph)
             undo.callback(self._actions.close)
             self._watches = GraphWatches(loop)
             undo.callback(self._watches.close)
@@ -85,10 +90,6 @@ class RclpyRos:
             undo.callback(changes.close)
             self._undo = undo.pop_all()
         self._is_closed = False
-        self._graph: Graph | None = None
-        self._types: dict[str, tuple[str, ...]] = {}
-        self._service_types: dict[str, tuple[str, ...]] | None = None
-        self._action_types: dict[str, tuple[str, ...]] | None = None
 
     def close(self) -> None:
         """End everything that is open, then the nodes; no callback comes after."""
@@ -161,7 +162,7 @@ class RclpyRos:
     def service_types(self, service: str) -> tuple[str, ...]:
         """Return the types of a service; see the port. Kept until the graph changes."""
         if self._service_types is None:
-            self._service_types = {each.name: each.types for each in read_services(self._debug)}
+            self._service_types = {each.name: each.types for each in read_all_services(self._debug)}
         return self._service_types.get(service, ())
 
     def action_types(self, action: str) -> tuple[str, ...]:
@@ -206,15 +207,12 @@ class RclpyRos:
     def _check_topic(self, topic: str, type_name: str) -> None:
         known = self._subscriptions.type_of(topic) or self._publishers.type_of(topic)
         self._check_new(f"topic {topic}", type_name, known)
-        self._types.pop(topic, None)  # the new endpoint is not waited for
 
     def _check_service(self, service: str, type_name: str) -> None:
         self._check_new(f"service {service}", type_name, self._services.type_of(service))
-        self._service_types = None
 
     def _check_action(self, action: str, type_name: str) -> None:
         self._check_new(f"action {action}", type_name, self._actions.type_of(action))
-        self._action_types = None
 
     def _check_new(self, subject: str, type_name: str, known: str | None) -> None:
         if self.entity_count() >= self._max_entities:
@@ -222,12 +220,17 @@ class RclpyRos:
         # One DDS participant cannot have both, and rcl loses rmw's reason for saying so.
         if known not in {None, type_name}:
             raise RosError("bad_type", f"{subject} is open here as {known}, not {type_name}")
+        self._forget_graph()
 
-    def _graph_changed(self) -> None:
+    def _forget_graph(self) -> None:
+        """Look anew when asked next: of what is opened and closed here no change is waited for."""
         self._graph = None
         self._types.clear()
         self._service_types = None
         self._action_types = None
+
+    def _graph_changed(self) -> None:
+        self._forget_graph()
         self._subscriptions.follow_publishers()
         self._services.follow_graph()
         self._actions.follow_graph()

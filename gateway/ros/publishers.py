@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Raw publishers, one of rclpy's for all who advertise the same."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,8 +32,9 @@ class _Shared:
 class Publishers:
     """The publishers of one node."""
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: Node, on_close: Callable[[], None]) -> None:
         self._node = node
+        self._on_close = on_close
         self._shared: dict[_Key, _Shared] = {}
         self._handles: set[RclpyPublisher] = set()
 
@@ -66,6 +68,7 @@ class Publishers:
         if not shared.users:
             del self._shared[key]
             self._node.destroy_publisher(shared.publisher)
+            self._on_close()
 
     def close(self) -> None:
         """Close every handle that is still open."""

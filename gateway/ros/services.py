@@ -16,8 +16,9 @@ from gateway.ros.names import check_service
 class Services:
     """The clients and the servers of one node."""
 
-    def __init__(self, endpoints: Endpoints) -> None:
+    def __init__(self, endpoints: Endpoints, on_close: Callable[[], None]) -> None:
         self._endpoints = endpoints
+        self._on_close = on_close
         self._clients: set[RclpyClient] = set()
         self._provided: dict[str, RclpyService] = {}
 
@@ -64,6 +65,7 @@ class Services:
     def _forget(self, service: "RclpyService") -> None:
         if self._provided.get(service.name) is service:
             del self._provided[service.name]
+            self._on_close()
 
 
 class RclpyClient:

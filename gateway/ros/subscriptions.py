@@ -19,8 +19,15 @@ from gateway.ros.samples import Reader, Samples
 class Subscriptions:
     """The subscriptions of one node."""
 
-    def __init__(self, node: Node, samples: Samples, loop: asyncio.AbstractEventLoop) -> None:
+    def __init__(
+        self,
+        node: Node,
+        samples: Samples,
+        loop: asyncio.AbstractEventLoop,
+        on_close: Callable[[], None],
+    ) -> None:
         self._node = node
+        self._on_close = on_close
         self._samples = samples
         self._loop = loop
         self._open: set[RclpySubscription] = set()
@@ -85,6 +92,7 @@ class Subscriptions:
     def forget(self, subscription: "RclpySubscription") -> None:
         """Count a closed subscription no more."""
         self._open.discard(subscription)
+        self._on_close()
 
     def close(self) -> None:
         """Close every subscription that is still open."""

@@ -124,7 +124,7 @@ class ProvidedActions:
             raise ProtocolError("bad_request", f"status: expected {expected}, got {request.status}")
         result_type = provided.type.result
         goal = provided.goals.pop(goal_id)
-        if status == ABORTED and not isinstance(request.values, (dict, list)):
+        if status == ABORTED and isinstance(request.values, str | None):
             words = request.values if isinstance(request.values, str) else "action failed"
             goal.finish(ABORTED, failure(result_type, words))
             return

@@ -124,7 +124,8 @@ class ProvidedServices:
             raise ProtocolError("not_found", text)
         pending.deadline.cancel()
         response_type = provided.type.response
-        if not response.result and not isinstance(response.values, (dict, list)):
+        # roslib and roslibpy send an empty object with every failure
+        if not response.result and not (response.values and isinstance(response.values, dict)):
             words = response.values if isinstance(response.values, str) else "service failed"
             pending.request.answer(failure(response_type, words))
             return

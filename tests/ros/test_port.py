@@ -374,3 +374,34 @@ async def test_two_hundred_rounds_of_each_kind_leave_nothing(taking: Taking) -> 
         await eventually(lambda: resources() <= before[1])
     finally:
         ros.close()
+
+
+async def test_what_is_opened_and_closed_here_is_in_the_graph_and_out_of_it_at_once() -> None:
+    async with open_ros() as ros:
+
+        def names() -> set[str]:
+            graph = ros.graph()
+            return {each.name for each in (*graph.topics, *graph.services, *graph.actions)}
+
+        names()  # keeps it
+        opened = [
+            ros.advertise("/own_topic", "std_msgs/msg/String", Qos()),
+            ros.serve("/own_service", "std_srvs/srv/Trigger", lambda request: None),
+            ros.serve_action(
+                "/own_action", "test_msgs/action/Fibonacci", lambda goal: None, lambda goal: None
+            ),
+        ]
+        assert {"/own_topic", "/own_service", "/own_action"} <= names()
+        for each in opened:
+            each.close()
+        assert not {"/own_topic", "/own_service", "/own_action"} & names()
+
+
+async def test_the_services_behind_an_action_can_be_called_by_who_knows_them() -> None:
+    async with open_ros() as ros:
+        ros.serve_action(
+            "/own_action", "test_msgs/action/Fibonacci", lambda goal: None, lambda goal: None
+        )
+        cancel = "/own_action/_action/cancel_goal"
+        await eventually(lambda: ros.service_types(cancel) == ("action_msgs/srv/CancelGoal",))
+        assert cancel not in [service.name for service in ros.graph().services]

@@ -67,7 +67,11 @@ async def test_answers_find_their_calls_in_any_order(bench: Bench) -> None:
 
 @pytest.mark.parametrize(
     ("answer", "message"),
-    [({"result": False}, "service failed"), ({"result": False, "values": "jammed"}, "jammed")],
+    [
+        ({"result": False}, "service failed"),
+        ({"result": False, "values": {}}, "service failed"),  # what roslib and roslibpy send
+        ({"result": False, "values": "jammed"}, "jammed"),
+    ],
 )
 async def test_a_failure_without_values_reaches_the_caller_as_one(
     bench: Bench, answer: dict[str, Any], message: str
@@ -77,6 +81,7 @@ async def test_a_failure_without_values_reaches_the_caller_as_one(
     (frame,) = await client.sees(1, "call_service")
     client.send(op="service_response", id=frame["id"], service="arm", **answer)
     assert await response == {"success": False, "message": message}
+    assert not client.of("status")
 
 
 async def test_a_failure_with_values_passes_them_on_with_a_warning(bench: Bench) -> None:

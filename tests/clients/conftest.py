@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One gateway and one process per library for all tests here, a connection for each test."""
+
+from collections.abc import AsyncIterator, Iterator
+
+import pytest
+import pytest_asyncio
+
+from tests.clients.driver import INSTALLED, LIBRARIES, Connection, Driver, driver
+from tests.clients.robot import Robot
+from tests.gateway_process import GatewayProcess, gateway_process
+from tests.ros.outside import Outside
+
+MANY = (
+    *("--set", "limits.max_clients=100"),
+    *("--set", "limits.max_clients_per_address=100"),
+)
+
+
+@pytest.fixture(scope="package", autouse=True)
+def clients() -> None:
+    """Skip everything here where there are no clients to drive."""
+    if not (INSTALLED / ".ready").exists():
+        pytest.skip(f"no clients in {INSTALLED}: `sh tools/make-clients.sh VENV` installs them")
+
+
+@pytest_asyncio.fixture(scope="package", loop_scope="package")
+async def gateway() -> AsyncIterator[GatewayProcess]:
+    async with gateway_process("serve", *MANY) as gateway:
+        yield gateway
+
+
+@pytest.fixture(scope="package")
+def outside() -> Iterator[Outside]:
+    outside = Outside("robot")
+    yield outside
+    outside.close()
+
+
+@pytest.fixture
+def robot(outside: Outside) -> Iterator[Robot]:
+    robot = Robot(outside)
+    yield robot
+    robot.close()
+
+
+@pytest_asyncio.fixture(scope="package", loop_scope="package", params=LIBRARIES, ids=str)
+async def library(request: pytest.FixtureRequest) -> AsyncIterator[Driver]:
+    """Run each library in turn."""
+    async with driver(request.param) as running:
+        yield running
+
+
+@pytest_asyncio.fixture(loop_scope="package")
+async def client(library: Driver, gateway: GatewayProcess) -> AsyncIterator[Connection]:
+    """A connection of each library in turn, which has nothing to complain about."""
+    connection = library.connection()
+    await connection.connect(gateway)
+    yield connection
+    await connection.close()
+    assert library.take("complaint") == []
+    library.events.clear()

