@@ -79,7 +79,7 @@ def encode_values(message_type: MessageType, values: object, now_ns: int, root: 
         if values is None:
             values = {}
         elif isinstance(values, list):
-            values = message_type.named(values)
+            values = message_type.named(values, root)
         return message_type.encode(message_type.validate(values, now_ns, root))
     except CodecError as error:
         raise ProtocolError("invalid_value", str(error)) from error

@@ -158,8 +158,9 @@ class LimitsConfig(Section):
     )
     send_queue_bytes: Annotated[int, Field(ge=64 * 1024)] = Field(
         8 * 1024**2,
-        description="bytes that may wait for one client (3 s of VGA JPEG); the oldest"
-        " of its messages are dropped beyond",
+        description="bytes that may wait for one client (3 s of VGA JPEG), messages as ROS"
+        " serialises them and the oldest answer aside; the oldest of its messages are dropped"
+        " beyond, and answers beyond close it with code 4503",
     )
     slow_consumer_s: Seconds = Field(
         5,

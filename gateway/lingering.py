@@ -10,7 +10,7 @@ from typing import Final, Generic, Protocol, TypeVar
 # DDS takes some tenths of a second until a new client is heard by its server, so who calls once
 # a second must not pay that each time. Nor must what nobody uses any more be seen for long.
 LINGER_S: Final = 5.0
-MAX_IDLE: Final = 32  # of 256 ROS entities in all
+MAX_IDLE: Final = 128  # of 256 ROS entities in all; a robot of Navigation 2 has some 70 nodes
 
 
 class Closable(Protocol):
@@ -43,19 +43,19 @@ class Lingering(Generic[T]):
     @contextlib.contextmanager
     def use(self, key: Hashable, open_thing: Callable[[], T]) -> Iterator[T]:
         """Lend what *key* stands for, opened by *open_thing* where it is not open yet."""
-        entry = self._entries.pop(key, None)
+        entry = self._entries.get(key)
         if entry is None:
-            entry = _Entry(open_thing())
+            entry = self._entries[key] = _Entry(open_thing())
         elif entry.end is not None:
             entry.end.cancel()
             entry.end = None
-        self._entries[key] = entry  # last in the order: the longest idle comes first
         entry.users += 1
         try:
             yield entry.thing
         finally:
             entry.users -= 1
             if not entry.users and self._entries.get(key) is entry:
+                self._entries[key] = self._entries.pop(key)  # the longest idle comes first
                 loop = asyncio.get_running_loop()
                 entry.end = loop.call_later(LINGER_S, self._close, key)
                 self._shed()

@@ -142,7 +142,11 @@ class Request(Protocol):
         """The request, encapsulation header included."""
 
     def answer(self, response: bytes) -> None:
-        """Respond. At most once; nothing happens once the service is closed."""
+        """Respond. At most once; nothing happens once the service is closed or who asked has gone.
+
+        Raises:
+            RosError: ``internal``: *response* is no CDR of the type; the request is still open.
+        """
 
 
 class Service(Protocol):
@@ -181,21 +185,26 @@ class ActionClient(Protocol):
         """Wait for a server and send it a goal; ``None``: it rejects the goal.
 
         *on_feedback* gets CDR of the action's Feedback until the result is there. Any number of
-        goals may be under way. There is no time limit: that is the caller's.
+        goals may be under way. There is no time limit: that is the caller's. Cancelling this gives
+        the goal up: it is cancelled should the server accept it yet.
 
         Raises:
             RosError: ``not_found``, as for `Client.call`.
         """
 
     def close(self) -> None:
-        """Destroy it; goals go on without us. Closing twice is harmless."""
+        """Destroy it; accepted goals go on without us. Closing twice is harmless.
+
+        What waits for it fails and no callback comes after, but while the server may still accept
+        a goal that was given up, that is waited for, some time at most, and counts as open.
+        """
 
 
 class GoalRequest(Protocol):
     """A goal that a ROS client has sent to an action that the gateway provides.
 
-    It counts as accepted and being executed. Nothing happens once the action is closed or the
-    goal has finished.
+    It counts as accepted and being executed. Nothing happens once the action is closed, the goal
+    has finished, or who sent it has gone.
     """
 
     @property
@@ -203,12 +212,19 @@ class GoalRequest(Protocol):
         """The action's Goal, encapsulation header included."""
 
     def feedback(self, cdr: bytes) -> None:
-        """Publish the action's Feedback."""
+        """Publish the action's Feedback.
+
+        Raises:
+            RosError: ``internal``: ROS does not publish it.
+        """
 
     def finish(self, status: GoalOutcome, result: bytes) -> None:
         """End the goal; *result* is CDR of the action's Result.
 
         A goal can end as canceled only while it is being canceled; else it counts as aborted.
+
+        Raises:
+            RosError: ``internal``: *result* is no CDR of the type; the goal goes on.
         """
 
 

@@ -65,6 +65,19 @@ async def test_only_so_many_linger_and_the_longest_idle_goes_first() -> None:
     things.close()
 
 
+async def test_what_was_used_until_just_now_is_not_the_longest_idle() -> None:
+    things: Lingering[Thing] = Lingering()
+    with things.use("long", Thing) as long_used:
+        with things.use("before", Thing) as before:
+            pass
+        for number in range(1, MAX_IDLE):
+            with things.use(number, Thing):
+                pass
+    assert before.is_closed
+    assert not long_used.is_closed
+    things.close()
+
+
 async def test_closing_while_in_use_closes_at_once_and_only_once() -> None:
     things: Lingering[Thing] = Lingering()
     with things.use("a", Thing) as thing:

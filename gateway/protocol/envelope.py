@@ -10,7 +10,7 @@ from gateway.codec import cbor
 from gateway.codec.json import ascii_only
 from gateway.protocol import frames
 from gateway.protocol.fragments import text_frames
-from gateway.protocol.framing import binary_header, text_header
+from gateway.protocol.framing import binary_header, payload_offset, text_header
 
 Compression = Literal["none", "png", "cbor", "cbor-raw"]
 """How messages travel: as JSON, as JSON in a picture, as CBOR, or as CDR in CBOR."""
@@ -46,6 +46,9 @@ class Envelope(Protocol):
     def shared(self, body: bytes) -> bytes:
         """Return the frame as all streams get it that want nothing special."""
 
+    def body(self, shared: bytes) -> bytes:
+        """Return the message in such a frame."""
+
     def tailored(self, body: bytes, tailoring: Tailoring) -> bytes:
         """Return the frame, or frames in a row, as one stream gets it."""
 
@@ -62,6 +65,10 @@ class JsonEnvelope:
         prefix = self._prefix
         length = len(prefix) + len(body) + 1
         return b"".join((text_header(length), prefix, body, frames.PUBLISH_SUFFIX))
+
+    def body(self, shared: bytes) -> bytes:
+        """Take it out of its frame."""
+        return _behind(self._prefix, shared)[: -len(frames.PUBLISH_SUFFIX)]
 
     def tailored(self, body: bytes, tailoring: Tailoring) -> bytes:
         """Add meta, escape and cut as wished."""
@@ -84,14 +91,19 @@ class PngEnvelope:
     """
 
     _PREFIX: Final = b'{"op":"png","data":"'
+    _SUFFIX: Final = b'"}'
 
     def __init__(self, topic: str) -> None:
         self._topic = topic
 
     def shared(self, body: bytes) -> bytes:
         """Frame it."""
-        length = len(self._PREFIX) + len(body) + 2
-        return b"".join((text_header(length), self._PREFIX, body, b'"}'))
+        length = len(self._PREFIX) + len(body) + len(self._SUFFIX)
+        return b"".join((text_header(length), self._PREFIX, body, self._SUFFIX))
+
+    def body(self, shared: bytes) -> bytes:
+        """Take it out of its frame."""
+        return _behind(self._PREFIX, shared)[: -len(self._SUFFIX)]
 
     def tailored(self, body: bytes, tailoring: Tailoring) -> bytes:
         """Add meta, and cut as wished; it is ASCII in any case."""
@@ -116,6 +128,10 @@ class CborEnvelope:
         prefix = self._prefix
         return b"".join((binary_header(len(prefix) + len(body)), prefix, body))
 
+    def body(self, shared: bytes) -> bytes:
+        """Take it out of its frame."""
+        return _behind(self._prefix, shared)
+
     def tailored(self, body: bytes, tailoring: Tailoring) -> bytes:
         """Add meta as wished; rosbridge knows no fragments of binary frames."""
         prefix = self._prefix
@@ -139,3 +155,7 @@ def envelope(topic: str, compression: Compression) -> Envelope:
             return PngEnvelope(topic)
         case "cbor" | "cbor-raw":
             return CborEnvelope(topic)
+
+
+def _behind(prefix: bytes, frame: bytes) -> bytes:
+    return frame[payload_offset(frame) + len(prefix) :]

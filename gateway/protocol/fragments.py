@@ -14,6 +14,7 @@ from gateway.protocol.framing import text_frame
 from gateway.protocol.operations.fragment import Fragment
 
 MAX_INCOMPLETE: Final = 4  # a client sends one after the other; 1 MiB at the default limits
+MAX_REFUSED: Final = 4  # as many as can fail at once; the numbers of their pieces are 1 MB at worst
 MAX_PIECES: Final = 4096  # 256 KiB in the smallest pieces that `fragment_size` allows
 MAX_AGE_NS: Final = 60 * 1_000_000_000  # by then even the weakest WiFi has passed 256 KiB
 
@@ -54,12 +55,24 @@ class _Incomplete:
     pieces: dict[int, str] = field(default_factory=dict)
 
 
+@dataclass(frozen=True, slots=True)
+class _Refused:
+    total: int
+    missing: set[int]
+    since_ns: int
+
+
 class Assembly:
-    """The incomplete messages of one client."""
+    """The incomplete messages of one client.
+
+    When a message is refused, more pieces of it may be under way. They are ignored, or they would
+    begin a message that never ends.
+    """
 
     def __init__(self, max_bytes: int) -> None:
         self._max_bytes = max_bytes
         self._incomplete: dict[str | int, _Incomplete] = {}
+        self._refused: dict[str | int, _Refused] = {}  # oldest first
 
     def __len__(self) -> int:
         """Count them."""
@@ -72,8 +85,10 @@ class Assembly:
 
         Raises:
             ProtocolError: it contradicts the others, or a limit is exceeded. The message is
-                forgotten if it is too large, else only the piece.
+                refused if it is too large or one too many, else only the piece.
         """
+        if self._is_of_refused(fragment, now_ns):
+            return None
         message = self._message(fragment, now_ns)
         known = message.pieces.get(fragment.num)
         if known is not None:
@@ -84,7 +99,7 @@ class Assembly:
         message.pieces[fragment.num] = fragment.data
         message.size += len(fragment.data.encode())
         if message.size > self._max_bytes:
-            del self._incomplete[fragment.id]
+            self._refuse(fragment.id, message, now_ns)
             raise ProtocolError(
                 "limit_exceeded",
                 f"data: {message.size} bytes so far, at most {self._max_bytes} allowed in all",
@@ -103,7 +118,7 @@ class Assembly:
             if now_ns - message.begun_ns > MAX_AGE_NS
         ]
         for known, _ in expired:
-            del self._incomplete[known]
+            self._refuse(known, self._incomplete[known], now_ns)
         return expired
 
     def _message(self, fragment: Fragment, now_ns: int) -> _Incomplete:
@@ -118,7 +133,33 @@ class Assembly:
         if total > MAX_PIECES:
             raise ProtocolError("limit_exceeded", f"total: {total}, at most {MAX_PIECES} allowed")
         if len(self._incomplete) >= MAX_INCOMPLETE:
+            one_too_many = _Incomplete(total, now_ns, pieces={fragment.num: fragment.data})
+            self._refuse(fragment.id, one_too_many, now_ns)
             text = f"at most {MAX_INCOMPLETE} incomplete messages per client"
             raise ProtocolError("limit_exceeded", text)
         message = self._incomplete[fragment.id] = _Incomplete(total, now_ns)
         return message
+
+    def _refuse(self, fragment_id: str | int, message: _Incomplete, now_ns: int) -> None:
+        """Forget a message, but for what must be known to ignore the rest of it."""
+        self._incomplete.pop(fragment_id, None)
+        missing = set(range(message.total)) - message.pieces.keys()
+        if not missing:
+            return
+        if len(self._refused) >= MAX_REFUSED:
+            del self._refused[next(iter(self._refused))]
+        self._refused[fragment_id] = _Refused(message.total, missing, now_ns)
+
+    def _is_of_refused(self, fragment: Fragment, now_ns: int) -> bool:
+        """Whether a piece belongs to a message that was refused, and note that it has come."""
+        refused = self._refused.get(fragment.id)
+        if refused is None:
+            return False
+        is_old = now_ns - refused.since_ns > MAX_AGE_NS
+        if is_old or fragment.total != refused.total or fragment.num not in refused.missing:
+            del self._refused[fragment.id]  # it is another message, or another attempt
+            return False
+        refused.missing.remove(fragment.num)
+        if not refused.missing:
+            del self._refused[fragment.id]
+        return True

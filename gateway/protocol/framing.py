@@ -29,6 +29,11 @@ def text_frame(payload: bytes) -> bytes:
     return text_header(len(payload)) + payload
 
 
+def payload_offset(frame: bytes) -> int:
+    """Return where the payload begins in an unmasked frame."""
+    return {126: 4, 127: 10}.get(frame[1], 2)
+
+
 def _header(first: int, length: int) -> bytes:
     if length < _SHORT:
         return bytes((first, length))

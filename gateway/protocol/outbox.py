@@ -90,8 +90,9 @@ class Outbox:
     """Everything that waits for one client, within one budget of bytes.
 
     Over the budget the lane that holds most loses its oldest entry: a camera cannot push out
-    odometry. Control frames are never dropped; `overflowed` says when they alone exceed the
-    budget, and then the client is beyond help.
+    odometry. Control frames are never dropped, and one of them always fits, as large as it is: a
+    client that reads gets it. `overflowed` says when those behind it alone exceed the budget, and
+    then the client is beyond help.
     """
 
     def __init__(self, max_bytes: int) -> None:
@@ -106,8 +107,13 @@ class Outbox:
 
     @property
     def overflowed(self) -> bool:
-        """Whether control frames alone exceed the budget."""
-        return self._control_size > self.max_bytes
+        """Whether control frames alone exceed the budget, the oldest aside."""
+        return self._control_size - self._oldest_control_size > self.max_bytes
+
+    @property
+    def excess(self) -> int:
+        """The bytes that wait, the oldest control frame aside."""
+        return self.size - self._oldest_control_size
 
     @property
     def has_control(self) -> bool:
@@ -170,6 +176,10 @@ class Outbox:
                 taken.append(ready)
                 left -= len(ready)
         return taken
+
+    @property
+    def _oldest_control_size(self) -> int:
+        return len(self._control[0]) if self._control else 0
 
     def grow(self, size: int) -> None:
         """Account for bytes that came or, negative, went."""

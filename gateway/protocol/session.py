@@ -103,6 +103,13 @@ class Session:
         self.outbox.put_control(self.framed(payload, fragment_size))
         self.wake()
 
+    def ask(self, payload: bytes) -> None:
+        """Send a request to a client that provides a service or an action, as ASCII.
+
+        ROS# reads nothing else, and one that only provides sends nothing that tells it is ROS#.
+        """
+        self.send(ascii_only(payload))
+
     def framed(self, payload: bytes, fragment_size: int | None = None) -> bytes:
         """Return JSON as this client gets it on the wire; *fragment_size* is as for `send`."""
         text = ascii_only(payload) if self.is_ros_sharp else payload

@@ -93,7 +93,16 @@ class Stream:
         self._next_ns = 0
 
     def change(self, wish: Wish) -> None:
-        """Go on with another wish; what already waits is still delivered."""
+        """Go on with another wish; what already waits is still delivered.
+
+        Another throttle begins at once: the sample that was held back for the former one passes,
+        and no `release` is due any more.
+        """
+        if wish.throttle_ns != self.wish.throttle_ns:
+            self._next_ns = 0
+            held, self._held = self._held, None
+            if held is not None:
+                self.lane.put(held)
         self.wish = wish
         self.lane.depth, self.lane.max_bytes = _bounds(wish)
 

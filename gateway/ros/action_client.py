@@ -6,7 +6,6 @@ https://design.ros2.org/articles/actions.html
 
 import asyncio
 import contextlib
-import math
 import uuid
 from collections.abc import Callable, Sequence
 from typing import Any, Final
@@ -26,9 +25,10 @@ CDR_HEADER_BYTES: Final = 4
 GOAL_ID_BYTES: Final = 16
 FEEDBACK_PROFILE: Final = QoSProfile(depth=10)  # of rcl_action: reliable, volatile
 
-# How long the answer to a goal that nobody waits for any more is waited for, to cancel it; a
-# server that takes longer has a problem, and each goal is a few hundred bytes.
-_ABANDONED_S: Final = 10.0
+# How long the answer to a goal that nobody waits for any more is waited for, to cancel it. Clients
+# of the gateway give up after 5 s; a server that loads a map before it accepts needs more. Each
+# goal is a few hundred bytes, and what waits for the last one's answer four entities of DDS.
+_ABANDONED_S: Final = 30.0
 
 OnFeedback = Callable[[bytes], None]
 
@@ -48,6 +48,8 @@ class RclpyActionClient:
         name: str,
         type_name: str,
         on_close: Callable[["RclpyActionClient"], None],
+        *,
+        is_paced: Callable[[], bool],
     ) -> None:
         self.name = name
         self.type_name = type_name
@@ -56,6 +58,8 @@ class RclpyActionClient:
         self._loop = endpoints.loop
         self._subject = f"action {name}"
         self._listening: dict[bytes, OnFeedback] = {}
+        self._abandoned: dict[asyncio.Future[Any], asyncio.Task[None]] = {}  # by their answers
+        self._is_closed = False
         self._cancel_class = service_class("action_msgs/srv/CancelGoal")
         self._feedback_topic = f"{name}/_action/feedback"
         parts = action_class(type_name).Impl
@@ -71,11 +75,11 @@ class RclpyActionClient:
                 undo.callback(opened.close)
                 return opened
 
-            # These are under way as long as their goals, which servers take at once.
-            self._results = requester(parts.GetResultService, "get_result", max_unanswered=math.inf)
-            self._cancels = requester(self._cancel_class, "cancel_goal")
+            # These are under way as long as their goals, and sent as fast as goals are accepted.
+            self._results = requester(parts.GetResultService, "get_result", is_paced=lambda: False)
+            self._cancels = requester(self._cancel_class, "cancel_goal", is_paced=is_paced)
             self._goals = requester(
-                parts.SendGoalService, "send_goal", is_ready=self._is_rest_ready
+                parts.SendGoalService, "send_goal", is_ready=self._is_rest_ready, is_paced=is_paced
             )
             with refusals(self._subject):
                 self._feedback = samples.read(
@@ -87,10 +91,9 @@ class RclpyActionClient:
             self._undo = undo.pop_all()
 
     async def send_goal(self, goal: bytes, on_feedback: OnFeedback) -> "RclpyGoal | None":
-        """Wait for a server and send it a goal; see the port.
-
-        Cancelling this cancels the goal, too, should the server accept it yet.
-        """
+        """Wait for a server and send it a goal; see the port."""
+        if self._is_closed:
+            raise RosError("not_found", f"the client of {self._subject} is closed")
         goal_id = uuid.uuid4().bytes
         with refusals(self._subject):
             request = deserialize_message(with_goal_id(goal_id, goal), self._goal_class.Request)
@@ -104,7 +107,7 @@ class RclpyActionClient:
             raise
         finally:
             if not is_accepted:
-                del self._listening[goal_id]
+                self._listening.pop(goal_id, None)
         return RclpyGoal(self, goal_id, self._ask_result(goal_id)) if is_accepted else None
 
     def cancel_goal(self, goal_id: bytes) -> "asyncio.Future[Any]":
@@ -130,7 +133,18 @@ class RclpyActionClient:
             requester.follow_graph()
 
     def close(self) -> None:
-        """Destroy it; goals go on without us. Closing twice is harmless."""
+        """Destroy it, once every goal that was given up is decided on; see the port."""
+        self._is_closed = True
+        if not self._abandoned:
+            self.destroy()
+            return
+        self._listening.clear()
+        self._results.fail_all()
+        self._goals.fail_all(but=self._abandoned)
+
+    def destroy(self) -> None:
+        """Destroy it at once. Doing so twice is harmless."""
+        self._is_closed = True
         self._on_close(self)
         self._undo.close()
 
@@ -158,13 +172,20 @@ class RclpyActionClient:
             answer.cancel()
             return
 
-        def decide(answer: "asyncio.Future[Any]") -> None:
-            timer.cancel()
-            if not answer.cancelled() and answer.exception() is None and answer.result().accepted:
-                self.cancel_goal(goal_id)  # it would be executed for nobody
+        def decided(_: object) -> None:
+            del self._abandoned[answer]
+            if self._is_closed and not self._abandoned:
+                self.destroy()
 
-        timer = self._loop.call_later(_ABANDONED_S, answer.cancel)
-        answer.add_done_callback(decide)
+        deciding = self._loop.create_task(self._cancel_if_accepted(goal_id, answer))
+        self._abandoned[answer] = deciding
+        deciding.add_done_callback(decided)
+
+    async def _cancel_if_accepted(self, goal_id: bytes, answer: "asyncio.Future[Any]") -> None:
+        with contextlib.suppress(TimeoutError, RosError):  # the server's, and nobody is waiting
+            async with asyncio.timeout(_ABANDONED_S):
+                if (await answer).accepted:  # it would be executed for nobody
+                    await self.cancel_goal(goal_id)
 
     def _hear(self, samples: Sequence[Sample]) -> None:
         start = CDR_HEADER_BYTES + GOAL_ID_BYTES

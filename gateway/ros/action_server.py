@@ -6,7 +6,6 @@ https://design.ros2.org/articles/actions.html
 
 import asyncio
 import contextlib
-from collections import deque
 from collections.abc import Callable
 from typing import Any, Final
 
@@ -18,16 +17,16 @@ from gateway.ports import ABORTED, CANCELED, GoalOutcome, GoalRequest
 from gateway.ros.action_client import FEEDBACK_PROFILE, with_goal_id
 from gateway.ros.endpoints import Endpoints, OnRequest, Replier, Reply
 from gateway.ros.errors import refusals, remapped
+from gateway.ros.groups import group_of_one
 from gateway.ros.interfaces import action_class, message_class, service_class
 
 # A person with a headset looks after a few; what a client floods beyond is rejected.
 MAX_GOALS: Final = 64
-# The default of rcl_action. Clients ask for the result when they send the goal, only one that
-# lost its network for a moment asks later.
-RESULT_KEPT_S: Final = 10.0
-# of results: together with the time, at 1 MB each, 64 MB for one action at worst
+# As rclpy's servers do: some clients ask for the result only when a person wants to see it.
+RESULT_KEPT_S: Final = 900.0
+# of results: at 1 MB each, 64 MB for one action at worst
 MAX_RESULTS_KEPT: Final = 64
-# of one goal's result; there is one client of a goal, and perhaps a tool that looks on
+# for one goal's result: its client, and tools that look on
 MAX_WAITING: Final = 16
 
 # action_msgs/msg/GoalStatus
@@ -46,15 +45,14 @@ class RclpyGoalRequest:
     """A goal that a client has sent, and what the server knows of it."""
 
     def __init__(
-        self, server: "RclpyActionServer", info: Any, accepted_ns: int, cdr: bytes
+        self, server: "RclpyActionServer", status: Any, accepted_ns: int, cdr: bytes
     ) -> None:
         self.cdr = cdr
-        self.info = info  # action_msgs/msg/GoalInfo
-        self.goal_id = bytes(info.goal_id.uuid)
+        self.goal_id = bytes(status.goal_info.goal_id.uuid)
         self.accepted_ns = accepted_ns
-        self.status: int = _EXECUTING
+        self.status: Any = status  # action_msgs/msg/GoalStatus
         self.response: Any = None  # once it has ended
-        self.waiting: deque[Reply] = deque(maxlen=MAX_WAITING)
+        self.waiting: list[Reply] = []
         self.expiry: asyncio.TimerHandle | None = None
         self._server = server
 
@@ -71,8 +69,14 @@ class RclpyGoalRequest:
     def finish(self, status: GoalOutcome, result: bytes) -> None:
         """End the goal; see the port."""
         if self.is_open:
-            is_possible = status != CANCELED or self.status == _CANCELING
+            is_possible = status != CANCELED or self.status.status == _CANCELING
             self._server.finish(self, status if is_possible else ABORTED, result)
+
+    def answer_waiting(self) -> None:
+        """Send the result to who has waited for it."""
+        for reply in self.waiting:
+            reply(self.response)
+        self.waiting.clear()
 
 
 class RclpyActionServer:
@@ -153,9 +157,13 @@ class RclpyActionServer:
         """Abort what has not ended and destroy the action. Closing twice is harmless."""
         self._on_close(self)
         try:
-            for goal in list(self._goals.values()):
-                if goal.is_open:
-                    self._end(goal, ABORTED, self._result_class())
+            unfinished = [goal for goal in self._goals.values() if goal.is_open]
+            for goal in unfinished:
+                self._settle(goal, ABORTED, self._result_class())
+            if unfinished:
+                self._publish_status()  # once, for it holds them all
+            for goal in unfinished:
+                goal.answer_waiting()
         finally:
             for goal in self._ended.values():
                 if goal.expiry is not None:
@@ -175,7 +183,8 @@ class RclpyActionServer:
         response.accepted = True
         response.stamp = info.stamp
         reply(response)
-        goal = RclpyGoalRequest(self, info, now_ns, serialize_message(message.goal))
+        status = self._status(goal_info=info, status=_EXECUTING)
+        goal = RclpyGoalRequest(self, status, now_ns, serialize_message(message.goal))
         self._goals[goal_id] = goal
         self._publish_status()
         self._on_goal(goal)
@@ -183,24 +192,24 @@ class RclpyActionServer:
     def _cancel(self, message: Any, reply: Reply) -> None:
         goal_id = bytes(message.goal_info.goal_id.uuid)
         stamp = message.goal_info.stamp
-        wanted = self._to_cancel(goal_id, stamp.sec * 10**9 + stamp.nanosec)
+        until_ns = stamp.sec * 10**9 + stamp.nanosec
+        wanted = self._to_cancel(goal_id, until_ns)
         response = self._cancel_response()
         response.return_code = _NONE
-        if goal_id != _NO_ID and not wanted:
+        if goal_id != _NO_ID and not until_ns and not wanted:
             response.return_code = _GOAL_TERMINATED if goal_id in self._goals else _UNKNOWN_GOAL_ID
-        response.goals_canceling = [goal.info for goal in wanted]
+        response.goals_canceling = [goal.status.goal_info for goal in wanted]
         reply(response)
-        new = [goal for goal in wanted if goal.status == _EXECUTING]
-        for goal in new:
-            goal.status = _CANCELING
-        if new:
+        for goal in wanted:
+            goal.status.status = _CANCELING
+        if wanted:
             self._publish_status()
-        for goal in new:
+        for goal in wanted:
             if goal.is_open:  # an earlier callback may have ended it, or closed the action
                 self._on_cancel(goal)
 
     def _to_cancel(self, goal_id: bytes, until_ns: int) -> list[RclpyGoalRequest]:
-        """Choose as action_msgs/srv/CancelGoal has it.
+        """Choose as action_msgs/srv/CancelGoal has it, among those that are not canceling yet.
 
         That is a goal by its id, those accepted until a stamp, both, or with neither all of them.
         """
@@ -209,6 +218,7 @@ class RclpyActionServer:
             goal
             for goal in self._goals.values()
             if goal.is_open
+            and goal.status.status == _EXECUTING
             and (
                 wants_all
                 or goal.goal_id == goal_id
@@ -220,13 +230,20 @@ class RclpyActionServer:
         goal = self._goals.get(bytes(message.goal_id.uuid))
         if goal is None:
             reply(self._result_response())  # its status is "unknown", as it is made
-        elif goal.is_open:
+        elif not goal.is_open:
+            reply(goal.response)
+        elif len(goal.waiting) < MAX_WAITING:
             goal.waiting.append(reply)
         else:
-            reply(goal.response)
+            reply(self._result_response())  # not in the place of one that has waited for longer
 
     def _end(self, goal: RclpyGoalRequest, status: int, result: Any) -> None:
-        goal.status = status
+        self._settle(goal, status, result)
+        self._publish_status()
+        goal.answer_waiting()
+
+    def _settle(self, goal: RclpyGoalRequest, status: int, result: Any) -> None:
+        goal.status.status = status
         goal.response = self._result_response()
         goal.response.status = status
         goal.response.result = result
@@ -234,9 +251,6 @@ class RclpyActionServer:
         goal.expiry = self._loop.call_later(RESULT_KEPT_S, self._forget, goal)
         if len(self._ended) > MAX_RESULTS_KEPT:
             self._forget(next(iter(self._ended.values())))
-        self._publish_status()
-        while goal.waiting:
-            goal.waiting.popleft()(goal.response)
 
     def _forget(self, goal: RclpyGoalRequest) -> None:
         if goal.expiry is not None:
@@ -245,11 +259,7 @@ class RclpyActionServer:
 
     def _publish_status(self) -> None:
         message: Any = self._statuses()
-        for goal in self._goals.values():
-            status: Any = self._status()
-            status.goal_info = goal.info
-            status.status = goal.status
-            message.status_list.append(status)
+        message.status_list = [goal.status for goal in self._goals.values()]
         with refusals(self._subject):
             self._status_topic.publish(message)
 
@@ -263,6 +273,7 @@ def _open_publisher(
             message_class,
             topic,
             profile,
+            callback_group=group_of_one(),
             event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
         )
     given = publisher.topic_name

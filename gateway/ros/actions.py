@@ -19,10 +19,10 @@ class Actions:
         endpoints: Endpoints,
         samples: Samples,
         now_ns: Callable[[], int],
-        on_close: Callable[[], None],
+        on_change: Callable[[], None],
     ) -> None:
         self._endpoints = endpoints
-        self._on_close = on_close
+        self._on_change = on_change
         self._samples = samples
         self._now_ns = now_ns
         self._clients: set[RclpyActionClient] = set()
@@ -42,7 +42,13 @@ class Actions:
         """Open a client; `gateway.ports.Ros.action_client` says how."""
         check_action(action)
         client = RclpyActionClient(
-            self._endpoints, self._samples, action, type_name, self._clients.discard
+            self._endpoints,
+            self._samples,
+            action,
+            type_name,
+            self._clients.discard,
+            # what is provided here keeps more, and is taken by this very loop
+            is_paced=lambda: action not in self._provided,
         )
         self._clients.add(client)
         return client
@@ -62,6 +68,7 @@ class Actions:
             self._endpoints, self._now_ns, action, type_name, on_goal, on_cancel, self._forget
         )
         self._provided[action] = server
+        self._on_change()
         return server
 
     def follow_graph(self) -> None:
@@ -70,13 +77,13 @@ class Actions:
             client.follow_graph()
 
     def close(self) -> None:
-        """Close what is still open."""
+        """Close what is still open, and wait for nothing."""
         for client in list(self._clients):
-            client.close()
+            client.destroy()
         for server in list(self._provided.values()):
             server.close()
 
     def _forget(self, server: RclpyActionServer) -> None:
         if self._provided.get(server.name) is server:
             del self._provided[server.name]
-            self._on_close()
+            self._on_change()

@@ -6,7 +6,7 @@ whose answer comes later fails on the EventsExecutor, and actions lose results o
 """
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
@@ -15,17 +15,20 @@ from rclpy.qos import QoSProfile
 
 from gateway.ports import MAX_TAKES_PER_TURN, RosError
 from gateway.ros.arrivals import Arrivals
-from gateway.ros.errors import REFUSALS, refusals, refused, remapped
+from gateway.ros.errors import REFUSALS, losses, refusals, refused, remapped
 from gateway.ros.qos import MAX_DEPTH
 
 # How soon a server that appears gets what waits for it: the graph tells of a server before DDS
 # has matched both its topics, and nothing tells of that.
 LOOK_S: Final = 0.02
 # Servers keep 10 requests that they have not taken, the default of ROS, and DDS drops what comes
-# beyond without a word. Cancelled requests, such as those whose time is over, do not count.
-MAX_UNANSWERED: Final = 10
+# beyond without a word. So many are sent ahead of their answers, each for as long as a server that
+# spins may need to take it: one that never answers keeps nobody's request waiting for longer.
+MAX_AHEAD: Final = 10
+AHEAD_S: Final = 1.0
 
-Reply = Callable[[Any], None]  # sends the response, unless the server is closed
+# sends the response, unless the server is closed; to a client that has gone it goes nowhere
+Reply = Callable[[Any], None]
 OnRequest = Callable[[Any, Reply], None]
 
 
@@ -54,12 +57,12 @@ class Requester:
         *,
         subject: str,
         is_ready: Callable[[], bool] = lambda: True,
-        max_unanswered: float = MAX_UNANSWERED,
+        is_paced: Callable[[], bool] = lambda: True,
     ) -> None:
         """Create it; *subject*, such as ``service /reset``, is what its errors are about.
 
-        *is_ready* may hold requests back though the server is there. Those beyond
-        *max_unanswered* wait as well.
+        *is_ready* may hold requests back though the server is there. While *is_paced* those
+        beyond `MAX_AHEAD` wait as well.
 
         Raises:
             RosError: ROS refuses it, or gives it another name.
@@ -70,11 +73,11 @@ class Requester:
         self._loop = endpoints.loop
         self._subject = subject
         self._is_other_ready = is_ready
-        self._max_unanswered = max_unanswered
+        self._is_paced = is_paced
         self._response_class = service_class.Response
         self._waiting: dict[asyncio.Future[Any], Any] = {}
         self._under_way: dict[int, _UnderWay] = {}
-        self._servers: frozenset[bytes] | None = None  # None: to be looked up
+        self._ahead: dict[int, asyncio.TimerHandle] = {}  # those of them that count as not taken
         self._next_look: asyncio.TimerHandle | None = None
         self._is_closed = False
         with refusals(subject):
@@ -118,8 +121,7 @@ class Requester:
 
     def follow_graph(self) -> None:
         """See whether servers have come or gone."""
-        self._servers = None
-        lost = [each.response for each in self._under_way.values() if self._is_lost(each)]
+        lost = self._find_lost()
         if lost:
             self._take()  # an answer that is there already counts
         for response in lost:
@@ -134,25 +136,31 @@ class Requester:
         if self._next_look is not None:
             self._next_look.cancel()
         self._inlet.close()
-        for response in [*(each.response for each in self._under_way.values()), *self._waiting]:
-            self._fail(response, self._closed())
+        self.fail_all()
 
-    def _is_lost(self, request: "_UnderWay") -> bool:
-        if not self.is_ready:
-            return True
+    def fail_all(self, *, but: Collection["asyncio.Future[Any]"] = ()) -> None:
+        """Fail what waits and what is under way, except for some, as `close` does."""
+        responses = [each.response for each in self._under_way.values()]
+        for response in [*responses, *self._waiting]:
+            if response not in but:
+                self._fail(response, self._closed())
+
+    def _find_lost(self) -> "list[asyncio.Future[Any]]":
+        under_way = self._under_way.values()
+        if not under_way or not self.is_ready:
+            return [each.response for each in under_way]
         # Another server may have come in place of one that died without a word.
-        return bool(request.servers) and request.servers.isdisjoint(self._find_servers())
+        servers = self._find_servers()
+        return [e.response for e in under_way if e.servers and e.servers.isdisjoint(servers)]
 
     def _find_servers(self) -> frozenset[bytes]:
-        """Identify the servers by their DDS readers; 40 us, so kept until the graph changes.
+        """Identify the servers by their DDS readers; 40 us.
 
         Empty where another rmw than those of Fast DDS and Cyclone DDS names its topics otherwise.
         """
-        if self._servers is None:
-            topic = f"rq{self._name}Request"
-            readers = self._node.get_subscriptions_info_by_topic(topic, no_mangle=True)
-            self._servers = frozenset(bytes(reader.endpoint_gid) for reader in readers)
-        return self._servers
+        topic = f"rq{self._name}Request"
+        readers = self._node.get_subscriptions_info_by_topic(topic, no_mangle=True)
+        return frozenset(bytes(reader.endpoint_gid) for reader in readers)
 
     def _look_again(self) -> None:
         if self._next_look is None:
@@ -163,7 +171,7 @@ class Requester:
         self._send_waiting()
 
     def _send_waiting(self) -> None:
-        while self._waiting and len(self._under_way) < self._max_unanswered:
+        while self._waiting and (len(self._ahead) < MAX_AHEAD or not self._is_paced()):
             if not self.is_ready:
                 self._look_again()
                 break
@@ -178,11 +186,19 @@ class Requester:
         except REFUSALS as error:
             self._fail(response, refused(self._subject, error))
             return
+        # Looked up each time: word of a change of the graph comes later than the server.
         self._under_way[number] = _UnderWay(response, self._find_servers())
+        self._ahead[number] = self._loop.call_later(AHEAD_S, self._make_room, number)
         response.add_done_callback(lambda _: self._end(number))
 
     def _end(self, number: int) -> None:
         del self._under_way[number]
+        self._make_room(number)
+
+    def _make_room(self, number: int) -> None:
+        timer = self._ahead.pop(number, None)
+        if timer is not None:
+            timer.cancel()
         if not self._is_closed:
             self._send_waiting()
 
@@ -262,7 +278,7 @@ class Replier:
 
         def reply(response: Any) -> None:
             if not self._is_closed:
-                with refusals(self._subject):
+                with losses(self._subject):
                     self._service.handle.service_send_response(response, info.request_id)
 
         self._on_request(request, reply)

@@ -2,6 +2,8 @@
 """From rclpy's exceptions to the port's."""
 
 import contextlib
+import logging
+import warnings
 from collections.abc import Iterator
 from typing import Final
 
@@ -27,6 +29,8 @@ REFUSALS: Final = (
     NoTypeSupportImportedException,
 )
 
+_logger = logging.getLogger(__name__)
+
 
 def refused(subject: str, error: Exception) -> RosError:
     """Return what the port raises for one of `REFUSALS`; *subject* is what it is about."""
@@ -43,6 +47,20 @@ def refusals(subject: str) -> Iterator[None]:
         yield
     except REFUSALS as error:
         raise refused(subject, error) from error
+
+
+@contextlib.contextmanager
+def losses(subject: str) -> Iterator[None]:
+    """Let a response that cannot be sent be lost: rmw finds that its client has gone.
+
+    rclpy raises then, or warns where rmw has waited for the client, 0.1 s.
+    """
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "failed to send response", RuntimeWarning)
+        try:
+            yield
+        except RuntimeError as error:  # RCLError
+            _logger.info("%s", refused(subject, error))
 
 
 def remapped(subject: str, given: str) -> RosError:

@@ -15,6 +15,6 @@ class RosOptions:
     namespace: str = "/"  # of the nodes; topics do not move
     domain_id: int | None = None  # None: the environment's ROS_DOMAIN_ID
     use_sim_time: bool = False
-    max_entities: int = 256  # each costs DDS ~100 KB and every participant a discovery entry
+    max_entities: int = 256  # ~100 KB of DDS each, an action 500; discovery traffic for every node
     arguments: tuple[str, ...] = ()  # as ROS takes them: ("--ros-args", "-r", "a:=b")
     taking: Taking = "auto"  # how samples come to the loop, see `gateway.ros.samples`

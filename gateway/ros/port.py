@@ -75,14 +75,14 @@ class RclpyRos:
             )
             arrivals = _open_arrivals(options.taking, loop)
             samples = _open_samples(arrivals, subscribing, loop, undo)
-            self._subscriptions = Subscriptions(subscribing, samples, loop, self._forget_graph)
+            self._subscriptions = Subscriptions(subscribing, samples, loop, self._topics_changed)
             undo.callback(self._subscriptions.close)
-            self._publishers = Publishers(publishing, self._forget_graph)
+            self._publishers = Publishers(publishing, self._topics_changed)
             undo.callback(self._publishers.close)
             endpoints = Endpoints(serving, arrivals, loop)
-            self._services = Services(endpoints, self._forget_graph)
+            self._services = Services(endpoints, self._services_changed)
             undo.callback(self._services.close)
-            self._actions = Actions(endpoints, samples, self.now_ns, self._forget_graph)
+            self._actions = Actions(endpoints, samples, self.now_ns, self._actions_changed)
             undo.callback(self._actions.close)
             self._watches = GraphWatches(loop)
             undo.callback(self._watches.close)
@@ -220,17 +220,24 @@ class RclpyRos:
         # One DDS participant cannot have both, and rcl loses rmw's reason for saying so.
         if known not in {None, type_name}:
             raise RosError("bad_type", f"{subject} is open here as {known}, not {type_name}")
-        self._forget_graph()
 
-    def _forget_graph(self) -> None:
-        """Look anew when asked next: of what is opened and closed here no change is waited for."""
+    # What is opened and closed here is in the graph at once: no change is waited for.
+
+    def _topics_changed(self) -> None:
         self._graph = None
         self._types.clear()
+
+    def _services_changed(self) -> None:
+        self._graph = None
         self._service_types = None
+
+    def _actions_changed(self) -> None:
+        self._services_changed()
         self._action_types = None
 
     def _graph_changed(self) -> None:
-        self._forget_graph()
+        self._topics_changed()
+        self._actions_changed()
         self._subscriptions.follow_publishers()
         self._services.follow_graph()
         self._actions.follow_graph()

@@ -10,6 +10,7 @@ from rclpy.node import Node
 
 from gateway.ports import Qos
 from gateway.ros.errors import REFUSALS, refused, remapped
+from gateway.ros.groups import group_of_one
 from gateway.ros.interfaces import message_class
 from gateway.ros.names import check_topic
 from gateway.ros.profile import to_profile
@@ -32,9 +33,9 @@ class _Shared:
 class Publishers:
     """The publishers of one node."""
 
-    def __init__(self, node: Node, on_close: Callable[[], None]) -> None:
+    def __init__(self, node: Node, on_change: Callable[[], None]) -> None:
         self._node = node
-        self._on_close = on_close
+        self._on_change = on_change
         self._shared: dict[_Key, _Shared] = {}
         self._handles: set[RclpyPublisher] = set()
 
@@ -68,7 +69,7 @@ class Publishers:
         if not shared.users:
             del self._shared[key]
             self._node.destroy_publisher(shared.publisher)
-            self._on_close()
+            self._on_change()
 
     def close(self) -> None:
         """Close every handle that is still open."""
@@ -82,6 +83,7 @@ class Publishers:
                 found,
                 key.topic,
                 to_profile(key.qos),
+                callback_group=group_of_one(),
                 event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
             )
         except REFUSALS as error:
@@ -90,6 +92,7 @@ class Publishers:
         if given != key.topic:
             self._node.destroy_publisher(publisher)
             raise remapped(f"topic {key.topic}", given)
+        self._on_change()
         return publisher
 
 

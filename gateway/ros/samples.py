@@ -17,6 +17,7 @@ from rclpy.qos import QoSProfile
 
 from gateway.ports import MAX_TAKES_PER_TURN, Sample
 from gateway.ros.arrivals import EventfdArrivals
+from gateway.ros.groups import group_of_one
 from gateway.ros.qos import MAX_DEPTH
 
 OnSamples = Callable[[Sequence[Sample]], None]
@@ -74,7 +75,13 @@ class _EventfdReader:
     ) -> None:
         def create() -> Any:
             return node.create_subscription(
-                message_class, topic, _never_called, profile, raw=True, event_callbacks=_no_events()
+                message_class,
+                topic,
+                _never_called,
+                profile,
+                raw=True,
+                callback_group=group_of_one(),
+                event_callbacks=_no_events(),
             )
 
         self._message_class = message_class
@@ -154,7 +161,13 @@ class _ExecutorReader:
         self._is_closed = False
         arrive: Any = self._arrive  # rclpy's annotation knows callbacks without info only
         self._subscription = node.create_subscription(
-            message_class, topic, arrive, profile, raw=True, event_callbacks=_no_events()
+            message_class,
+            topic,
+            arrive,
+            profile,
+            raw=True,
+            callback_group=group_of_one(),
+            event_callbacks=_no_events(),
         )
 
     @property

@@ -16,9 +16,9 @@ from gateway.ros.names import check_service
 class Services:
     """The clients and the servers of one node."""
 
-    def __init__(self, endpoints: Endpoints, on_close: Callable[[], None]) -> None:
+    def __init__(self, endpoints: Endpoints, on_change: Callable[[], None]) -> None:
         self._endpoints = endpoints
-        self._on_close = on_close
+        self._on_change = on_change
         self._clients: set[RclpyClient] = set()
         self._provided: dict[str, RclpyService] = {}
 
@@ -35,7 +35,14 @@ class Services:
     def client(self, service: str, type_name: str) -> "RclpyClient":
         """Open a client; `gateway.ports.Ros.client` says how."""
         check_service(service)
-        client = RclpyClient(self._endpoints, service, type_name, self._clients.discard)
+        client = RclpyClient(
+            self._endpoints,
+            service,
+            type_name,
+            self._clients.discard,
+            # what is provided here keeps more, and is taken by this very loop
+            is_paced=lambda: service not in self._provided,
+        )
         self._clients.add(client)
         return client
 
@@ -48,6 +55,7 @@ class Services:
             raise RosError("limit_exceeded", f"service {service} is provided here already")
         server = RclpyService(self._endpoints, service, type_name, on_request, self._forget)
         self._provided[service] = server
+        self._on_change()
         return server
 
     def follow_graph(self) -> None:
@@ -65,7 +73,7 @@ class Services:
     def _forget(self, service: "RclpyService") -> None:
         if self._provided.get(service.name) is service:
             del self._provided[service.name]
-            self._on_close()
+            self._on_change()
 
 
 class RclpyClient:
@@ -77,6 +85,8 @@ class RclpyClient:
         name: str,
         type_name: str,
         on_close: Callable[["RclpyClient"], None],
+        *,
+        is_paced: Callable[[], bool],
     ) -> None:
         self.name = name
         self.type_name = type_name
@@ -84,7 +94,9 @@ class RclpyClient:
         self._subject = f"service {name}"
         found = service_class(type_name)
         self._request_class = found.Request
-        self._requester = Requester(endpoints, found, name, subject=self._subject)
+        self._requester = Requester(
+            endpoints, found, name, subject=self._subject, is_paced=is_paced
+        )
 
     async def call(self, request: bytes) -> bytes:
         """Wait for a server, send the request, wait for the response; see the port."""

@@ -24,10 +24,10 @@ class Subscriptions:
         node: Node,
         samples: Samples,
         loop: asyncio.AbstractEventLoop,
-        on_close: Callable[[], None],
+        on_change: Callable[[], None],
     ) -> None:
         self._node = node
-        self._on_close = on_close
+        self._on_change = on_change
         self._samples = samples
         self._loop = loop
         self._open: set[RclpySubscription] = set()
@@ -50,6 +50,7 @@ class Subscriptions:
             self, topic, type_name, qos, on_samples, on_incompatible, self.offers(topic)
         )
         self._open.add(subscription)
+        self._on_change()
         # Not from within this call: the caller does not hold the subscription yet.
         self._loop.call_soon(subscription.report)
         return subscription
@@ -92,7 +93,7 @@ class Subscriptions:
     def forget(self, subscription: "RclpySubscription") -> None:
         """Count a closed subscription no more."""
         self._open.discard(subscription)
-        self._on_close()
+        self._on_change()
 
     def close(self) -> None:
         """Close every subscription that is still open."""

@@ -12,7 +12,7 @@ from gateway.ports import Qos, Sample, Subscription
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.outbox import Entry
 from gateway.protocol.session import Session
-from gateway.protocol.stream import Stream
+from gateway.protocol.stream import Stream, Wish
 from gateway.router.latch import Latch, TransformLatch
 from gateway.router.rendition import Frame, Rendition, RenditionKey, TailoredFrame
 
@@ -47,15 +47,25 @@ class Member:
             loop = asyncio.get_running_loop()
             self._release = loop.call_later((due_ns - now_ns) / 1e9, self._on_interval)
 
+    def change(self, wish: Wish) -> None:
+        """Go on with another wish."""
+        if wish.throttle_ns != self.stream.wish.throttle_ns:
+            self._cancel_release()
+        self.stream.change(wish)
+
     def warn(self, error: ProtocolError) -> None:
         """Tell the client what is wrong with its subscription."""
         self.session.warn(error, "subscribe", self.request_id)
 
     def cancel(self) -> None:
-        """Deliver nothing any more."""
+        """Deliver nothing of what has come so far."""
+        self._cancel_release()
+        self.stream.withdraw()
+
+    def _cancel_release(self) -> None:
         if self._release is not None:
             self._release.cancel()
-        self.stream.withdraw()
+            self._release = None
 
     def _on_interval(self) -> None:
         self._release = None
@@ -97,6 +107,7 @@ class Feed:
         rendition = next((known for known in self._members if known.key == key), None)
         if rendition is None:
             rendition = self._make_rendition(self, key)
+        latched = self._latch.newest(self._retained) if replay else []  # before it counts as fed
         member.rendition = rendition
         self._members.setdefault(rendition, []).append(member)
         if not replay:
@@ -104,12 +115,11 @@ class Feed:
         for text in self.subscription.incompatible if self.subscription is not None else ():
             member.warn(ProtocolError("qos_incompatible", text))
         now_ns = time.monotonic_ns()
-        for seq, sample in self._latch.newest(self._retained):
+        for seq, sample in latched:
             self._offer(member, Frame(rendition, sample, seq), now_ns)
-        member.session.wake()
 
     def leave(self, member: Member, rendition: Rendition) -> None:
-        """Feed a stream of some rendition no longer; what it has already it keeps."""
+        """Feed a stream of some rendition no longer."""
         members = self._members[rendition]
         members.remove(member)
         if not members:

@@ -46,6 +46,11 @@ class Pursuit:
         if self.goal is not None:
             self.goal.cancel()
 
+    def flush_feedback(self) -> None:
+        """Have what waits sent before the result, which would overtake it."""
+        while wire := self.lane.next():
+            self.session.outbox.put_control(wire)
+
     def on_feedback(self, cdr: bytes) -> None:
         """Pass the server's feedback on, if the client wants it and is still there."""
         if self.request.feedback and not self.is_abandoned:
@@ -116,9 +121,10 @@ class Goals:
             pursuit.is_abandoned = True
             if not pursuit.request.keep:
                 pursuit.cancel()
-            if pursuit.goal is not None and pursuit.task is not None:
-                pursuit.task.cancel()
-            # else its task goes on until the server has accepted, and may be told to cancel
+            elif pursuit.goal is None:
+                continue  # its task ends as soon as the server has accepted
+            if pursuit.task is not None:
+                pursuit.task.cancel()  # which takes back what the server has not accepted yet
 
     def close(self) -> None:
         """Forget every goal and close every action client."""
@@ -154,6 +160,7 @@ class Goals:
         except CodecError as error:
             raise ProtocolError("internal", f"result of {action}: {error}") from error
         frame = frames.action_result(request.action, request.id, values, status=status, result=True)
+        pursuit.flush_feedback()
         pursuit.session.send(frame, request.fragment_size)
 
     def _forget(self, pursuit: Pursuit) -> None:
@@ -184,4 +191,5 @@ class _Feedback:
         except CodecError:
             return b""
         request = pursuit.request
-        return pursuit.session.framed(frames.action_feedback(request.action, request.id, values))
+        frame = frames.action_feedback(request.action, request.id, values)
+        return pursuit.session.framed(frame, request.fragment_size)

@@ -9,6 +9,7 @@ from typing import Literal, TypeVar
 from gateway.codec.types import ActionType, ServiceType, Types
 from gateway.codec.words import cut
 from gateway.ports import Ros
+from gateway.protocol.bad_type import bad_type
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import ActionName, ServiceName
 from schemas.definition import DefinitionError
@@ -87,12 +88,8 @@ class InterfaceTypes:
         name = _resolved(spelling, kind)
         try:
             return get(name)
-        except UnknownTypeError as error:
-            near = difflib.get_close_matches(name, self._types.definitions.names(kind=kind), n=1)
-            hint = f"; did you mean {near[0]}?" if near else ""
-            raise ProtocolError("bad_type", f"type: {cut(str(error))}{hint}") from error
-        except DefinitionError as error:
-            raise ProtocolError("bad_type", f"type: {cut(str(error))}") from error
+        except (UnknownTypeError, DefinitionError) as error:
+            raise bad_type(error, self._types.definitions) from error
 
 
 def _one(

@@ -6,7 +6,16 @@ from dataclasses import dataclass, field
 from gateway.calls import encode_values
 from gateway.codec.errors import CodecError
 from gateway.codec.types import ActionType
-from gateway.ports import ABORTED, CANCELED, SUCCEEDED, ActionServer, GoalOutcome, GoalRequest, Ros
+from gateway.ports import (
+    ABORTED,
+    CANCELED,
+    SUCCEEDED,
+    ActionServer,
+    GoalOutcome,
+    GoalRequest,
+    Ros,
+    RosError,
+)
 from gateway.protocol import frames
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import ActionName, resolve_action
@@ -18,6 +27,7 @@ from gateway.protocol.operations.actions import (
 )
 from gateway.protocol.session import Session
 from gateway.router.failure import failure
+from gateway.router.heirs import check_heir
 from gateway.router.interface_types import InterfaceTypes
 
 _OUTCOMES: dict[int, GoalOutcome] = {4: SUCCEEDED, 5: CANCELED, 6: ABORTED}
@@ -71,21 +81,18 @@ class ProvidedActions:
             limit = session.limits.advertisements
             raise ProtocolError("limit_exceeded", f"at most {limit} actions provided per client")
         if former is not None:
+            check_heir(session, former.session, action, action_type.name, former.type.name)
             self._close(action, former)
-            if former.session is not session:
-                text = f"action {action} is provided by another client now"
-                former.session.warn(ProtocolError("limit_exceeded", text), request.op, None)
-        provided: Provided
-
-        def on_goal(goal: GoalRequest) -> None:
-            self._pass_on(action, provided, goal)
-
-        def on_cancel(goal: GoalRequest) -> None:
-            _pass_on_cancel(provided, goal)
-
-        server = self._ros.serve_action(action, action_type.name, on_goal, on_cancel)
-        provided = Provided(session, request.action, request.type, action_type, server)
-        self._provided[action] = provided
+        try:
+            self._open(session, action, request.action, request.type, action_type)
+        except RosError:
+            if former is not None:
+                names = former.spelling, former.type_spelling
+                self._open(former.session, action, *names, former.type)
+            raise
+        if former is not None and former.session is not session:
+            text = f"action {action} is provided by another client now"
+            former.session.warn(ProtocolError("not_found", text), request.op, None)
         session.inform(f"providing {action} ({action_type.name})", request.op, request.id)
 
     def unadvertise(self, session: Session, request: UnadvertiseAction) -> None:
@@ -158,6 +165,26 @@ class ProvidedActions:
             raise ProtocolError("not_found", f"no goal of {action} with id {request.id!r}")
         return provided, goal_id
 
+    def _open(
+        self,
+        session: Session,
+        action: ActionName,
+        spelling: str,
+        type_spelling: str,
+        action_type: ActionType,
+    ) -> None:
+        provided: Provided
+
+        def on_goal(goal: GoalRequest) -> None:
+            self._pass_on(action, provided, goal)
+
+        def on_cancel(goal: GoalRequest) -> None:
+            _pass_on_cancel(provided, goal)
+
+        server = self._ros.serve_action(action, action_type.name, on_goal, on_cancel)
+        provided = Provided(session, spelling, type_spelling, action_type, server)
+        self._provided[action] = provided
+
     def _pass_on(self, action: ActionName, provided: Provided, goal: GoalRequest) -> None:
         try:
             args = provided.type.goal.decode(goal.cdr)
@@ -167,7 +194,7 @@ class ProvidedActions:
         # As rosbridge spells it: ROS# takes it apart.
         goal_id = f"action_goal:{action}:{next(provided.session.numbers)}"
         provided.goals[goal_id] = goal
-        provided.session.send(
+        provided.session.ask(
             frames.send_action_goal(provided.spelling, goal_id, provided.type_spelling, args)
         )
 
@@ -180,4 +207,4 @@ class ProvidedActions:
 def _pass_on_cancel(provided: Provided, goal: GoalRequest) -> None:
     for goal_id, known in provided.goals.items():
         if known is goal:
-            provided.session.send(frames.cancel_action_goal(provided.spelling, goal_id))
+            provided.session.ask(frames.cancel_action_goal(provided.spelling, goal_id))

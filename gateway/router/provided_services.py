@@ -9,7 +9,7 @@ from typing import Final
 from gateway.calls import encode_values
 from gateway.codec.errors import CodecError
 from gateway.codec.types import ServiceType
-from gateway.ports import Request, Ros, Service
+from gateway.ports import Request, Ros, RosError, Service
 from gateway.protocol import frames
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import ServiceName, resolve_service
@@ -20,6 +20,7 @@ from gateway.protocol.operations.services import (
 )
 from gateway.protocol.session import Session
 from gateway.router.failure import failure
+from gateway.router.heirs import check_heir
 from gateway.router.interface_types import InterfaceTypes
 
 logger = logging.getLogger(__name__)
@@ -86,18 +87,17 @@ class ProvidedServices:
             limit = session.limits.advertisements
             raise ProtocolError("limit_exceeded", f"at most {limit} services provided per client")
         if former is not None:
-            self._close(service, former, "service was taken over by another client")
-            if former.session is not session:
-                text = f"service {service} is provided by another client now"
-                former.session.warn(ProtocolError("limit_exceeded", text), request.op, None)
-        provided: Provided
-
-        def on_request(call: Request) -> None:
-            self._pass_on(service, provided, call)
-
-        opened = self._ros.serve(service, service_type.name, on_request)
-        provided = Provided(session, request.service, service_type, opened)
-        self._provided[service] = provided
+            check_heir(session, former.session, service, service_type.name, former.type.name)
+            self._close(service, former, "service was provided anew")
+        try:
+            self._open(session, service, request.service, service_type)
+        except RosError:
+            if former is not None:
+                self._open(former.session, service, former.spelling, former.type)
+            raise
+        if former is not None and former.session is not session:
+            text = f"service {service} is provided by another client now"
+            former.session.warn(ProtocolError("not_found", text), request.op, None)
         session.inform(f"providing {service} ({service_type.name})", request.op, request.id)
 
     def unadvertise(self, session: Session, request: UnadvertiseService) -> None:
@@ -127,13 +127,13 @@ class ProvidedServices:
         # roslib and roslibpy send an empty object with every failure
         if not response.result and not (response.values and isinstance(response.values, dict)):
             words = response.values if isinstance(response.values, str) else "service failed"
-            pending.request.answer(failure(response_type, words))
+            _fail(pending.request, provided.type, words)
             return
         try:
             cdr = encode_values(response_type, response.values, self._ros.now_ns(), "values")
         except ProtocolError:
             reason = "the service's client sent an invalid response"
-            pending.request.answer(failure(response_type, reason))
+            _fail(pending.request, provided.type, reason)
             raise
         pending.request.answer(cdr)
         if not response.result:
@@ -152,15 +152,25 @@ class ProvidedServices:
             raise ProtocolError("not_found", f"service {service} is not provided by this client")
         return provided
 
+    def _open(
+        self, session: Session, service: ServiceName, spelling: str, service_type: ServiceType
+    ) -> None:
+        provided: Provided
+
+        def on_request(call: Request) -> None:
+            self._pass_on(service, provided, call)
+
+        opened = self._ros.serve(service, service_type.name, on_request)
+        provided = self._provided[service] = Provided(session, spelling, service_type, opened)
+
     def _pass_on(self, service: ServiceName, provided: Provided, call: Request) -> None:
-        response_type = provided.type.response
         if len(provided.pending) >= MAX_PENDING:
-            call.answer(failure(response_type, "service's client is busy"))
+            _fail(call, provided.type, "service's client is busy")
             return
         try:
             args = provided.type.request.decode(call.cdr)
         except CodecError as error:
-            call.answer(failure(response_type, f"request cannot be read: {error}"))
+            _fail(call, provided.type, f"request cannot be read: {error}")
             return
         # As rosbridge spells it: ROS# takes it apart.
         call_id = f"service_request:{service}:{next(provided.session.numbers)}"
@@ -168,11 +178,11 @@ class ProvidedServices:
             provided.session.limits.service_timeout_s, self._expire, provided, call_id
         )
         provided.pending[call_id] = Pending(call, deadline)
-        provided.session.send(frames.call_service(provided.spelling, call_id, args))
+        provided.session.ask(frames.call_service(provided.spelling, call_id, args))
 
     def _expire(self, provided: Provided, call_id: str) -> None:
         pending = provided.pending.pop(call_id)
-        pending.request.answer(failure(provided.type.response, "service's client did not answer"))
+        _fail(pending.request, provided.type, "service's client did not answer")
         text = f"service {provided.spelling}: no response in time, the caller was told of a failure"
         provided.session.warn(ProtocolError("timeout", text), "call_service", call_id)
 
@@ -180,6 +190,14 @@ class ProvidedServices:
         del self._provided[service]
         for pending in provided.pending.values():
             pending.deadline.cancel()
-            pending.request.answer(failure(provided.type.response, reason))
+            _fail(pending.request, provided.type, reason)
         provided.pending.clear()
         provided.service.close()
+
+
+def _fail(request: Request, service_type: ServiceType, reason: str) -> None:
+    """Answer a call that has failed; a caller that is gone needs no answer."""
+    try:
+        request.answer(failure(service_type.response, reason))
+    except RosError:
+        logger.info("a caller of %s has gone", service_type.name)

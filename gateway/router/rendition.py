@@ -57,7 +57,7 @@ class Rendition:
     def body(self, frame: "Frame") -> bytes | None:
         """Return the message for the envelope; ``None``: not yet; empty: it cannot be decoded."""
         try:
-            return self._render(frame.sample.cdr)
+            return self._render(frame.cdr)
         except CodecError as error:
             self._on_failure(error)
             return b""
@@ -94,7 +94,7 @@ class ThreadedRendition(Rendition):
         if self._in_work is None:
             self._in_work = frame
             loop = asyncio.get_running_loop()
-            future = loop.run_in_executor(self._workers, self._render, frame.sample.cdr)
+            future = loop.run_in_executor(self._workers, self._render, frame.cdr)
             future.add_done_callback(lambda done: self._finish(frame, done))
         return None
 
@@ -115,13 +115,19 @@ class ThreadedRendition(Rendition):
 
 
 class Frame:
-    """One sample in one rendition: an outbox entry that many outboxes share."""
+    """One sample in one rendition: an outbox entry that many outboxes share.
 
-    __slots__ = ("_body", "_wire", "rendition", "sample", "seq", "size")
+    It holds one of three: the sample; once it is rendered, the message for the envelope; once
+    some stream took it that wants nothing special, the shared frame. `size` is the sample's and
+    stays so while others wait, though what they hold may by then be larger: as JSON `uint8[]` by a
+    third, `float64[]` two and a half times, `bool[]` six times, small messages by their names.
+    """
+
+    __slots__ = ("_body", "_wire", "cdr", "rendition", "seq", "size")
 
     def __init__(self, rendition: Rendition, sample: Sample, seq: int) -> None:
         self.rendition = rendition
-        self.sample = sample
+        self.cdr = sample.cdr  # empty once it is rendered
         self.seq = seq
         self.size = len(sample.cdr)
         self._body: bytes | None = None
@@ -139,17 +145,23 @@ class Frame:
             if not body:
                 return body
             self._wire = self.rendition.envelope.shared(body)
+            self._body = None
         return self._wire
 
     def body(self) -> bytes | None:
         """Return the message for the envelope; see `Rendition.body`."""
+        if self._wire is not None:
+            return self.rendition.envelope.body(self._wire)
         if self._body is None:
-            self._body = self.rendition.body(self)
+            body = self.rendition.body(self)
+            if body is not None:
+                self.resolve(body)
         return self._body
 
     def resolve(self, body: bytes) -> None:
         """Supply the message that was rendered elsewhere."""
         self._body = body
+        self.cdr = b""
 
 
 class TailoredFrame:

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Carries out what clients ask for."""
 
+import contextlib
 import time
 from collections.abc import Awaitable, Callable
 from concurrent.futures import Executor
-from typing import Any, assert_never
+from functools import partial
+from typing import Any, Protocol, assert_never
 
 from gateway.calls import Calls
 from gateway.codec.types import Types
@@ -54,10 +56,17 @@ from gateway.router.publications import Publications
 from gateway.router.renditions import Renditions
 from gateway.router.service_calls import ServiceCalls
 from gateway.router.subscriptions import Subscriptions
-from gateway.router.tasks import Tasks
+from gateway.router.tasks import ASKING_S, Tasks
 from gateway.router.topic_types import TopicTypes
 from gateway.router.transforms import Transforms
 from schemas.table import Table
+
+
+class Part(Protocol):
+    """A part of the router that keeps something for each session."""
+
+    def leave(self, session: Session) -> None:
+        """Close and forget all that a client had here."""
 
 
 class Router:
@@ -82,14 +91,19 @@ class Router:
         self._ros = ros
         self._limits = limits
         self._sessions: set[Session] = set()
-        self._tasks = Tasks()
+        self._calling = Tasks()
+        # apart from each other: a call may take an hour, a lookup a minute
+        self._asking = Tasks()
+        self._looking = Tasks()
         self._calls = Calls(ros, types)
         parameters = Parameters(ros, self._calls)
         rosapi = Rosapi(ros, types.definitions, parameters)
         renditions = Renditions(ros, topic_types, workers)
         self._subscriptions = Subscriptions(ros, topic_types, renditions)
         self._publications = Publications(ros, topic_types)
-        self._service_calls = ServiceCalls(interface_types, self._calls, rosapi, self._tasks)
+        self._service_calls = ServiceCalls(
+            interface_types, self._calls, rosapi, calling=self._calling, asking=self._asking
+        )
         self._services = ProvidedServices(ros, interface_types)
         self._goals = Goals(ros, interface_types)
         self._actions = ProvidedActions(ros, interface_types)
@@ -97,6 +111,18 @@ class Router:
         self._transforms = Transforms(ros, topic_types)
         self._inquiries = Inquiries(
             ros, topic_types, interface_types, self._subscriptions, limits=limits, version=version
+        )
+        self._parts: tuple[Part, ...] = (
+            self._calling,
+            self._asking,
+            self._looking,
+            self._inquiries,
+            self._transforms,
+            self._subscriptions,
+            self._publications,
+            self._services,
+            self._goals,
+            self._actions,
         )
         self._watch = ros.watch_graph(self._on_graph_change)
 
@@ -121,14 +147,9 @@ class Router:
     def leave(self, session: Session) -> None:
         """Close every ROS entity that was open for a client, and forget it."""
         self._sessions.discard(session)
-        self._tasks.leave(session)
-        self._inquiries.leave(session)
-        self._transforms.leave(session)
-        self._subscriptions.leave(session)
-        self._publications.leave(session)
-        self._services.leave(session)
-        self._goals.leave(session)
-        self._actions.leave(session)
+        with contextlib.ExitStack() as parts:  # each is left, whatever another raises
+            for part in self._parts:
+                parts.callback(part.leave, session)
 
     def close(self) -> None:
         """End all sessions and stop following the graph."""
@@ -150,7 +171,8 @@ class Router:
             "action_servers": self._actions.servers,
             "service_clients": self._calls.clients,
             "action_clients": self._goals.clients,
-            "calls": len(self._tasks) + self._services.pending,
+            "calls": sum(map(len, (self._calling, self._asking, self._looking)))
+            + self._services.pending,
             "goals": self._goals.pursued + self._actions.pending,
         }
 
@@ -187,15 +209,20 @@ class Router:
             case ActionResult():
                 self._actions.finish(session, operation)
             case ListParameters():
-                self._answer_later(session, operation, lambda: self._parameters.list(operation))
+                work = partial(self._parameters.list, operation)
+                self._answer_later(session, operation, work, self._asking)
             case GetParameters():
-                self._answer_later(session, operation, lambda: self._parameters.get(operation))
+                work = partial(self._parameters.get, operation)
+                self._answer_later(session, operation, work, self._asking)
             case SetParameters():
-                self._answer_later(session, operation, lambda: self._parameters.set(operation))
+                work = partial(self._parameters.set, operation)
+                self._answer_later(session, operation, work, self._asking)
             case DescribeParameters():
-                self._answer_later(session, operation, lambda: self._parameters.describe(operation))
+                work = partial(self._parameters.describe, operation)
+                self._answer_later(session, operation, work, self._asking)
             case LookupTransform(rate=None):
-                self._answer_later(session, operation, lambda: self._transforms.lookup(operation))
+                work = partial(self._transforms.lookup, operation)
+                self._answer_later(session, operation, work, self._looking)
             case LookupTransform():
                 self._transforms.watch(session, operation)
             case CancelTransform():
@@ -220,11 +247,12 @@ class Router:
         session: Session,
         operation: ClientOperation,
         work: Callable[[], Awaitable[dict[str, Any]]],
+        tasks: Tasks,
     ) -> None:
         async def answer() -> None:
             session.answer(operation.op, operation.id, **await work())
 
-        self._tasks.start(session, operation, answer)
+        tasks.start(session, operation, answer, ASKING_S)
 
     def _on_graph_change(self) -> None:
         self._subscriptions.refresh()

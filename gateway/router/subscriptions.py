@@ -11,6 +11,7 @@ from gateway.codec.image import ImageOptions
 from gateway.codec.types import MessageType
 from gateway.codec.words import cut
 from gateway.ports import Graph, Ros, RosError
+from gateway.protocol.envelope import Compression
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import TopicName, resolve_topic
 from gateway.protocol.operations import Subscribe, Unsubscribe
@@ -33,10 +34,9 @@ class Subscribed:
     session: Session
     spelling: str
     topic: TopicName
-    requests: dict[str | int | None, Subscribe] = field(default_factory=dict)
+    requests: dict[str | int | None, Subscribe] = field(default_factory=dict)  # oldest first
     member: Member | None = None
     feed: Feed | None = None  # None: the type is not known yet
-    newest_id: str | int | None = None  # of its subscriptions, for warnings
     complaint: str = ""  # why it cannot be fed, as far as the client knows
 
 
@@ -76,7 +76,9 @@ class Subscriptions:
         topic = resolve_topic(request.topic, session.limits.name_characters)
         own = self._subscribed.get(session, {})
         known = own.get(request.topic)
-        requests = {**(known.requests if known else {}), request.id: request}
+        requests = dict(known.requests) if known else {}
+        requests.pop(request.id, None)  # so that what replaces it counts as the newest
+        requests[request.id] = request
         count = sum(len(entry.requests) for entry in own.values())
         if (known is None or request.id not in known.requests) and (
             count >= session.limits.subscriptions
@@ -91,10 +93,13 @@ class Subscriptions:
                 f"queue_length: {wish.queue_length}, at most {session.limits.queue_length} allowed",
             )
         entry = known or Subscribed(session, request.topic, topic)
-        entry.newest_id = request.id
         source = self._source(entry, wish)
-        self._attach(entry, wish, source)
-        entry.requests = requests
+        if source is not None:
+            # its own as well: merged with a subscription to everything it has none
+            _check_fields(
+                self._types.get(source.feed.type_name), request.fields, compression(request)
+            )
+        self._attach(entry, requests, wish, source)
         self._subscribed.setdefault(session, {})[request.topic] = entry
         if compression(request) == "none" and request.compression not in _NO_COMPRESSION:
             asked = cut(request.compression or "")
@@ -163,7 +168,7 @@ class Subscriptions:
         """Attach as wished now; where that fails, the client is told, once, and all stays."""
         wish = Wish.merge(entry.requests.values())
         try:
-            self._attach(entry, wish, self._source(entry, wish))
+            self._attach(entry, entry.requests, wish, self._source(entry, wish))
             entry.complaint = ""
         except (ProtocolError, RosError) as error:
             if str(error) == entry.complaint:
@@ -182,39 +187,46 @@ class Subscriptions:
         message_type = self._types.on_topic(entry.topic, wish.type)
         if message_type is None:
             return None
-        try:
-            message_type.decoder(wish.fields)
-        except FieldError as error:
-            raise ProtocolError("bad_request", f"fields: {cut(str(error))}") from error
-        if wish.fields is not None and wish.compression == "cbor-raw":
-            text = "fields: cbor-raw is CDR untouched; choose cbor for some fields of it"
-            raise ProtocolError("bad_request", text)
+        _check_fields(message_type, wish.fields, wish.compression)
         image = _pictures(message_type, wish)
         return Source(
             FeedKey(entry.topic, message_type.name, requested(wish.qos)),
             RenditionKey(entry.spelling, wish.fields, image, wish.compression),
         )
 
-    def _attach(self, entry: Subscribed, wish: Wish, source: Source | None) -> None:
-        """Have a stream fed as wished; raises before anything has changed."""
+    def _attach(
+        self,
+        entry: Subscribed,
+        requests: dict[str | int | None, Subscribe],
+        wish: Wish,
+        source: Source | None,
+    ) -> None:
+        """Have a stream fed as requests amount to; raises before anything has changed."""
         feed = None if source is None else self._feeds.get(source.feed) or self._open(source.feed)
+        entry.requests = requests
         if entry.member is None:
             stream = Stream(entry.spelling, wish, entry.session.outbox)
             entry.member = Member(entry.session, stream)
         member = entry.member
-        member.stream.change(wish)
-        member.request_id = entry.newest_id
+        member.change(wish)
+        member.request_id = next(reversed(requests))
         former, former_rendition = entry.feed, member.rendition
+        if feed is not former:
+            # A frame in the works would be announced to the former feed's members only; and what
+            # is kept for late streams comes anew.
+            member.cancel()
         entry.feed, member.rendition = feed, None
         if feed is not None and source is not None:
             feed.join(member, source.rendition, replay=feed is not former)
         # only now, so that a feed that goes on is not closed and opened again
         self._leave(former, member, former_rendition)
+        member.session.wake()
 
     def _detach(self, entry: Subscribed) -> None:
         if entry.member is not None:
             former, former_rendition = entry.feed, entry.member.rendition
             entry.feed = entry.member.rendition = None
+            entry.member.cancel()
             self._leave(former, entry.member, former_rendition)
 
     def _leave(self, feed: Feed | None, member: Member, rendition: Rendition | None) -> None:
@@ -245,8 +257,20 @@ class Subscriptions:
             del self._subscribed[entry.session]
         self._detach(entry)
         if entry.member is not None:
-            entry.member.cancel()
             entry.session.outbox.close_lane(entry.member.stream.lane)
+
+
+def _check_fields(
+    message_type: MessageType, fields: tuple[str, ...] | None, asked: Compression
+) -> None:
+    """Refuse fields that a message has not, or that cannot be told apart as it travels."""
+    try:
+        message_type.check_fields(fields)
+    except FieldError as error:
+        raise ProtocolError("bad_request", f"fields: {cut(str(error))}") from error
+    if fields is not None and asked == "cbor-raw":
+        text = "fields: cbor-raw is CDR untouched; choose cbor for some fields of it"
+        raise ProtocolError("bad_request", text)
 
 
 def _pictures(message_type: MessageType, wish: Wish) -> ImageOptions | None:

@@ -5,6 +5,7 @@ import asyncio
 import logging
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
+from typing import Final
 
 from gateway.codec.words import cut
 from gateway.ports import RosError
@@ -12,6 +13,9 @@ from gateway.protocol.errors import ProtocolError
 from gateway.protocol.limits import MAX_WAITING_CALLS
 from gateway.protocol.operations import ClientOperation
 from gateway.protocol.session import Session
+
+# Parameters and transforms have deadlines of seconds: a turn comes soon, or something is wrong.
+ASKING_S: Final = 10.0
 
 logger = logging.getLogger(__name__)
 
@@ -33,12 +37,16 @@ class Tasks:
         return sum(len(own.tasks) for own in self._own.values())
 
     def start(
-        self, session: Session, operation: ClientOperation, work: Callable[[], Awaitable[None]]
+        self,
+        session: Session,
+        operation: ClientOperation,
+        work: Callable[[], Awaitable[None]],
+        patience_s: float,
     ) -> None:
         """Do *work*, and answer the operation if it fails.
 
         As many operations of a session as its limits allow are under way at once, the others
-        wait for their turn.
+        wait for their turn, for *patience_s*.
 
         Raises:
             ProtocolError: too many of them wait.
@@ -49,7 +57,8 @@ class Tasks:
         limit = session.limits.pending_calls + MAX_WAITING_CALLS
         if len(own.tasks) >= limit:
             raise ProtocolError("limit_exceeded", f"at most {limit} calls under way per client")
-        task = asyncio.get_running_loop().create_task(self._run(own, session, operation, work))
+        loop = asyncio.get_running_loop()
+        task = loop.create_task(_run(own.slots, session, operation, work, patience_s))
         own.tasks.add(task)
         task.add_done_callback(own.tasks.discard)
 
@@ -59,16 +68,6 @@ class Tasks:
         if own is not None:
             for task in own.tasks:
                 task.cancel()
-
-    async def _run(
-        self,
-        own: _Own,
-        session: Session,
-        operation: ClientOperation,
-        work: Callable[[], Awaitable[None]],
-    ) -> None:
-        async with own.slots:
-            await answered(session, operation, work)
 
 
 async def answered(
@@ -84,3 +83,23 @@ async def answered(
     except Exception:  # our bug: this client is told, the others are unharmed
         logger.exception("%s failed", operation.op)
         session.refuse(ProtocolError("internal", "a fault of the gateway; see its log"), operation)
+
+
+async def _run(
+    slots: asyncio.Semaphore,
+    session: Session,
+    operation: ClientOperation,
+    work: Callable[[], Awaitable[None]],
+    patience_s: float,
+) -> None:
+    try:
+        async with asyncio.timeout(patience_s):
+            await slots.acquire()
+    except TimeoutError:
+        text = f"{session.limits.pending_calls} other calls of this client are still under way"
+        session.refuse(ProtocolError("timeout", text), operation)
+        return
+    try:
+        await answered(session, operation, work)
+    finally:
+        slots.release()

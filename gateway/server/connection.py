@@ -355,7 +355,7 @@ class Connection(asyncio.BufferedProtocol):
         outbox = self._session.outbox
         if outbox.overflowed:
             self.close(SLOW_CONSUMER, "slow consumer: answers alone exceed the send queue")
-        elif not self._paused or outbox.size <= outbox.max_bytes // 2:
+        elif not self._paused or outbox.excess <= outbox.max_bytes // 2:
             # While the socket takes, what waits is waiting for us: a picture being encoded, say.
             self._crowded_s = None
         elif self._crowded_s is None:

@@ -78,10 +78,19 @@ async def test_what_a_client_publishes_reaches_a_robot(row: Row, speaker: Client
     heard: list[Any] = []
     topic = f"/in/t{row.number}"
     subscription = outside.node.create_subscription(ros_class(row.name), topic, heard.append, 10)
-    # by number: the gateway need not have discovered the subscription to know the type
+    # ROS loses what is published before the subscription is discovered
+    await until_the_gateway_knows_the_subscriber(speaker, topic)
     await speaker.send(op="publish", topic=topic, type=row.number, msg=to_json(plain))
     assert await speaker.sync() == []
     await eventually(lambda: len(heard) == 1)
     assert from_ros(DEFINITIONS.get(row.name), DEFINITIONS, heard[0]) == plain
     await speaker.send(op="unadvertise", topic=topic)
     outside.node.destroy_subscription(subscription)
+
+
+async def until_the_gateway_knows_the_subscriber(speaker: Client, topic: str) -> None:
+    subscribers: list[str] = []
+    while not subscribers:
+        await speaker.send(op="call_service", service="/rosapi/subscribers", args=[topic])
+        frame = await speaker.receive(lambda frame: frame["op"] == "service_response")
+        subscribers = frame["values"]["subscribers"]

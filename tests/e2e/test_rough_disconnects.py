@@ -5,6 +5,7 @@ import asyncio
 import contextlib
 import json
 import random
+import signal
 import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,18 +14,22 @@ from typing import Any
 import pytest
 from websockets.asyncio.client import connect
 
-from gateway.ports import Request
-from tests.client import client
+from gateway.ports import CANCELED, GoalRequest, Request
+from tests.client import Client, client, eventually
 from tests.gateway_process import GatewayProcess, gateway_process
 from tests.ros.outside import Outside
 
 CLIENTS = 200
 AT_ONCE = 10
 FIBONACCI = "test_msgs/action/Fibonacci"
+SEQUENCE = b"\0\1\0\0\0\0\0\0"  # an empty one
 
 
 def operations(number: int) -> Iterator[dict[str, Any]]:
-    """All that opens something, each with names of its own and shared ones."""
+    """All that opens something, each with names of its own and shared ones.
+
+    But for transforms: the gateway listens to them for half a minute after the last lookup.
+    """
     for name in (f"own_{number}", "shared"):
         yield {"op": "subscribe", "topic": f"/{name}", "type": "std_msgs/String"}
         yield {"op": "advertise", "topic": f"/{name}", "type": "std_msgs/String"}
@@ -39,6 +44,8 @@ def operations(number: int) -> Iterator[dict[str, Any]]:
     yield {"op": "send_action_goal", "action": "/shared_act", "id": "h", "args": [9]}
     yield {"op": "get_parameters", "node": "/ros2_gateway_debug", "id": "p"}
     yield {"op": "graph", "watch": True}
+    yield {"op": "subscribe", "topic": "/shared", "id": "png", "compression": "png"}
+    yield {"op": "subscribe", "topic": f"/cbor_{number}", "type": 9, "compression": "cbor"}
     yield {"op": "fragment", "id": "f", "num": 0, "total": 2, "data": '{"op":'}
 
 
@@ -99,8 +106,15 @@ def outside() -> Iterator[Outside]:
 async def test_what_rough_clients_had_open_is_closed_and_forgotten(outside: Outside) -> None:
     """Also of ROS nodes that never answer, and of each other."""
     requests: list[Request] = []
+    goals: list[GoalRequest] = []
+    cancelled: list[GoalRequest] = []
+
+    def cancel(goal: GoalRequest) -> None:
+        cancelled.append(goal)
+        goal.finish(CANCELED, SEQUENCE)
+
     outside.add_service("/silent", "std_srvs/srv/SetBool", requests.append)
-    outside.add_action_server("/slow", FIBONACCI, lambda goal: None, lambda goal: None)
+    outside.add_action_server("/slow", FIBONACCI, goals.append, cancel)
     async with gateway_process("serve") as gateway:
         async with client(gateway.url) as first:  # what is loaded once and stays
             for operation in operations(-1):
@@ -116,4 +130,32 @@ async def test_what_rough_clients_had_open_is_closed_and_forgotten(outside: Outs
         await asyncio.gather(*(some() for _ in range(AT_ONCE)))
         assert requests
         await at_rest(gateway, most=before)
+        assert goals
+        await eventually(lambda: len(cancelled) == len(goals))  # nobody waits for them any more
         assert not [line for line in gateway.log if "Traceback" in line]
+
+
+# what the robot's own rclpy says when it answers a gateway that has left
+@pytest.mark.filterwarnings("ignore:failed to send response")
+async def test_a_gateway_that_is_stopped_cancels_its_clients_goals(outside: Outside) -> None:
+    """A robot must not drive on for somebody who cannot stop it any more."""
+    goals: list[GoalRequest] = []
+    cancelled: list[GoalRequest] = []
+    outside.add_action_server("/slow", FIBONACCI, goals.append, cancelled.append)
+    async with gateway_process("serve") as gateway, client(gateway.url) as driver:
+        await until_known(driver, "/slow")
+        for number in range(3):
+            await driver.send(op="send_action_goal", action="/slow", id=number, args=[9])
+        await eventually(lambda: len(goals) == 3)
+        assert await gateway.stop(signal.SIGTERM) == 0
+        await eventually(lambda: len(cancelled) == 3)
+
+
+async def until_known(client: Client, action: str) -> None:
+    """Wait until the gateway has discovered an action."""
+    known = ""
+    while not known:
+        await asyncio.sleep(0.02)
+        await client.send(op="call_service", service="/rosapi/action_type", args=[action])
+        frame = await client.receive(lambda frame: frame["op"] == "service_response")
+        known = frame["values"]["type"]

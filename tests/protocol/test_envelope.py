@@ -26,6 +26,14 @@ def test_the_message_stands_in_a_publish_frame(compression):
     assert unpacked(envelope("/odom", compression).tailored(body, tailoring())) == [PUBLISH]
 
 
+@pytest.mark.parametrize("compression", [*BODIES, "png"])
+@pytest.mark.parametrize("length", [0, 1, 90, 200, 70_000])
+def test_the_message_can_be_taken_out_of_its_frame(compression, length):
+    body = b"{" * length
+    own = envelope("/odom", compression)
+    assert own.body(own.shared(body)) == body
+
+
 @pytest.mark.parametrize("compression", BODIES)
 def test_meta_comes_before_the_message(compression):
     wire = envelope("/odom", compression).tailored(BODIES[compression], tailoring(META))

@@ -11,6 +11,7 @@ from gateway.protocol.fragments import (
     MAX_AGE_NS,
     MAX_INCOMPLETE,
     MAX_PIECES,
+    MAX_REFUSED,
     Assembly,
     text_frames,
 )
@@ -116,6 +117,57 @@ def test_what_grows_too_large_is_refused_and_forgotten():
             "limit_exceeded",
             "data: 1001 bytes so far, at most 1000 allowed in all",
         )
+
+
+def test_the_rest_of_a_refused_message_is_ignored():
+    assembly = Assembly(LIMIT)
+    for fragment_id in range(MAX_INCOMPLETE):
+        assembly.add(fragment(0, 4, "x" * 900, fragment_id), 0)
+        refused(assembly, fragment(1, 4, "x" * 900, fragment_id))
+    for num in (2, 3):
+        for fragment_id in range(MAX_INCOMPLETE):
+            assert assembly.add(fragment(num, 4, "x" * 900, fragment_id), 0) is None
+            assert len(assembly) == 0
+    # all of it has passed, so this is another one
+    assembly.add(fragment(2, 4, "x", 0), 0)
+    assert len(assembly) == 1
+
+
+def test_the_rest_of_a_message_that_was_one_too_many_is_ignored():
+    assembly = Assembly(LIMIT)
+    for number in range(MAX_INCOMPLETE):
+        assembly.add(fragment(0, 2, fragment_id=number), 0)
+    refused(assembly, fragment(0, 3, fragment_id="one more"))
+    assembly.add(fragment(1, 2, fragment_id=0), 0)
+    for num in (1, 2):
+        assert assembly.add(fragment(num, 3, fragment_id="one more"), 0) is None
+    assert len(assembly) == MAX_INCOMPLETE - 1
+
+
+def test_the_rest_of_a_message_that_took_too_long_is_ignored():
+    assembly = Assembly(LIMIT)
+    assembly.add(fragment(0, 2), 0)
+    assembly.expire(MAX_AGE_NS + 1)
+    assert assembly.add(fragment(1, 2), MAX_AGE_NS + 2) is None
+    assert len(assembly) == 0
+
+
+@pytest.mark.parametrize("total", [2, 3])
+def test_a_refused_message_may_be_sent_again_smaller(total):
+    assembly = Assembly(LIMIT)
+    refused(assembly, fragment(0, 3, "x" * (LIMIT + 1)))
+    for num in range(total - 1):
+        assert assembly.add(fragment(num, total, "x"), 0) is None
+    assert assembly.add(fragment(total - 1, total, "x"), 0) == b"x" * total
+
+
+def test_a_refused_message_is_forgotten_in_time_and_when_there_are_many():
+    assembly = Assembly(LIMIT)
+    for fragment_id in range(MAX_REFUSED + 1):
+        refused(assembly, fragment(0, 2, "x" * (LIMIT + 1), fragment_id))
+    for fragment_id, now_ns in ((0, 0), (1, MAX_AGE_NS + 1)):
+        assembly.add(fragment(1, 2, "x", fragment_id), now_ns)
+        assert assembly.add(fragment(0, 2, "x", fragment_id), now_ns) == b"xx"
 
 
 def test_a_whole_message_may_be_as_large_as_the_limit():

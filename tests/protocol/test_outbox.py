@@ -135,11 +135,32 @@ def test_an_entry_with_nothing_to_send_is_passed_over():
 
 def test_control_frames_beyond_the_budget_are_reported_not_dropped():
     outbox = Outbox(10)
-    outbox.put_control(bytes(6))
-    assert not outbox.overflowed
+    for _ in range(2):
+        outbox.put_control(bytes(6))
+        assert not outbox.overflowed
     outbox.put_control(bytes(6))
     assert outbox.overflowed
-    assert len(outbox.take(EVERYTHING)) == 2
+    assert len(outbox.take(EVERYTHING)) == 3
+    assert not outbox.overflowed
+
+
+def test_one_control_frame_may_be_as_large_as_it_is():
+    outbox = Outbox(10)
+    outbox.put_control(bytes(500))
+    outbox.put_control(bytes(10))
+    assert not outbox.overflowed
+    assert (outbox.size, outbox.excess) == (510, 10)
+    outbox.put_control(bytes(1))
+    assert outbox.overflowed
+
+
+def test_a_control_frame_beyond_the_budget_leaves_room_for_one_sample():
+    outbox = Outbox(10)
+    lane = outbox.open_lane(10, None)
+    outbox.put_control(bytes(500))
+    for text in (b"old", b"new"):
+        lane.put(Item(text))
+    assert outbox.take(EVERYTHING)[1:] == [b"new"]
 
 
 def test_closing_a_lane_forgets_what_waits_and_keeps_its_counts():

@@ -139,6 +139,28 @@ def test_ros_sharp_gets_ascii_from_its_first_such_operation_on():
     assert text.encode() in other.wires[1]
 
 
+def test_a_request_to_a_provider_is_ascii_before_anything_tells_that_it_is_ros_sharp():
+    client = Client()
+    client.session.ask('{"op":"call_service","args":{"name":"größe"}}'.encode())
+    (frame,) = websocket_frames(client.wires[0])
+    assert bytes(frame.data) == rb'{"op":"call_service","args":{"name":"gr\u00f6\u00dfe"}}'
+
+
+def test_an_operation_with_nulls_is_carried_out():
+    client = Client()
+    goal = client.send(**GOAL, args=None, feedback=None, keep=None, fragment_size=0)
+    assert goal == SendActionGoal(action="fibonacci", id="g")
+    assert client.answers == []
+
+
+def test_a_message_that_is_refused_is_answered_once_and_holds_up_no_other():
+    client = Client(Limits(message_bytes=2000))
+    for number in range(8):
+        client.send_in_pieces("x" * 5000, size=1000, fragment_id=number)
+    assert [answer["id"] for answer in client.answers] == list(range(8))
+    assert client.send_in_pieces({"op": "ping", "value": "x" * 50})[-1] is not None
+
+
 def test_an_answer_is_cut_only_where_that_is_asked_for():
     client = Client()
     payload = json.dumps({"op": "service_response", "values": "x" * 300}).encode()

@@ -147,3 +147,30 @@ def test_a_changed_wish_keeps_what_waits():
     stream.offer(Item(1), 0)
     stream.change(wish({"throttle_rate": 100}))
     assert outbox.take(1 << 30) == [b"1"]
+
+
+def test_another_throttle_begins_at_once_and_keeps_the_order():
+    outbox = Outbox(1000)
+    stream = Stream("/t", wish({"throttle_rate": 3_600_000}), outbox)
+    stream.offer(Item(1), 1000 * MS)
+    stream.offer(Item(2), 1001 * MS)
+    stream.change(wish({"throttle_rate": 10}))
+    assert stream.offer(Item(3), 1002 * MS) is None
+    assert stream.offer(Item(4), 1003 * MS) == 1012 * MS
+    assert outbox.take(1 << 30) == [b"1", b"2", b"3"]
+    stream.change(wish())
+    stream.offer(Item(5), 1004 * MS)
+    assert outbox.take(1 << 30) == [b"4", b"5"]
+    stream.release(1012 * MS)
+    assert outbox.take(1 << 30) == []
+
+
+def test_the_same_throttle_goes_on():
+    outbox = Outbox(1000)
+    stream = Stream("/t", wish({"throttle_rate": 100}), outbox)
+    stream.offer(Item(1), 0)
+    stream.offer(Item(2), 1)
+    stream.change(wish({"throttle_rate": 100, "meta": True}))
+    assert outbox.take(1 << 30) == [b"1"]
+    stream.release(100 * MS)
+    assert outbox.take(1 << 30) == [b"2"]

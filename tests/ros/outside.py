@@ -68,9 +68,13 @@ class Outside:
         return OutsideClient(self.node, name, type_name)
 
     def add_service(
-        self, name: str, type_name: str, on_request: Callable[[Request], None]
+        self,
+        name: str,
+        type_name: str,
+        on_request: Callable[[Request], None],
+        depth: int = 10,  # that of ROS
     ) -> OutsideService:
-        return OutsideService(self.node, self._executor.wake, name, type_name, on_request)
+        return OutsideService(self.node, self._executor.wake, name, type_name, on_request, depth)
 
     def add_action_client(self, name: str, type_name: str) -> OutsideActionClient:
         client = OutsideActionClient(self.node, name, type_name)

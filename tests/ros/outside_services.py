@@ -44,6 +44,7 @@ class OutsideService:
         name: str,
         type_name: str,
         on_request: Callable[[Request], None],
+        depth: int,
     ) -> None:
         self._node = node
         self._wake = wake
@@ -51,7 +52,11 @@ class OutsideService:
         self._class = service_class(type_name)
         self._on_request = on_request
         self._service: Any = node.create_service(
-            self._class, name, self._execute, callback_group=ReentrantCallbackGroup()
+            self._class,
+            name,
+            self._execute,
+            qos_profile=QoSProfile(depth=depth),
+            callback_group=ReentrantCallbackGroup(),
         )
 
     def close(self) -> None:

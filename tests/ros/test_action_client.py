@@ -9,8 +9,10 @@ import pytest
 from rclpy.node import Node
 
 from gateway.ports import ABORTED, SUCCEEDED, RosError
-from gateway.ros import RosOptions, action_server
+from gateway.ros import RosOptions, action_client, action_server, endpoints
+from gateway.ros.action_client import RclpyActionClient
 from gateway.ros.action_server import RclpyActionServer
+from gateway.ros.interfaces import action_class
 from gateway.ros.port import RclpyRos
 from tests.client import eventually
 from tests.ros.outside import Outside
@@ -105,22 +107,163 @@ async def test_a_goal_that_its_server_has_forgotten_has_no_result(
     assert caught.value.code == "not_found"
 
 
-async def test_a_goal_that_is_accepted_too_late_is_cancelled(
-    ros: RclpyRos, monkeypatch: pytest.MonkeyPatch
+class Slow:
+    """An action ``/dock`` of the gateway's that leaves it to the test when goals are accepted."""
+
+    def __init__(self, ros: RclpyRos, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.requests: list[tuple[Any, ...]] = []
+        self.provider = Provider()
+        self._accept: Any = RclpyActionServer._accept
+        monkeypatch.setattr(
+            RclpyActionServer, "_accept", lambda *request: self.requests.append(request)
+        )
+        self.server = ros.serve_action("/dock", FIBONACCI, *self.provider.callbacks)
+
+    async def gets_goal_that_is_given_up(self, client: RclpyActionClient) -> None:
+        count = len(self.requests)
+        sending = asyncio.ensure_future(client.send_goal(goal(3), ignore))
+        await eventually(lambda: len(self.requests) > count)
+        sending.cancel()
+        await eventually(sending.cancelled)
+
+    def accept(self, index: int) -> None:
+        self._accept(*self.requests[index])
+
+
+@pytest.fixture
+def slow(ros: RclpyRos, monkeypatch: pytest.MonkeyPatch) -> Slow:
+    return Slow(ros, monkeypatch)
+
+
+async def test_a_goal_that_is_accepted_too_late_is_cancelled(ros: RclpyRos, slow: Slow) -> None:
+    client = ros.action_client("/dock", FIBONACCI)
+    await slow.gets_goal_that_is_given_up(client)
+    slow.accept(0)
+    await eventually(lambda: slow.provider.cancels == slow.provider.goals != [])
+    await eventually(lambda: not client._abandoned)
+    assert client._listening == {}
+    assert ros.entity_count() == 2
+
+
+async def test_a_closed_client_stays_until_goals_that_were_given_up_are_decided(
+    ros: RclpyRos, slow: Slow
 ) -> None:
-    accept: Any = RclpyActionServer._accept
-    requests: list[tuple[Any, ...]] = []
-    monkeypatch.setattr(RclpyActionServer, "_accept", lambda *request: requests.append(request))
-    provider = Provider()
-    ros.serve_action("/dock", FIBONACCI, *provider.callbacks)
+    client = ros.action_client("/dock", FIBONACCI)
+    for _ in range(2):
+        await slow.gets_goal_that_is_given_up(client)
+    client.close()
+    for index in range(2):
+        assert ros.entity_count() == 2
+        slow.accept(index)
+        await eventually(lambda: slow.provider.cancels == slow.provider.goals != [])
+    await eventually(lambda: ros.entity_count() == 1)
+    assert len(slow.provider.cancels) == 2
+
+
+async def test_what_else_a_client_waits_for_fails_when_it_closes_though_it_stays(
+    ros: RclpyRos, slow: Slow
+) -> None:
+    client = ros.action_client("/dock", FIBONACCI)
+    heard: list[bytes] = []
+    sending = asyncio.ensure_future(client.send_goal(goal(3), heard.append))
+    await eventually(lambda: len(slow.requests) == 1)
+    slow.accept(0)
+    accepted = await soon(sending)
+    await slow.gets_goal_that_is_given_up(client)
+    undecided = asyncio.ensure_future(client.send_goal(goal(3), ignore))
+    await eventually(lambda: len(slow.requests) == 3)
+    slow.provider.goals[0].feedback(sequence(1))
+    client.close()
+    assert ros.entity_count() == 2
+    for failing in (accepted.result(), undecided, client.send_goal(goal(3), ignore)):
+        with pytest.raises(RosError, match="client of action /dock is closed"):
+            await soon(failing)
+    slow.accept(1)
+    await eventually(lambda: ros.entity_count() == 1)
+    assert slow.provider.cancels == slow.provider.goals[1:]
+    assert heard == []
+
+
+async def test_a_closed_client_waits_for_a_decision_only_so_long(
+    ros: RclpyRos, slow: Slow, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(action_client, "_ABANDONED_S", 0.01)
+    client = ros.action_client("/dock", FIBONACCI)
+    await slow.gets_goal_that_is_given_up(client)
+    client.close()
+    await eventually(lambda: ros.entity_count() == 1)
+
+
+async def test_a_closed_client_does_not_wait_for_a_server_that_has_gone(
+    ros: RclpyRos, slow: Slow
+) -> None:
+    client = ros.action_client("/dock", FIBONACCI)
+    await slow.gets_goal_that_is_given_up(client)
+    client.close()
+    slow.server.close()
+    await eventually(lambda: ros.entity_count() == 0)
+
+
+async def test_closing_the_port_waits_for_no_decision(ros: RclpyRos, slow: Slow) -> None:
+    clients = [ros.action_client("/dock", FIBONACCI) for _ in range(2)]
+    for client in clients:
+        await slow.gets_goal_that_is_given_up(client)
+    clients[0].close()
+    ros.close()
+    assert ros.entity_count() == 0
+
+
+async def test_a_goal_that_is_given_up_while_it_waits_is_never_sent(ros: RclpyRos) -> None:
     client = ros.action_client("/dock", FIBONACCI)
     sending = asyncio.ensure_future(client.send_goal(goal(3), ignore))
-    await eventually(lambda: len(requests) == 1)
+    await asyncio.sleep(0)
     sending.cancel()
     await eventually(sending.cancelled)
-    accept(*requests[0])
-    await eventually(lambda: provider.cancels == provider.goals != [])
-    assert client._listening == {}
+    provider = Provider()
+    ros.serve_action("/dock", FIBONACCI, *provider.callbacks)
+    assert await soon(client.send_goal(goal(4), ignore)) is not None
+    assert [each.cdr for each in provider.goals] == [goal(4)]
+
+
+async def test_a_goal_waits_until_its_feedback_can_be_heard(
+    ros: RclpyRos, outside: Outside
+) -> None:
+    parts: Any = action_class(FIBONACCI).Impl
+    goals: list[Any] = []
+
+    def accept(request: Any, answer: Any) -> Any:
+        goals.append(request)
+        answer.accepted = True
+        return answer
+
+    services: list[tuple[Any, str, Any]] = [
+        (parts.SendGoalService, "send_goal", accept),
+        (parts.GetResultService, "get_result", lambda _, answer: answer),
+        (parts.CancelGoalService, "cancel_goal", lambda _, answer: answer),
+    ]
+    for part_class, part, answer in services:
+        outside.node.create_service(part_class, f"/dock/_action/{part}", answer)
+    client = ros.action_client("/dock", FIBONACCI)
+    sending = asyncio.ensure_future(client.send_goal(goal(3), ignore))
+    for requester in (client._goals, client._results, client._cancels):
+        await eventually(requester._client.service_is_ready)
+    client.follow_graph()
+    assert not client._goals.is_ready
+    assert goals == []
+    outside.node.create_publisher(parts.FeedbackMessage, "/dock/_action/feedback", 10)
+    assert await soon(sending) is not None
+    assert len(goals) == 1
+
+
+async def test_an_action_of_this_process_gets_its_goals_at_once(
+    ros: RclpyRos, slow: Slow, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(endpoints, "AHEAD_S", 1e6)
+    client = ros.action_client("/dock", FIBONACCI)
+    sends = [asyncio.ensure_future(client.send_goal(goal(3), ignore)) for _ in range(15)]
+    await eventually(lambda: len(slow.requests) == len(sends))
+    for sending in sends:
+        sending.cancel()
 
 
 async def test_an_action_of_which_a_part_is_refused_leaves_nothing(

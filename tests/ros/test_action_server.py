@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from rclpy.qos import qos_profile_action_status_default
 
-from gateway.ports import ABORTED, CANCELED, SUCCEEDED, GoalRequest
+from gateway.ports import CANCELED, SUCCEEDED, GoalRequest
 from gateway.ros import RosOptions
 from gateway.ros import action_server as limits
 from gateway.ros.interfaces import action_class, message_class, service_class
@@ -157,18 +157,17 @@ async def test_the_oldest_results_make_room_for_new_ones(
     assert statuses == [0, SUCCEEDED, SUCCEEDED]
 
 
-async def test_those_who_wait_for_a_result_are_bounded(
+async def test_who_comes_too_late_to_wait_takes_nobody_s_place(
     caller: Caller, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(limits, "MAX_WAITING", 2)
     [goal] = await started(caller, 1)
-    waiting = [
-        asyncio.ensure_future(caller.result(goal_id(1))) for _ in range(limits.MAX_WAITING + 1)
-    ]
+    first = [asyncio.ensure_future(caller.result(goal_id(1))) for _ in range(2)]
     entry = caller.server._goals[goal_id(1)]
-    await eventually(lambda: len(entry.waiting) == limits.MAX_WAITING)
-    goal.finish(ABORTED, sequence())
-    for each in waiting:
-        each.cancel()
+    await eventually(lambda: len(entry.waiting) == 2)
+    assert (await caller.result(goal_id(1)))[0] == 0  # unknown
+    goal.finish(SUCCEEDED, sequence(4))
+    assert [await each for each in first] == [(SUCCEEDED, [4])] * 2
 
 
 async def test_every_change_of_a_status_is_published(caller: Caller) -> None:
@@ -211,10 +210,10 @@ async def test_a_goal_that_has_ended_cannot_be_canceled(caller: Caller) -> None:
     assert caller.provider.cancels == []
 
 
-async def test_a_goal_that_is_being_canceled_is_told_so_again(caller: Caller) -> None:
+async def test_a_goal_that_is_being_canceled_cannot_be_canceled_again(caller: Caller) -> None:
     [goal] = await started(caller, 1)
     assert await caller.cancel(goal_id(1)) == (0, [goal_id(1)])
-    assert await caller.cancel(goal_id(1)) == (0, [goal_id(1)])
+    assert await caller.cancel(goal_id(1)) == (3, [])  # as rcl_action has it
     assert caller.provider.cancels == [goal]
 
 

@@ -266,7 +266,10 @@ async def test_closing_a_client_fails_what_it_waits_for(robot: Robot) -> None:
     assert both.provider.cancels == []
 
 
-async def test_a_goal_that_nobody_waits_for_is_cancelled_when_it_is_accepted(robot: Robot) -> None:
+@pytest.mark.parametrize("closes", [False, True])
+async def test_a_goal_that_nobody_waits_for_is_cancelled_when_it_is_accepted(
+    robot: Robot, closes: bool
+) -> None:
     both = Both(robot, provides=True)
     client = robot.ros.action_client("/dock", FIBONACCI)
     sending = asyncio.ensure_future(client.send_goal(goal(3), ignore))
@@ -274,6 +277,9 @@ async def test_a_goal_that_nobody_waits_for_is_cancelled_when_it_is_accepted(rob
     accepted = None if sending.cancel() else await sending
     if accepted is not None:  # the answer was faster
         accepted.cancel()
+    if closes:
+        await eventually(sending.done)
+        client.close()
     await eventually(lambda: bool(both.provider.goals))
     await eventually(lambda: both.provider.cancels == both.provider.goals)
 
@@ -284,6 +290,14 @@ async def test_a_goal_cancelled_right_before_its_client_closes_is_cancelled(robo
     accepted.cancel()
     both.client.close()
     await eventually(lambda: both.provider.cancels == [request])
+
+
+async def test_a_goal_whose_client_has_gone_may_end(robot: Robot) -> None:
+    both = Both(robot, provides=True)
+    _, request = await both.started()
+    both.client.close()
+    request.feedback(sequence(1))
+    request.finish(SUCCEEDED, sequence(1))
 
 
 async def test_closing_an_action_aborts_its_goals(robot: Robot) -> None:

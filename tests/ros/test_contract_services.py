@@ -171,6 +171,18 @@ async def test_a_request_is_answered_once(robot: Robot) -> None:
         assert text_of(await soon(client.call(request(True)))) == "first"
 
 
+async def test_an_answer_to_a_client_that_has_gone_goes_nowhere(robot: Robot) -> None:
+    requests: list[Request] = []
+    robot.ros.serve("/arm", SET_BOOL, requests.append)
+    client = robot.ros.client("/arm", SET_BOOL)
+    calling = asyncio.ensure_future(client.call(request(True)))
+    await eventually(lambda: len(requests) == 1)
+    client.close()
+    requests[0].answer(response("late"))
+    with pytest.raises(RosError, match="client of service /arm is closed"):
+        await soon(calling)
+
+
 async def test_an_answer_after_the_service_is_closed_goes_nowhere(robot: Robot) -> None:
     requests: list[Request] = []
     service = robot.ros.serve("/arm", SET_BOOL, requests.append)

@@ -7,8 +7,8 @@ from collections.abc import AsyncIterator, Iterator
 import pytest
 
 from gateway.ports import Request, RosError
-from gateway.ros import RosOptions
-from gateway.ros.endpoints import MAX_UNANSWERED
+from gateway.ros import RosOptions, endpoints
+from gateway.ros.endpoints import MAX_AHEAD
 from gateway.ros.port import RclpyRos
 from gateway.ros.services import RclpyClient
 from tests.client import eventually
@@ -69,27 +69,101 @@ async def test_a_call_that_is_cancelled_while_it_waits_is_never_sent(
 
 
 async def test_requests_beyond_what_a_server_keeps_wait_here(
-    ros: RclpyRos, outside: Outside
+    ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(endpoints, "AHEAD_S", 1e6)
     requests: list[Request] = []
     outside.add_service("/arm", SET_BOOL, requests.append)
     client = ros.client("/arm", SET_BOOL)
-    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(MAX_UNANSWERED)]
+    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(MAX_AHEAD)]
     unsent = asyncio.ensure_future(client.call(request(False)))
     calls += [asyncio.ensure_future(client.call(request(True))) for _ in range(20)]
-    await eventually(lambda: len(requests) == MAX_UNANSWERED)
-    assert len(client._requester._under_way) == MAX_UNANSWERED
-    for calling in [*calls[:MAX_UNANSWERED], unsent]:
+    await eventually(lambda: len(requests) == MAX_AHEAD)
+    assert len(client._requester._under_way) == MAX_AHEAD
+    for calling in [*calls[:MAX_AHEAD], unsent]:
         calling.cancel()  # given up, which makes room
-    await eventually(lambda: len(requests) == 2 * MAX_UNANSWERED)
+    await eventually(lambda: len(requests) == 2 * MAX_AHEAD)
     for each in requests:
         each.answer(response("done"))
     await eventually(lambda: len(requests) == 30)
-    for each in requests[2 * MAX_UNANSWERED :]:
+    for each in requests[2 * MAX_AHEAD :]:
         each.answer(response("done"))
-    for calling in calls[MAX_UNANSWERED:]:
+    for calling in calls[MAX_AHEAD:]:
         assert text_of(await soon(calling)) == "done"
     assert all(each.cdr[4] for each in requests)
+
+
+async def test_a_server_that_never_answers_keeps_no_request_waiting(
+    ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(endpoints, "AHEAD_S", 0.01)
+    requests: list[Request] = []
+    outside.add_service("/arm", SET_BOOL, requests.append, depth=100)  # not as fast as that
+    client = ros.client("/arm", SET_BOOL)
+    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(2 * MAX_AHEAD)]
+    await eventually(lambda: len(requests) == len(calls))
+    last = asyncio.ensure_future(client.call(request(False)))
+    await eventually(lambda: requests[-1].cdr[4] == 0)
+    requests[-1].answer(response("done"))
+    assert text_of(await soon(last)) == "done"
+    assert not any(calling.done() for calling in calls)
+    await eventually(lambda: not client._requester._ahead)
+    for calling in calls:
+        calling.cancel()
+
+
+async def test_a_service_of_this_process_gets_its_requests_at_once(
+    ros: RclpyRos, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(endpoints, "AHEAD_S", 1e6)
+    requests: list[Request] = []
+    ros.serve("/arm", SET_BOOL, requests.append)
+    client = ros.client("/arm", SET_BOOL)
+    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(2 * MAX_AHEAD)]
+    await eventually(lambda: len(requests) == len(calls))
+    for each in requests:
+        each.answer(response("done"))
+    assert [text_of(await soon(calling)) for calling in calls] == ["done"] * len(calls)
+
+
+async def test_a_request_that_is_cancelled_in_the_turn_that_makes_room_is_never_sent(
+    ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(endpoints, "AHEAD_S", 1e6)
+    requests: list[Request] = []
+    outside.add_service("/arm", SET_BOOL, requests.append)
+    client = ros.client("/arm", SET_BOOL)
+    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(MAX_AHEAD)]
+    await eventually(lambda: len(requests) == MAX_AHEAD)
+    unsent = asyncio.ensure_future(client.call(request(False)))
+    calls.append(asyncio.ensure_future(client.call(request(True))))
+    await asyncio.sleep(0)
+    calls[0].cancel()
+    unsent.cancel()
+    await eventually(lambda: len(requests) > MAX_AHEAD)
+    assert all(each.cdr[4] for each in requests)
+    for calling in calls:
+        calling.cancel()
+
+
+async def test_an_answer_to_a_client_that_has_gone_is_lost(ros: RclpyRos, outside: Outside) -> None:
+    requests: list[Request] = []
+    ros.serve("/arm", SET_BOOL, requests.append)
+    client = outside.add_client("/arm", SET_BOOL)
+    await eventually(client._client.service_is_ready)
+    client._client.call_async(client._class.Request())
+    client.close()
+    await eventually(lambda: bool(requests))
+    requests[0].answer(response("late"))
+    assert text_of(await ask_anew(ros, requests)) == "better"
+
+
+async def ask_anew(ros: RclpyRos, requests: list[Request]) -> bytes:
+    calling = asyncio.ensure_future(ros.client("/arm", SET_BOOL).call(request(True)))
+    await eventually(lambda: len(requests) == 2)
+    requests[1].answer(response("better"))
+    answer: bytes = await soon(calling)
+    return answer
 
 
 async def test_a_call_fails_with_its_server_though_another_has_come(
@@ -107,6 +181,25 @@ async def test_a_call_fails_with_its_server_though_another_has_come(
     with pytest.raises(RosError, match="service /arm has gone"):
         await soon(calling)
     assert text_of(await soon(client.call(request(True)))) == "got True"
+
+
+async def test_a_server_that_has_come_before_word_of_it_keeps_its_calls(
+    ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    requests: list[Request] = []
+    server = outside.add_service("/arm", SET_BOOL, echo)
+    client = ros.client("/arm", SET_BOOL)
+    await soon(client.call(request(True)))
+    with monkeypatch.context() as patch:
+        patch.setattr(ros._services, "follow_graph", lambda: None)
+        server.close()
+        await eventually(lambda: not client._requester.is_ready)
+        outside.add_service("/arm", SET_BOOL, requests.append)
+        calling = asyncio.ensure_future(client.call(request(True)))
+        await eventually(lambda: bool(requests))
+    client.follow_graph()
+    requests[0].answer(response("done"))
+    assert text_of(await soon(calling)) == "done"
 
 
 @pytest.mark.parametrize("cdr", [b"", b"\0\1\0\0", b"x"])

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Goals that clients send to action servers."""
 
+import json
 from typing import Any
 
 import pytest
@@ -183,8 +184,22 @@ async def test_a_client_that_leaves_cancels_its_goals(bench: Bench) -> None:
     await fib.gets()
     await bench.settle()
     client.send(op="send_action_goal", id="h", action="/fib", args=[3])
-    bench.router.leave(client.session)  # before the server has accepted the second
-    await eventually(lambda: len(fib.cancels) == 2)
+    bench.router.leave(client.session)  # before the second is sent
+    await eventually(lambda: bench.router.counts()["goals"] == 0)
+    await bench.settle()
+    assert fib.cancels == fib.goals
+    assert len(fib.goals) == 1
+
+
+async def test_a_goal_that_is_accepted_after_its_client_has_left_is_cancelled(
+    bench: Bench,
+) -> None:
+    fib = Fib(bench)
+    client = bench.client()
+    client.send(op="send_action_goal", id="g", action="/fib", args=[3])
+    await fib.gets()  # it is sent, but the answer is not back
+    bench.router.leave(client.session)
+    await eventually(lambda: fib.cancels == fib.goals)
     await eventually(lambda: bench.router.counts()["goals"] == 0)
 
 
@@ -199,3 +214,75 @@ async def test_a_client_that_leaves_keeps_the_goals_that_it_said_to(bench: Bench
     await bench.settle()
     assert not fib.cancels
     assert fib.server.goals
+
+
+async def test_feedback_that_waits_comes_before_the_result_and_is_not_lost(bench: Bench) -> None:
+    fib = Fib(bench)
+    client = bench.client()
+    client.send(op="send_action_goal", id="g", action="/fib", args=[3], feedback=True)
+    goal = await fib.gets()
+    await bench.settle()
+    client.is_paused = True
+    for number in range(3):
+        fib.feedback(goal, number)
+    fib.finish(goal, SUCCEEDED, 9)
+    await eventually(lambda: bench.router.counts()["goals"] == 0)
+    client.is_paused = False
+    client.flush()
+    ops = [frame["op"] for frame in client.frames]
+    assert ops == ["action_feedback"] * 3 + ["action_result"]
+
+
+async def test_a_goal_leaves_nothing_in_the_outbox(bench: Bench) -> None:
+    fib = Fib(bench)
+    client = bench.client()
+    before = len(client.session.outbox._lanes)
+    client.send(op="send_action_goal", id="g", action="/fib", args=[3], feedback=True)
+    fib.finish(await fib.gets(), SUCCEEDED)
+    await client.sees(1, "action_result")
+    await eventually(lambda: bench.router.counts()["goals"] == 0)
+    assert len(client.session.outbox._lanes) == before
+
+
+async def test_long_feedback_and_results_come_in_the_pieces_that_were_asked_for(
+    bench: Bench,
+) -> None:
+    fib = Fib(bench)
+    client = bench.client()
+    options = {"feedback": True, "fragment_size": 64}
+    client.send(op="send_action_goal", id="g", action="/fib", args=[3], **options)
+    goal = await fib.gets()
+    fib.feedback(goal, *range(40))
+    await client.sees(2, "fragment")
+    fib.finish(goal, SUCCEEDED, *range(40))
+    await eventually(lambda: bench.router.counts()["goals"] == 0)
+    wholes: dict[str, str] = {}
+    for piece in client.of("fragment"):
+        wholes[piece["id"]] = wholes.get(piece["id"], "") + piece["data"]
+    ops = [json.loads(whole)["op"] for whole in wholes.values()]
+    assert ops == ["action_feedback", "action_result"]
+
+
+async def test_a_server_that_does_not_answer_a_goal_is_waited_for_a_while(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("gateway.router.goals.ACCEPT_S", 0.02)
+    fib = Fib(bench)
+    fib.server.arrive = lambda goal: None
+    client = bench.client()
+    client.send(op="send_action_goal", id="g", action="/fib", args=[3])
+    (result,) = await client.sees(1, "action_result")
+    assert (result["status"], result["result"]) == (0, False)
+    assert "has not answered the goal within 0.02 s" in result["values"]
+
+
+async def test_a_goal_is_not_cancelled_by_the_name_of_another_action(bench: Bench) -> None:
+    fib = Fib(bench)
+    client = bench.client()
+    client.send(op="send_action_goal", id="g", action="/fib", args=[3])
+    await fib.gets()
+    await bench.settle()
+    client.send(op="cancel_action_goal", id="g", action="/fob")
+    await bench.settle()
+    assert client.of("status")[0]["code"] == "not_found"
+    assert not fib.cancels

@@ -164,3 +164,19 @@ async def test_a_client_provides_so_many_actions_and_no_more(bench: Bench) -> No
     for number in range(LIMITS.advertisements + 1):
         client.send(op="advertise_action", action=f"/fib{number}", type="test_msgs/Fibonacci")
     assert [code for code, _ in client.statuses] == ["limit_exceeded"]
+
+
+async def test_a_take_over_by_another_type_is_refused_and_the_action_stays(bench: Bench) -> None:
+    former, other, person = provider(bench), bench.client(), Person(bench)
+    other.send(op="advertise_action", action="/fib", type="test_msgs/NestedMessage")
+    assert other.of("status")[0]["code"] == "type_conflict"
+    await person.sends()
+    await goal_of(former)
+
+
+async def test_a_goal_that_is_no_such_message_is_aborted(bench: Bench) -> None:
+    client, person = provider(bench), Person(bench)
+    goal = await person.client.send_goal(b"\0\1\0\0", person.feedback.append)
+    assert goal is not None
+    assert await person.result(goal) == (ABORTED, [])
+    assert not client.of("send_action_goal")

@@ -7,8 +7,10 @@ from typing import Any
 
 import pytest
 
+from gateway.ports import RosError
 from gateway.router.provided_services import MAX_PENDING
 from tests.client import PATIENCE_S, eventually
+from tests.ros.fake_services import FakeRequest
 from tests.router.conftest import LIMITS, Bench, Socketless
 
 SET_BOOL = "std_srvs/srv/SetBool"
@@ -185,3 +187,82 @@ async def test_a_client_provides_so_many_services_and_no_more(bench: Bench) -> N
     client.send(op="advertise_service", service="/arm0", type="std_srvs/SetBool")
     assert len(client.statuses) == 1
     assert bench.ros.entity_count() == LIMITS.advertisements
+
+
+async def test_a_take_over_by_another_type_is_refused_and_the_service_stays(bench: Bench) -> None:
+    former, other = provider(bench), bench.client()
+    other.send(op="advertise_service", id=1, service="/arm", type="std_srvs/Trigger")
+    assert other.statuses == [
+        ("type_conflict", f"/arm is provided by another client, as {SET_BOOL}")
+    ]
+    assert not former.statuses
+    response = Caller(bench).call()
+    (frame,) = await former.sees(1, "call_service")
+    former.send(op="service_response", id=frame["id"], service="arm", values={"success": True})
+    assert (await response)["success"] is True
+
+
+async def test_a_service_is_given_back_where_ros_refuses_the_new_one(bench: Bench) -> None:
+    client = provider(bench)
+    client.send(op="call_service", service="/arm", timeout=0.01)  # keeps the type for a while
+    await client.sees(1, "service_response")
+    client.send(op="advertise_service", id=1, service="/arm", type="std_srvs/Trigger")
+    assert client.of("status")[-1]["code"] == "bad_type"
+    client.frames.clear()
+    response = Caller(bench).call()
+    (frame,) = await client.sees(1, "call_service")
+    client.send(op="service_response", id=frame["id"], service="arm", values={"success": True})
+    assert (await response)["success"] is True
+
+
+async def test_a_call_that_was_answered_has_no_deadline_any_more(
+    bench: Bench, caplog: pytest.LogCaptureFixture
+) -> None:
+    bench.router._limits = replace(LIMITS, service_timeout_s=0.05)
+    client = provider(bench)
+    response = Caller(bench).call()
+    (frame,) = await client.sees(1, "call_service")
+    client.send(op="service_response", id=frame["id"], service="arm", values={"success": True})
+    await response
+    # the deadline of a later call passes after that of the first would have
+    await Caller(bench).call()
+    await client.sees(1, "status")
+    assert [status["id"] for status in client.of("status")] != [frame["id"]]
+    assert "KeyError" not in caplog.text
+
+
+async def test_a_request_that_is_no_such_message_fails(bench: Bench) -> None:
+    client = provider(bench)
+    async with asyncio.timeout(PATIENCE_S):
+        cdr = await Caller(bench).client.call(b"\0\1\0\0")
+    response = bench.types.get(f"{SET_BOOL}_Response").decode(cdr)
+    assert response["success"] is False
+    assert "request cannot be read" in str(response["message"])
+    assert not client.of("call_service")
+
+
+async def test_a_caller_that_cannot_be_answered_any_more_harms_nobody(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object) -> None:
+        raise RosError("internal", "the caller has gone")
+
+    client = provider(bench)
+    calling = Caller(bench).call()
+    await client.sees(1, "call_service")
+    monkeypatch.setattr(FakeRequest, "answer", refuse)
+    bench.router.leave(client.session)
+    assert bench.ros.entity_count() == 0
+    calling.cancel()
+
+
+async def test_a_provider_is_asked_in_ascii_for_ros_sharp_reads_no_other(bench: Bench) -> None:
+    client = bench.client()
+    client.send(op="advertise_service", service="/map", type="nav_msgs/LoadMap")
+    calling = bench.ros.add_client("/map", "nav_msgs/srv/LoadMap")
+    request = bench.cdr("nav_msgs/srv/LoadMap_Request", map_url="grüße")
+    waiting = asyncio.ensure_future(calling.call(request))
+    (frame,) = await client.sees(1, "call_service")
+    assert frame["args"] == {"map_url": "grüße"}
+    assert any(b'"gr\\u00fc' in wire for wire in client.wires)
+    waiting.cancel()

@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
+from gateway.router.rendition import Frame, TailoredFrame
 from tests.router.conftest import Bench
 from tests.wire import untagged, websocket_frames
 
@@ -101,6 +102,14 @@ async def test_png_holds_pictures_as_json_does(bench: Bench):
     assert json.loads(text_in(frame["data"]))["msg"]["format"] == "jpeg"
 
 
+async def test_fields_of_cbor_compile_nothing_for_json(bench: Bench):
+    bench.ros.add_publisher("/t", SCAN)
+    bench.client().send(op="subscribe", topic="/t", compression="cbor", fields=["ranges"])
+    message_type = bench.types.get(SCAN)
+    assert message_type._transcoders
+    assert not message_type._decoders
+
+
 async def test_fields_of_cbor_raw_are_refused(bench: Bench):
     bench.ros.add_publisher("/t", STRING)
     client = bench.client()
@@ -124,6 +133,42 @@ async def test_clients_with_the_same_compression_share_bytes(bench: Bench):
     assert cbor is same_cbor
     assert plain is same_plain
     assert len({cbor, plain, raw}) == 3
+
+
+@pytest.mark.parametrize("compression", ["none", "png", "cbor"])
+@pytest.mark.parametrize("plain_first", [True, False])
+async def test_a_frame_is_rendered_once_for_shared_and_tailored_streams(
+    bench: Bench, compression, plain_first
+):
+    bench.ros.add_publisher("/t", STRING)
+    clients = [bench.client() for _ in range(4)]
+    metas = [False, True, False, True] if plain_first else [True, False, True, False]
+    for client, meta in zip(clients, metas, strict=True):
+        client.send(op="subscribe", topic="/t", compression=compression, meta=meta)
+        client.is_paused = True
+    bench.ros.publish("/t", bench.cdr(STRING, data="x"))
+    await bench.settle()
+    (lane,) = clients[0].session.outbox._lanes
+    entry = lane.waiting[0]
+    frame = entry._frame if isinstance(entry, TailoredFrame) else entry
+    assert isinstance(frame, Frame)
+    renders = []
+    render = frame.rendition._render
+
+    def counting(cdr: bytes) -> bytes:
+        renders.append(cdr)
+        return render(cdr)
+
+    frame.rendition._render = counting
+    op = "png" if compression == "png" else "publish"
+    for client in clients:
+        client.is_paused = False
+        client.flush()
+        (seen,) = await client.sees(1, op)
+        assert ("seq" in seen) == metas[clients.index(client)]
+        # what it is now, it is instead of what it was
+        assert sum(map(bool, (frame.cdr, frame._body, frame._wire))) == 1
+    assert len(renders) == 1
 
 
 async def test_a_subscription_gets_fragments_that_asked_and_the_others_do_not(bench: Bench):

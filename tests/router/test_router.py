@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 import pytest
 
+from gateway.ports import RosError
+from tests.ros.fake_services import FakeService
 from tests.router.conftest import Bench
 
 
@@ -219,3 +221,32 @@ async def test_a_clients_own_words_come_back_short(bench: Bench, operation):
     client.send(**operation)
     assert all(len(wire) < 1000 for wire in client.wires)
     assert client.wires
+
+
+async def test_what_cannot_be_closed_keeps_nothing_else_open(bench: Bench, monkeypatch):
+    client = bench.client()
+    client.send(op="subscribe", topic="/t", type="std_msgs/String")
+    client.send(op="advertise_service", service="/s", type="std_srvs/Trigger")
+    client.send(op="advertise_action", action="/f", type="test_msgs/Fibonacci")
+
+    def refuse(_):
+        raise RosError("internal", "it will not close")
+
+    with monkeypatch.context() as broken, pytest.raises(RosError):
+        broken.setattr(FakeService, "close", refuse)
+        bench.router.leave(client.session)
+    assert bench.ros.entity_count() == 1
+    bench.ros.services.clear()
+
+
+async def test_the_first_watcher_of_the_graph_hears_of_the_first_change(bench: Bench):
+    first, second = bench.client(), bench.client()
+    first.send(op="graph", watch=True)
+    bench.ros.add_service("/s", "std_srvs/srv/Trigger", lambda request: None)
+    second.send(op="graph", watch=True)  # which knows it already
+    await first.sees(2, "graph")
+    (change,) = [frame["changes"] for frame in first.of("graph") if "changes" in frame]
+    assert [service["name"] for service in change["services"]] == ["/s"]
+    bench.ros.services[0].close()
+    await second.sees(3, "graph")
+    assert second.of("graph")[-1]["changes"]["gone_services"] == ["/s"]

@@ -70,13 +70,25 @@ async def test_the_type_may_be_said(bench: Bench, spelling: str) -> None:
     assert frame["result"] is True
 
 
+@pytest.mark.parametrize("spelling", ["std_srvs/Trigger", "SetBool", "none_msgs/None"])
+async def test_a_wrong_type_is_a_warning_for_rosbridge_does_not_look_at_it(
+    bench: Bench, spelling: str
+) -> None:
+    Arm(bench)
+    client = bench.client()
+    client.send(op="call_service", id="c1", service="/arm", type=spelling, args=[True])
+    (frame,) = await client.sees(1, "service_response")
+    assert frame["values"]["message"] == "got true"
+    (status,) = client.of("status")
+    assert (status["level"], status["id"]) == ("warning", "c1")
+    assert "calling it all the same" in status["msg"]
+
+
 @pytest.mark.parametrize(
     ("call", "words"),
     [
         ({"service": "/amr"}, "service /amr does not exist; did you mean /arm?"),
         ({"service": "/a b"}, "is no service name"),
-        ({"service": "/arm", "type": TRIGGER}, "has type std_srvs/srv/SetBool, not"),
-        ({"service": "/arm", "type": "SetBool"}, "expected pkg/srv/Name or pkg/Name"),
         ({"service": "/arm", "args": {"data": "yes"}}, "args.data: expected true or false, got"),
         ({"service": "/arm", "args": {"dta": True}}, "args.dta: unknown field"),
         ({"service": "/arm", "args": [True, False]}, "args"),
@@ -210,3 +222,60 @@ async def test_shutdown_leaves_no_task(bench: Bench) -> None:
     assert len(asyncio.all_tasks()) == len(before) + 1
     bench.router.leave(client.session)
     await eventually(lambda: asyncio.all_tasks() == before)
+
+
+async def test_no_time_limit_is_a_long_one(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("gateway.router.service_calls.MAX_TIMEOUT_S", 0.05)
+    Arm(bench, at_once=False)
+    client = bench.client()
+    for number, timeout in enumerate([0, 1e9, 0.01]):
+        client.send(op="call_service", id=number, service="/arm", timeout=timeout)
+    frames = await client.sees(3, "service_response")
+    limits = {frame["id"]: frame["values"].split("within ")[1] for frame in frames}
+    assert limits == {0: "0.05 s", 1: "0.05 s", 2: "0.01 s"}
+
+
+async def test_the_time_limit_counts_while_a_call_waits_for_its_turn(bench: Bench) -> None:
+    arm = Arm(bench, at_once=False)
+    client = bench.client()
+    for number in range(LIMITS.pending_calls):
+        client.send(op="call_service", id=number, service="/arm", timeout=600)
+    client.send(op="call_service", id="late", service="/arm", timeout=0.05)
+    (frame,) = await client.sees(1, "service_response")
+    assert frame["id"] == "late"
+    assert f"{LIMITS.pending_calls} other calls" in frame["values"]
+    client.send(op="get_parameters", id="p", node="/nobody", timeout=0.05)
+    (status,) = await client.sees(1, "status")  # which does not wait for calls
+    assert status["id"] == "p"
+    arm.service.on_request = arm.answer
+    for request in arm.requests:
+        arm.answer(request)
+    await client.sees(LIMITS.pending_calls + 1, "service_response")
+    client.send(op="call_service", id="next", service="/arm")  # every slot is free again
+    await client.sees(LIMITS.pending_calls + 2, "service_response")
+
+
+async def test_a_long_response_comes_in_the_pieces_that_were_asked_for(bench: Bench) -> None:
+    Arm(bench)
+    client = bench.client()
+    client.send(op="call_service", id="c1", service="/arm", args=[True], fragment_size=64)
+    pieces = await client.sees(2, "fragment")
+    whole = json.loads("".join(piece["data"] for piece in pieces))
+    assert (whole["op"], whole["id"], whole["result"]) == ("service_response", "c1", True)
+
+
+async def test_a_fault_of_ours_is_answered_and_logged(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    Arm(bench)
+
+    async def fail(*_: object) -> None:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr("gateway.calls.Calls.call", fail)
+    client = bench.client()
+    client.send(op="call_service", id="c1", service="/arm")
+    (frame,) = await client.sees(1, "service_response")
+    assert (frame["id"], frame["result"]) == ("c1", False)
+    assert "fault of the gateway" in frame["values"]
+    assert "ZeroDivisionError" in caplog.text

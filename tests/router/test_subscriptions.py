@@ -263,6 +263,113 @@ async def test_a_change_while_a_sample_is_held_back_does_not_stop_the_stream(ben
     assert [message["data"] for message in client.messages] == ["first", "held", "later"]
 
 
+async def test_a_shorter_throttle_holds_at_once_and_keeps_the_order(bench: Bench):
+    bench.ros.add_publisher("/chatter", STRING)
+    client = bench.client()
+
+    async def publish(*texts: str) -> None:
+        for text in texts:
+            bench.ros.publish("/chatter", bench.cdr(STRING, data=text))
+            await bench.settle()
+
+    client.send(op="subscribe", id="a", topic="/chatter", throttle_rate=3_600_000)
+    await publish("1", "2")
+    client.send(op="subscribe", id="a", topic="/chatter", throttle_rate=10)
+    assert client.messages == [{"data": "1"}, {"data": "2"}]
+    await publish("3", "4")
+    await client.sees(4)
+    client.send(op="subscribe", id="a", topic="/chatter", throttle_rate=0)
+    await publish("5", "6")
+    assert [message["data"] for message in client.messages] == list("123456")
+
+
+async def test_a_former_interval_does_not_cut_the_new_one_short(bench: Bench):
+    bench.ros.add_publisher("/chatter", STRING)
+    one, other = bench.client(), bench.client()
+    one.send(op="subscribe", id="a", topic="/chatter", throttle_rate=20)
+    other.send(op="subscribe", topic="/chatter", throttle_rate=60)
+    for text in ("1", "2"):
+        bench.ros.publish("/chatter", bench.cdr(STRING, data=text))
+    await one.sees(1)
+    one.send(op="subscribe", id="a", topic="/chatter", throttle_rate=3_600_000)
+    for text in ("3", "4"):
+        bench.ros.publish("/chatter", bench.cdr(STRING, data=text))
+    await other.sees(2)  # by then the former interval is over, too
+    assert [message["data"] for message in one.messages] == ["1", "2", "3"]
+
+
+async def test_a_change_of_qos_while_a_frame_is_in_the_works_does_not_stop_the_stream(
+    bench: Bench,
+):
+    publisher = bench.ros.add_publisher("/map", STRING, LATCHED)
+    other = bench.client()
+    other.send(op="subscribe", topic="/map")
+    publisher.publish(bench.cdr(STRING, data="walls" * 100_000))
+    await other.sees(1)
+    client = bench.client()
+    client.send(op="subscribe", id="a", topic="/map", compression="png")
+    client.send(op="subscribe", id="a", topic="/map", compression="none", qos={"depth": 1})
+    await client.sees(1)
+    publisher.publish(bench.cdr(STRING, data="doors"))
+    await client.sees(2)
+    assert [message["data"][:5] for message in client.messages] == ["walls", "doors"]
+    assert client.of("png") == []
+
+
+async def test_another_qos_on_a_latched_topic_delivers_what_waits_once(bench: Bench):
+    publisher = bench.ros.add_publisher("/map", STRING, LATCHED)
+    publisher.publish(bench.cdr(STRING, data="walls"))
+    client = bench.client()
+    client.is_paused = True
+    client.send(op="subscribe", id="a", topic="/map")
+    await bench.settle()
+    client.send(op="subscribe", id="a", topic="/map", qos={"depth": 1})
+    await bench.settle()
+    client.is_paused = False
+    client.flush()
+    assert client.messages == [{"data": "walls"}]
+
+
+async def test_a_warning_carries_the_id_of_the_newest_subscription_that_was_accepted(bench: Bench):
+    client = bench.client()
+    for name in ("first", "second", "third", "first"):
+        qos = {"reliability": "reliable"}
+        client.send(op="subscribe", id=name, topic="/t", type=STRING, qos=qos)
+    client.send(op="subscribe", id="refused", topic="/t", fields=["nonsense"])
+    client.send(op="unsubscribe", id="second", topic="/t")
+    client.frames.clear()
+    bench.ros.add_publisher("/t", STRING, Qos(reliability="best_effort"))
+    (status,) = await client.sees(1, "status")
+    assert (status["code"], status["id"]) == ("qos_incompatible", "first")
+
+
+async def test_a_subscription_that_is_replaced_has_the_newest_word(bench: Bench):
+    bench.ros.add_publisher("/camera", "sensor_msgs/msg/Image")
+    client = bench.client()
+    for name, width in (("a", 16), ("b", 32), ("a", 48)):
+        client.send(op="subscribe", id=name, topic="/camera", image={"max_width": width})
+    bench.ros.publish("/camera", picture_of(bench, (1, 2, 3)))
+    assert (await client.sees(1))[0]["msg"]["width"] == 48
+
+
+@pytest.mark.parametrize(
+    ("wish", "words"),
+    [
+        ({"fields": ["nonsense"]}, "fields: "),
+        ({"fields": ["data"], "compression": "cbor-raw"}, "cbor-raw is CDR untouched"),
+    ],
+)
+async def test_fields_are_checked_beside_a_subscription_to_everything(bench: Bench, wish, words):
+    client = bench.client()
+    client.send(op="subscribe", id="all", topic="/t", type=STRING)
+    client.send(**{"op": "subscribe", "id": "wrong", "topic": "/t", **wish})
+    (status,) = client.of("status")
+    assert (status["code"], status["id"]) == ("bad_request", "wrong")
+    assert words in status["msg"]
+    client.send(op="unsubscribe", id="wrong", topic="/t")
+    assert client.statuses[-1][0] == "not_found"
+
+
 def picture_of(bench: Bench, colour: tuple[int, int, int], width: int = 64) -> bytes:
     pixels = np.full((48, width, 3), colour, np.uint8)
     return bench.cdr(

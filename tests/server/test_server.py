@@ -10,6 +10,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.frames import Frame, Opcode
 
 from gateway.ports import Qos
+from gateway.server.connection import Connection
 from tests.client import PATIENCE_S, Client, client, eventually
 from tests.server.conftest import Serve, Served
 
@@ -383,6 +384,44 @@ async def test_a_client_that_asks_and_never_reads_is_closed_as_slow(serve: Serve
         assert "4503 slow consumer: answers alone exceed the send queue" in caplog.text
         writer.transport.abort()
         del reader
+
+
+async def test_one_answer_beyond_the_send_queue_reaches_a_client_that_reads(
+    serve: Serve, monkeypatch
+):
+    ticks = 0
+
+    def tick(connection, now_s):
+        nonlocal ticks
+        ticks += 1
+        original(connection, now_s)
+
+    original = Connection.tick
+    monkeypatch.setattr(Connection, "tick", tick)
+    async with serve({"send_queue_bytes": 100_000}, {"slow_consumer_s": 0.1}) as served:
+        publisher = served.ros.add_publisher("/big", STRING, Qos(depth=100))
+        reader, writer = await handshake(served)
+        writer.write(masked(Opcode.TEXT, b'{"op":"subscribe","topic":"/big","queue_length":1}'))
+        await eventually(lambda: served.ros.entity_count() == 1)
+        async with asyncio.timeout(PATIENCE_S):
+            while not served.server.health()["dropped"]:  # the socket is full
+                publisher.publish(served.cdr(STRING, data="x" * 20_000))
+                await asyncio.sleep(0)
+        question = {"op": "ping", "id": "large", "value": "y" * 150_000}
+        writer.write(masked(Opcode.TEXT, json.dumps(question).encode()))
+        (connection,) = served.server._connections
+        session = connection.session
+        assert session is not None
+        await eventually(lambda: session.outbox.size > 150_000)
+        ticks = 0
+        await eventually(lambda: ticks > 3)
+        seen = b""
+        async with asyncio.timeout(PATIENCE_S):
+            while b'"id":"large"' not in seen:
+                some = await reader.read(1 << 16)
+                assert some, "closed"
+                seen = seen[-20:] + some
+        writer.close()
 
 
 async def test_a_bug_in_the_core_closes_that_client_with_1011_and_no_other(

@@ -15,7 +15,7 @@ class SendActionGoal(Operation):
     args: Any = None  # an object, or the values of the fields in order
     feedback: bool = False
     keep: bool = False  # do not cancel the goal when this client leaves
-    fragment_size: FragmentSize | None = None
+    fragment_size: FragmentSize = None
 
 
 class CancelActionGoal(Operation):

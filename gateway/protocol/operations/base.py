@@ -1,24 +1,54 @@
 # SPDX-License-Identifier: Apache-2.0
 """What all operations have in common."""
 
-from typing import Annotated, ClassVar, Final
+from typing import Annotated, Any, ClassVar, Final
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 # rosbridge clients build ids from a topic and a counter, or a UUID
 MAX_ID_CHARACTERS: Final = 256
 Id = Annotated[str, Field(max_length=MAX_ID_CHARACTERS)] | int
 
 Seconds = Annotated[float, Field(ge=0, le=1e9)]
+
+
+def _without_zero(value: Any) -> Any:
+    return None if type(value) is int and value == 0 else value
+
+
 # An outgoing message longer than this, in characters, goes in pieces. Below 64 the envelopes
-# would be most of what is sent.
-FragmentSize = Annotated[int, Field(ge=64)]
+# would be most of what is sent; 0 is how some clients say that they want none.
+FragmentSize = Annotated[Annotated[int, Field(ge=64)] | None, BeforeValidator(_without_zero)]
 
 
-class Operation(BaseModel):
+class Part(BaseModel):
+    """An object within an operation; it has no keys but those it knows.
+
+    A key whose value is null counts as absent, as serialisers such as System.Text.Json write out
+    what was never set; except where any value may stand, and so null, too.
+    """
+
+    model_config = ConfigDict(strict=True, frozen=True, extra="forbid")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _without_nulls(cls, values: Any) -> Any:
+        if not isinstance(values, dict) or None not in values.values():
+            return values
+        return {
+            name: value for name, value in values.items() if value is not None or cls._is_any(name)
+        }
+
+    @classmethod
+    def _is_any(cls, name: str) -> bool:
+        field = cls.model_fields.get(name)
+        return field is not None and field.annotation is Any
+
+
+class Operation(Part):
     """What every operation has: a name, and an id that answers carry back."""
 
-    model_config = ConfigDict(strict=True, frozen=True, extra="ignore")
+    model_config = ConfigDict(extra="ignore")
 
     op: ClassVar[str]
     id: Id | None = None

@@ -14,7 +14,7 @@ class CallService(Operation):
     args: Any = None  # an object, or the values of the fields in order
     type: str | None = None
     timeout: Seconds | None = None
-    fragment_size: FragmentSize | None = None
+    fragment_size: FragmentSize = None
 
 
 class AdvertiseService(Operation):

@@ -3,17 +3,15 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
-from gateway.protocol.operations.base import FragmentSize, Operation, Seconds
+from gateway.protocol.operations.base import FragmentSize, Operation, Part, Seconds
 
 Milliseconds = Annotated[float, Field(ge=0, le=3_600_000)]
 
 
-class SecsNsecs(BaseModel):
+class SecsNsecs(Part):
     """A duration as ROS 1 spells it."""
-
-    model_config = ConfigDict(strict=True, frozen=True, extra="forbid")
 
     secs: Annotated[int, Field(ge=0, le=1_000_000_000)] = 0
     nsecs: Annotated[int, Field(ge=0, lt=1_000_000_000)] = 0
@@ -22,13 +20,11 @@ class SecsNsecs(BaseModel):
 Duration = Seconds | SecsNsecs | Literal["infinite"] | None
 
 
-class QosRequest(BaseModel):
+class QosRequest(Part):
     """The quality of service that a client asks for; what it leaves out is adopted.
 
     Durations are seconds, ``{secs, nsecs}`` or ``"infinite"``, as rosbridge has them.
     """
-
-    model_config = ConfigDict(strict=True, frozen=True, extra="forbid")
 
     reliability: Literal["reliable", "best_effort", "best_available"] | None = None
     durability: Literal["transient_local", "volatile", "best_available"] | None = None
@@ -38,10 +34,8 @@ class QosRequest(BaseModel):
     lifespan: Duration = None
 
 
-class ImageRequest(BaseModel):
+class ImageRequest(Part):
     """How a subscription to ``sensor_msgs/msg/Image`` wants its pictures."""
-
-    model_config = ConfigDict(strict=True, frozen=True, extra="forbid")
 
     format: Literal["jpeg", "png", "raw"] = "jpeg"
     quality: Annotated[int, Field(ge=1, le=100)] = 80
@@ -100,7 +94,7 @@ class Subscribe(Operation):
     throttle_rate: Milliseconds | None = None
     queue_length: Annotated[int, Field(ge=0)] | None = None
     compression: str | None = None
-    fragment_size: FragmentSize | None = None
+    fragment_size: FragmentSize = None
     qos: QosRequest | None = None
     fields: Annotated[tuple[str, ...], Field(strict=False, min_length=1, max_length=64)] | None = (
         None

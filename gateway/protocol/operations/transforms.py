@@ -1,19 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
 """Transforms between frames."""
 
-from typing import Annotated
+from typing import Annotated, Final
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-from gateway.protocol.operations.base import Id, Operation, Seconds
+from gateway.protocol.operations.base import Id, Operation, Part
 
-MAX_RATE_HZ = 200  # what a headset draws, twice
+MAX_RATE_HZ: Final = 200  # what a headset draws, twice
+# A robot takes as long to start. Who waits longer asks again, or repeatedly.
+MAX_TIMEOUT_S: Final = 60
+# Of frames with namespaces, prefixes and numbers nobody has seen half of it.
+MAX_FRAME_CHARACTERS: Final = 256
+
+FrameId = Annotated[str, Field(max_length=MAX_FRAME_CHARACTERS)]
 
 
-class StampRequest(BaseModel):
+class StampRequest(Part):
     """A ROS time."""
-
-    model_config = ConfigDict(strict=True, frozen=True, extra="forbid")
 
     sec: Annotated[int, Field(ge=0, lt=2**31)]
     nanosec: Annotated[int, Field(ge=0, lt=1_000_000_000)] = 0
@@ -23,10 +27,10 @@ class LookupTransform(Operation):
     """Ask where a frame is in another, once or, with a rate, again and again."""
 
     op = "lookup_transform"
-    target_frame: str
-    source_frame: str
+    target_frame: FrameId
+    source_frame: FrameId
     time: StampRequest | None = None  # None: the newest that both frames have
-    timeout: Seconds | None = None
+    timeout: Annotated[float, Field(ge=0, le=MAX_TIMEOUT_S)] | None = None
     rate: Annotated[float, Field(gt=0, le=MAX_RATE_HZ)] | None = None
 
 

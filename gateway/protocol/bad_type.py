@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What clients are told of a type that cannot be used."""
+
+from gateway.codec.words import cut
+from gateway.protocol.errors import ProtocolError
+from schemas.definition import DefinitionError
+from schemas.installed import InstalledDefinitions, UnknownTypeError
+from schemas.table import TypeSpellingError
+
+
+def bad_type(
+    error: UnknownTypeError | DefinitionError | TypeSpellingError,
+    definitions: InstalledDefinitions,
+) -> ProtocolError:
+    """Return ``bad_type``, with a guess what was meant where something is not installed."""
+    near = definitions.nearest(error.name) if isinstance(error, UnknownTypeError) else None
+    hint = f"; did you mean {near}?" if near else ""
+    return ProtocolError("bad_type", f"type: {cut(str(error))}{hint}")

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: Apache-2.0
+from pathlib import Path
+
+import pytest
+
+from gateway.codec.words import MAX_ECHO
+from gateway.protocol.bad_type import bad_type
+from schemas.definition import DefinitionError
+from schemas.installed import InstalledDefinitions, UnknownTypeError
+from schemas.table import TypeSpellingError
+
+
+def test_what_is_not_installed_comes_with_the_nearest_name() -> None:
+    definitions = InstalledDefinitions()
+    with pytest.raises(UnknownTypeError) as caught:
+        definitions.get("nav_msgs/msg/Odometri")
+    refusal = bad_type(caught.value, definitions)
+    assert refusal.code == "bad_type"
+    assert str(refusal) == (
+        "type: no definition of nav_msgs/msg/Odometri is installed; "
+        "did you mean nav_msgs/msg/Odometry?"
+    )
+
+
+def test_the_guess_is_for_what_is_missing_not_for_what_nests_it(tmp_path: Path) -> None:
+    messages = tmp_path / "share" / "my_msgs" / "msg"
+    messages.mkdir(parents=True)
+    (messages / "C.msg").write_text("other_msgs/D d", encoding="utf-8")
+    definitions = InstalledDefinitions([tmp_path])
+    with pytest.raises(UnknownTypeError) as caught:
+        definitions.closure(["my_msgs/msg/C"])
+    assert str(bad_type(caught.value, definitions)) == (
+        "type: no definition of other_msgs/msg/D is installed"
+    )
+
+
+@pytest.mark.parametrize("kind", [DefinitionError, TypeSpellingError])
+def test_other_faults_are_told_as_they_are_but_shortened(
+    kind: type[DefinitionError] | type[TypeSpellingError],
+) -> None:
+    definitions = InstalledDefinitions()
+    assert str(bad_type(kind("A nests itself"), definitions)) == "type: A nests itself"
+    assert len(str(bad_type(kind("x" * 10_000), definitions))) < 2 * MAX_ECHO
