@@ -153,7 +153,10 @@ class Service(Protocol):
     """A ROS service that the gateway provides."""
 
     def close(self) -> None:
-        """Destroy it; no request comes after. Closing twice is harmless."""
+        """Destroy it; no request comes after. Closing twice is harmless.
+
+        *on_request* gets what has arrived first; what it answers within its call is sent.
+        """
 
 
 class GoalResult(NamedTuple):
@@ -196,7 +199,8 @@ class ActionClient(Protocol):
         """Destroy it; accepted goals go on without us. Closing twice is harmless.
 
         What waits for it fails and no callback comes after, but while the server may still accept
-        a goal that was given up, that is waited for, some time at most, and counts as open.
+        a goal that was given up, or has not answered to a cancel, that is waited for, some time at
+        most, and counts as open.
         """
 
 
@@ -232,7 +236,10 @@ class ActionServer(Protocol):
     """A ROS action that the gateway provides."""
 
     def close(self) -> None:
-        """Destroy it; unfinished goals are aborted first. Closing twice is harmless."""
+        """Destroy it; unfinished goals are aborted first, and what has arrived is answered.
+
+        Closing twice is harmless.
+        """
 
 
 class Watch(Protocol):

@@ -17,6 +17,7 @@ from gateway.ports import ABORTED, CANCELED, SUCCEEDED, GoalResult, RosError, Sa
 from gateway.ros.endpoints import Endpoints, Requester
 from gateway.ros.errors import refusals, remapped
 from gateway.ros.interfaces import action_class, service_class
+from gateway.ros.qos import MAX_DEPTH
 from gateway.ros.samples import Samples
 
 CDR_HEADER_BYTES: Final = 4
@@ -24,10 +25,13 @@ CDR_HEADER_BYTES: Final = 4
 # more than 8: what follows the 16 bytes is laid out as it is alone.
 GOAL_ID_BYTES: Final = 16
 FEEDBACK_PROFILE: Final = QoSProfile(depth=10)  # of rcl_action: reliable, volatile
+# One reader hears all goals of an action, and the loop may be busy with something else.
+_READER_PROFILE: Final = QoSProfile(depth=MAX_DEPTH)
 
-# How long the answer to a goal that nobody waits for any more is waited for, to cancel it. Clients
-# of the gateway give up after 5 s; a server that loads a map before it accepts needs more. Each
-# goal is a few hundred bytes, and what waits for the last one's answer four entities of DDS.
+# How long the answer to a goal that nobody waits for any more is waited for, to cancel it, and a
+# closed client stays for the answers to what it has cancelled. Clients of the gateway give up after
+# 5 s; a server that loads a map before it accepts needs more. Each goal is a few hundred bytes, and
+# what waits for the last one's answer four entities of DDS.
 _ABANDONED_S: Final = 30.0
 
 OnFeedback = Callable[[bytes], None]
@@ -59,6 +63,8 @@ class RclpyActionClient:
         self._subject = f"action {name}"
         self._listening: dict[bytes, OnFeedback] = {}
         self._abandoned: dict[asyncio.Future[Any], asyncio.Task[None]] = {}  # by their answers
+        self._canceling: dict[bytes, asyncio.Future[Any]] = {}
+        self._last_moment: asyncio.TimerHandle | None = None
         self._is_closed = False
         self._cancel_class = service_class("action_msgs/srv/CancelGoal")
         self._feedback_topic = f"{name}/_action/feedback"
@@ -83,7 +89,7 @@ class RclpyActionClient:
             )
             with refusals(self._subject):
                 self._feedback = samples.read(
-                    parts.FeedbackMessage, self._feedback_topic, FEEDBACK_PROFILE, self._hear
+                    parts.FeedbackMessage, self._feedback_topic, _READER_PROFILE, self._hear
                 )
             undo.callback(self._feedback.close)
             if self._feedback.topic_name != self._feedback_topic:
@@ -110,11 +116,20 @@ class RclpyActionClient:
                 self._listening.pop(goal_id, None)
         return RclpyGoal(self, goal_id, self._ask_result(goal_id)) if is_accepted else None
 
-    def cancel_goal(self, goal_id: bytes) -> "asyncio.Future[Any]":
-        """Ask the server to cancel a goal; what it answers need not be waited for."""
+    def cancel_goal(self, goal_id: bytes) -> None:
+        """Ask the server to cancel a goal, unless it has been asked and has not answered."""
+        if goal_id in self._canceling:
+            return
         request = self._cancel_class.Request()
         request.goal_info.goal_id.uuid = list(goal_id)
-        return self._cancels.send(request, waits=False)
+        answer = self._cancels.send(request, waits=False)
+        self._canceling[goal_id] = answer
+
+        def answered(_: object) -> None:
+            del self._canceling[goal_id]
+            self._destroy_if_done()
+
+        answer.add_done_callback(answered)
 
     def to_result(self, response: Any) -> GoalResult:
         """Convert the answer to who asked for the result of a goal.
@@ -133,19 +148,23 @@ class RclpyActionClient:
             requester.follow_graph()
 
     def close(self) -> None:
-        """Destroy it, once every goal that was given up is decided on; see the port."""
-        self._is_closed = True
-        if not self._abandoned:
-            self.destroy()
+        """Destroy it, once what was given up is decided on and cancelled; see the port."""
+        if self._is_closed:
             return
+        self._is_closed = True
+        self._last_moment = self._loop.call_later(_ABANDONED_S, self.destroy)
         self._listening.clear()
         self._results.fail_all()
         self._goals.fail_all(but=self._abandoned)
+        self._destroy_if_done()
 
     def destroy(self) -> None:
-        """Destroy it at once. Doing so twice is harmless."""
+        """Destroy it at once, all cancels sent. Doing so twice is harmless."""
         self._is_closed = True
+        if self._last_moment is not None:
+            self._last_moment.cancel()
         self._on_close(self)
+        self._cancels.flush()  # more at once than a server may keep, but unsent they are lost
         self._undo.close()
 
     def _is_rest_ready(self) -> bool:
@@ -160,12 +179,18 @@ class RclpyActionClient:
         request = self._result_class.Request()
         request.goal_id.uuid = list(goal_id)
         result = self._results.send(request, waits=False)
-        result.add_done_callback(lambda _: self._stop_listening(goal_id))
+        result.add_done_callback(lambda _: self._end(goal_id, result))
         return result
 
-    def _stop_listening(self, goal_id: bytes) -> None:
+    def _end(self, goal_id: bytes, result: "asyncio.Future[Any]") -> None:
         self._feedback.flush()  # what was published before the result
         self._listening.pop(goal_id, None)
+        if goal_id in self._canceling and result.exception() is None:
+            self._canceling[goal_id].cancel()  # there is nothing left to cancel
+
+    def _destroy_if_done(self) -> None:
+        if self._is_closed and not self._abandoned and not self._canceling:
+            self.destroy()
 
     def _abandon(self, goal_id: bytes, answer: "asyncio.Future[Any]") -> None:
         if self._goals.is_waiting(answer):
@@ -174,8 +199,7 @@ class RclpyActionClient:
 
         def decided(_: object) -> None:
             del self._abandoned[answer]
-            if self._is_closed and not self._abandoned:
-                self.destroy()
+            self._destroy_if_done()
 
         deciding = self._loop.create_task(self._cancel_if_accepted(goal_id, answer))
         self._abandoned[answer] = deciding
@@ -185,7 +209,7 @@ class RclpyActionClient:
         with contextlib.suppress(TimeoutError, RosError):  # the server's, and nobody is waiting
             async with asyncio.timeout(_ABANDONED_S):
                 if (await answer).accepted:  # it would be executed for nobody
-                    await self.cancel_goal(goal_id)
+                    self.cancel_goal(goal_id)
 
     def _hear(self, samples: Sequence[Sample]) -> None:
         start = CDR_HEADER_BYTES + GOAL_ID_BYTES
@@ -204,7 +228,6 @@ class RclpyGoal:
         self._client = client
         self._goal_id = goal_id
         self._response = response
-        self._canceling: asyncio.Future[Any] | None = None
 
     async def result(self) -> GoalResult:
         """Wait for the end of the goal; see the port."""
@@ -212,6 +235,4 @@ class RclpyGoal:
 
     def cancel(self) -> None:
         """Ask the server to cancel. Returns at once."""
-        # A server that does not answer is not asked again: each request would wait for ever.
-        if self._canceling is None or self._canceling.done():
-            self._canceling = self._client.cancel_goal(self._goal_id)
+        self._client.cancel_goal(self._goal_id)

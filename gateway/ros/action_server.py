@@ -104,6 +104,7 @@ class RclpyActionServer:
         self._on_cancel = on_cancel
         self._on_close = on_close
         self._subject = f"action {name}"
+        self._is_closing = False
         self._goals: dict[bytes, RclpyGoalRequest] = {}
         self._ended: dict[bytes, RclpyGoalRequest] = {}  # those of them, the oldest first
         found = action_class(type_name)
@@ -155,6 +156,9 @@ class RclpyActionServer:
 
     def close(self) -> None:
         """Abort what has not ended and destroy the action. Closing twice is harmless."""
+        if self._is_closing:
+            return
+        self._is_closing = True
         self._on_close(self)
         try:
             unfinished = [goal for goal in self._goals.values() if goal.is_open]
@@ -168,12 +172,13 @@ class RclpyActionServer:
             for goal in self._ended.values():
                 if goal.expiry is not None:
                     goal.expiry.cancel()
-            self._undo.close()
+            self._undo.close()  # goals that have just arrived are rejected, the rest is answered
 
     def _accept(self, message: Any, reply: Reply) -> None:
         goal_id = bytes(message.goal_id.uuid)
         response = self._goal_response()
-        if goal_id in self._goals or len(self._goals) - len(self._ended) >= MAX_GOALS:
+        running = len(self._goals) - len(self._ended)
+        if self._is_closing or goal_id in self._goals or running >= MAX_GOALS:
             reply(response)  # one that says no, as it is made
             return
         now_ns = self._now_ns()

@@ -14,6 +14,8 @@ import os
 from collections.abc import Callable
 from typing import Any, Final, Literal, Protocol
 
+from gateway.ros.qos import MAX_DEPTH
+
 Kind = Literal["subscription", "client", "service"]
 
 # a call takes 10 ms at most for want of a better way; an idle entity costs 0.1 % of a core
@@ -39,6 +41,12 @@ class Inlet(Protocol):
 
     def again(self) -> None:
         """Call *on_arrival* once more, after the others' turn."""
+
+    def count_take(self) -> bool:
+        """Count one take, whatever it gave; tell whether anything is known to have been there.
+
+        For rclpy says of a message that it cannot read what it says where there is none.
+        """
 
     def close(self) -> None:
         """Call nothing any more and destroy the entity. Closing twice is harmless."""
@@ -97,6 +105,8 @@ class EventfdInlet:
         on_arrival: Callable[[], None],
     ) -> None:
         self._on_arrival = on_arrival
+        self._owed = 0  # arrivals that were counted and not taken yet
+        self._repeats = 0  # what the eventfd counts of ours
         with contextlib.ExitStack() as undo:
             # non-blocking: the thread of DDS must not wait when the loop does not read
             self._fd = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
@@ -111,7 +121,17 @@ class EventfdInlet:
 
     def again(self) -> None:
         """Call *on_arrival* once more, after the others' turn."""
+        self._repeats += 1
         os.eventfd_write(self._fd, 1)
+
+    def count_take(self) -> bool:
+        """Count one take; see `Inlet`."""
+        if not self._owed:
+            with contextlib.suppress(BlockingIOError):  # it has counted nothing
+                self._count()
+        is_owed = self._owed > 0
+        self._owed -= is_owed
+        return is_owed
 
     def close(self) -> None:
         """Unhook, then destroy, then close: the steps of opening, backwards.
@@ -121,8 +141,14 @@ class EventfdInlet:
         self._undo.close()
 
     def _arrive(self) -> None:
-        os.eventfd_read(self._fd)
+        with contextlib.suppress(BlockingIOError):  # a take has read it since the loop looked
+            self._count()
         self._on_arrival()
+
+    def _count(self) -> None:
+        arrived = os.eventfd_read(self._fd) - self._repeats
+        self._repeats = 0
+        self._owed = min(self._owed + arrived, MAX_DEPTH)  # DDS has dropped what is beyond
 
 
 class PolledArrivals:
@@ -163,6 +189,10 @@ class PolledInlet:
         """Call *on_arrival* once more, after the others' turn."""
         self._next.cancel()
         self._next = self._loop.call_soon(self._look)
+
+    def count_take(self) -> bool:
+        """Know of nothing: what is behind a message that cannot be read waits for the next look."""
+        return False
 
     def close(self) -> None:
         """Look no more and destroy the entity. Closing twice is harmless."""

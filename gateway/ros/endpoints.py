@@ -6,6 +6,8 @@ whose answer comes later fails on the EventsExecutor, and actions lose results o
 """
 
 import asyncio
+import logging
+from collections import deque
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
@@ -16,6 +18,7 @@ from rclpy.qos import QoSProfile
 from gateway.ports import MAX_TAKES_PER_TURN, RosError
 from gateway.ros.arrivals import Arrivals
 from gateway.ros.errors import REFUSALS, losses, refusals, refused, remapped
+from gateway.ros.groups import group_of_one
 from gateway.ros.qos import MAX_DEPTH
 
 # How soon a server that appears gets what waits for it: the graph tells of a server before DDS
@@ -26,6 +29,14 @@ LOOK_S: Final = 0.02
 # spins may need to take it: one that never answers keeps nobody's request waiting for longer.
 MAX_AHEAD: Final = 10
 AHEAD_S: Final = 1.0
+# A client whose reader does not match, such as one that asks for transient_local, gets no response,
+# but rmw waits for it for 0.1 s each time, and the event loop with it. Nothing tells beforehand
+# whose request it is: after so many such waits the service responds to nobody for a while, which
+# leaves the loop 97 % of its time.
+MAX_STALLS: Final = 3
+STALLED_S: Final = 10.0
+
+_logger = logging.getLogger(__name__)
 
 # sends the response, unless the server is closed; to a client that has gone it goes nowhere
 Reply = Callable[[Any], None]
@@ -83,7 +94,9 @@ class Requester:
         with refusals(subject):
             self._inlet = endpoints.arrivals.open(
                 "client",
-                lambda: node.create_client(service_class, name, qos_profile=_profile()),
+                lambda: node.create_client(
+                    service_class, name, qos_profile=_profile(), callback_group=group_of_one()
+                ),
                 node.destroy_client,
                 self._take,
             )
@@ -128,6 +141,10 @@ class Requester:
             self._fail(response, self._gone())
         self._send_waiting()
 
+    def flush(self) -> None:
+        """Send at once what waits for nothing but its turn."""
+        self._send_waiting(is_flush=True)
+
     def close(self) -> None:
         """Destroy it; what is under way fails. Closing twice is harmless."""
         if self._is_closed:
@@ -170,8 +187,8 @@ class Requester:
         self._next_look = None
         self._send_waiting()
 
-    def _send_waiting(self) -> None:
-        while self._waiting and (len(self._ahead) < MAX_AHEAD or not self._is_paced()):
+    def _send_waiting(self, *, is_flush: bool = False) -> None:
+        while self._waiting and (is_flush or len(self._ahead) < MAX_AHEAD or not self._is_paced()):
             if not self.is_ready:
                 self._look_again()
                 break
@@ -205,7 +222,10 @@ class Requester:
     def _take(self) -> None:
         for _ in range(MAX_TAKES_PER_TURN):
             info, message = self._client.handle.take_response(self._response_class)
+            is_owed = self._inlet.count_take()
             if info is None:
+                if is_owed:
+                    continue  # it could not be read
                 return
             request = self._under_way.get(info.request_id.sequence_number)
             if request is not None and not request.response.done():
@@ -246,14 +266,22 @@ class Replier:
         """
         node = endpoints.node
         self._subject = subject
+        self._loop = endpoints.loop
         self._on_request = on_request
         self._request_class = service_class.Request
+        self._is_closing = False
         self._is_closed = False
+        self._stalls: deque[float] = deque(maxlen=MAX_STALLS)  # when the last ones were
+        self._silent_until = self._loop.time()
         with refusals(subject):
             self._inlet = endpoints.arrivals.open(
                 "service",
                 lambda: node.create_service(
-                    service_class, name, _never_called, qos_profile=_profile()
+                    service_class,
+                    name,
+                    _never_called,
+                    qos_profile=_profile(),
+                    callback_group=group_of_one(),
                 ),
                 node.destroy_service,
                 self._take,
@@ -261,27 +289,56 @@ class Replier:
         self._service = self._inlet.entity
         given = self._service.service_name
         if given != name:
-            self.close()
+            self._inlet.close()
             raise remapped(subject, given)
 
     def close(self) -> None:
-        """Destroy it; no request comes after. Closing twice is harmless."""
-        self._is_closed = True
-        self._inlet.close()
+        """Destroy it, once *on_request* has got what has arrived, to reply to it within the call.
+
+        No request comes after. Closing twice, or from within *on_request*, is harmless.
+        """
+        if self._is_closing:
+            return
+        self._is_closing = True
+        try:
+            for _ in range(MAX_DEPTH):
+                if not self._take_one():
+                    break
+        finally:
+            self._is_closed = True
+            self._inlet.close()
 
     def _take(self) -> None:
+        if not self._is_closing:
+            self._take_one()
+
+    def _take_one(self) -> bool:
+        """Take one request; tell whether there may be more."""
         request, info = self._service.handle.service_take_request(self._request_class)
-        if request is None:
-            return
-        # One a turn, and before the callback: what that raises, or closes, keeps no other waiting.
+        if not self._inlet.count_take() and request is None:
+            return False
+        # One a turn, and before the callback: what that raises keeps no other waiting.
         self._inlet.again()
+        if request is not None:  # it could be read
+            self._on_request(request, lambda response: self._reply(response, info.request_id))
+        return True
 
-        def reply(response: Any) -> None:
-            if not self._is_closed:
-                with losses(self._subject):
-                    self._service.handle.service_send_response(response, info.request_id)
+    def _reply(self, response: Any, request_id: Any) -> None:
+        if self._is_closed or self._loop.time() < self._silent_until:
+            return
+        with losses(self._subject) as waits:
+            self._service.handle.service_send_response(response, request_id)
+        if waits:
+            self._stall()
 
-        self._on_request(request, reply)
+    def _stall(self) -> None:
+        now = self._loop.time()
+        self._stalls.append(now)
+        _logger.warning("%s: a client's QoS does not let it get responses", self._subject)
+        if len(self._stalls) == MAX_STALLS and now - self._stalls[0] < STALLED_S:
+            self._stalls.clear()
+            self._silent_until = now + STALLED_S
+            _logger.warning("%s: no responses for %g s", self._subject, STALLED_S)
 
 
 def _profile() -> QoSProfile:

@@ -50,15 +50,16 @@ def refusals(subject: str) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def losses(subject: str) -> Iterator[None]:
+def losses(subject: str) -> Iterator[list[warnings.WarningMessage]]:
     """Let a response that cannot be sent be lost: rmw finds that its client has gone.
 
-    rclpy raises then, or warns where rmw has waited for the client, 0.1 s.
+    rclpy raises then, or warns where rmw has waited for the client, 0.1 s; what is yielded holds
+    the warning afterwards.
     """
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "failed to send response", RuntimeWarning)
+    with warnings.catch_warnings(record=True) as waits:
+        warnings.filterwarnings("always", "failed to send response", RuntimeWarning)
         try:
-            yield
+            yield waits
         except RuntimeError as error:  # RCLError
             _logger.info("%s", refused(subject, error))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The threads that spin what needs an executor: parameters, simulated time, services."""
+"""The threads that spin what needs an executor: parameters, simulated time, type descriptions."""
 
 import logging
 import threading

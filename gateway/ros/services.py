@@ -153,7 +153,7 @@ class RclpyService:
         self._replier = Replier(endpoints, found, name, self._arrive, subject=self._subject)
 
     def close(self) -> None:
-        """Destroy it; no request comes after. Closing twice is harmless."""
+        """Destroy it, once what has arrived is delivered; see the port."""
         self._on_close(self)
         self._replier.close()
 

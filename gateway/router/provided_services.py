@@ -46,6 +46,7 @@ class Provided:
     type: ServiceType
     service: Service
     pending: dict[str, Pending] = field(default_factory=dict)
+    closed_because: str | None = None
 
 
 class ProvidedServices:
@@ -164,6 +165,9 @@ class ProvidedServices:
         provided = self._provided[service] = Provided(session, spelling, service_type, opened)
 
     def _pass_on(self, service: ServiceName, provided: Provided, call: Request) -> None:
+        if provided.closed_because is not None:
+            _fail(call, provided.type, provided.closed_because)
+            return
         if len(provided.pending) >= MAX_PENDING:
             _fail(call, provided.type, "service's client is busy")
             return
@@ -188,6 +192,7 @@ class ProvidedServices:
 
     def _close(self, service: ServiceName, provided: Provided, reason: str) -> None:
         del self._provided[service]
+        provided.closed_because = reason  # calls that have arrived come yet
         for pending in provided.pending.values():
             pending.deadline.cancel()
             _fail(pending.request, provided.type, reason)

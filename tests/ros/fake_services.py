@@ -21,14 +21,23 @@ class FakeService:
     type_name: str
     on_request: Callable[[Request], None]
     node: str
+    is_closing: bool = False
 
     def close(self) -> None:
-        if self in self.ros.services:
-            self.ros.services.remove(self)
-            self.ros.changed()
+        """End it; the gateway's own delivers what has arrived, one outside just vanishes."""
+        if self not in self.ros.services or self.is_closing:
+            return
+        self.is_closing = True
+        if self.ros.is_own(self.node):
+            for call in [call for client in self.ros.clients for call in client.calls]:
+                if call.server is self:
+                    self.arrive(call)
+        self.ros.services.remove(self)
+        self.ros.changed()
 
     def arrive(self, call: "FakeCall") -> None:
-        if self in self.ros.services:
+        if self in self.ros.services and not call.has_arrived:
+            call.has_arrived = True
             self.on_request(FakeRequest(self, call))
 
 
@@ -39,6 +48,7 @@ class FakeCall:
     request: bytes
     response: asyncio.Future[bytes]
     server: FakeService | None = None
+    has_arrived: bool = False
 
     def respond(self, response: bytes) -> None:
         if not self.response.done():  # nobody may be waiting any more

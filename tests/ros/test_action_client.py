@@ -288,3 +288,93 @@ async def test_an_action_of_which_a_part_is_refused_leaves_nothing(
 def entities_of(node: Node) -> list[int]:
     kinds = (node.clients, node.services, node.publishers, node.subscriptions)
     return [len(list(kind)) for kind in kinds]
+
+
+async def accepted_goals(client: RclpyActionClient, provider: Provider, count: int) -> list[Any]:
+    goals = [await soon(client.send_goal(goal(order), ignore)) for order in range(count)]
+    await eventually(lambda: len(provider.goals) == count)
+    return goals
+
+
+async def test_a_client_that_closes_stays_until_all_its_cancels_are_answered(
+    ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    provider = Provider()
+    outside.add_action_server("/dock", FIBONACCI, *provider.callbacks)
+    client = ros.action_client("/dock", FIBONACCI)
+    goals = await accepted_goals(client, provider, 16)
+    monkeypatch.setattr(endpoints, "AHEAD_S", 1e6)
+    for accepted in goals:
+        accepted.cancel()
+    client.close()
+    assert ros.entity_count() == 1
+    await eventually(lambda: len(provider.cancels) == 16)
+    await eventually(lambda: ros.entity_count() == 0)
+
+
+async def test_closing_the_port_sends_all_cancels(ros: RclpyRos) -> None:
+    provider = Provider()
+    ros.serve_action("/dock", FIBONACCI, *provider.callbacks)
+    closing = RclpyRos(RosOptions(node_prefix="closing"))
+    client = closing.action_client("/dock", FIBONACCI)
+    goals = await accepted_goals(client, provider, 16)
+    for accepted in goals:
+        accepted.cancel()
+    client.close()
+    closing.close()
+    await eventually(lambda: len(provider.cancels) == 16)
+
+
+async def test_a_closed_client_waits_for_the_answer_to_a_cancel_only_so_long(
+    ros: RclpyRos, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(action_client, "_ABANDONED_S", 0.01)
+    monkeypatch.setattr(RclpyActionServer, "_cancel", ignore)
+    provider = Provider()
+    ros.serve_action("/dock", FIBONACCI, *provider.callbacks)
+    client = ros.action_client("/dock", FIBONACCI)
+    [accepted] = await accepted_goals(client, provider, 1)
+    accepted.cancel()
+    client.close()
+    await eventually(lambda: ros.entity_count() == 1)
+
+
+async def test_a_goal_that_has_ended_waits_for_no_answer_to_its_cancel(
+    ros: RclpyRos, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(RclpyActionServer, "_cancel", ignore)
+    provider = Provider()
+    ros.serve_action("/dock", FIBONACCI, *provider.callbacks)
+    client = ros.action_client("/dock", FIBONACCI)
+    [accepted] = await accepted_goals(client, provider, 1)
+    accepted.cancel()
+    await eventually(lambda: bool(client._cancels._under_way))
+    provider.goals[0].finish(SUCCEEDED, sequence())
+    await soon(accepted.result())
+    await eventually(lambda: not client._cancels._under_way)
+    client.close()
+    assert ros.entity_count() == 1
+
+
+async def test_the_last_of_many_goals_may_end_first(
+    ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(endpoints, "AHEAD_S", 1e6)
+    provider = Provider()
+    outside.add_action_server("/dock", FIBONACCI, *provider.callbacks)
+    client = ros.action_client("/dock", FIBONACCI)
+    goals = await accepted_goals(client, provider, 16)
+    provider.goals[-1].finish(SUCCEEDED, sequence(1))
+    assert await soon(goals[-1].result()) == (SUCCEEDED, sequence(1))
+
+
+async def test_a_burst_of_feedback_is_heard(ros: RclpyRos) -> None:
+    heard: list[bytes] = []
+    provider = Provider()
+    ros.serve_action("/dock", FIBONACCI, *provider.callbacks)
+    client = ros.action_client("/dock", FIBONACCI)
+    await soon(client.send_goal(goal(3), heard.append))
+    await eventually(lambda: bool(provider.goals))
+    for value in range(50):
+        provider.goals[0].feedback(sequence(value))
+    await eventually(lambda: [values_of(each) for each in heard] == [[v] for v in range(50)])

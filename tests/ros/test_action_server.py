@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from rclpy.qos import qos_profile_action_status_default
 
-from gateway.ports import CANCELED, SUCCEEDED, GoalRequest
+from gateway.ports import ABORTED, CANCELED, SUCCEEDED, GoalRequest
 from gateway.ros import RosOptions
 from gateway.ros import action_server as limits
 from gateway.ros.interfaces import action_class, message_class, service_class
@@ -230,3 +230,30 @@ async def test_a_goal_that_ends_with_another_is_not_reported_as_canceled(caller:
     await caller.cancel()
     assert caller.provider.cancels == goals[:1]
     assert (await caller.result(goal_id(2)))[0] == CANCELED
+
+
+async def test_an_action_that_closes_answers_what_has_arrived(caller: Caller) -> None:
+    await started(caller, 1)
+    sends: list[Any] = [
+        caller._send.call_async(ACTION.Impl.SendGoalService.Request(goal_id=uuid_of(2))),
+        caller._result.call_async(ACTION.Impl.GetResultService.Request(goal_id=uuid_of(1))),
+        caller._cancel.call_async(CANCEL.Request()),
+    ]
+    caller.server.close()  # in the same turn: none of them has been taken
+    goal, result, cancel = [await soon(arrived(each)) for each in sends]
+    assert not goal.accepted
+    assert result.status == ABORTED
+    assert cancel.goals_canceling == []
+    assert len(caller.provider.goals) == 1
+
+
+def uuid_of(number: int) -> Any:
+    return message_class("unique_identifier_msgs/msg/UUID")(uuid=list(goal_id(number)))
+
+
+async def test_an_action_that_closes_leaves_no_timer_for_its_results(caller: Caller) -> None:
+    [goal, _] = await started(caller, 1, 2)
+    goal.finish(SUCCEEDED, sequence())
+    entries = list(caller.server._goals.values())
+    caller.server.close()
+    assert all(each.expiry is not None and each.expiry.cancelled() for each in entries)

@@ -207,6 +207,23 @@ async def test_no_request_comes_after_close(robot: Robot) -> None:
     assert len(requests) == 1
 
 
+async def test_a_service_that_closes_answers_what_has_arrived(robot: Robot) -> None:
+    requests: list[Request] = []
+
+    def on_request(each: Request) -> None:
+        requests.append(each)
+        each.answer(response("closing"))
+        service.close()
+
+    service = robot.ros.serve("/arm", SET_BOOL, on_request)
+    client = robot.world.add_client("/arm", SET_BOOL)
+    await eventually(lambda: robot.ros.service_types("/arm") == (SET_BOOL,))
+    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(50)]
+    answers = await soon(asyncio.gather(*calls))
+    assert [text_of(answer) for answer in answers] == ["closing"] * 50
+    assert len(requests) == 50
+
+
 async def test_closing_twice_is_harmless(robot: Robot) -> None:
     client = robot.ros.client("/arm", SET_BOOL)
     service = robot.ros.serve("/arm", SET_BOOL, echo)

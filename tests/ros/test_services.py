@@ -2,13 +2,17 @@
 """Services over rclpy: what the contract cannot see."""
 
 import asyncio
+import logging
 from collections.abc import AsyncIterator, Iterator
+from typing import Any
 
 import pytest
+from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from gateway.ports import Request, RosError
 from gateway.ros import RosOptions, endpoints
-from gateway.ros.endpoints import MAX_AHEAD
+from gateway.ros.endpoints import MAX_AHEAD, MAX_STALLS
+from gateway.ros.interfaces import service_class
 from gateway.ros.port import RclpyRos
 from gateway.ros.services import RclpyClient
 from tests.client import eventually
@@ -247,8 +251,130 @@ async def test_a_service_may_be_closed_by_its_own_callback(ros: RclpyRos) -> Non
     service = ros.serve("/arm", SET_BOOL, on_request)
     client = ros.client("/arm", SET_BOOL)
     calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(3)]
-    assert text_of(await soon(calls[0])) == "last"
-    for calling in calls[1:]:
-        with pytest.raises(RosError, match="service /arm has gone"):
-            await soon(calling)
-    assert len(requests) == 1
+    assert [text_of(await soon(calling)) for calling in calls] == ["last"] * 3
+    assert len(requests) == 3
+
+
+class Unreadable:
+    """One of rclpy's entities whose first messages cannot be read.
+
+    rclpy says of them what it says where there is none.
+    """
+
+    def __init__(self, entity: Any, count: int) -> None:
+        self._entity = entity
+        self._count = count
+
+    @property
+    def handle(self) -> "Unreadable":
+        return self
+
+    def service_take_request(self, request_class: Any) -> Any:
+        return self._first_unread(self._entity.handle.service_take_request(request_class))
+
+    def take_response(self, response_class: Any) -> Any:
+        return self._first_unread(self._entity.handle.take_response(response_class))
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._entity, name, None) or getattr(self._entity.handle, name)
+
+    def _first_unread(self, taken: Any) -> Any:
+        if taken == (None, None) or not self._count:
+            return taken
+        self._count -= 1
+        return None, None
+
+
+async def test_requests_that_cannot_be_read_keep_no_other_waiting(ros: RclpyRos) -> None:
+    service: Any = ros.serve("/arm", SET_BOOL, echo)
+    service._replier._service = Unreadable(service._replier._service, 6)
+    client = ros.client("/arm", SET_BOOL)
+    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(9)]
+    for calling in calls[6:]:
+        assert text_of(await soon(calling)) == "got True"
+    for calling in calls[:6]:
+        calling.cancel()
+
+
+async def test_responses_that_cannot_be_read_keep_no_other_waiting(ros: RclpyRos) -> None:
+    requests: list[Request] = []
+    ros.serve("/arm", SET_BOOL, requests.append)
+    client: Any = ros.client("/arm", SET_BOOL)
+    client._requester._client = Unreadable(client._requester._client, 6)
+    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(9)]
+    await eventually(lambda: len(requests) == 9)
+    for each in requests:
+        each.answer(response("done"))
+    for calling in calls[6:]:
+        assert text_of(await soon(calling)) == "done"
+    for calling in calls[:6]:
+        calling.cancel()
+
+
+async def test_more_responses_at_once_than_are_taken_in_a_turn_all_arrive(ros: RclpyRos) -> None:
+    requests: list[Request] = []
+    ros.serve("/arm", SET_BOOL, requests.append)
+    client = ros.client("/arm", SET_BOOL)
+    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(100)]
+    await eventually(lambda: len(requests) == 100)
+    for each in requests:
+        each.answer(response("done"))
+    assert [text_of(await soon(calling)) for calling in calls] == ["done"] * 100
+
+
+async def test_an_answer_that_is_there_when_its_server_goes_counts(ros: RclpyRos) -> None:
+    requests: list[Request] = []
+    service = ros.serve("/arm", SET_BOOL, requests.append)
+    client: Any = ros.client("/arm", SET_BOOL)
+    calling = asyncio.ensure_future(client.call(request(True)))
+    await eventually(lambda: bool(requests))
+    client._requester._inlet._on_arrival = lambda: None  # it is slow
+    requests[0].answer(response("done"))
+    service.close()
+    await eventually(lambda: not client._requester.is_ready)
+    client.follow_graph()
+    assert text_of(await soon(calling)) == "done"
+
+
+async def test_a_server_is_found_though_nothing_tells_of_it(
+    ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(ros._services, "follow_graph", lambda: None)
+    calling = asyncio.ensure_future(ros.client("/arm", SET_BOOL).call(request(True)))
+    await asyncio.sleep(0)
+    outside.add_service("/arm", SET_BOOL, echo)
+    assert text_of(await soon(calling)) == "got True"
+
+
+async def test_a_client_that_no_response_can_reach_stops_the_loop_only_so_often(
+    ros: RclpyRos, outside: Outside, caplog: pytest.LogCaptureFixture
+) -> None:
+    requests: list[Request] = []
+    service = ros.serve("/arm", SET_BOOL, requests.append)
+    found = service_class(SET_BOOL)
+    profile = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    deaf = outside.node.create_client(found, "/arm", qos_profile=profile)
+    client = outside.add_client("/arm", SET_BOOL)
+    await eventually(client._client.service_is_ready)
+    for _ in range(2 * MAX_STALLS):
+        deaf.handle.send_request(found.Request())  # rclpy's own would see no server
+    await eventually(lambda: len(requests) == 2 * MAX_STALLS)
+    with caplog.at_level(logging.WARNING, "gateway.ros.endpoints"):
+        for each in requests:
+            each.answer(response("unheard"))
+    stalls = ["service /arm: a client's QoS does not let it get responses"] * MAX_STALLS
+    assert caplog.messages == [*stalls, "service /arm: no responses for 10 s"]
+    service._replier._silent_until = 0.0  # later
+    calling = asyncio.ensure_future(client.call(request(True)))
+    await eventually(lambda: len(requests) > 2 * MAX_STALLS)
+    requests[-1].answer(response("heard"))
+    assert text_of(await soon(calling)) == "heard"
+
+
+async def test_what_is_closed_leaves_the_callback_group_of_its_node(ros: RclpyRos) -> None:
+    group: Any = ros._services._endpoints.node.default_callback_group
+    before = len(group.entities)
+    for _ in range(3):
+        ros.client("/arm", SET_BOOL).close()
+        ros.serve("/arm", SET_BOOL, echo).close()
+    assert len(group.entities) == before

@@ -135,6 +135,16 @@ async def test_a_withdrawn_service_lets_its_calls_fail(bench: Bench) -> None:
     assert client.of("status")[0]["code"] == "not_found"
 
 
+async def test_calls_that_have_arrived_when_a_service_is_withdrawn_fail(bench: Bench) -> None:
+    client = provider(bench)
+    responses = [Caller(bench).call() for _ in range(3)]
+    await asyncio.sleep(0)  # they are sent
+    client.send(op="unadvertise_service", service="arm")
+    for response in responses:
+        assert (await response)["message"] == "service was withdrawn"
+    assert not client.of("call_service")
+
+
 async def test_a_client_that_is_far_behind_gets_no_more_calls(bench: Bench) -> None:
     client = provider(bench)
     caller = Caller(bench)
