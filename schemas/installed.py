@@ -5,11 +5,12 @@ A service or an action is a file of several messages, which have the names that 
 them: ``std_srvs/srv/SetBool_Request``, ``test_msgs/action/Fibonacci_Feedback``.
 """
 
+import difflib
 import json
 import os
 import re
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Final, Literal, get_args
 
@@ -26,10 +27,22 @@ _EXPECTED: Final = {
     "srv": "service type name: expected pkg/srv/Name",
     "action": "action type name: expected pkg/action/Name",
 }
+# Of names that differ by a slip; difflib's own 0.6 takes two to three times as long.
+_LIKENESS: Final = 0.75
+# Characters of a name that are compared: it takes time in proportion, and clients write what they
+# like.
+_MAX_GUESSED: Final = 128
 
 
 class UnknownTypeError(LookupError):
-    """No definition of a type is installed, or a name is none; the text says which."""
+    """No definition of *name* is installed, or it is no name; the text says which.
+
+    That may be a type which the one asked for nests.
+    """
+
+    def __init__(self, name: str, reason: str) -> None:
+        super().__init__(reason)
+        self.name = name
 
 
 def installed_prefixes() -> tuple[Path, ...]:
@@ -57,6 +70,7 @@ class InstalledDefinitions:
         self._prefixes = installed_prefixes() if prefixes is None else tuple(prefixes)
         self._known: dict[str, Definition] = {}
         self._interfaces: dict[str, Interface] = {}
+        self._listed: dict[Kind, Mapping[str, Sequence[str]]] = {}
 
     def get(self, name: str) -> Definition:
         """Return the definition of ``pkg/msg/Name``, or of a part of a service or an action.
@@ -85,12 +99,13 @@ class InstalledDefinitions:
     def names(self, packages: Iterable[str] | None = None, kind: Kind = "msg") -> list[str]:
         """List the installed messages, services or actions, of all packages or of some, sorted."""
         wanted = None if packages is None else set(packages)
-        found = {
-            f"{path.parts[-3]}/{kind}/{path.stem}"
-            for prefix in self._prefixes
-            for path in prefix.glob(f"share/*/{kind}/*.{kind}")
-        }
-        return sorted(name for name in found if wanted is None or name.split("/")[0] in wanted)
+        found = (
+            f"{package}/{kind}/{short_name}"
+            for package, short_names in self._list(kind).items()
+            if wanted is None or package in wanted
+            for short_name in short_names
+        )
+        return sorted(found)
 
     def all_names(self) -> list[str]:
         """List all that is installed: messages, then services, then actions."""
@@ -125,6 +140,35 @@ class InstalledDefinitions:
             visit(name, ())
         return list(ordered.values())
 
+    def nearest(self, name: str) -> str | None:
+        """Guess what is meant by a type name that is none: one misspelt, or of another package.
+
+        It compares with the types of one package, not with all that are installed.
+        """
+        match = _TYPE_NAME.fullmatch(name[:_MAX_GUESSED])
+        if match is None:
+            return None
+        package, _, short_name = match["file"].split("/")
+        kind: Kind = match["kind"]  # type: ignore[assignment]  # the pattern knows these three
+        listed = self._list(kind)
+        for near in _close(package, listed):
+            for found in _close(short_name, listed[near]):
+                return f"{near}/{kind}/{found}"
+        owners = (owner for owner, short_names in listed.items() if short_name in short_names)
+        return next((f"{owner}/{kind}/{short_name}" for owner in owners), None)
+
+    def _list(self, kind: Kind) -> Mapping[str, Sequence[str]]:
+        """Name what is installed, by package; reading the directories takes milliseconds."""
+        listed = self._listed.get(kind)
+        if listed is None:
+            found: dict[str, set[str]] = {}
+            for prefix in self._prefixes:
+                for path in prefix.glob(f"share/*/{kind}/*.{kind}"):
+                    found.setdefault(path.parts[-3], set()).add(path.stem)
+            listed = {package: sorted(found[package]) for package in sorted(found)}
+            self._listed[kind] = listed
+        return listed
+
     def _read(self, name: str) -> Definition:
         match = _TYPE_NAME.fullmatch(name)
         if match is not None and match["kind"] == "msg" and match["file"] == name:
@@ -134,24 +178,28 @@ class InstalledDefinitions:
             for role in ROLES.get(match["kind"], ()):
                 if part_name(match["file"], role) == name:
                     return self.interface(match["file"]).parts[role]
-        raise UnknownTypeError(f"{name!r} is no message type name: expected pkg/msg/Name")
+        raise UnknownTypeError(name, f"{name!r} is no message type name: expected pkg/msg/Name")
 
     def _text_and_hashes(self, name: str) -> tuple[str, dict[str, str]]:
         """Read the file of ``pkg/KIND/Name``, and the hashes that stand beside it."""
         package, kind, short_name = name.split("/")
         for prefix in self._prefixes:
             path = prefix / "share" / package / kind / f"{short_name}.{kind}"
-            if path.is_file():
-                # what is no UTF-8 stands in comments, where it harms nobody
-                text = path.read_text(encoding="utf-8", errors="replace")
-                return text, _type_hashes(path.with_suffix(".json"))
-        raise UnknownTypeError(f"no definition of {name} is installed")
+            try:
+                if path.is_file():
+                    # what is no UTF-8 stands in comments, where it harms nobody
+                    text = path.read_text(encoding="utf-8", errors="replace")
+                    return text, _type_hashes(path.with_suffix(".json"))
+            except OSError as error:  # a name longer than any file's, a file that is not ours
+                reason = f"no definition of {name} can be read: {error.strerror}"
+                raise UnknownTypeError(name, reason) from error
+        raise UnknownTypeError(name, f"no definition of {name} is installed")
 
 
 def _roles_of(interface: str, kind: InterfaceKind | None = None) -> tuple[Role, ...]:
     roles = _roles_in(interface)
     if not roles or (kind is not None and roles != ROLES[kind]):
-        raise UnknownTypeError(f"{interface!r} is no {_EXPECTED[kind]}")
+        raise UnknownTypeError(interface, f"{interface!r} is no {_EXPECTED[kind]}")
     return roles
 
 
@@ -162,9 +210,17 @@ def _roles_in(name: str) -> tuple[Role, ...]:
     return ROLES.get(match["kind"], ())
 
 
+def _close(name: str, names: Iterable[str]) -> list[str]:
+    return difflib.get_close_matches(name, names, n=1, cutoff=_LIKENESS)
+
+
 def _type_hashes(path: Path) -> dict[str, str]:
-    """Read the REP-2011 hashes that stand beside a definition; ROS before Iron has none."""
-    if not path.is_file():
+    """Read the REP-2011 hashes that stand beside a definition.
+
+    ROS before Iron has none, and a file of the same name may be whatever else: then there are none.
+    """
+    try:
+        entries = json.loads(path.read_bytes())["type_hashes"]
+        return {str(entry["type_name"]): str(entry["hash_string"]) for entry in entries}
+    except (OSError, ValueError, KeyError, TypeError):
         return {}
-    entries = json.loads(path.read_bytes())["type_hashes"]
-    return {str(entry["type_name"]): str(entry["hash_string"]) for entry in entries}

@@ -18,6 +18,7 @@ from gateway.codec.cdr import (
     compile_encoder,
     compile_transcoder,
 )
+from gateway.codec.cdr.selection import select
 from gateway.codec.validation import InvalidValueError, invalid_value
 from gateway.codec.words import cut
 from schemas.build import Models
@@ -27,8 +28,9 @@ from schemas.installed import InstalledDefinitions
 from schemas.interface import Interface, InterfaceKind
 from schemas.message import Message
 
-# Selections of fields that stay compiled per type. Clients share a few, and compiling takes a
-# millisecond; a client that keeps making up new ones must not fill the memory.
+# Selections of fields that stay compiled per type. Clients share a few, and compiling takes
+# milliseconds, tens of them for the largest types; a client that keeps making up new ones must not
+# fill the memory.
 MAX_DECODERS: Final = 32
 
 
@@ -63,6 +65,14 @@ class MessageType:
     def json_schema(self) -> Schema:
         """Return the JSON Schema of what the wire carries, nested types included."""
         return self._models.json_schema(self.name)
+
+    def check_fields(self, fields: tuple[str, ...] | None) -> None:
+        """Check what `decoder` and `transcoder` are to be asked for, without compiling it.
+
+        Raises:
+            FieldError: one of them is not.
+        """
+        select(self.definition, self._definitions, fields or ())
 
     def decoder(self, fields: tuple[str, ...] | None = None, octets: Octets = "base64") -> Decoder:
         """Return a decoder of some fields, or with octet arrays untouched.
@@ -180,12 +190,14 @@ class Types:
         """Return the message type ``pkg/msg/Name``, or a part such as ``pkg/srv/Name_Request``.
 
         Raises:
-            UnknownTypeError: it is not installed, or *name* is no such name.
-            DefinitionError: its definition cannot be parsed.
+            UnknownTypeError: it, or a type that it nests, is not installed, or *name* is no such
+                name.
+            DefinitionError: a definition cannot be parsed, or nests itself.
         """
         known = self._messages.get(name)
         if known is None:
-            definition = self.definitions.get(name)
+            # What it nests is read now: the codecs are compiled where nobody expects an error.
+            definition = self.definitions.closure([name])[-1]
             known = MessageType(definition, self.definitions, self._models)
             self._messages[name] = known
         return known

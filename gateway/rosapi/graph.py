@@ -75,7 +75,7 @@ class GraphServices:
 
     def nodes(self, _: Mapping[str, str]) -> _Answer:
         """List the nodes."""
-        nodes = {node for node in self._ros.graph().nodes if not _is_hidden(node)}
+        nodes = {node for node in self._ros.graph().nodes if not is_hidden(node)}
         return {"nodes": sorted(nodes | {ROSAPI_NODE})}
 
     def node_details(self, request: Mapping[str, str]) -> _Answer:
@@ -114,12 +114,13 @@ def full_type(spelling: str, kind: Kind) -> str:
     return f"{package}/{kind}/{name}" if slash and "/" not in name else spelling
 
 
-def _visible(entries: Iterable[_Entry]) -> list[_Entry]:
-    return [entry for entry in entries if not _is_hidden(entry.name)]
-
-
-def _is_hidden(name: str) -> bool:
+def is_hidden(name: str) -> bool:
+    """Whether a part of a name begins with ``_``."""
     return "/_" in name
+
+
+def _visible(entries: Iterable[_Entry]) -> list[_Entry]:
+    return [entry for entry in entries if not is_hidden(entry.name)]
 
 
 def _find(entries: Iterable[_Entry], name: str) -> _Entry | None:

@@ -10,7 +10,7 @@ from gateway.codec.errors import CodecError
 from gateway.codec.json import dumps, loads
 from gateway.codec.words import cut
 from gateway.protocol.errors import ProtocolError
-from gateway.rosapi.parameters import Parameters, SetResult
+from gateway.rosapi.parameters import ALL_NODES_TIMEOUT_S, Parameters, SetResult, patience_s
 
 _Request = Mapping[str, str]
 _Answer = dict[str, object]
@@ -20,54 +20,57 @@ _NO_VALUE = "null"
 
 
 class ParameterServices:
-    """The services about parameters."""
+    """The services about parameters.
+
+    *timeout_s* is what the client says, ``None`` if it says nothing; see `patience_s`.
+    """
 
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
 
-    async def get_param(self, request: _Request) -> _Answer:
+    async def get_param(self, request: _Request, timeout_s: float | None) -> _Answer:
         """Return a value, or the default that the client gives."""
         try:
-            value = await self._value(request["name"])
+            value = await self._value(request["name"], timeout_s)
             reason = "" if value is not None else "the parameter has no value"
         except ProtocolError as error:
             value, reason = None, str(error)
         text = _default(request["default_value"]) if value is None else dumps(value).decode()
         return {"value": text, "successful": not reason, "reason": reason}
 
-    async def set_param(self, request: _Request) -> _Answer:
+    async def set_param(self, request: _Request, timeout_s: float | None) -> _Answer:
         """Set a value."""
         try:
             value = loads(request["value"])
         except CodecError:
             reason = f"value: expected JSON, got {cut(request['value'])!r}"
             return _told(SetResult(successful=False, reason=reason))
-        return await self._set(request["name"], value)
+        return await self._set(request["name"], value, timeout_s)
 
-    async def delete_param(self, request: _Request) -> _Answer:
+    async def delete_param(self, request: _Request, timeout_s: float | None) -> _Answer:
         """Undeclare a parameter."""
-        return await self._set(request["name"], None)
+        return await self._set(request["name"], None, timeout_s)
 
-    async def has_param(self, request: _Request) -> _Answer:
+    async def has_param(self, request: _Request, timeout_s: float | None) -> _Answer:
         """Tell whether a parameter has a value; whatever goes wrong, it has none."""
         try:
-            return {"exists": await self._value(request["name"]) is not None}
+            return {"exists": await self._value(request["name"], timeout_s) is not None}
         except ProtocolError:
             return {"exists": False}
 
-    async def get_param_names(self, _: _Request) -> _Answer:
+    async def get_param_names(self, _: _Request, timeout_s: float | None) -> _Answer:
         """Name the parameters of all nodes that answer in time."""
-        found = await self._parameters.names_by_node()
+        found = await self._parameters.names_by_node(patience_s(timeout_s, ALL_NODES_TIMEOUT_S))
         return {"names": [f"{node}:{name}" for node, names in found.items() for name in names]}
 
-    async def _value(self, spelling: str) -> object:
+    async def _value(self, spelling: str, timeout_s: float | None) -> object:
         node, name = _split(spelling)
-        return (await self._parameters.get(node, [name]))[name]
+        return (await self._parameters.get(node, [name], patience_s(timeout_s)))[name]
 
-    async def _set(self, spelling: str, value: object) -> _Answer:
+    async def _set(self, spelling: str, value: object, timeout_s: float | None) -> _Answer:
         try:
             node, name = _split(spelling)
-            results = await self._parameters.set(node, {name: value})
+            results = await self._parameters.set(node, {name: value}, patience_s(timeout_s))
         except ProtocolError as error:
             return _told(SetResult(successful=False, reason=str(error)))
         return _told(results[name])

@@ -12,6 +12,8 @@ from gateway.calls import Calls
 from gateway.codec.words import MAX_ECHO, cut
 from gateway.ports import Ros, RosError
 from gateway.protocol.errors import ProtocolError
+from gateway.rosapi.graph import is_hidden
+from gateway.rosapi.silences import Silences
 from gateway.rosapi.values import (
     ParameterType,
     ParameterValueError,
@@ -24,6 +26,8 @@ from gateway.rosapi.values import (
 NODE_TIMEOUT_S: Final = 1.0
 # All nodes together, however many of them are dead: roslibpy gives rosapi 3 s.
 ALL_NODES_TIMEOUT_S: Final = 2.0
+# However long a client would wait: a node that is silent for longer has stopped to spin.
+MAX_TIMEOUT_S: Final = 60.0
 # Each takes a ROS client, of 256 entities in all; two rounds of dead nodes fit the above.
 NODES_AT_ONCE: Final = 32
 
@@ -53,17 +57,24 @@ _DESCRIBE: Final = _Service(
 )
 
 
+def patience_s(asked: float | None, default: float = NODE_TIMEOUT_S) -> float:
+    """Return how long nodes have where a client says *asked*; 0 is as long as it may take."""
+    return default if asked is None else min(asked or MAX_TIMEOUT_S, MAX_TIMEOUT_S)
+
+
 class Parameters:
     """Reads and writes the parameters of any node.
 
     Nodes may be named without the leading slash. *timeout_s* is for all that one method asks of
     its node. Every method raises `ProtocolError`: ``not_found`` for an unknown node,
-    ``timeout`` for one that does not answer.
+    ``timeout`` for one that does not answer, or has just now left another question unanswered for
+    as long.
     """
 
     def __init__(self, ros: Ros, calls: Calls) -> None:
         self._ros = ros
         self._calls = calls
+        self._silences = Silences()
 
     async def list_names(
         self, node: str, prefixes: Sequence[str] = (), timeout_s: float = NODE_TIMEOUT_S
@@ -82,7 +93,7 @@ class Parameters:
             ProtocolError: also ``not_found`` where a parameter is not declared.
         """
         conversation = self._conversation(node, timeout_s)
-        asked = await conversation.names() if names is None else names
+        asked = sorted(await conversation.declared()) if names is None else names
         found = await conversation.ask_each(_GET, asked)
         values = {name: value_of(found[name]) if name in found else None for name in asked}
         # Nodes differ in what they answer for an undeclared parameter; none says it plainly.
@@ -101,6 +112,9 @@ class Parameters:
         results: dict[str, SetResult] = {}
         messages: dict[str, dict[str, object]] = {}
         for name, value in values.items():
+            if "\0" in name:
+                results[name] = SetResult(successful=False, reason="expected a name without U+0000")
+                continue
             try:
                 messages[name] = _fitted(value, present.get(name))
             except ParameterValueError as error:
@@ -119,35 +133,42 @@ class Parameters:
             ProtocolError: also ``not_found`` where a parameter is not declared.
         """
         conversation = self._conversation(node, timeout_s)
-        asked = await conversation.names() if names is None else names
+        asked = sorted(await conversation.declared()) if names is None else names
         found = await conversation.ask_each(_DESCRIBE, asked)
         await conversation.check_declared([name for name in names or () if name not in found])
         return {name: _description(found[name]) for name in asked if name in found}
 
-    async def names_by_node(self) -> dict[str, list[str]]:
-        """Name the parameters of all nodes that answer in time, sorted.
+    async def names_by_node(self, timeout_s: float = ALL_NODES_TIMEOUT_S) -> dict[str, list[str]]:
+        """Name the parameters of all nodes that answer in time, sorted; hidden nodes are not asked.
 
-        It takes no longer than `ALL_NODES_TIMEOUT_S`.
+        It takes no longer than *timeout_s*. Nodes that were silent before are asked last.
         """
         suffix = f"/{_LIST.name}"
         nodes = [
             service.name.removesuffix(suffix)
             for service in self._ros.graph().services
-            if service.name.endswith(suffix) and _LIST.type_name in service.types
+            if service.name.endswith(suffix)
+            and _LIST.type_name in service.types
+            and not is_hidden(service.name)
         ]
         found: dict[str, list[str]] = {}
         places = asyncio.Semaphore(NODES_AT_ONCE)
 
         async def look(node: str) -> None:
-            async with places:
-                conversation = _Conversation(self._ros, self._calls, node, NODE_TIMEOUT_S)
-                with contextlib.suppress(ProtocolError):
-                    found[node] = await conversation.names()
+            try:
+                found[node] = await self._with(node, NODE_TIMEOUT_S).names()
+            except ProtocolError:
+                pass  # it is left out
+            finally:
+                places.release()
 
         with contextlib.suppress(TimeoutError):
-            async with asyncio.timeout(ALL_NODES_TIMEOUT_S), asyncio.TaskGroup() as group:
-                for node in nodes:
+            async with asyncio.timeout(timeout_s), asyncio.TaskGroup() as group:
+                for node in sorted(nodes, key=self._silences.noticed_s):
+                    await places.acquire()
                     group.create_task(look(node))
+                    # opening a ROS client takes milliseconds of the loop: one at a turn
+                    await asyncio.sleep(0)
         return dict(sorted(found.items()))
 
     def _conversation(self, spelling: str, timeout_s: float) -> "_Conversation":
@@ -157,34 +178,52 @@ class Parameters:
             near = difflib.get_close_matches(node[:MAX_ECHO], nodes, n=1)
             hint = f"; did you mean {near[0]}?" if near else ""
             raise ProtocolError("not_found", f"node {cut(node)} does not exist{hint}")
-        return _Conversation(self._ros, self._calls, node, timeout_s)
+        return self._with(node, timeout_s)
+
+    def _with(self, node: str, timeout_s: float) -> "_Conversation":
+        return _Conversation(self._ros, self._calls, self._silences, node, timeout_s)
 
 
 class _Conversation:
     """What is asked of one node within one deadline."""
 
-    def __init__(self, ros: Ros, calls: Calls, node: str, timeout_s: float) -> None:
+    def __init__(
+        self, ros: Ros, calls: Calls, silences: Silences, node: str, timeout_s: float
+    ) -> None:
         self._ros = ros
         self._calls = calls
+        self._silences = silences
         self._node = node
         self._timeout_s = timeout_s
         self._end = asyncio.get_running_loop().time() + timeout_s
+        self._has_answered = False
+        self._declared: frozenset[str] | None = None
 
     async def names(self, prefixes: Sequence[str] = ()) -> list[str]:
         # without a depth all levels come
         response = await self._ask(_LIST, {"prefixes": list(prefixes)})
         return sorted(response["names"])
 
+    async def declared(self) -> frozenset[str]:
+        """Return the names of all parameters of the node, asked for once."""
+        if self._declared is None:
+            self._declared = frozenset(await self.names())
+        return self._declared
+
     async def ask_each(self, service: _Service, names: Sequence[str]) -> dict[str, Any]:
         """Ask something about parameters; what the node does not answer for is left out."""
+        names = [name for name in names if "\0" not in name]  # which no string in ROS can have
         if not names:
             return {}
-        items = await self._ask(service, {"names": list(names)})
+        items = await self._ask(service, {"names": names})
         if len(items) == len(names):
             return dict(zip(names, items, strict=True))
         # A single undeclared or uninitialised parameter silences both rclcpp and rclpy.
         if len(names) == 1:
             return {}
+        declared = await self.declared()
+        if not declared.issuperset(names):
+            return await self.ask_each(service, [name for name in names if name in declared])
         middle = len(names) // 2
         found = await self.ask_each(service, names[:middle])
         return found | await self.ask_each(service, names[middle:])
@@ -193,14 +232,14 @@ class _Conversation:
         """Raise where the node has not declared a parameter."""
         if not names:
             return
-        declared = await self.names()
+        declared = await self.declared()
         undeclared = [name for name in names if name not in declared]
         if undeclared:
             first = undeclared[0]
             reason = f"node {self._node} has not declared parameter {cut(first)}"
             if len(undeclared) > 1:
                 reason += f" (nor {len(undeclared) - 1} more)"
-            near = difflib.get_close_matches(first[:MAX_ECHO], declared, n=1)
+            near = difflib.get_close_matches(first[:MAX_ECHO], sorted(declared), n=1)
             reason += f"; did you mean {near[0]}?" if near else ""
             raise ProtocolError("not_found", reason)
 
@@ -220,8 +259,13 @@ class _Conversation:
         }
 
     async def _ask(self, service: _Service, request: dict[str, object]) -> Any:
+        loop = asyncio.get_running_loop()
+        if not self._has_answered and self._silences.is_fresh(
+            self._node, self._timeout_s, loop.time()
+        ):
+            raise self._no_answer()
         name = f"{self._node}/{service.name}"
-        left_s = max(0.0, self._end - asyncio.get_running_loop().time())
+        left_s = max(0.0, self._end - loop.time())
         try:
             response = await self._calls.call(name, service.type_name, request, left_s)
         except RosError as error:
@@ -229,10 +273,14 @@ class _Conversation:
         except ProtocolError as error:
             if error.code != "timeout":
                 raise
-            raise self._silence() from None
+            if not self._has_answered:
+                self._silences.note(self._node, self._timeout_s, loop.time())
+            raise self._no_answer() from None
+        self._has_answered = True
+        self._silences.end(self._node)
         return response[service.items]
 
-    def _silence(self) -> ProtocolError:
+    def _no_answer(self) -> ProtocolError:
         if not self._ros.service_types(f"{self._node}/{_LIST.name}"):
             return ProtocolError("not_found", f"node {self._node} offers no parameters")
         return ProtocolError(

@@ -16,6 +16,7 @@ from gateway.rosapi.parameter_services import ParameterServices
 from gateway.rosapi.parameters import Parameters
 from gateway.rosapi.types import TypeServices
 from schemas.installed import InstalledDefinitions
+from schemas.interface import part_name
 from schemas.naming import attribute
 
 Answer = dict[str, object]
@@ -35,7 +36,7 @@ class _Remote:
     """A service for which other nodes are asked."""
 
     type_name: str
-    answer: Callable[[_Request], Awaitable[Answer]]
+    answer: Callable[[_Request, float | None], Awaitable[Answer]]
 
 
 class Rosapi:
@@ -105,10 +106,14 @@ class Rosapi:
         """Return the services of rosapi, with their types."""
         return {service: self.type_of(service) for service in self._services}
 
-    def answer(self, service: str, args: object) -> Answer | Callable[[], Awaitable[Answer]]:
+    def answer(
+        self, service: str, args: object, timeout_s: float | None = None
+    ) -> Answer | Callable[[], Awaitable[Answer]]:
         """Answer a call of a service of rosapi's, or return what will, by asking other nodes.
 
         *args* are what the fields of the request get, by name or in order; ``None`` is none.
+        Other nodes have *timeout_s*, ``None`` being the default of each service, and 0 as long as
+        it may take.
 
         Raises:
             ProtocolError: *args* do not fit, or what is asked for is no type. What answers later
@@ -120,11 +125,12 @@ class Rosapi:
             case _Local():
                 return found.answer(request)
             case _Remote():
-                return partial(found.answer, request)
+                return partial(found.answer, request, timeout_s)
         assert_never(found)
 
     def _request(self, type_name: str, args: object) -> _Request:
-        request = self._requests.service(type_name).request
+        # the responses may nest what is not installed
+        request = self._requests.get(part_name(type_name, "request"))
         try:
             values = request.named(args) if isinstance(args, list) else args
             message = request.validate({} if values is None else values, self._ros.now_ns(), "args")

@@ -2,19 +2,15 @@
 """The operations on parameters."""
 
 from dataclasses import asdict
-from typing import Any, Final
+from typing import Any
 
-from gateway.protocol.operations.base import Seconds
 from gateway.protocol.operations.parameters import (
     DescribeParameters,
     GetParameters,
     ListParameters,
     SetParameters,
 )
-from gateway.rosapi.parameters import NODE_TIMEOUT_S, Parameters
-
-# A node that is silent for longer has stopped to spin.
-MAX_TIMEOUT_S: Final = 60.0
+from gateway.rosapi.parameters import Parameters, patience_s
 
 
 class ParameterOperations:
@@ -28,19 +24,19 @@ class ParameterOperations:
 
     async def list(self, request: ListParameters) -> dict[str, Any]:
         """Name a node's parameters."""
-        timeout_s = _timeout_s(request.timeout)
+        timeout_s = patience_s(request.timeout)
         names = await self._parameters.list_names(request.node, request.prefixes, timeout_s)
         return {"node": request.node, "names": names}
 
     async def get(self, request: GetParameters) -> dict[str, Any]:
         """Return values."""
-        timeout_s = _timeout_s(request.timeout)
+        timeout_s = patience_s(request.timeout)
         values = await self._parameters.get(request.node, request.names, timeout_s)
         return {"node": request.node, "values": values}
 
     async def set(self, request: SetParameters) -> dict[str, Any]:
         """Set values; what the node refuses is told for each."""
-        timeout_s = _timeout_s(request.timeout)
+        timeout_s = patience_s(request.timeout)
         results = await self._parameters.set(request.node, request.values, timeout_s)
         return {
             "node": request.node,
@@ -49,10 +45,6 @@ class ParameterOperations:
 
     async def describe(self, request: DescribeParameters) -> dict[str, Any]:
         """Tell types, words and limits."""
-        timeout_s = _timeout_s(request.timeout)
+        timeout_s = patience_s(request.timeout)
         described = await self._parameters.describe(request.node, request.names, timeout_s)
         return {"node": request.node, "parameters": described}
-
-
-def _timeout_s(asked: Seconds | None) -> float:
-    return min(asked or NODE_TIMEOUT_S, MAX_TIMEOUT_S)

@@ -48,7 +48,7 @@ class ServiceCalls:
         deadline = loop.time() + timeout_s
         if self._rosapi.has(service):
             # What needs no other node is answered at once, before the client's next operation.
-            local = self._rosapi.answer(service, request.args)
+            local = self._rosapi.answer(service, request.args, request.timeout)
             if isinstance(local, dict):
                 _respond(session, request, local)
                 return

@@ -3,12 +3,14 @@
 
 import asyncio
 import contextlib
-from collections.abc import Mapping, Sequence
+import time
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, Final
 
 from gateway.codec.errors import CodecError
 from gateway.codec.types import MessageType
+from gateway.codec.words import cut
 from gateway.ports import Qos, Ros, RosError, Sample, Subscription
 from gateway.protocol.errors import ProtocolError
 from gateway.router.topic_types import TopicTypes
@@ -22,23 +24,27 @@ TF_MESSAGE: Final = "tf2_msgs/msg/TFMessage"
 # nobody needs then costs some percent of a core at the usual 50 Hz.
 LINGER_S: Final = 30.0
 _DEPTH: Final = 100  # as tf2's listeners have it
-_RETRY_S: Final = 0.02  # between looks of one who waits: /tf may come in a thousand small messages
-_MAX_COMPLAINTS: Final = 16  # so many different faults of /tf are told on /rosout
+RETRY_S: Final = 0.02  # between looks of one who waits: /tf may come in a thousand small messages
+_MAX_COMPLAINTS: Final = 8  # of so many frames each kind of fault is told on /rosout
 
 
 class TfListener:
-    """The two ROS subscriptions while they are needed, and the buffer that they fill."""
+    """The two ROS subscriptions while they are needed, and the buffer that they fill.
 
-    def __init__(self, ros: Ros, types: TopicTypes) -> None:
+    *on_change* is called when an answer of the buffer may have changed.
+    """
+
+    def __init__(self, ros: Ros, types: TopicTypes, on_change: Callable[[], None]) -> None:
         self.buffer = Buffer()
         self._ros = ros
         self._types = types
+        self._on_change = on_change
         self._open: list[Subscription] = []
         self._users = 0
         self._end: asyncio.TimerHandle | None = None
         self._newest_now_ns = 0
         self._news: asyncio.Event | None = None  # while somebody waits for it
-        self._complaints: set[str] = set()
+        self._complaints: dict[str, set[str]] = {}  # by kind of fault, what it was told of
 
     def acquire(self) -> None:
         """Listen until released, and a while after.
@@ -69,6 +75,7 @@ class TfListener:
             subscription.close()
         self._open.clear()
         self.buffer.forget()
+        self._complaints.clear()
 
     async def news(self, deadline: float) -> bool:
         """Wait for new transforms until *deadline*, in loop time; return whether it was ahead."""
@@ -79,7 +86,7 @@ class TfListener:
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout_at(deadline):
                 await self._news.wait()
-                await asyncio.sleep(_RETRY_S)
+                await asyncio.sleep(RETRY_S)
         return True
 
     def _subscribe(self) -> None:
@@ -95,7 +102,7 @@ class TfListener:
         ):
             take = partial(self._on_samples, message_type, is_static)
             try:
-                opened = self._ros.subscribe(topic, TF_MESSAGE, qos, take, self._complain)
+                opened = self._ros.subscribe(topic, TF_MESSAGE, qos, take, self._on_incompatible)
             except RosError:
                 self.close()
                 raise
@@ -104,39 +111,55 @@ class TfListener:
     def _on_samples(
         self, message_type: MessageType, is_static: bool, samples: Sequence[Sample]
     ) -> None:
+        before = self.buffer.revision
         now_ns = self._ros.now_ns()
         if now_ns < self._newest_now_ns - JUMP_BACK_NS:
             self.buffer.clear()  # as tf2: a simulation or a recording has started over
             self._newest_now_ns = now_ns
         self._newest_now_ns = max(self._newest_now_ns, now_ns)
+        heard_ns = time.monotonic_ns()
         for sample in samples:
             try:
                 message: Any = message_type.decode(sample.cdr)
             except CodecError as error:
-                self._complain(f"{TF_MESSAGE}: {error}")
+                self._complain("no message", "", f"{TF_MESSAGE}: {error}")
                 continue
             for stamped in message["transforms"]:
-                self._insert(stamped, is_static)
+                self._insert(stamped, heard_ns, is_static)
+        if self.buffer.revision == before:
+            return
         if self._news is not None:
             self._news.set()
             self._news = None
+        self._on_change()
 
-    def _insert(self, stamped: Mapping[str, Any], is_static: bool) -> None:
-        header = stamped["header"]
+    def _insert(self, stamped: Mapping[str, Any], heard_ns: int, is_static: bool) -> None:
+        header, child = stamped["header"], stamped["child_frame_id"]
         stamp = header["stamp"]
         transform = stamped["transform"]
         try:
-            self.buffer.insert(
-                stamped["child_frame_id"],
+            agrees = self.buffer.insert(
+                child,
                 header["frame_id"],
                 stamp["sec"] * 1_000_000_000 + stamp["nanosec"],
                 Rigid(*transform["translation"].values(), *transform["rotation"].values()),
+                heard_ns=heard_ns,
                 is_static=is_static,
             )
         except InvalidTransformError as error:
-            self._complain(str(error))
+            self._complain(error.fault, error.frame, str(error))
+            return
+        if not agrees:
+            text = f"frame {child!r}: it is said to be fixed and to move, so it moves"
+            self._complain("contradiction", child, text)
 
-    def _complain(self, text: str) -> None:
-        if text not in self._complaints and len(self._complaints) < _MAX_COMPLAINTS:
-            self._complaints.add(text)
+    def _on_incompatible(self, text: str) -> None:
+        self._complain("incompatible", text, text)
+
+    def _complain(self, fault: str, about: str, text: str) -> None:
+        """Tell of one *fault*, of which there are a few kinds, once for what it is *about*."""
+        told = self._complaints.setdefault(fault, set())
+        about = cut(about)
+        if about not in told and len(told) < _MAX_COMPLAINTS:
+            told.add(about)
             self._ros.log("warning", f"tf: {text}")

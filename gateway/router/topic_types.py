@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which message type is meant: by name, by number, or by what the ROS graph says."""
 
-import difflib
-
 from gateway.codec.types import MessageType, Types
-from gateway.codec.words import cut
 from gateway.ports import Ros
+from gateway.protocol.bad_type import bad_type
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import TopicName
 from schemas.definition import DefinitionError
@@ -30,22 +28,18 @@ class TopicTypes:
         try:
             return self.get(resolve_type(spelling, self._table))
         except TypeSpellingError as error:
-            raise ProtocolError("bad_type", f"type: {cut(str(error))}") from error
+            raise bad_type(error, self._types.definitions) from error
 
     def get(self, type_name: str) -> MessageType:
         """Return an installed type by its full name.
 
         Raises:
-            ProtocolError: it is not installed here, or its definition is unreadable.
+            ProtocolError: it, or a type that it nests, is not installed here, or is unreadable.
         """
         try:
             return self._types.get(type_name)
-        except UnknownTypeError as error:
-            near = difflib.get_close_matches(type_name, self._table.by_name, n=1)
-            hint = f"; did you mean {near[0]}?" if near else ""
-            raise ProtocolError("bad_type", f"type: {cut(str(error))}{hint}") from error
-        except DefinitionError as error:
-            raise ProtocolError("bad_type", f"type: {cut(str(error))}") from error
+        except (UnknownTypeError, DefinitionError) as error:
+            raise bad_type(error, self._types.definitions) from error
 
     def on_topic(self, topic: TopicName, spelling: str | int | None) -> MessageType | None:
         """Return the type to use on a topic; ``None`` while neither client nor ROS names one.

@@ -2,7 +2,6 @@
 """Where frames are in each other, for clients that keep no transform tree of their own."""
 
 import asyncio
-import time
 from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
@@ -16,7 +15,7 @@ from gateway.protocol.errors import ProtocolError
 from gateway.protocol.operations.transforms import CancelTransform, LookupTransform
 from gateway.protocol.outbox import Lane
 from gateway.protocol.session import Session
-from gateway.router.tf_listener import TfListener
+from gateway.router.tf_listener import RETRY_S, TfListener
 from gateway.router.topic_types import TopicTypes
 from gateway.tf.buffer import Buffer, Found
 from gateway.tf.errors import ExtrapolationError, TransformError
@@ -31,7 +30,7 @@ class Transforms:
     """
 
     def __init__(self, ros: Ros, types: TopicTypes) -> None:
-        self._listener = TfListener(ros, types)
+        self._listener = TfListener(ros, types, self._on_change)
         self._standing: dict[Session, dict[str | int | None, _Standing]] = {}
         self._rounds: dict[_Pair, _Round] = {}
 
@@ -82,7 +81,7 @@ class Transforms:
             self._end(session, request.id)
         pair = _Pair(request.target_frame, request.source_frame, request.rate)
         lane = session.outbox.open_lane(1, None)  # beside a new transform an old one is of no use
-        standing = _Standing(session, request, pair, lane, round(_timeout_s(request) * 1e9))
+        standing = _Standing(session, request, pair, lane)
         self._standing.setdefault(session, {})[request.id] = standing
         if pair not in self._rounds:
             self._rounds[pair] = _Round(pair, self._listener.buffer)
@@ -119,6 +118,10 @@ class Transforms:
         session.outbox.close_lane(standing.lane)
         self._listener.release()
 
+    def _on_change(self) -> None:
+        for each in self._rounds.values():
+            each.wake()
+
 
 class _Pair(NamedTuple):
     """What standing lookups must have in common to be computed once."""
@@ -136,9 +139,13 @@ class _Standing:
     request: LookupTransform
     pair: _Pair
     lane: Lane
-    patience_ns: int
-    missing_since_ns: int | None = None
-    was_told: bool = False  # what is missing
+    patience: asyncio.TimerHandle | None = None  # since it is missing, whether it is over or not
+
+    def relax(self) -> None:
+        """Wait no longer for what is missing."""
+        if self.patience is not None:
+            self.patience.cancel()
+            self.patience = None
 
 
 class _Frame:
@@ -161,76 +168,82 @@ class _Frame:
 
 
 class _Round:
-    """Looks one pair up at one rate, for all who stand on it."""
+    """Looks one pair up at one rate at most, for all who stand on it, when there is news."""
 
     def __init__(self, pair: _Pair, buffer: Buffer) -> None:
         self._pair = pair
         self._buffer = buffer
         self._members: list[_Standing] = []
-        self._seen = -1  # the buffer's revision
         self._sent: Found | None = None
         self._body = b""  # of what was sent, as JSON
         self._loop = asyncio.get_running_loop()
-        self._due = self._loop.time()
-        self._timer = self._loop.call_at(self._due, self._turn)
+        self._due = 0.0
+        self._timer: asyncio.TimerHandle | None = None
+        self.wake()
 
     def join(self, standing: _Standing) -> None:
         """Send to one more, at once what the others have."""
         self._members.append(standing)
         if self._sent is not None:
             self._put(standing)
+        else:
+            self._miss(standing)
 
     def leave(self, standing: _Standing) -> bool:
         """Send to one less; return whether nobody is left."""
         self._members.remove(standing)
-        if not self._members:
+        standing.relax()
+        if not self._members and self._timer is not None:
             self._timer.cancel()
         return not self._members
 
-    def _turn(self) -> None:
-        # keep the beat; begin a new one where the loop has been busy for longer than that
-        self._due = max(self._due + 1 / self._pair.rate, self._loop.time())
-        self._timer = self._loop.call_at(self._due, self._turn)
-        if self._buffer.revision != self._seen or self._sent is None:
-            self._seen = self._buffer.revision
-            self._look()
+    def wake(self) -> None:
+        """Look again, when it is time to: the buffer has changed."""
+        if self._timer is None:
+            self._due = max(self._due, self._loop.time())
+            self._timer = self._loop.call_at(self._due, self._turn)
 
-    def _look(self) -> None:
-        target, source, _ = self._pair
+    def _turn(self) -> None:
+        self._timer = None
+        now = self._loop.time()
+        # keep the beat; begin a new one where the loop has been busy for longer than that
+        self._due = max(self._due + 1 / self._pair.rate, now)
         try:
-            found = self._buffer.lookup(target, source)
-        except TransformError as error:
+            found = self._buffer.lookup(self._pair.target, self._pair.source)
+        except TransformError:
+            self._due = min(self._due, now + RETRY_S)  # nothing is sent, so that is not too often
             self._sent = None
-            self._complain(error)
+            for standing in self._members:
+                self._miss(standing)
             return
         if found == self._sent:
             return
         self._sent = found
-        self._body = dumps(_transform_stamped(target, source, found))
+        self._body = dumps(_transform_stamped(self._pair.target, self._pair.source, found))
         for standing in list(self._members):
             self._put(standing)
 
     def _put(self, standing: _Standing) -> None:
-        standing.missing_since_ns = None
-        standing.was_told = False
+        standing.relax()
         request_id = standing.request.id
         identity = b"" if request_id is None else b',"id":' + orjson.dumps(request_id)
         payload = b'{"op":"lookup_transform"%b,"transform":%b}' % (identity, self._body)
         standing.lane.put(_Frame(standing.session.framed(payload)))
         standing.session.wake()
 
-    def _complain(self, error: TransformError) -> None:
-        """Tell each client once what is missing, when its patience is over."""
-        now_ns = time.monotonic_ns()
-        for standing in list(self._members):
-            if standing.missing_since_ns is None:
-                standing.missing_since_ns = now_ns
-            missing_ns = now_ns - standing.missing_since_ns
-            if missing_ns >= standing.patience_ns and not standing.was_told:
-                standing.was_told = True
-                refusal = _refusal(error)
-                waiting = ProtocolError(refusal.code, f"{refusal}; waiting for it")
-                standing.session.warn(waiting, standing.request.op, standing.request.id)
+    def _miss(self, standing: _Standing) -> None:
+        if standing.patience is None:
+            patience_s = _timeout_s(standing.request)
+            standing.patience = self._loop.call_later(patience_s, self._complain, standing)
+
+    def _complain(self, standing: _Standing) -> None:
+        """Tell a client what is missing; the next time only when it was there in between."""
+        try:
+            self._buffer.lookup(self._pair.target, self._pair.source)
+        except TransformError as error:
+            refusal = _refusal(error)
+            waiting = ProtocolError(refusal.code, f"{refusal}; waiting for it")
+            standing.session.warn(waiting, standing.request.op, standing.request.id)
 
 
 def _timeout_s(request: LookupTransform) -> float:

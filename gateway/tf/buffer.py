@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The transforms of a robot, and the answer to where any frame is in any other."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
+from gateway.protocol.operations.transforms import MAX_FRAME_CHARACTERS
 from gateway.tf.errors import (
     ExtrapolationError,
     InvalidTransformError,
@@ -15,9 +16,14 @@ from gateway.tf.errors import (
 from gateway.tf.history import HISTORY_NS, History
 from gateway.tf.rigid import IDENTITY, Rigid
 
-# Five humanoids with all their fingers; 75 MB if every one of them moves at 200 Hz. A tracker may
+# Five humanoids with all their fingers; 67 MB if every one of them moves at 200 Hz. A tracker may
 # name frames anew for ever: those that have ceased make room.
 MAX_FRAMES: Final = 512
+# To look for those that have ceased takes a millisecond. Where too many frames are alive, that
+# must not come with each of them.
+SWEEP_NS: Final = 1_000_000_000
+# 32 clients with all the repeated lookups that they may have, each for another pair; 0.3 MB.
+_MAX_ANSWERS: Final = 512
 
 
 class Found(NamedTuple):
@@ -52,49 +58,59 @@ class Buffer:
     def __init__(self) -> None:
         self._frames: dict[str, History | _Fixed] = {}
         self._known: set[str] = set()  # all that was named, as a parent too
+        self._sweep_due_ns = 0
+        self._answers: dict[tuple[str, str], Found] = {}  # of one revision
+        self._answered = 0  # that revision
         self.revision = 0
 
     def insert(
-        self, child: str, parent: str, stamp_ns: int, transform: Rigid, *, is_static: bool
-    ) -> None:
-        """Take the word that *child* is at *transform* in *parent*.
+        self,
+        child: str,
+        parent: str,
+        stamp_ns: int,
+        transform: Rigid,
+        *,
+        heard_ns: int,
+        is_static: bool,
+    ) -> bool:
+        """Take the word, heard at a monotonic time, that *child* is at *transform* in *parent*.
 
         A leading slash, which ROS 1 had, is dropped. Quaternions of any length are made unit ones.
+        Return false where it contradicts what was said before on whether the frame moves. A frame
+        that is said to be fixed and to move does move, until that was not heard for `HISTORY_NS`.
 
         Raises:
             InvalidTransformError: it is no transform, or that of one frame too many.
         """
         child, parent = _name(child), _name(parent)
-        if not child or not parent:
-            raise InvalidTransformError(f"{child!r} in {parent!r}: a frame has no name")
-        if child == parent:
-            raise InvalidTransformError(f"frame {child} is said to be in itself")
+        _check_names(child, parent)
         try:
             transform = transform.normalized()
         except ValueError as error:
-            raise InvalidTransformError(f"{child} in {parent}: {error}") from None
-        self._admit(child, parent)
+            raise InvalidTransformError(child, str(error)) from None
+        self._admit(child, parent, heard_ns)
         known = self._frames.get(child)
         if is_static:
+            if isinstance(known, History) and not _has_ceased(known, heard_ns):
+                return False
             fixed = _Fixed(parent, transform)
             if known == fixed:
-                return
+                return True
             self._frames[child] = fixed
         elif not isinstance(known, History):
-            self._frames[child] = History(stamp_ns, parent, transform)
-        elif not known.add(stamp_ns, parent, transform):
-            return
+            self._frames[child] = History(stamp_ns, parent, transform, heard_ns)
+        elif not known.add(stamp_ns, parent, transform, heard_ns):
+            return True
         self.revision += 1
+        return is_static or not isinstance(known, _Fixed)
 
     def clear(self) -> None:
         """Forget what moves; what is fixed stays, because nobody would say it again."""
         self._keep(lambda frame: isinstance(frame, _Fixed))
-        self.revision += 1
 
     def forget(self) -> None:
         """Forget all."""
         self._keep(lambda frame: False)
-        self.revision += 1
 
     def lookup(self, target: str, source: str, stamp_ns: int | None = None) -> Found:
         """Return the transform that takes points from *source* into *target*.
@@ -106,6 +122,20 @@ class Buffer:
             UnknownFrameError, NotConnectedError, LoopError, ExtrapolationError
         """
         target, source = _name(target), _name(source)
+        if stamp_ns is not None:
+            return self._found(target, source, stamp_ns)
+        if self._answered != self.revision or len(self._answers) >= _MAX_ANSWERS:
+            self._answers.clear()
+            self._answered = self.revision
+        found = self._answers.get((target, source))
+        if found is None:
+            found = self._found(target, source, None)
+            self._answers[target, source] = found
+        return found
+
+    def _found(self, target: str, source: str, stamp_ns: int | None) -> Found:
+        self._check_known(target)
+        self._check_known(source)
         up, down = self._paths(target, source, stamp_ns)
         if stamp_ns is None:
             moving = (self._frames[frame] for frame in (*up, *down))
@@ -117,30 +147,37 @@ class Buffer:
         return Found(stamp_ns, transform)
 
     def _paths(self, target: str, source: str, stamp_ns: int | None) -> tuple[list[str], list[str]]:
-        """Return the frames from *source* and from *target* up to below what is above both."""
-        up = self._chain(source, stamp_ns)
+        """Return the frames from *source* and from *target* up to below the first above both."""
         down = self._chain(target, stamp_ns)
-        if up[-1] != down[-1]:
-            self._check_known(target)
-            self._check_known(source)
-            raise NotConnectedError(down, up)
-        if len(up) == len(down) == 1:
-            self._check_known(source)
-        while up and down and up[-1] == down[-1]:
-            up.pop()
-            down.pop()
-        return up, down
+        up = self._chain(source, stamp_ns, until=down)
+        common = next(reversed(up))
+        if common not in down:
+            for chain in (down, up):
+                self._check_ends(list(chain), stamp_ns)
+            raise NotConnectedError(list(down), list(up))
+        return list(up)[:-1], list(down)[: list(down).index(common)]
 
-    def _chain(self, frame: str, stamp_ns: int | None) -> list[str]:
-        """Return a frame and all that are above it, up to the root."""
+    def _chain(
+        self, frame: str, stamp_ns: int | None, until: Collection[str] = ()
+    ) -> dict[str, None]:
+        """Return a frame and those above it, in order, up to one of *until* or the root.
+
+        Where a frame is above itself, it ends before that one would come again.
+        """
         chain = {frame: None}
-        while (known := self._frames.get(frame)) is not None:
+        while frame not in until and (known := self._frames.get(frame)) is not None:
             frame = known.parent(stamp_ns)
             if frame in chain:
-                looped = list(chain)
-                raise LoopError([*looped[looped.index(frame) :], frame])
+                break
             chain[frame] = None
-        return list(chain)
+        return chain
+
+    def _check_ends(self, chain: list[str], stamp_ns: int | None) -> None:
+        """See that the last frame of a chain is a root."""
+        last = self._frames.get(chain[-1])
+        if last is not None:
+            again = last.parent(stamp_ns)
+            raise LoopError([*chain[chain.index(again) :], again])
 
     def _composed(self, path: list[str], stamp_ns: int) -> Rigid:
         """Return where the first frame of a path is in the parent of the last one."""
@@ -166,21 +203,36 @@ class Buffer:
         if frame not in self._known:
             raise UnknownFrameError(frame, self._known)
 
-    def _admit(self, child: str, parent: str) -> None:
+    def _admit(self, child: str, parent: str, heard_ns: int) -> None:
         """Make room for what is new, where that is needed, at the expense of what has ceased."""
         new = {child, parent} - self._known
+        if len(self._known) + len(new) > MAX_FRAMES and heard_ns >= self._sweep_due_ns:
+            self._sweep_due_ns = heard_ns + SWEEP_NS
+            self._keep(lambda f: isinstance(f, _Fixed) or not _has_ceased(f, heard_ns))
+            new = {child, parent} - self._known
         if len(self._known) + len(new) > MAX_FRAMES:
-            moving = (f for f in self._frames.values() if isinstance(f, History))
-            oldest_ns = max((f.newest_ns for f in moving), default=0) - HISTORY_NS
-            self._keep(lambda frame: isinstance(frame, _Fixed) or frame.newest_ns >= oldest_ns)
-            if len(self._known | new) > MAX_FRAMES:
-                raise InvalidTransformError(f"frame {child}: at most {MAX_FRAMES} frames are kept")
+            raise InvalidTransformError(child, f"at most {MAX_FRAMES} frames are kept")
         self._known |= new
 
     def _keep(self, is_kept: Callable[[History | _Fixed], bool]) -> None:
         self._frames = {name: frame for name, frame in self._frames.items() if is_kept(frame)}
         self._known = set(self._frames).union(*(f.parents for f in self._frames.values()))
+        self.revision += 1
 
 
 def _name(frame: str) -> str:
     return frame.removeprefix("/")
+
+
+def _check_names(child: str, parent: str) -> None:
+    if not child or not parent:
+        raise InvalidTransformError(child, "it or its parent has no name")
+    if len(child) > MAX_FRAME_CHARACTERS or len(parent) > MAX_FRAME_CHARACTERS:
+        limit = f"{MAX_FRAME_CHARACTERS} characters"
+        raise InvalidTransformError(child, f"it or its parent has a name of over {limit}")
+    if child == parent:
+        raise InvalidTransformError(child, "it is said to be in itself")
+
+
+def _has_ceased(frame: History, now_ns: int) -> bool:
+    return frame.heard_ns < now_ns - HISTORY_NS

@@ -2,7 +2,15 @@
 """Why a transform is not known, as exceptions that say what is known instead."""
 
 import difflib
+import heapq
 from collections.abc import Collection, Sequence
+from typing import Final
+
+from gateway.codec.words import MAX_ECHO, cut
+
+# difflib takes up to 0.1 ms for two names of links that differ in a number, and a robot may have
+# hundreds: so for those alone that begin and end like the one that is unknown.
+_MAX_COMPARED: Final = 8
 
 
 class TransformError(Exception):
@@ -19,7 +27,11 @@ class UnknownFrameError(TransformError):
 
     def __str__(self) -> str:
         # only where it is read: who waits for a frame meets this error again and again
-        near = difflib.get_close_matches(self.frame, sorted(self.known), n=1)
+        asked = self.frame[:MAX_ECHO]
+        alike = heapq.nlargest(
+            _MAX_COMPARED, sorted(self.known), key=lambda name: _ends_alike(asked, name)
+        )
+        near = difflib.get_close_matches(asked, alike, n=1)
         hint = f"; did you mean {near[0]}?" if near else ""
         return f"frame {self.frame!r} is unknown{hint}"
 
@@ -32,7 +44,7 @@ class NotConnectedError(TransformError):
 
 
 class LoopError(TransformError):
-    """A frame is above itself; *frames* lead from it to itself."""
+    """No frame is above both, and one is above itself; *frames* lead from it to itself."""
 
     def __init__(self, frames: Sequence[str]) -> None:
         super().__init__(f"frames are in a loop: {' in '.join(frames)}")
@@ -56,7 +68,25 @@ class ExtrapolationError(TransformError):
 
 
 class InvalidTransformError(ValueError):
-    """What was to be inserted is no transform, or one too many."""
+    """What was to be inserted is no transform, or one too many.
+
+    ``fault`` is one of a few texts that fit any frame, for whoever tells of each but once.
+    """
+
+    def __init__(self, frame: str, fault: str) -> None:
+        super().__init__(f"frame {cut(frame)!r}: {fault}")
+        self.frame = frame
+        self.fault = fault
+
+
+def _ends_alike(one: str, other: str) -> int:
+    """Return how many characters two names have in common from either end."""
+    return _begins_alike(one, other) + _begins_alike(one[::-1], other[::-1])
+
+
+def _begins_alike(one: str, other: str) -> int:
+    pairs = enumerate(zip(one, other, strict=False))
+    return next((at for at, (a, b) in pairs if a != b), min(len(one), len(other)))
 
 
 def _tree(chain: Sequence[str]) -> str:

@@ -8,7 +8,7 @@ from typing import Final
 from gateway.tf.rigid import Rigid
 
 HISTORY_NS: Final = 10_000_000_000  # as tf2 keeps by default
-# 10 s at 200 Hz, 150 kB a frame. A faster frame is kept for less time.
+# 10 s at 200 Hz, 130 kB a frame. A faster frame is kept for less time.
 MAX_SAMPLES: Final = 2000
 # No network holds a sample back for this long; a clock that is set back, or a recording that
 # starts over, goes back further.
@@ -18,12 +18,18 @@ _WIDTH: Final = len(Rigid._fields)
 
 
 class History:
-    """The samples of one frame, sorted by stamp; there is one at least."""
+    """The samples of one frame, sorted by stamp; there is one at least.
 
-    def __init__(self, stamp_ns: int, parent: str, transform: Rigid) -> None:
-        self._stamps = [stamp_ns]
-        self._parents = [parent]
+    ``heard_ns`` is when the newest one came, on the clock of who adds them: stamps may be wrong.
+    """
+
+    def __init__(self, stamp_ns: int, parent: str, transform: Rigid, heard_ns: int = 0) -> None:
+        self._stamps = array("q", [stamp_ns])
         self._values = array("d", transform)
+        # a frame seldom changes hands: each parent with the stamp from which on it is that
+        self._starts = array("q", [stamp_ns])
+        self._parents = [parent]
+        self.heard_ns = heard_ns
 
     @property
     def oldest_ns(self) -> int:
@@ -44,21 +50,22 @@ class History:
         """Return the frame that this one was in; ``None`` is the newest sample's time."""
         if stamp_ns is None:
             return self._parents[-1]
-        return self._parents[max(0, bisect_right(self._stamps, stamp_ns) - 1)]
+        return self._parents[max(0, bisect_right(self._starts, stamp_ns) - 1)]
 
-    def add(self, stamp_ns: int, parent: str, transform: Rigid) -> bool:
+    def add(self, stamp_ns: int, parent: str, transform: Rigid, heard_ns: int = 0) -> bool:
         """Add a sample; return whether anything has changed.
 
         Of two samples of one time the first one stays, as in tf2. A sample from long before the
         newest begins a new history: time has jumped back.
         """
+        self.heard_ns = heard_ns
         if stamp_ns < self.newest_ns - JUMP_BACK_NS:
             self._drop(len(self._stamps))
         at = bisect_left(self._stamps, stamp_ns)
         if at < len(self._stamps) and self._stamps[at] == stamp_ns:
             return False
+        self._hand_over(at, stamp_ns, parent)
         self._stamps.insert(at, stamp_ns)
-        self._parents.insert(at, parent)
         self._values[at * _WIDTH : at * _WIDTH] = array("d", transform)
         expired = bisect_left(self._stamps, self.newest_ns - HISTORY_NS)
         self._drop(max(expired, len(self._stamps) - MAX_SAMPLES))
@@ -77,17 +84,32 @@ class History:
         if not after:
             return None
         before = after - 1
-        if self._parents[before] != self._parents[after]:
+        start_ns, end_ns = self._stamps[before], self._stamps[after]
+        if self.parent(start_ns) != self.parent(end_ns):
             return self._value(before)  # as tf2: nothing lies between two parents
-        start_ns = self._stamps[before]
-        ratio = (stamp_ns - start_ns) / (self._stamps[after] - start_ns)
+        ratio = (stamp_ns - start_ns) / (end_ns - start_ns)
         return self._value(before).towards(self._value(after), ratio)
 
     def _value(self, index: int) -> Rigid:
         return Rigid(*self._values[index * _WIDTH : (index + 1) * _WIDTH])
 
+    def _hand_over(self, at: int, stamp_ns: int, parent: str) -> None:
+        """Note the parent of a sample that will stand at index *at*; the others keep theirs."""
+        run = bisect_right(self._starts, stamp_ns)
+        if run and self._parents[run - 1] == parent:
+            return
+        following = self._stamps[at : at + 1]
+        if run and following and following != self._starts[run : run + 1]:
+            self._starts.insert(run, following[0])
+            self._parents.insert(run, self._parents[run - 1])
+        self._starts.insert(run, stamp_ns)
+        self._parents.insert(run, parent)
+
     def _drop(self, count: int) -> None:
         if count > 0:
             del self._stamps[:count]
-            del self._parents[:count]
             del self._values[: count * _WIDTH]
+            first = bisect_right(self._starts, self._stamps[0]) - 1 if self._stamps else None
+            del self._starts[:first]
+            del self._parents[:first]
+            self._starts[:1] = self._stamps[:1]

@@ -8,6 +8,7 @@ from gateway.codec.json import dumps, loads
 from gateway.codec.types import MAX_DECODERS, Types
 from gateway.codec.validation import InvalidValueError
 from schemas.build import Models
+from schemas.definition import DefinitionError
 from schemas.installed import InstalledDefinitions, UnknownTypeError, parts_of
 from tests.messages import (
     RandomMessages,
@@ -18,6 +19,7 @@ from tests.messages import (
     to_objects,
     to_ros,
 )
+from tests.schemas.test_installed import write_definition
 
 DEFINITIONS = InstalledDefinitions()
 INTERFACES = DEFINITIONS.names(kind="srv") + DEFINITIONS.names(kind="action")
@@ -224,3 +226,40 @@ def test_a_client_that_makes_up_selections_does_not_fill_the_memory():
 def test_unknown_fields_raise_field_error(types):
     with pytest.raises(FieldError, match=r"^unknown field poze: nav_msgs/msg/Odometry has "):
         types.get(ODOMETRY).decoder(("poze",))
+
+
+@pytest.mark.parametrize(
+    ("fields", "reason"),
+    [
+        (("poze",), "unknown field poze: "),
+        (("pose", "pose.pose.w"), "unknown field pose.pose.w: "),
+        (("header.stamp.sec.x",), "unknown field header.stamp.sec.x: "),
+    ],
+)
+def test_checking_unknown_fields_raises_field_error(types, fields, reason):
+    with pytest.raises(FieldError) as caught:
+        types.get(ODOMETRY).check_fields(fields)
+    assert str(caught.value).startswith(reason)
+
+
+def test_checking_fields_compiles_nothing():
+    odometry = Types(DEFINITIONS).get(ODOMETRY)
+    for fields in (None, (), ("pose", "header.stamp")):
+        odometry.check_fields(fields)
+    assert not odometry._decoders
+    assert not odometry._transcoders
+
+
+def test_a_type_that_nests_what_is_not_installed_raises_unknown_type_error(tmp_path):
+    write_definition(tmp_path, "some_msgs/msg/A", "lost_msgs/Thing thing")
+    write_definition(tmp_path, "some_msgs/srv/B", "A a\n---\n")
+    types = Types(InstalledDefinitions([tmp_path]))
+    for ask, name in ((types.get, "some_msgs/msg/A"), (types.service, "some_msgs/srv/B")):
+        with pytest.raises(UnknownTypeError, match="no definition of lost_msgs/msg/Thing"):
+            ask(name)
+
+
+def test_a_type_that_nests_itself_raises_definition_error(tmp_path):
+    write_definition(tmp_path, "some_msgs/msg/A", "A[] a")
+    with pytest.raises(DefinitionError, match="some_msgs/msg/A nests itself"):
+        Types(InstalledDefinitions([tmp_path])).get("some_msgs/msg/A")

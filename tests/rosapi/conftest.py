@@ -13,6 +13,7 @@ from gateway.rosapi import Parameters
 from schemas.installed import InstalledDefinitions
 from tests.client import eventually
 from tests.rosapi.robot import NodeWithParameters, declare
+from tests.rosapi.scripted import ScriptedNodes
 
 
 @pytest.fixture
@@ -42,6 +43,14 @@ async def parameters(ros: Ros, robot: NodeWithParameters) -> AsyncIterator[Param
     calls = Calls(ros, Types(InstalledDefinitions()))
     yield Parameters(ros, calls)
     calls.close()
+
+
+@pytest.fixture
+async def nodes() -> AsyncIterator[ScriptedNodes]:
+    nodes = ScriptedNodes()
+    yield nodes
+    nodes.calls.close()
+    assert not nodes.ros.entity_count()
 
 
 async def discovered(ros: Ros, *nodes: NodeWithParameters) -> None:

@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
+import asyncio
 import json
 from typing import Any
 
 import pytest
 
+from gateway.codec.words import MAX_ECHO
 from gateway.ports import Ros
 from gateway.rosapi import Parameters, Rosapi
 from schemas.installed import InstalledDefinitions
 from tests.rosapi.robot import NAMES, NodeWithParameters
+from tests.rosapi.scripted import ScriptedNodes
 
 
 @pytest.fixture
@@ -74,6 +77,11 @@ async def test_text_that_is_no_json_is_not_set(rosapi: Rosapi, robot: NodeWithPa
     assert robot.value("camera.name") == "front"
 
 
+async def test_a_long_text_that_is_no_json_comes_back_shortened(rosapi: Rosapi) -> None:
+    answered = await answer(rosapi, "set_param", "/robot:speed", "x" * 10_000)
+    assert len(answered["reason"]) < 2 * MAX_ECHO
+
+
 async def test_what_the_node_refuses_comes_with_its_reason(rosapi: Rosapi) -> None:
     answered = await answer(rosapi, "set_param", "/robot:firmware", '"2.0"')
     assert not answered["successful"]
@@ -114,3 +122,40 @@ async def test_names_of_all_nodes_come_with_their_node(rosapi: Rosapi) -> None:
     assert {f"/robot:{name}" for name in NAMES} <= set(answered["names"])
     value = await answer(rosapi, "get_param", "/robot:camera.fps")
     assert json.loads(value["value"]) == 30
+
+
+@pytest.mark.parametrize(
+    ("timeout_s", "waited_s"), [(None, 1.0), (0.1, 0.1), (0.0, 60.0), (1e9, 60.0)]
+)
+@pytest.mark.parametrize(
+    ("name", "args"),
+    [
+        ("get_param", ["/robot:speed", ""]),
+        ("has_param", ["/robot:speed"]),
+        ("set_param", ["/robot:speed", "1"]),
+        ("delete_param", ["/robot:speed"]),
+    ],
+)
+async def test_a_node_has_the_time_that_the_client_gives_it(
+    nodes: ScriptedNodes, name: str, args: list[str], timeout_s: float | None, waited_s: float
+) -> None:
+    nodes.add("/robot", "speed")
+    rosapi = Rosapi(nodes.ros, InstalledDefinitions(), Parameters(nodes.ros, nodes.calls))
+    answered = rosapi.answer(f"/rosapi/{name}", args, timeout_s)
+    assert not isinstance(answered, dict)
+    await answered()
+    assert waited_s / 2 < nodes.calls.timeouts_s[0] <= waited_s
+
+
+async def test_names_of_all_nodes_come_within_the_time_that_the_client_gives(
+    nodes: ScriptedNodes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("gateway.rosapi.parameters.NODE_TIMEOUT_S", 3600.0)
+    monkeypatch.setattr("gateway.rosapi.parameter_services.ALL_NODES_TIMEOUT_S", 3600.0)
+    nodes.add("/robot", "speed")
+    nodes.add_silent("/dead")
+    rosapi = Rosapi(nodes.ros, InstalledDefinitions(), Parameters(nodes.ros, nodes.calls))
+    answered = rosapi.answer("/rosapi/get_param_names", None, 0.1)
+    assert not isinstance(answered, dict)
+    async with asyncio.timeout(30):
+        assert await answered() == {"names": ["/robot:speed"]}

@@ -1,23 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
+import asyncio
 import base64
 import json
-from functools import partial
 
 import numpy as np
 import pytest
 
-from gateway.calls import Calls
 from gateway.codec.json import dumps
-from gateway.codec.types import Types
-from gateway.ports import Request, Ros
+from gateway.ports import Ros
 from gateway.protocol.errors import ProtocolError
 from gateway.rosapi import Parameters, SetResult
-from gateway.rosapi.parameters import NODES_AT_ONCE
-from schemas.installed import InstalledDefinitions
+from gateway.rosapi.parameters import NODE_TIMEOUT_S, NODES_AT_ONCE
 from tests.client import eventually
-from tests.ros.fake import FakeRos
+from tests.ros.fake_services import FakeClient
 from tests.rosapi.conftest import discovered
 from tests.rosapi.robot import NAMES, NodeWithParameters
+from tests.rosapi.scripted import ScriptedNodes
 
 OK = SetResult(successful=True)
 
@@ -222,41 +220,158 @@ async def test_a_dead_node_is_left_out_of_the_names_of_all(
     assert "/silent" not in found
 
 
-async def test_more_dead_nodes_than_are_asked_at_once_do_not_hide_a_living_one() -> None:
-    fake = FakeRos()
-    types = Types(InstalledDefinitions())
-    service = types.service("rcl_interfaces/srv/ListParameters")
-    names = {"result": {"names": ["speed"]}}
-    response = service.response.encode(service.response.validate(names, 0))
-    for number in range(NODES_AT_ONCE + 1):
-        fake.add_service(f"/dead{number}/list_parameters", service.name, lambda request: None)
-    fake.add_service(
-        "/living/list_parameters", service.name, lambda request: request.answer(response)
-    )
-    calls = Calls(fake, types)
-    assert await Parameters(fake, calls).names_by_node() == {"/living": ["speed"]}
-    calls.close()
-    assert not fake.entity_count()
-
-
-async def test_a_node_that_loses_answers_is_told_of() -> None:
-    fake = FakeRos()
-    types = Types(InstalledDefinitions())
-    for name in ("describe_parameters", "set_parameters"):
-        type_name = "".join(part.capitalize() for part in name.split("_"))
-        empty = types.service(f"rcl_interfaces/srv/{type_name}").response
-        response = empty.encode(empty.validate({}, 0))
-        fake.add_service(
-            f"/broken/{name}",
-            f"rcl_interfaces/srv/{type_name}",
-            partial(_answer, response),
-            node="/broken",
-        )
-    calls = Calls(fake, types)
+async def test_a_node_that_loses_answers_is_told_of(nodes: ScriptedNodes) -> None:
+    for service in ("list_parameters", "describe_parameters", "set_parameters"):
+        nodes.offer("/broken", service, lambda _: {})
     with pytest.raises(ProtocolError, match="node /broken answered 0 results for 2 parameters"):
-        await Parameters(fake, calls).set("/broken", {"a": 1, "b": 2})
-    calls.close()
+        await Parameters(nodes.ros, nodes.calls).set("/broken", {"a": 1, "b": 2})
 
 
-def _answer(response: bytes, request: Request) -> None:
-    request.answer(response)
+async def test_many_undeclared_parameters_take_no_more_questions_than_one(
+    nodes: ScriptedNodes,
+) -> None:
+    nodes.add("/robot", "speed", "height")
+    wrong = [f"wrong{number}" for number in range(256)]
+    with pytest.raises(ProtocolError, match="parameter wrong0 ") as caught:
+        await Parameters(nodes.ros, nodes.calls).get("/robot", ["speed", *wrong, "height"])
+    assert caught.value.code == "not_found"
+    assert len(nodes.calls.asked) == 3
+
+
+async def test_many_undeclared_parameters_do_not_keep_others_from_being_set(
+    nodes: ScriptedNodes,
+) -> None:
+    nodes.add("/robot", "speed", "height")
+    values = {"speed": 1, **{f"wrong{number}": 1 for number in range(256)}, "height": 2}
+    results = await Parameters(nodes.ros, nodes.calls).set("/robot", values)
+    assert [name for name, result in results.items() if result.successful] == ["speed", "height"]
+    assert len(nodes.calls.asked) == 4
+
+
+async def test_a_name_that_no_string_in_ros_can_have_harms_no_other(nodes: ScriptedNodes) -> None:
+    nodes.add("/robot", "speed")
+    parameters = Parameters(nodes.ros, nodes.calls)
+    results = await parameters.set("/robot", {"sp\0eed": 1, "speed": 1})
+    assert results == {
+        "sp\0eed": SetResult(successful=False, reason="expected a name without U+0000"),
+        "speed": OK,
+    }
+    for ask in (parameters.get, parameters.describe):
+        with pytest.raises(ProtocolError) as caught:
+            await ask("/robot", ["sp\0eed", "speed"])
+        assert caught.value.code == "not_found"
+
+
+async def test_the_deadline_is_for_all_questions_together(nodes: ScriptedNodes) -> None:
+    nodes.add("/late", "speed")
+    await Parameters(nodes.ros, nodes.calls).get("/late")
+    first, second = nodes.calls.timeouts_s
+    assert second < first <= NODE_TIMEOUT_S
+
+
+async def test_hidden_nodes_are_not_asked_for_their_names(nodes: ScriptedNodes) -> None:
+    for node in ("/robot", "/_ros2cli_1", "/_hidden/robot"):
+        nodes.add(node, "speed")
+    assert await Parameters(nodes.ros, nodes.calls).names_by_node() == {"/robot": ["speed"]}
+    assert nodes.calls.asked == ["/robot/list_parameters"]
+
+
+async def test_more_dead_nodes_than_are_asked_at_once_do_not_hide_a_living_one(
+    nodes: ScriptedNodes,
+) -> None:
+    for number in range(NODES_AT_ONCE + 1):
+        nodes.add_silent(f"/dead{number}")
+    nodes.add("/living", "speed")
+    assert await Parameters(nodes.ros, nodes.calls).names_by_node() == {"/living": ["speed"]}
+    assert nodes.calls.most_at_once == NODES_AT_ONCE
+
+
+async def test_looking_at_all_nodes_ends_however_many_are_dead(
+    nodes: ScriptedNodes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("gateway.rosapi.parameters.NODE_TIMEOUT_S", 3600.0)
+    for number in range(2 * NODES_AT_ONCE + 1):
+        nodes.add_silent(f"/dead{number:02}")
+    nodes.add("/alive", "speed")
+    async with asyncio.timeout(30):
+        found = await Parameters(nodes.ros, nodes.calls).names_by_node(timeout_s=0.1)
+    assert found == {"/alive": ["speed"]}
+
+
+async def test_nodes_that_were_silent_before_are_asked_last(
+    nodes: ScriptedNodes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("gateway.rosapi.parameters.NODE_TIMEOUT_S", 0.05)
+    monkeypatch.setattr("gateway.rosapi.silences.FRESH_S", -1.0)
+    nodes.add_silent("/dead")
+    nodes.add("/living", "speed")
+    parameters = Parameters(nodes.ros, nodes.calls)
+    for _ in range(2):
+        assert await parameters.names_by_node() == {"/living": ["speed"]}
+    dead, living = "/dead/list_parameters", "/living/list_parameters"
+    assert nodes.calls.asked == [dead, living, living, dead]
+
+
+async def test_looking_at_all_nodes_opens_one_client_in_a_turn_of_the_loop(
+    nodes: ScriptedNodes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    turn = 0
+    opened_in: list[int] = []
+    open_client = nodes.ros.client
+
+    async def count() -> None:
+        nonlocal turn
+        while True:
+            turn += 1
+            await asyncio.sleep(0)
+
+    def noted(service: str, type_name: str) -> FakeClient:
+        opened_in.append(turn)
+        return open_client(service, type_name)
+
+    monkeypatch.setattr(nodes.ros, "client", noted)
+    for number in range(NODES_AT_ONCE):
+        nodes.add(f"/robot{number}", "speed")
+    counting = asyncio.create_task(count())
+    await Parameters(nodes.ros, nodes.calls).names_by_node()
+    counting.cancel()
+    assert len(opened_in) == len(set(opened_in)) == NODES_AT_ONCE
+
+
+async def test_a_row_of_questions_to_a_dead_node_waits_for_it_once(nodes: ScriptedNodes) -> None:
+    nodes.add_silent("/dead")
+    parameters = Parameters(nodes.ros, nodes.calls)
+    for _ in range(8):
+        with pytest.raises(ProtocolError, match=r"/dead has not answered within 0\.1 s") as caught:
+            await parameters.get("/dead", ["speed"], timeout_s=0.1)
+        assert caught.value.code == "timeout"
+    assert len(nodes.calls.asked) == 1
+    with pytest.raises(ProtocolError, match=r"within 0\.2 s"):
+        await parameters.get("/dead", ["speed"], timeout_s=0.2)
+    assert len(nodes.calls.asked) == 2
+
+
+async def test_a_node_that_answers_again_is_no_longer_taken_for_dead(nodes: ScriptedNodes) -> None:
+    nodes.add_silent("/robot")
+    parameters = Parameters(nodes.ros, nodes.calls)
+    with pytest.raises(ProtocolError, match="has not answered"):
+        await parameters.list_names("/robot", timeout_s=0.2)
+    for service in list(nodes.ros.services):
+        service.close()
+    nodes.add("/robot", "speed")
+    assert await parameters.list_names("/robot", timeout_s=5.0) == ["speed"]
+    assert await parameters.list_names("/robot", timeout_s=0.2) == ["speed"]
+
+
+async def test_a_node_that_answers_some_questions_is_not_taken_for_dead(
+    nodes: ScriptedNodes,
+) -> None:
+    nodes.add("/robot", "speed")
+    nodes.ros.services = [
+        service for service in nodes.ros.services if service.name != "/robot/get_parameters"
+    ]
+    nodes.offer("/robot", "get_parameters", lambda _: None)
+    parameters = Parameters(nodes.ros, nodes.calls)
+    with pytest.raises(ProtocolError, match="has not answered"):
+        await parameters.get("/robot", timeout_s=0.2)
+    assert await parameters.list_names("/robot", timeout_s=0.2) == ["speed"]

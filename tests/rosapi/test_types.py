@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+from gateway.codec.words import MAX_ECHO
 from gateway.protocol.errors import ProtocolError
 from gateway.rosapi.graph import GraphServices
 from gateway.rosapi.typedefs import typedefs
@@ -127,3 +129,27 @@ def test_a_service_that_is_none_is_an_error(services: TypeServices) -> None:
     with pytest.raises(ProtocolError, match=r"did you mean std_srvs/srv/SetBool\?") as caught:
         services.details("srv", "response")({"type": "std_srvs/SetBoool"})
     assert caught.value.code == "bad_type"
+
+
+def test_a_long_name_that_is_no_type_comes_back_shortened(services: TypeServices) -> None:
+    for name in ("x" * 10_000, f"{'x' * 10_000}/Thing"):
+        with pytest.raises(ProtocolError) as caught:
+            services.message_details({"type": name})
+        assert caught.value.code == "bad_type"
+        assert len(str(caught.value)) < 2 * MAX_ECHO
+
+
+async def test_a_type_that_cannot_be_read_hides_no_other_topic(tmp_path: Path) -> None:
+    messages = tmp_path / "share" / "some_msgs" / "msg"
+    messages.mkdir(parents=True)
+    (messages / "Broken.msg").write_text("lost_msgs/Thing thing", encoding="utf-8")
+    (messages / "Broken.json").write_text("{}", encoding="utf-8")
+    (messages / "Fine.msg").write_text("int8 x", encoding="utf-8")
+    ros = FakeRos()
+    for name in ("Broken", "Fine"):
+        ros.add_publisher(f"/{name.lower()}", f"some_msgs/msg/{name}")
+    services = TypeServices(GraphServices(ros, dict), InstalledDefinitions([tmp_path]))
+    assert services.topics_and_raw_types({})["typedefs_full_text"] == [
+        "# no definition of lost_msgs/msg/Thing is installed\n",
+        "int8 x",
+    ]

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
+import logging
 import math
+import struct
 
 import pytest
 
 from gateway.codec.types import Types
+from gateway.codec.validation import InvalidValueError
 from gateway.ports import Sample
 from gateway.router import latch
 from gateway.router.latch import Latch, make_latch
@@ -67,7 +70,7 @@ def test_of_fixed_transforms_the_newest_of_each_child_is_kept_as_one_message(tf_
     assert places(tf_type, sample) == {"laser": 1.0, "arm": 3.0, "camera": 4.0}
     kept.keep([transforms(tf_type, laser=5.0)], 4, count=1)
     [(seq, sample)] = kept.newest(1)
-    assert (seq, places(tf_type, sample)["laser"]) == (4, 5.0)
+    assert (seq, places(tf_type, sample)) == (4, {"arm": 3.0, "camera": 4.0, "laser": 5.0})
     kept.clear()
     assert kept.newest(1) == []
 
@@ -82,6 +85,58 @@ def test_fixed_transforms_are_bounded_and_what_is_no_message_harms_nothing(tf_ty
     kept_places = places(tf_type, sample)
     assert list(kept_places) == ["a", "c"]
     assert math.isnan(kept_places["a"])
+
+
+@pytest.mark.parametrize(
+    ("sec", "nanosec", "told"),
+    [(1, 10**9, (2, 0)), (1, 2**32 - 1, (5, 294_967_295)), (2**31 - 1, 10**9, (2**31 - 1, 0))],
+)
+def test_a_stamp_with_too_many_nanoseconds_is_told_as_what_it_is(tf_type, sec, nanosec, told):
+    stamp = {"sec": sec, "nanosec": 999_999_999}
+    stamped = {"header": {"stamp": stamp, "frame_id": "base"}, "child_frame_id": "laser"}
+    cdr = tf_type.encode(tf_type.validate({"transforms": [stamped]}, 0))
+    broken = cdr.replace(struct.pack("<I", 999_999_999), struct.pack("<I", nanosec))
+    kept = make_latch("/tf_static", tf_type)
+    kept.keep([Sample(broken, 0)], 1, count=1)
+    [(_, sample)] = kept.newest(1)
+    [transform] = tf_type.decode(sample.cdr)["transforms"]
+    assert tuple(transform["header"]["stamp"].values()) == told
+
+
+def test_infinities_are_told_as_nan(tf_type):
+    cdr = transforms(tf_type, laser=1.25).cdr
+    endless = cdr.replace(struct.pack("<d", 1.25), struct.pack("<d", math.inf))
+    kept = make_latch("/tf_static", tf_type)
+    kept.keep([Sample(endless, 0)], 1, count=1)
+    [(_, sample)] = kept.newest(1)
+    assert math.isnan(places(tf_type, sample)["laser"])
+
+
+def test_frames_with_absurd_names_are_not_kept(tf_type):
+    kept = make_latch("/tf_static", tf_type)
+    kept.keep([transforms(tf_type, laser=1.0, **{"x" * 257: 2.0, "y" * 256: 3.0})], 1, count=1)
+    values = {"child_frame_id": "camera", "header": {"frame_id": "z" * 257}}
+    cdr = tf_type.encode(tf_type.validate({"transforms": [values]}, 0))
+    kept.keep([Sample(cdr, 0)], 2, count=1)
+    [(_, sample)] = kept.newest(1)
+    assert places(tf_type, sample) == {"laser": 1.0, "y" * 256: 3.0}
+
+
+def test_where_no_message_can_be_made_the_latest_goes_out_and_the_log_says_so(
+    tf_type, monkeypatch, caplog
+):
+    def refuse(values, now_ns):
+        raise InvalidValueError("msg", "msg: expected something else")
+
+    kept = make_latch("/tf_static", tf_type)
+    latest = transforms(tf_type, camera=2.0)
+    kept.keep([transforms(tf_type, laser=1.0), latest], 1, count=1)
+    monkeypatch.setattr(tf_type, "validate", refuse)
+    with caplog.at_level(logging.WARNING):
+        for _ in range(2):
+            assert kept.newest(1) == [(2, latest)]
+    [record] = caplog.records
+    assert "expected something else; the latest goes out alone" in record.getMessage()
 
 
 def test_other_topics_keep_their_samples(tf_type):

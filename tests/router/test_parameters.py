@@ -12,7 +12,8 @@ from gateway.protocol.operations.parameters import (
     SetParameters,
 )
 from gateway.rosapi import Parameters, SetResult
-from gateway.router.parameters import MAX_TIMEOUT_S, ParameterOperations
+from gateway.rosapi.parameters import MAX_TIMEOUT_S
+from gateway.router.parameters import ParameterOperations
 
 
 class Scripted:
@@ -71,9 +72,10 @@ async def test_parameters_are_described() -> None:
     }
 
 
-async def test_nobody_waits_for_a_node_for_ever() -> None:
+@pytest.mark.parametrize("asked", [1e9, 0])
+async def test_nobody_waits_for_a_node_for_ever(asked: float) -> None:
     operations, scripted = build({})
-    await operations.get(GetParameters(node="/robot", timeout=1e9))
+    await operations.get(GetParameters(node="/robot", timeout=asked))
     assert scripted.asked[-1] == MAX_TIMEOUT_S
 
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Transforms for clients, from what comes on /tf and /tf_static."""
 
+import asyncio
 from typing import Any
 
 import pytest
@@ -13,6 +14,8 @@ from gateway.router import tf_listener
 from gateway.router.tf_listener import TF_MESSAGE
 from gateway.router.topic_types import TopicTypes
 from gateway.router.transforms import Transforms
+from gateway.tf import buffer
+from gateway.tf.buffer import Buffer, Found
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table
 from tests import interfaces
@@ -51,6 +54,10 @@ class Robot:
         self.say(self.moving, "base_link", "odom", sec, x)
 
     @property
+    def complaints(self) -> list[str]:
+        return [text for _, text in self.bench.ros.logged if text.startswith("tf: ")]
+
+    @property
     def subscriptions(self) -> list[str]:
         return [subscription.topic for subscription in self.bench.ros.subscriptions]
 
@@ -63,6 +70,20 @@ def robot(bench: Bench) -> Robot:
 @pytest.fixture
 def client(bench: Bench) -> Socketless:
     return bench.client()
+
+
+@pytest.fixture
+def looks(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, str]]:
+    """Return what is looked up from now on."""
+    looks = []
+    lookup = Buffer.lookup
+
+    def noted(buffer: Buffer, target: str, source: str, stamp_ns: int | None = None) -> Found:
+        looks.append((target, source))
+        return lookup(buffer, target, source, stamp_ns)
+
+    monkeypatch.setattr(Buffer, "lookup", noted)
+    return looks
 
 
 def ask(client: Socketless, **more: Any) -> None:
@@ -119,10 +140,21 @@ async def test_a_time_of_zero_is_the_newest(robot: Robot, client: Socketless):
         ({"time": {"sec": 9}}, "timeout", "base_link in odom: newest is 4 s older than asked"),
         # which waiting will not help
         (
-            {"time": {"sec": 4}, "timeout": 1e6},
+            {"time": {"sec": 4}, "timeout": 60},
             "timeout",
             "base_link in odom: oldest is 1 s newer than asked",
         ),
+        (
+            {"source_frame": "x" * 256},
+            "not_found",
+            f"frame '{'x' * 118}...",
+        ),
+        (
+            {"source_frame": "x" * 257},
+            "bad_request",
+            "source_frame: expected at most 256 characters, got a string",
+        ),
+        ({"timeout": 61}, "bad_request", "timeout: expected at most 60, got 61"),
         ({"target_frame": 7}, "bad_request", "target_frame: expected a string, got 7"),
         (
             {"rate": 5, "time": {"sec": 1}},
@@ -209,14 +241,105 @@ async def test_one_who_joins_gets_at_once_what_the_others_have(robot: Robot, cli
     assert "id" not in third.of("lookup_transform")[0]
 
 
+async def test_a_repeated_lookup_sends_at_most_so_often(robot: Robot, client: Socketless):
+    loop = asyncio.get_running_loop()
+    quick = robot.bench.client()
+    begin = loop.time()
+    ask(client, rate=20)
+    ask(quick, rate=200)
+    await robot.bench.settle()
+    for sec in range(1, 31):
+        robot.drive(sec, 0.0)
+        await quick.sees(sec, "lookup_transform")
+    got = len(xs(client))
+    assert 1 <= got <= 1 + (loop.time() - begin) * 20
+    # the last one, too, when it is time to
+    await eventually(lambda: (30, 1.0) in xs(client))
+
+
+async def test_what_comes_late_is_sent_at_once_at_any_rate(robot: Robot, client: Socketless):
+    ask(client, rate=0.001, timeout=0)
+    await client.sees(1, "status")
+    robot.drive(1, 1.0)
+    await client.sees(1, "lookup_transform")
+
+
+async def test_while_nothing_changes_nothing_is_looked_up(
+    robot: Robot, client: Socketless, looks: list[tuple[str, str]]
+):
+    ask(client, rate=200)
+    await robot.bench.settle()
+    robot.drive(1, 1.0)
+    await client.sees(1, "lookup_transform")
+    looks.clear()
+    robot.drive(1, 1.0)  # as it was
+    other = robot.bench.client()
+    for rate in (10, 100):
+        ask(other, id=rate, source_frame="nowhere", rate=rate, timeout=0.05)
+    await other.sees(2, "status")
+    assert ("odom", "laser") not in looks
+
+
+async def test_nothing_is_looked_up_for_those_who_have_cancelled_or_left(
+    robot: Robot, client: Socketless, looks: list[tuple[str, str]]
+):
+    leaving, staying = robot.bench.client(), robot.bench.client()
+    ask(client, id="pose", rate=5)
+    ask(leaving, source_frame="base_link", rate=5)
+    await robot.bench.settle()
+    robot.drive(1, 1.0)
+    for each in (client, leaving):
+        await each.sees(1, "lookup_transform")
+    ask(staying, source_frame="laser", target_frame="base_link", rate=5)
+    await staying.sees(1, "lookup_transform")
+    robot.drive(2, 2.0)
+    robot.say(robot.fixed, "laser", "base_link", 0, 2.0)
+    await robot.bench.settle()
+    # now the next look of each is due, that of the one who stays after the others'
+    client.send(op="cancel_transform", id="pose")
+    robot.bench.router.leave(leaving.session)
+    looks.clear()
+    await staying.sees(2, "lookup_transform")
+    assert set(looks) <= {("base_link", "laser")}
+
+
 async def test_what_is_missing_is_told_once_and_waited_for(robot: Robot, client: Socketless):
     ask(client, id="pose", rate=200, timeout=0)
     [status] = await client.sees(1, "status")
     assert (status["level"], status["code"], status["id"]) == ("warning", "not_found", "pose")
     assert status["msg"].endswith("is unknown; waiting for it")
+    robot.say(robot.moving, "arm", "torso", 1, 0.0)
     robot.drive(1, 1.0)
     await client.sees(1, "lookup_transform")
     assert len(client.statuses) == 1
+
+
+async def test_what_is_missing_again_is_told_again(robot: Robot, client: Socketless):
+    ask(client, rate=200, timeout=0)
+    for count in (1, 2):
+        await client.sees(count, "status")
+        robot.drive(1000, 5.0)
+        await client.sees(count, "lookup_transform")
+        robot.bench.ros.now -= 1000 * SECOND
+        robot.say(robot.moving, "arm", "torso", 1, 0.0)
+    await client.sees(3, "status")
+
+
+async def test_nobody_hears_of_what_was_missing_after_cancelling(robot: Robot, client: Socketless):
+    patient = robot.bench.client()
+    ask(client, id="pose", rate=10, timeout=0.05)
+    ask(patient, rate=10, timeout=0.06)
+    client.send(op="cancel_transform", id="pose")
+    await patient.sees(1, "status")
+    assert client.statuses == []
+
+
+async def test_what_is_missing_is_told_to_one_who_joins(robot: Robot, client: Socketless):
+    ask(client, rate=10, timeout=0)
+    await client.sees(1, "status")
+    other = robot.bench.client()
+    ask(other, rate=10, timeout=0)
+    await other.sees(1, "status")
 
 
 async def test_for_a_slow_client_only_the_newest_waits(robot: Robot, client: Socketless):
@@ -260,19 +383,39 @@ async def test_listening_goes_on_for_a_while_and_ends(
     await eventually(lambda: not robot.subscriptions)
 
 
+async def test_after_a_single_lookup_listening_ends_and_all_is_forgotten(
+    robot: Robot, client: Socketless, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(tf_listener, "LINGER_S", 0.1)
+    ask(client, timeout=30)
+    await robot.bench.settle()
+    robot.drive(5, 2.0)
+    await client.sees(1, "lookup_transform")
+    await eventually(lambda: not robot.subscriptions)
+    ask(client, target_frame="base_link", timeout=30)  # which is fixed, and told anew
+    await client.sees(2, "lookup_transform")
+    ask(client, timeout=0)
+    await client.sees(1, "status")
+    assert client.statuses == [("not_found", "frame 'odom' is unknown")]
+
+
 async def test_when_the_clock_goes_back_what_moved_is_forgotten(robot: Robot, client: Socketless):
     ask(client, rate=200)
     await robot.bench.settle()
     robot.drive(1000, 5.0)
     await client.sees(1, "lookup_transform")
     robot.bench.ros.now -= 1000 * SECOND
-    robot.say(robot.moving, "arm", "torso", 1, 0.0)
+    robot.say(robot.moving, "hand", "arm", 1, 1.0)
     other = robot.bench.client()
-    ask(other, source_frame="arm", target_frame="torso", timeout=30)
+    ask(other, source_frame="hand", target_frame="arm", timeout=30)
     await other.sees(1, "lookup_transform")
     ask(other, timeout=0)
     assert await other.sees(1, "status")
     assert other.statuses == [("not_found", "frame 'odom' is unknown")]
+    # and that only once
+    robot.say(robot.moving, "arm", "torso", 1, 1.0)
+    ask(other, source_frame="hand", target_frame="torso", timeout=30)
+    await other.sees(2, "lookup_transform")
     robot.drive(2, 0.0)
     await client.sees(2, "lookup_transform")
     assert xs(client) == [(1000, 6.0), (2, 1.0)]
@@ -288,6 +431,58 @@ async def test_what_is_no_transform_is_logged_once_and_harms_nothing(
         robot.moving.publish(b"\0\1\0\0")
     robot.drive(1, 0.0)
     await client.sees(1, "lookup_transform")
-    logged = [text for _, text in robot.bench.ros.logged if text.startswith("tf: ")]
-    assert logged[0] == "tf: frame odom is said to be in itself"
-    assert len(logged) == 2
+    first, second = robot.complaints
+    assert first == "tf: frame 'odom': it is said to be in itself"
+    assert second.startswith("tf: tf2_msgs/msg/TFMessage: need 8 bytes")
+
+
+async def test_a_frame_that_is_fixed_and_moves_is_logged_once(robot: Robot, client: Socketless):
+    ask(client, rate=200)
+    await robot.bench.settle()
+    robot.drive(1, 0.0)
+    await client.sees(1, "lookup_transform")
+    for x in (1.0, 2.0):
+        robot.say(robot.fixed, "base_link", "odom", 0, x)
+    robot.drive(2, 0.0)
+    await client.sees(2, "lookup_transform")
+    assert robot.complaints == [
+        "tf: frame 'base_link': it is said to be fixed and to move, so it moves"
+    ]
+
+
+async def test_of_each_kind_of_fault_some_frames_are_logged_until_listening_ends(
+    robot: Robot, client: Socketless, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(tf_listener, "LINGER_S", 0.0)
+    monkeypatch.setattr(tf_listener, "_MAX_COMPLAINTS", 2)
+    for sec in (1, 2):
+        ask(client, id="pose", rate=200)
+        await robot.bench.settle()
+        for frame in ("a", "b", "c"):
+            robot.say(robot.moving, frame, frame, 1, 0.0)
+        for frame in ("x" * 200, "x" * 201, "b", "c"):
+            robot.say(robot.moving, frame, "odom", 1, 0.0, rotation={"w": 0.0})
+        robot.drive(sec, 0.0)
+        await client.sees(sec, "lookup_transform")
+        assert robot.complaints == sec * [
+            "tf: frame 'a': it is said to be in itself",
+            "tf: frame 'b': it is said to be in itself",
+            f"tf: frame '{'x' * 125}...': its quaternion has no direction",
+            "tf: frame 'b': its quaternion has no direction",
+        ]
+        client.send(op="cancel_transform", id="pose")
+        await eventually(lambda: not robot.subscriptions)
+
+
+async def test_a_message_with_too_many_frames_does_no_harm(
+    robot: Robot, client: Socketless, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(buffer, "MAX_FRAMES", 4)
+    ask(client, rate=200)
+    await robot.bench.settle()
+    robot.drive(1, 0.0)
+    for frame in ("a", "b", "c"):
+        robot.say(robot.moving, frame, "odom", 1, 0.0)
+    robot.drive(2, 0.0)
+    await eventually(lambda: (2, 1.0) in xs(client))
+    assert robot.complaints == [f"tf: frame '{frame}': at most 4 frames are kept" for frame in "bc"]

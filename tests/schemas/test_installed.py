@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The installed definitions, compared with the descriptions that ROS installs beside them."""
 
+import difflib
+import errno
 import json
+from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 
@@ -223,3 +227,97 @@ def test_overlays_come_before_the_python_environment(monkeypatch, tmp_path):
     monkeypatch.setenv("AMENT_PREFIX_PATH", f"{tmp_path / 'a'}:{tmp_path / 'b'}")
 
     assert installed_prefixes()[:2] == (tmp_path / "a", tmp_path / "b")
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"{",
+        b"\xff\xfe",
+        b"null",
+        b"[]",
+        b'{"x": 1}',
+        b'{"type_hashes": 5}',
+        b'{"type_hashes": [1]}',
+        b'{"type_hashes": [{"type_name": "some_msgs/msg/A"}]}',
+    ],
+)
+def test_a_foreign_file_beside_a_definition_is_no_obstacle(tmp_path, content):
+    write_definition(tmp_path, "some_msgs/msg/A", "int8 x")
+    (tmp_path / "share/some_msgs/msg/A.json").write_bytes(content)
+
+    definition = InstalledDefinitions([tmp_path]).get("some_msgs/msg/A")
+
+    assert definition.fields[0].name == "x"
+    assert definition.type_hash is None
+
+
+@pytest.mark.parametrize(
+    "name", [f"{'a' * 5000}/msg/A", f"a_msgs/msg/{'A' * 5000}", f"a_msgs/srv/{'A' * 5000}_Request"]
+)
+def test_a_name_longer_than_that_of_any_file_raises_unknown_type_error(tmp_path, name):
+    with pytest.raises(UnknownTypeError):
+        InstalledDefinitions([tmp_path]).get(name)
+
+
+def test_a_file_that_may_not_be_read_raises_unknown_type_error(tmp_path, monkeypatch):
+    write_definition(tmp_path, "some_msgs/msg/A", "int8 x")
+    refusal = PermissionError(errno.EACCES, "Permission denied")
+    monkeypatch.setattr(Path, "read_text", Mock(side_effect=refusal))
+
+    with pytest.raises(UnknownTypeError, match="some_msgs/msg/A can be read: Permission denied"):
+        InstalledDefinitions([tmp_path]).get("some_msgs/msg/A")
+
+
+def test_what_is_missing_is_named_also_where_another_type_nests_it(tmp_path):
+    write_definition(tmp_path, "some_msgs/msg/A", "lost_msgs/Thing[] things")
+
+    with pytest.raises(UnknownTypeError) as caught:
+        InstalledDefinitions([tmp_path]).closure(["some_msgs/msg/A"])
+
+    assert caught.value.name == "lost_msgs/msg/Thing"
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [
+        ("nav_msgs/msg/Odometri", "nav_msgs/msg/Odometry"),
+        ("nav_msg/msg/Odometry", "nav_msgs/msg/Odometry"),
+        ("nav_msg/msg/Odometri", "nav_msgs/msg/Odometry"),
+        ("geometry_msgs/msg/Odometry", "nav_msgs/msg/Odometry"),
+        ("robot_interfaces/msg/Odometry", "nav_msgs/msg/Odometry"),
+        ("std_srvs/srv/SetBoool", "std_srvs/srv/SetBool"),
+        ("std_srvs/srv/SetBol_Request", "std_srvs/srv/SetBool"),
+        ("test_msgs/action/Fibonaci", "test_msgs/action/Fibonacci"),
+        ("nav_msgs/msg/Xyzzy", None),
+        ("xyzzy/msg/Xyzzy", None),
+        ("Odometry", None),
+        ("", None),
+        (f"nav_msgs/msg/{'A' * 200_000}", None),
+    ],
+)
+def test_what_was_meant_is_guessed(name, meant):
+    assert InstalledDefinitions().nearest(name) == meant
+
+
+def test_guessing_reads_the_directories_once_and_compares_within_one_package(tmp_path, monkeypatch):
+    for package in range(20):
+        for number in range(20):
+            write_definition(tmp_path, f"package{package}/msg/Thing{number}", "")
+    globs = []
+    compared = []
+    glob, set_seq1 = Path.glob, difflib.SequenceMatcher.set_seq1
+    monkeypatch.setattr(Path, "glob", lambda *args: [globs.append(args), glob(*args)][1])
+    monkeypatch.setattr(
+        difflib.SequenceMatcher,
+        "set_seq1",
+        lambda *args: [compared.append(args), set_seq1(*args)][1],
+    )
+    definitions = InstalledDefinitions([tmp_path])
+
+    for _ in range(2):
+        assert definitions.nearest("package7/msg/Thin9") == "package7/msg/Thing9"
+
+    assert len(globs) == 1
+    assert len(compared) < 2 * 3 * 20

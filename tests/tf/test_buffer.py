@@ -27,12 +27,27 @@ def at(x):
     return Rigid(float(x), 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
-def moved(buffer, child, parent, second, x=0.0):
-    buffer.insert(child, parent, round(second * SECOND), at(x), is_static=False)
+def moved(buffer, child, parent, second, x=0.0, *, heard=0):
+    stamp_ns = round(second * SECOND)
+    heard_ns = round(heard * SECOND)
+    return buffer.insert(child, parent, stamp_ns, at(x), heard_ns=heard_ns, is_static=False)
 
 
-def fixed(buffer, child, parent, x=0.0):
-    buffer.insert(child, parent, 0, at(x), is_static=True)
+def fixed(buffer, child, parent, x=0.0, *, heard=0):
+    return buffer.insert(child, parent, 0, at(x), heard_ns=round(heard * SECOND), is_static=True)
+
+
+def noted(monkeypatch, name):
+    """Return the calls of one of the buffer's methods from now on."""
+    calls = []
+    method = getattr(Buffer, name)
+
+    def note(*args):
+        calls.append(args)
+        return method(*args)
+
+    monkeypatch.setattr(Buffer, name, note)
+    return calls
 
 
 @pytest.fixture
@@ -62,7 +77,7 @@ def test_in_any_tree_any_frame_is_where_the_matrices_say(tree, data):
     order = data.draw(st.permutations(range(1, len(tree) + 1)))
     for child in order:
         parent, transform, is_static = tree[child - 1]
-        buffer.insert(f"f{child}", f"f{parent}", SECOND, transform, is_static=is_static)
+        buffer.insert(f"f{child}", f"f{parent}", SECOND, transform, heard_ns=0, is_static=is_static)
     places = {0: np.eye(4)}
     for child, (parent, transform, _) in enumerate(tree, start=1):
         places[child] = places[parent] @ matrix(transform)
@@ -76,8 +91,8 @@ def test_in_any_tree_any_frame_is_where_the_matrices_say(tree, data):
 def test_between_two_samples_a_chain_is_interpolated_link_by_link(ends, ratio, mount):
     buffer = Buffer()
     for second, transform in enumerate(ends):
-        buffer.insert("base", "odom", (1 + second) * SECOND, transform, is_static=False)
-    buffer.insert("laser", "base", 0, mount, is_static=True)
+        buffer.insert("base", "odom", (1 + second) * SECOND, transform, heard_ns=0, is_static=False)
+    buffer.insert("laser", "base", 0, mount, heard_ns=0, is_static=True)
     stamp_ns = SECOND + math.floor(ratio * SECOND)
     found = buffer.lookup("odom", "laser", stamp_ns)
     between = ends[0].towards(ends[1], (stamp_ns - SECOND) / SECOND)
@@ -143,6 +158,9 @@ def test_an_unknown_frame_is_told_with_the_one_that_was_meant(robot: Buffer):
     assert str(caught.value) == "frame 'bas_link' is unknown; did you mean base_link?"
     with pytest.raises(UnknownFrameError, match=r"'nowhere' is unknown$"):
         robot.lookup("nowhere", "nowhere")
+    for target, source in (("map", "nowhere"), ("nowhere", "map")):
+        with pytest.raises(UnknownFrameError, match=r"'nowhere' is unknown$"):
+            robot.lookup(target, source)
 
 
 def test_frames_that_are_not_connected_are_told_with_their_trees(robot: Buffer):
@@ -165,22 +183,33 @@ def test_a_time_without_samples_is_told_with_how_far_the_samples_are(robot: Buff
     assert caught.value.is_early
 
 
-def test_a_loop_is_told_and_does_not_hang():
+def test_a_loop_is_told_where_no_frame_is_above_both():
     buffer = Buffer()
-    for child, parent in ("ab", "bc", "ca", "da"):
+    for child, parent in ("ab", "bc", "ca", "da", "xy"):
         moved(buffer, child, parent, 1)
-    with pytest.raises(LoopError, match="frames are in a loop: c in a in b in c"):
-        buffer.lookup("b", "c")
+    for target, source in ("xd", "dx"):
+        with pytest.raises(LoopError, match=r"frames are in a loop: a in b in c in a$"):
+            buffer.lookup(target, source)
+
+
+def test_a_loop_above_both_frames_does_not_matter(robot: Buffer):
+    fixed(robot, "camera", "base_link", 3)
+    moved(robot, "map", "odom", 2)
+    assert robot.lookup("base_link", "laser").transform == at(1)
+    assert robot.lookup("laser", "base_link").transform == at(-1)
+    assert robot.lookup("camera", "laser").transform == at(-2)
 
 
 @pytest.mark.parametrize(
     ("child", "parent", "transform", "reason"),
     [
-        ("", "map", at(0), "'' in 'map': a frame has no name"),
-        ("a", "/", at(0), "'a' in '': a frame has no name"),
-        ("a", "/a", at(0), "frame a is said to be in itself"),
-        ("a", "map", at(math.nan), "a in map: a number is not finite"),
-        ("a", "map", Rigid(0, 0, 0, 0, 0, 0, 0), "a in map: its quaternion has no direction"),
+        ("", "map", at(0), "frame '': it or its parent has no name"),
+        ("a", "/", at(0), "frame 'a': it or its parent has no name"),
+        ("a", "/a", at(0), "frame 'a': it is said to be in itself"),
+        ("a", "map", at(math.nan), "frame 'a': a number is not finite"),
+        ("a", "map", Rigid(0, 0, 0, 0, 0, 0, 0), "frame 'a': its quaternion has no direction"),
+        ("a" * 257, "map", at(0), "aaa...': it or its parent has a name of over 256 characters"),
+        ("a", "b" * 257, at(0), "frame 'a': it or its parent has a name of over 256 characters"),
     ],
 )
 def test_what_is_no_transform_is_refused_and_changes_nothing(
@@ -188,7 +217,7 @@ def test_what_is_no_transform_is_refused_and_changes_nothing(
 ):
     before = robot.revision
     with pytest.raises(InvalidTransformError, match=reason):
-        robot.insert(child, parent, SECOND, transform, is_static=False)
+        robot.insert(child, parent, SECOND, transform, heard_ns=0, is_static=False)
     assert robot.revision == before
 
 
@@ -211,16 +240,76 @@ def test_a_revision_tells_that_an_answer_may_have_changed(robot: Buffer):
     assert robot.revision > before
 
 
+def test_an_answer_is_worked_out_once_per_revision(robot: Buffer, monkeypatch: pytest.MonkeyPatch):
+    worked_out = noted(monkeypatch, "_paths")
+    first = robot.lookup("map", "laser")
+    count = len(worked_out)
+    assert robot.lookup("/map", "laser") == first
+    assert len(worked_out) == count
+    assert robot.lookup("map", "base_link").transform == at(120)
+    moved(robot, "base_link", "odom", 2.5, 50)
+    moved(robot, "odom", "map", 2.5, 100)
+    assert robot.lookup("map", "laser").transform == at(151)
+
+
+def test_answers_are_bounded(robot: Buffer, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(module, "_MAX_ANSWERS", 2)
+    for frame in ("laser", "base_link", "odom", "map"):
+        robot.lookup("map", frame)
+        assert len(robot._answers) <= 2
+
+
+def test_what_moves_stays_moving_when_it_is_said_to_be_fixed(robot: Buffer):
+    assert not fixed(robot, "base_link", "odom", 7, heard=1)
+    assert robot.lookup("odom", "base_link", 3 * SECOND // 2).transform == at(15)
+    # once it has ceased, it counts
+    assert fixed(robot, "base_link", "odom", 7, heard=11)
+    assert robot.lookup("odom", "base_link") == (0, at(7))
+
+
+def test_what_was_fixed_moves_when_it_is_said_to(robot: Buffer):
+    assert not moved(robot, "laser", "base_link", 2, 5)
+    assert moved(robot, "laser", "base_link", 3, 6)
+    assert robot.lookup("base_link", "laser") == (3 * SECOND, at(6))
+
+
 def test_frames_are_bounded_and_those_that_ceased_make_room(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(module, "MAX_FRAMES", 4)
     buffer = Buffer()
     fixed(buffer, "laser", "base")
-    moved(buffer, "person_1", "base", 1)
-    moved(buffer, "person_2", "base", 2)
-    with pytest.raises(InvalidTransformError, match="frame person_3: at most 4 frames are kept"):
-        moved(buffer, "person_3", "base", 3)
-    moved(buffer, "person_2", "base", 30)
-    moved(buffer, "person_3", "base", 31)
-    assert buffer.lookup("laser", "person_3").stamp_ns == 31 * SECOND
+    moved(buffer, "person_1", "base", 1, heard=1)
+    moved(buffer, "person_2", "base", 9999, heard=2)  # by a clock that is wrong
+    with pytest.raises(InvalidTransformError, match="'person_3': at most 4 frames are kept"):
+        moved(buffer, "person_3", "base", 3, heard=3)
+    moved(buffer, "person_2", "base", 9999, heard=10)
+    before = buffer.revision
+    moved(buffer, "person_3", "base", 12, heard=11.5)
+    assert buffer.revision > before
+    assert buffer.lookup("laser", "person_3").stamp_ns == 12 * SECOND
+    assert buffer.lookup("laser", "person_2").stamp_ns == 9999 * SECOND
     with pytest.raises(UnknownFrameError, match="person_1"):
         buffer.lookup("laser", "person_1")
+
+
+def test_too_many_frames_are_refused_without_a_sweep_for_each(monkeypatch: pytest.MonkeyPatch):
+    sweeps = noted(monkeypatch, "_keep")
+    buffer = Buffer()
+    for number in range(module.MAX_FRAMES - 1):
+        moved(buffer, f"frame_{number}", "base", 1, heard=1)
+
+    def refused(heard):
+        count = 0
+        for number in range(600):
+            try:
+                moved(buffer, f"frame_{number}", "base", heard, heard=heard)
+            except InvalidTransformError:
+                count += 1
+        return count
+
+    assert refused(heard=2) == 600 - 511
+    assert len(sweeps) == 1
+    assert refused(heard=2.9) == 600 - 511
+    assert len(sweeps) == 1
+    assert refused(heard=3) == 600 - 511
+    assert len(sweeps) == 2
+    assert buffer.lookup("base", "frame_510").stamp_ns == 3 * SECOND

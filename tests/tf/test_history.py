@@ -2,6 +2,8 @@
 """One frame over time."""
 
 import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
 
 from gateway.tf import history
 from gateway.tf.history import HISTORY_NS, JUMP_BACK_NS, History
@@ -45,6 +47,30 @@ def test_between_two_parents_it_is_where_it_was_in_the_earlier():
     assert frame.at(SECOND) == at(0)
     assert frame.parent(None) == frame.parent(2 * SECOND) == "map"
     assert frame.parents == {"odom", "map"}
+
+
+@given(st.lists(st.tuples(st.integers(0, 15), st.sampled_from("abc")), min_size=1, max_size=20))
+@example([(0, "a"), (2, "a"), (1, "b")])
+@example([(0, "b"), (11, "b"), (9, "a")])
+def test_every_sample_keeps_its_parent_in_whatever_order_they_come(samples):
+    second_ns = HISTORY_NS // 10  # so that some expire, and some begin a new history
+    frame = None
+    parents: dict[int, str] = {}  # by stamp
+    for number, parent in samples:
+        stamp_ns = number * second_ns
+        if frame is None:
+            frame = History(stamp_ns, parent, at(0))
+        else:
+            frame.add(stamp_ns, parent, at(0))
+        if stamp_ns < max(parents, default=0) - JUMP_BACK_NS:
+            parents = {}
+        parents.setdefault(stamp_ns, parent)
+        newest = max(parents)
+        parents = {s: parent for s, parent in parents.items() if s >= newest - HISTORY_NS}
+        assert {s: frame.parent(s) for s in parents} == parents
+        assert frame.parents == set(parents.values())
+        assert frame.parent(None) == parents[newest]
+        assert len(frame._starts) <= len(parents)
 
 
 def test_what_is_older_than_the_history_goes():

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which nodes did not answer the last time they were asked."""
+
+from dataclasses import dataclass
+from typing import Final
+
+# So that a row of questions to a dead node does not wait for each of them, while who asks again
+# after a pause is not told of the past.
+FRESH_S: Final = 0.5
+MAX_NODES: Final = 256  # names only; a graph with more dead nodes has other troubles
+
+
+@dataclass(frozen=True, slots=True)
+class _Silence:
+    noticed_s: float
+    waited_s: float
+
+
+class Silences:
+    """Remembers silent nodes until they answer. Times are seconds of any one clock."""
+
+    def __init__(self) -> None:
+        self._known: dict[str, _Silence] = {}
+
+    def note(self, node: str, waited_s: float, now_s: float) -> None:
+        """Note that a node was asked, and said nothing for *waited_s*."""
+        self._known.pop(node, None)
+        self._known[node] = _Silence(now_s, waited_s)  # last in the order: the oldest goes first
+        if len(self._known) > MAX_NODES:
+            del self._known[next(iter(self._known))]
+
+    def end(self, node: str) -> None:
+        """Note that a node answered."""
+        self._known.pop(node, None)
+
+    def is_fresh(self, node: str, patience_s: float, now_s: float) -> bool:
+        """Whether somebody with as much patience has waited in vain just now."""
+        known = self._known.get(node)
+        return (
+            known is not None
+            and patience_s <= known.waited_s
+            and now_s - known.noticed_s <= FRESH_S
+        )
+
+    def noticed_s(self, node: str) -> float:
+        """Return when a node was silent, to ask those first that were not; 0 for these."""
+        known = self._known.get(node)
+        return 0.0 if known is None else known.noticed_s
