@@ -5,12 +5,14 @@ import asyncio
 import contextlib
 import os
 from collections.abc import Callable, Sequence
-from typing import assert_never
+from pathlib import Path
+from typing import Final, assert_never
 
 from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from gateway import fast_dds
 from gateway.domain import MAX_DOMAIN_ID
 from gateway.ports import GoalRequest, Graph, LogLevel, Qos, Request, RosError, Sample
 from gateway.ros.action_client import RclpyActionClient
@@ -33,6 +35,8 @@ from gateway.ros.samples import EventfdSamples, ExecutorSamples, Samples
 from gateway.ros.services import RclpyClient, RclpyService, Services
 from gateway.ros.subscriptions import RclpySubscription, Subscriptions
 from gateway.ros.watches import GraphWatch, GraphWatches
+
+_PROFILE: Final = Path(__file__).with_name("fastdds_profile.xml")
 
 
 class RclpyRos:
@@ -59,11 +63,12 @@ class RclpyRos:
         self._action_types: dict[str, tuple[str, ...]] | None = None
         with contextlib.ExitStack() as undo:
             try:
-                context = _open_context(options, undo)
-                subscribing = _open_node(context, options, "subscriptions", undo)
-                publishing = _open_node(context, options, "publishers", undo)
-                serving = _open_node(context, options, "services", undo)
-                self._debug = _open_node(context, options, "debug", undo)
+                with fast_dds.profile(_PROFILE):
+                    context = _open_context(options, undo)
+                    subscribing = _open_node(context, options, "subscriptions", undo)
+                    publishing = _open_node(context, options, "publishers", undo)
+                    serving = _open_node(context, options, "services", undo)
+                    self._debug = _open_node(context, options, "debug", undo)
             except REFUSALS as error:
                 raise refused("starting ROS", error) from error
             executor = ExecutorThread(context)

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """One thread for ROS callbacks and periodic tasks, from the process's start to its end."""
 
-import os
 import signal
 import threading
 import time
@@ -18,9 +17,9 @@ from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from gateway import fast_dds
+
 PROFILE: Final = Path(__file__).with_name("fastdds_profile.xml")
-# Fast DDS 2 reads the first name, Fast DDS 3 the second.
-_PROFILE_VARIABLES: Final = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
 _LONGEST_WAIT_NS: Final = 50_000_000  # what a stop may take to be noticed, nothing to a person
 
 
@@ -80,17 +79,16 @@ def ros_context(*, console: bool) -> Iterator[Context]:
     *console* says whether the nodes' log goes to the standard error stream beside ``/rosout``.
     Pictures then travel through shared memory, unless the environment names a profile itself.
     """
-    if not any(name in os.environ for name in _PROFILE_VARIABLES):
-        os.environ.update(dict.fromkeys(_PROFILE_VARIABLES, str(PROFILE)))
     arguments = ["--ros-args", "--disable-external-lib-logs"]
     if not console:
         arguments.append("--disable-stdout-logs")
     context = Context()
-    rclpy.init(args=arguments, context=context, signal_handler_options=SignalHandlerOptions.NO)
-    try:
-        yield context
-    finally:
-        context.try_shutdown()
+    with fast_dds.profile(PROFILE):
+        rclpy.init(args=arguments, context=context, signal_handler_options=SignalHandlerOptions.NO)
+        try:
+            yield context
+        finally:
+            context.try_shutdown()
 
 
 @contextmanager

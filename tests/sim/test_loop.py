@@ -90,16 +90,12 @@ def test_in_another_thread_signals_are_left_alone():
     assert seen == [before]
 
 
-def test_the_profile_is_used_unless_the_environment_names_one(monkeypatch):
-    for name in ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE"):
-        monkeypatch.setenv(name, "")  # so that what follows is undone
-        monkeypatch.delenv(name)
+def test_fast_dds_finds_the_robots_profile(monkeypatch):
+    name = "FASTRTPS_DEFAULT_PROFILES_FILE"
+    monkeypatch.setenv(name, "")  # so that what follows is undone
+    monkeypatch.delenv(name)
     with ros_context(console=False):
-        assert os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] == str(PROFILE)
-    monkeypatch.delenv("FASTRTPS_DEFAULT_PROFILES_FILE")
-    monkeypatch.setenv("FASTDDS_DEFAULT_PROFILES_FILE", "/theirs.xml")
-    with ros_context(console=False):
-        assert "FASTRTPS_DEFAULT_PROFILES_FILE" not in os.environ
+        assert os.environ[name] == str(PROFILE)
 
 
 def test_the_profiles_segment_holds_many_pictures():

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What must be the same after an hour as after a minute, in a gateway's process."""
+
+import asyncio
+
+from tests.client import Client, client
+from tests.gateway_process import gateway_process
+
+STRING = "std_msgs/msg/String"
+FIBONACCI = "test_msgs/action/Fibonacci"
+MORE_THAN_FAST_DDS_KEEPS = 5001  # samples
+# DDS' handshake with a new reader, which nothing tells of. A shorter wait could only hide a loss.
+HANDSHAKE_S = 0.3
+
+NO_LIMITS = ("--set", "limits.operations_per_s=0", "--set", "limits.frames_per_s=0")
+
+
+async def test_what_a_client_publishes_reaches_one_that_subscribes_late():
+    async with gateway_process("serve", *NO_LIMITS) as gateway, client(gateway.url) as old:
+        await old.send(op="advertise", topic="/old", type=STRING)
+        for number in range(MORE_THAN_FAST_DDS_KEEPS):
+            await old.send(op="publish", topic="/old", msg={"data": str(number)})
+        await old.sync()
+        async with client(gateway.url) as late:
+            await late.send(op="subscribe", topic="/old", type=STRING)
+            await late.sync()
+            await asyncio.sleep(HANDSHAKE_S)
+            await old.send(op="publish", topic="/old", msg={"data": "late"})
+            assert await late.message("/old") == {"data": "late"}
+
+
+async def test_goals_reach_an_action_that_is_advertised_anew():
+    async with gateway_process("serve", *NO_LIMITS) as gateway, client(gateway.url) as caller:
+        async with client(gateway.url) as first:
+            await _carry_out_goals(caller, first, MORE_THAN_FAST_DDS_KEEPS)
+        async with client(gateway.url) as second:
+            await _carry_out_goals(caller, second, 1)
+
+
+async def _carry_out_goals(caller: Client, server: Client, count: int) -> None:
+    await server.send(op="advertise_action", action="/count", type=FIBONACCI)
+    await server.sync()
+    await asyncio.sleep(HANDSHAKE_S)
+    for number in range(count):
+        await caller.send(op="send_action_goal", id=str(number), action="/count", args={"order": 1})
+        goal = await server.receive(lambda frame: frame["op"] == "send_action_goal")
+        await server.send(
+            op="action_result",
+            id=goal["id"],
+            action="/count",
+            status=4,
+            result=True,
+            values={"sequence": [number]},
+        )
+        ended = await caller.receive(lambda frame: frame["op"] == "action_result")
+        assert ended["values"] == {"sequence": [number]}
