@@ -166,13 +166,14 @@ class RclpyRos:
 
     def service_types(self, service: str) -> tuple[str, ...]:
         """Return the types of a service; see the port. Kept until the graph changes."""
-        if self._service_types is None:
+        # Word of a change comes a little later than the change: what is not known may be new.
+        if self._service_types is None or service not in self._service_types:
             self._service_types = {each.name: each.types for each in read_all_services(self._debug)}
         return self._service_types.get(service, ())
 
     def action_types(self, action: str) -> tuple[str, ...]:
-        """Return the types of an action; see the port. Kept until the graph changes."""
-        if self._action_types is None:
+        """Return the types of an action; see `service_types`."""
+        if self._action_types is None or action not in self._action_types:
             self._action_types = {each.name: each.types for each in read_actions(self._debug)}
         return self._action_types.get(action, ())
 

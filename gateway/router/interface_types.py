@@ -101,7 +101,8 @@ def _one(
 ) -> str:
     """Choose among the types that the graph has found for a name."""
     if not found:
-        near = difflib.get_close_matches(name, known, n=1)
+        others = (each for each in known if each != name)  # it may have gone just now
+        near = difflib.get_close_matches(name, others, n=1)
         hint = f"; did you mean {near[0]}?" if near else ""
         raise ProtocolError("not_found", f"{kind} {name} does not exist{hint}")
     if spelling is None:

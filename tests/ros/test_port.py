@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 import threading
+import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -16,9 +17,10 @@ from rclpy.node import Node
 from gateway.errors import RosMissingError
 from gateway.ports import GoalRequest, LogLevel, Qos, Request, Ros, RosError, Sample
 from gateway.ros import RosOptions, open_ros
+from gateway.ros.graph import read_actions, read_all_services
 from gateway.ros.options import Taking
 from gateway.ros.port import RclpyRos
-from tests.client import eventually
+from tests.client import PATIENCE_S, eventually
 from tests.ros.outside import Outside
 from tests.ros.test_samples import CDR, Flood
 
@@ -405,3 +407,23 @@ async def test_the_services_behind_an_action_can_be_called_by_who_knows_them() -
         cancel = "/own_action/_action/cancel_goal"
         await eventually(lambda: ros.service_types(cancel) == ("action_msgs/srv/CancelGoal",))
         assert cancel not in [service.name for service in ros.graph().services]
+
+
+async def test_what_has_just_come_is_known_before_the_graphs_thread_tells(
+    outside: Outside,
+) -> None:
+    async with open_ros() as ros:
+        assert isinstance(ros, RclpyRos)
+        assert ros.service_types("/new") == ros.action_types("/new") == ()
+        outside.add_service("/new", SET_BOOL, ignore)
+        outside.add_action_server("/new", FIBONACCI, ignore, ignore)
+        deadline = time.monotonic() + PATIENCE_S
+        # without giving the loop a turn, in which it might hear of the change
+        while not (
+            {each.name for each in read_actions(ros._debug)} >= {"/new"}
+            and {each.name for each in read_all_services(ros._debug)} >= {"/new"}
+        ):
+            assert time.monotonic() < deadline
+            time.sleep(0.01)  # noqa: ASYNC251
+        assert ros.service_types("/new") == (SET_BOOL,)
+        assert ros.action_types("/new") == (FIBONACCI,)
