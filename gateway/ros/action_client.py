@@ -81,12 +81,9 @@ class RclpyActionClient:
                 undo.callback(opened.close)
                 return opened
 
-            # These are under way as long as their goals, and sent as fast as goals are accepted.
-            self._results = requester(parts.GetResultService, "get_result", is_paced=lambda: False)
-            self._cancels = requester(self._cancel_class, "cancel_goal", is_paced=is_paced)
-            self._goals = requester(
-                parts.SendGoalService, "send_goal", is_ready=self._is_rest_ready, is_paced=is_paced
-            )
+            # First: DDS tells of readers in order, and a server accepts a goal only once it knows
+            # of the reader for its answer. It then knows of this one, whose first sample might
+            # be lost otherwise.
             with refusals(self._subject):
                 self._feedback = samples.read(
                     parts.FeedbackMessage, self._feedback_topic, _READER_PROFILE, self._hear
@@ -94,6 +91,12 @@ class RclpyActionClient:
             undo.callback(self._feedback.close)
             if self._feedback.topic_name != self._feedback_topic:
                 raise remapped(self._subject, self._feedback.topic_name)
+            # These are under way as long as their goals, and sent as fast as goals are accepted.
+            self._results = requester(parts.GetResultService, "get_result", is_paced=lambda: False)
+            self._cancels = requester(self._cancel_class, "cancel_goal", is_paced=is_paced)
+            self._goals = requester(
+                parts.SendGoalService, "send_goal", is_ready=self._is_rest_ready, is_paced=is_paced
+            )
             self._undo = undo.pop_all()
 
     async def send_goal(self, goal: bytes, on_feedback: OnFeedback) -> "RclpyGoal | None":

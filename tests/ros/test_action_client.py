@@ -270,24 +270,25 @@ async def test_an_action_of_which_a_part_is_refused_leaves_nothing(
     ros: RclpyRos, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refuse(*_: object, **__: object) -> None:
-        raise RuntimeError("no publishers today")
+        raise RuntimeError("not today")
 
     node: Node = ros._services._endpoints.node
-    before = entities_of(node)
+    hearing: Node = ros._subscriptions._samples._node  # type: ignore[attr-defined]
+    before = entities_of(node, hearing)
     with monkeypatch.context() as patch:
         patch.setattr(node, "create_service", refuse)
-        with pytest.raises(RosError, match="action /dock: no publishers today"):
+        with pytest.raises(RosError, match="action /dock: not today"):
             ros.serve_action("/dock", FIBONACCI, ignore, ignore)
-        patch.setattr(ros._subscriptions._samples, "read", refuse)
-        with pytest.raises(RosError, match="action /dock: no publishers today"):
+        patch.setattr(node, "create_client", refuse)
+        with pytest.raises(RosError, match="action /dock: not today"):
             ros.action_client("/dock", FIBONACCI)
-    assert entities_of(node) == before
+    assert entities_of(node, hearing) == before
     assert ros.entity_count() == 0
 
 
-def entities_of(node: Node) -> list[int]:
-    kinds = (node.clients, node.services, node.publishers, node.subscriptions)
-    return [len(list(kind)) for kind in kinds]
+def entities_of(*nodes: Node) -> list[int]:
+    kinds = [(n.clients, n.services, n.publishers, n.subscriptions) for n in nodes]
+    return [len(list(each)) for kind in kinds for each in kind]
 
 
 async def accepted_goals(client: RclpyActionClient, provider: Provider, count: int) -> list[Any]:
@@ -378,3 +379,17 @@ async def test_a_burst_of_feedback_is_heard(ros: RclpyRos) -> None:
     for value in range(50):
         provider.goals[0].feedback(sequence(value))
     await eventually(lambda: [values_of(each) for each in heard] == [[v] for v in range(50)])
+
+
+async def test_a_server_knows_of_the_feedbacks_reader_before_it_can_accept(ros: RclpyRos) -> None:
+    samples = ros._subscriptions._samples
+    read, clients = samples.read, []
+
+    def read_first(*arguments: Any) -> Any:
+        clients.append(len(list(ros._services._endpoints.node.clients)))
+        return read(*arguments)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(samples, "read", read_first)
+        ros.action_client("/dock", FIBONACCI)
+    assert clients == [0]
