@@ -16,15 +16,11 @@ from rclpy.serialization import deserialize_message, serialize_message
 from gateway.ports import ABORTED, CANCELED, SUCCEEDED, GoalResult, RosError, Sample
 from gateway.ros.endpoints import Endpoints, Requester
 from gateway.ros.errors import refusals, remapped
+from gateway.ros.goal_ids import goal_id_of, with_goal_id, without_goal_id
 from gateway.ros.interfaces import action_class, service_class
 from gateway.ros.qos import MAX_DEPTH
 from gateway.ros.samples import Samples
 
-CDR_HEADER_BYTES: Final = 4
-# A goal's id comes first in SendGoal_Request and in FeedbackMessage. Nothing in CDR is aligned to
-# more than 8: what follows the 16 bytes is laid out as it is alone.
-GOAL_ID_BYTES: Final = 16
-FEEDBACK_PROFILE: Final = QoSProfile(depth=10)  # of rcl_action: reliable, volatile
 # One reader hears all goals of an action, and the loop may be busy with something else.
 _READER_PROFILE: Final = QoSProfile(depth=MAX_DEPTH)
 
@@ -35,11 +31,6 @@ _READER_PROFILE: Final = QoSProfile(depth=MAX_DEPTH)
 _ABANDONED_S: Final = 30.0
 
 OnFeedback = Callable[[bytes], None]
-
-
-def with_goal_id(goal_id: bytes, cdr: bytes) -> bytes:
-    """Put a goal's id before a Goal or a Feedback, all CDR but the id."""
-    return b"".join((cdr[:CDR_HEADER_BYTES], goal_id, cdr[CDR_HEADER_BYTES:]))
 
 
 class RclpyActionClient:
@@ -215,11 +206,10 @@ class RclpyActionClient:
                     self.cancel_goal(goal_id)
 
     def _hear(self, samples: Sequence[Sample]) -> None:
-        start = CDR_HEADER_BYTES + GOAL_ID_BYTES
         for cdr, _ in samples:
-            on_feedback = self._listening.get(cdr[CDR_HEADER_BYTES:start])
+            on_feedback = self._listening.get(goal_id_of(cdr))
             if on_feedback is not None:
-                on_feedback(cdr[:CDR_HEADER_BYTES] + cdr[start:])
+                on_feedback(without_goal_id(cdr))
 
 
 class RclpyGoal:

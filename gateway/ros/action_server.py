@@ -14,9 +14,9 @@ from rclpy.qos import QoSProfile, qos_profile_action_status_default
 from rclpy.serialization import deserialize_message, serialize_message
 
 from gateway.ports import ABORTED, CANCELED, GoalOutcome, GoalRequest
-from gateway.ros.action_client import FEEDBACK_PROFILE, with_goal_id
 from gateway.ros.endpoints import Endpoints, OnRequest, Replier, Reply
 from gateway.ros.errors import refusals, remapped
+from gateway.ros.goal_ids import with_goal_id
 from gateway.ros.groups import group_of_one
 from gateway.ros.interfaces import action_class, message_class, service_class
 
@@ -28,6 +28,8 @@ RESULT_KEPT_S: Final = 900.0
 MAX_RESULTS_KEPT: Final = 64
 # for one goal's result: its client, and tools that look on
 MAX_WAITING: Final = 16
+
+_FEEDBACK_PROFILE: Final = QoSProfile(depth=10)  # of rcl_action: reliable, volatile
 
 # action_msgs/msg/GoalStatus
 _EXECUTING: Final = 2
@@ -125,7 +127,7 @@ class RclpyActionServer:
                 undo.callback(endpoints.node.destroy_publisher, opened)
                 return opened
 
-            self._feedback = publisher("feedback", parts.FeedbackMessage, FEEDBACK_PROFILE)
+            self._feedback = publisher("feedback", parts.FeedbackMessage, _FEEDBACK_PROFILE)
             self._status_topic = publisher(
                 "status", self._statuses, qos_profile_action_status_default
             )

@@ -86,6 +86,7 @@ async def wait_for_the_robot(url: str) -> None:
                 )
                 frame = await speaker.receive(lambda frame: frame["op"] == "service_response")
                 answer = frame["values"]
+                await asyncio.sleep(0.02)  # below the operations that a client may send
 
 
 async def on_its_own_connection(url: str, conversation: str) -> str | None:
