@@ -153,9 +153,10 @@ class Service(Protocol):
     """A ROS service that the gateway provides."""
 
     def close(self) -> None:
-        """Destroy it; no request comes after. Closing twice is harmless.
+        """Withdraw it. Closing twice is harmless.
 
-        *on_request* gets what has arrived first; what it answers within its call is sent.
+        *on_request* gets what has arrived, and what callers send before they have heard of the
+        end; what it answers within its call is sent.
         """
 
 
@@ -236,8 +237,9 @@ class ActionServer(Protocol):
     """A ROS action that the gateway provides."""
 
     def close(self) -> None:
-        """Destroy it; unfinished goals are aborted first, and what has arrived is answered.
+        """Withdraw it; unfinished goals are aborted, and no callback comes after.
 
+        What callers send before they have heard of the end is answered, goals by a rejection.
         Closing twice is harmless.
         """
 

@@ -152,13 +152,17 @@ class RclpyActionClient:
         self._goals.fail_all(but=self._abandoned)
         self._destroy_if_done()
 
-    def destroy(self) -> None:
-        """Destroy it at once, all cancels sent. Doing so twice is harmless."""
+    def withdraw(self) -> None:
+        """Send all cancels now: what is left is to destroy it. Doing so twice is harmless."""
         self._is_closed = True
         if self._last_moment is not None:
             self._last_moment.cancel()
         self._on_close(self)
         self._cancels.flush()  # more at once than a server may keep, but unsent they are lost
+
+    def destroy(self) -> None:
+        """Withdraw and destroy it. Doing so twice is harmless."""
+        self.withdraw()
         self._undo.close()
 
     def _is_rest_ready(self) -> bool:

@@ -137,12 +137,14 @@ class RclpyActionServer:
                 ("cancel_goal", cancel_class, self._cancel),
                 ("send_goal", parts.SendGoalService, self._accept),
             ]
+            self._repliers: list[Replier] = []
             for part, part_class, on_request in services:
                 full_name = f"{name}/_action/{part}"
                 replier = Replier(
                     endpoints, part_class, full_name, on_request, subject=self._subject
                 )
                 undo.callback(replier.close)
+                self._repliers.append(replier)
             self._undo = undo.pop_all()
 
     def publish_feedback(self, goal_id: bytes, cdr: bytes) -> None:
@@ -157,11 +159,10 @@ class RclpyActionServer:
         self._end(goal, status, message)
 
     def close(self) -> None:
-        """Abort what has not ended and destroy the action. Closing twice is harmless."""
+        """Abort what has not ended and withdraw the action. Closing twice is harmless."""
         if self._is_closing:
             return
         self._is_closing = True
-        self._on_close(self)
         try:
             unfinished = [goal for goal in self._goals.values() if goal.is_open]
             for goal in unfinished:
@@ -170,11 +171,22 @@ class RclpyActionServer:
                 self._publish_status()  # once, for it holds them all
             for goal in unfinished:
                 goal.answer_waiting()
+            for replier in self._repliers:
+                replier.drain()  # goals that have just arrived are rejected, the rest is answered
         finally:
-            for goal in self._ended.values():
-                if goal.expiry is not None:
-                    goal.expiry.cancel()
-            self._undo.close()  # goals that have just arrived are rejected, the rest is answered
+            self._on_close(self)
+
+    @property
+    def has_answered(self) -> bool:
+        """Whether a response was ever sent."""
+        return any(replier.has_replied for replier in self._repliers)
+
+    def destroy(self) -> None:
+        """Destroy it, at the latest once its last response has been heard."""
+        for goal in self._ended.values():
+            if goal.expiry is not None:
+                goal.expiry.cancel()
+        self._undo.close()
 
     def _accept(self, message: Any, reply: Reply) -> None:
         goal_id = bytes(message.goal_id.uuid)

@@ -7,6 +7,7 @@ from gateway.ports import GoalRequest, RosError
 from gateway.ros.action_client import RclpyActionClient
 from gateway.ros.action_server import RclpyActionServer
 from gateway.ros.endpoints import Endpoints
+from gateway.ros.last_words import LastWords
 from gateway.ros.names import check_action
 from gateway.ros.samples import Samples
 
@@ -18,12 +19,14 @@ class Actions:
         self,
         endpoints: Endpoints,
         samples: Samples,
+        last_words: LastWords,
         now_ns: Callable[[], int],
         on_change: Callable[[], None],
     ) -> None:
         self._endpoints = endpoints
         self._on_change = on_change
         self._samples = samples
+        self._last_words = last_words
         self._now_ns = now_ns
         self._clients: set[RclpyActionClient] = set()
         self._provided: dict[str, RclpyActionServer] = {}
@@ -64,6 +67,7 @@ class Actions:
         check_action(action)
         if action in self._provided:
             raise RosError("limit_exceeded", f"action {action} is provided here already")
+        self._last_words.end(f"action {action}")
         server = RclpyActionServer(
             self._endpoints, self._now_ns, action, type_name, on_goal, on_cancel, self._forget
         )
@@ -77,13 +81,21 @@ class Actions:
             client.follow_graph()
 
     def close(self) -> None:
-        """Close what is still open, and wait for nothing."""
+        """Close what is still open, and wait for no answers."""
         for client in list(self._clients):
-            client.destroy()
+            client.withdraw()
+            self._last_words.keep(f"action {client.name}", client.type_name, client.destroy)
         for server in list(self._provided.values()):
             server.close()
 
     def _forget(self, server: RclpyActionServer) -> None:
-        if self._provided.get(server.name) is server:
-            del self._provided[server.name]
+        del self._provided[server.name]
+
+        def destroy() -> None:
+            server.destroy()
             self._on_change()
+
+        if server.has_answered:
+            self._last_words.keep(f"action {server.name}", server.type_name, destroy)
+        else:
+            destroy()

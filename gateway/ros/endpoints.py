@@ -269,8 +269,9 @@ class Replier:
         self._loop = endpoints.loop
         self._on_request = on_request
         self._request_class = service_class.Request
-        self._is_closing = False
+        self._is_draining = False
         self._is_closed = False
+        self.has_replied = False
         self._stalls: deque[float] = deque(maxlen=MAX_STALLS)  # when the last ones were
         self._silent_until = self._loop.time()
         with refusals(subject):
@@ -292,24 +293,33 @@ class Replier:
             self._inlet.close()
             raise remapped(subject, given)
 
+    def drain(self) -> None:
+        """Give *on_request* what has arrived. From within that, this does nothing."""
+        if self._is_draining:
+            return
+        self._is_draining = True
+        try:
+            for _ in range(MAX_DEPTH):
+                if self._is_closed or not self._take_one():
+                    break
+        finally:
+            self._is_draining = False
+
     def close(self) -> None:
         """Destroy it, once *on_request* has got what has arrived, to reply to it within the call.
 
-        No request comes after. Closing twice, or from within *on_request*, is harmless.
+        No request comes after. Closing twice is harmless.
         """
-        if self._is_closing:
+        if self._is_closed:
             return
-        self._is_closing = True
         try:
-            for _ in range(MAX_DEPTH):
-                if not self._take_one():
-                    break
+            self.drain()
         finally:
             self._is_closed = True
             self._inlet.close()
 
     def _take(self) -> None:
-        if not self._is_closing:
+        if not self._is_draining:
             self._take_one()
 
     def _take_one(self) -> bool:
@@ -326,6 +336,7 @@ class Replier:
     def _reply(self, response: Any, request_id: Any) -> None:
         if self._is_closed or self._loop.time() < self._silent_until:
             return
+        self.has_replied = True
         with losses(self._subject) as waits:
             self._service.handle.service_send_response(response, request_id)
         if waits:

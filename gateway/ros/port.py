@@ -29,6 +29,7 @@ from gateway.ros.graph import (
     read_graph,
     read_types,
 )
+from gateway.ros.last_words import LastWords
 from gateway.ros.options import RosOptions, Taking
 from gateway.ros.publishers import Publishers, RclpyPublisher
 from gateway.ros.samples import EventfdSamples, ExecutorSamples, Samples
@@ -82,12 +83,16 @@ class RclpyRos:
             samples = _open_samples(arrivals, subscribing, loop, undo)
             self._subscriptions = Subscriptions(subscribing, samples, loop, self._topics_changed)
             undo.callback(self._subscriptions.close)
-            self._publishers = Publishers(publishing, self._topics_changed)
+            self._last_words = LastWords(loop)
+            undo.callback(self._last_words.close)
+            self._publishers = Publishers(publishing, self._last_words, self._topics_changed)
             undo.callback(self._publishers.close)
             endpoints = Endpoints(serving, arrivals, loop)
-            self._services = Services(endpoints, self._services_changed)
+            self._services = Services(endpoints, self._last_words, self._services_changed)
             undo.callback(self._services.close)
-            self._actions = Actions(endpoints, samples, self.now_ns, self._actions_changed)
+            self._actions = Actions(
+                endpoints, samples, self._last_words, self.now_ns, self._actions_changed
+            )
             undo.callback(self._actions.close)
             self._watches = GraphWatches(loop)
             undo.callback(self._watches.close)
@@ -226,6 +231,7 @@ class RclpyRos:
         # One DDS participant cannot have both, and rcl loses rmw's reason for saying so.
         if known not in {None, type_name}:
             raise RosError("bad_type", f"{subject} is open here as {known}, not {type_name}")
+        self._last_words.end(subject, but=type_name)
 
     # What is opened and closed here is in the graph at once: no change is waited for.
 

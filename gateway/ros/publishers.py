@@ -12,6 +12,7 @@ from gateway.ports import Qos
 from gateway.ros.errors import REFUSALS, refused, remapped
 from gateway.ros.groups import group_of_one
 from gateway.ros.interfaces import message_class
+from gateway.ros.last_words import Kept, LastWords
 from gateway.ros.names import check_topic
 from gateway.ros.profile import to_profile
 from gateway.ros.qos import complete_offer
@@ -28,13 +29,16 @@ class _Key:
 class _Shared:
     publisher: Any
     users: int = 0
+    has_published: bool = False
+    kept: Kept | None = None  # while nobody uses it
 
 
 class Publishers:
     """The publishers of one node."""
 
-    def __init__(self, node: Node, on_change: Callable[[], None]) -> None:
+    def __init__(self, node: Node, last_words: LastWords, on_change: Callable[[], None]) -> None:
         self._node = node
+        self._last_words = last_words
         self._on_change = on_change
         self._shared: dict[_Key, _Shared] = {}
         self._handles: set[RclpyPublisher] = set()
@@ -45,7 +49,8 @@ class Publishers:
 
     def type_of(self, topic: str) -> str | None:
         """Return the type of an open publisher on a topic, if there is one."""
-        return next((key.type_name for key in self._shared if key.topic == topic), None)
+        open_here = (key for key, shared in self._shared.items() if shared.users)
+        return next((key.type_name for key in open_here if key.topic == topic), None)
 
     def advertise(self, topic: str, type_name: str, qos: Qos) -> "RclpyPublisher":
         """Open a publisher; `gateway.ports.Ros.advertise` says how."""
@@ -54,22 +59,34 @@ class Publishers:
         shared = self._shared.get(key)
         if shared is None:
             shared = self._shared[key] = _Shared(self._create(key))
+        elif shared.kept is not None:
+            self._last_words.revive(shared.kept)
+            shared.kept = None
         shared.users += 1
         handle = RclpyPublisher(self, key, shared.publisher.handle.publish_raw)
         self._handles.add(handle)
         return handle
 
     def release(self, handle: "RclpyPublisher", key: _Key) -> None:
-        """Give one handle back; the last one destroys the publisher. Twice is harmless."""
+        """Give one handle back; the last one ends the publisher. Twice is harmless."""
         if handle not in self._handles:
             return
         self._handles.remove(handle)
         shared = self._shared[key]
         shared.users -= 1
-        if not shared.users:
+        shared.has_published |= handle.has_published
+        if shared.users:
+            return
+
+        def destroy() -> None:
             del self._shared[key]
             self._node.destroy_publisher(shared.publisher)
             self._on_change()
+
+        if shared.has_published:
+            shared.kept = self._last_words.keep(f"topic {key.topic}", key.type_name, destroy)
+        else:
+            destroy()
 
     def close(self) -> None:
         """Close every handle that is still open."""
@@ -103,9 +120,11 @@ class RclpyPublisher:
         self._publishers = publishers
         self._key = key
         self._publish_raw = publish_raw
+        self.has_published = False
 
     def publish(self, cdr: bytes) -> None:
         """Publish one sample, encapsulation header included. Not after `close`."""
+        self.has_published = True
         try:
             self._publish_raw(cdr)
         except REFUSALS as error:

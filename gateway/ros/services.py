@@ -10,14 +10,18 @@ from gateway.ports import Request, RosError
 from gateway.ros.endpoints import Endpoints, Replier, Reply, Requester
 from gateway.ros.errors import refusals
 from gateway.ros.interfaces import service_class
+from gateway.ros.last_words import LastWords
 from gateway.ros.names import check_service
 
 
 class Services:
     """The clients and the servers of one node."""
 
-    def __init__(self, endpoints: Endpoints, on_change: Callable[[], None]) -> None:
+    def __init__(
+        self, endpoints: Endpoints, last_words: LastWords, on_change: Callable[[], None]
+    ) -> None:
         self._endpoints = endpoints
+        self._last_words = last_words
         self._on_change = on_change
         self._clients: set[RclpyClient] = set()
         self._provided: dict[str, RclpyService] = {}
@@ -53,6 +57,7 @@ class Services:
         check_service(service)
         if service in self._provided:
             raise RosError("limit_exceeded", f"service {service} is provided here already")
+        self._last_words.end(f"service {service}")
         server = RclpyService(self._endpoints, service, type_name, on_request, self._forget)
         self._provided[service] = server
         self._on_change()
@@ -71,9 +76,16 @@ class Services:
             service.close()
 
     def _forget(self, service: "RclpyService") -> None:
-        if self._provided.get(service.name) is service:
-            del self._provided[service.name]
+        del self._provided[service.name]
+
+        def destroy() -> None:
+            service.destroy()
             self._on_change()
+
+        if service.has_answered:
+            self._last_words.keep(f"service {service.name}", service.type_name, destroy)
+        else:
+            destroy()
 
 
 class RclpyClient:
@@ -147,14 +159,28 @@ class RclpyService:
         self.type_name = type_name
         self._on_request = on_request
         self._on_close = on_close
+        self._is_closed = False
         self._subject = f"service {name}"
         found = service_class(type_name)
         self._response_class = found.Response
         self._replier = Replier(endpoints, found, name, self._arrive, subject=self._subject)
 
+    @property
+    def has_answered(self) -> bool:
+        """Whether a response was ever sent."""
+        return self._replier.has_replied
+
     def close(self) -> None:
-        """Destroy it, once what has arrived is delivered; see the port."""
-        self._on_close(self)
+        """Deliver what has arrived and withdraw the service; see the port."""
+        if not self._is_closed:
+            self._is_closed = True
+            try:
+                self._replier.drain()
+            finally:
+                self._on_close(self)
+
+    def destroy(self) -> None:
+        """Destroy it, at the latest once its last response has been heard."""
         self._replier.close()
 
     def _arrive(self, message: Any, reply: Reply) -> None:
