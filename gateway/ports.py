@@ -27,7 +27,9 @@ class RosError(Exception):
 
     def __init__(
         self,
-        code: Literal["bad_name", "bad_type", "not_found", "limit_exceeded", "internal"],
+        code: Literal[
+            "bad_name", "bad_type", "type_conflict", "not_found", "limit_exceeded", "internal"
+        ],
         reason: str,
     ) -> None:
         super().__init__(reason)

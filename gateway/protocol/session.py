@@ -140,12 +140,13 @@ class Session:
         self.refused += 1
         text = str(error)
         values = {} if self.is_ros_sharp else text
+        # some clients know a response by this name, so it is as they spelt it
+        name = asked.name if isinstance(asked.name, str) else ""
         match asked:
-            # clients know a response by this name, so it is as they spelt it
-            case _Asked("call_service", request_id, str(service)):
-                self.send(frames.service_response(service, request_id, values, result=False))
-            case _Asked("send_action_goal", request_id, str(action)):
-                self.send(frames.action_result(action, request_id, values, status=0, result=False))
+            case _Asked("call_service", request_id):
+                self.send(frames.service_response(name, request_id, values, result=False))
+            case _Asked("send_action_goal", request_id):
+                self.send(frames.action_result(name, request_id, values, status=0, result=False))
             case _:
                 self._say("error", text, error, asked.op, asked.id)
 

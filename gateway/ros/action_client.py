@@ -134,7 +134,8 @@ class RclpyActionClient:
         for status in (SUCCEEDED, CANCELED, ABORTED):
             if response.status == status:
                 return GoalResult(status, serialize_message(response.result))
-        raise RosError("not_found", f"{self._subject} has forgotten the goal")
+        text = f"{self._subject} does not know the goal: it has forgotten it, or was provided anew"
+        raise RosError("not_found", text)
 
     def follow_graph(self) -> None:
         """See whether servers have come or gone."""

@@ -25,8 +25,8 @@ from gateway.ros.qos import MAX_DEPTH
 # has matched both its topics, and nothing tells of that.
 LOOK_S: Final = 0.02
 # Servers keep 10 requests that they have not taken, the default of ROS, and DDS drops what comes
-# beyond without a word. So many are sent ahead of their answers, each for as long as a server that
-# spins may need to take it: one that never answers keeps nobody's request waiting for longer.
+# beyond without a word. So many are sent ahead of their answers. While nothing is answered, one
+# more goes each second: what answers late, or never, has most likely taken the oldest by then.
 MAX_AHEAD: Final = 10
 AHEAD_S: Final = 1.0
 # A client whose reader does not match, such as one that asks for transient_local, gets no response,
@@ -88,7 +88,8 @@ class Requester:
         self._response_class = service_class.Response
         self._waiting: dict[asyncio.Future[Any], Any] = {}
         self._under_way: dict[int, _UnderWay] = {}
-        self._ahead: dict[int, asyncio.TimerHandle] = {}  # those of them that count as not taken
+        self._ahead: dict[int, None] = {}  # those of them that count as not taken, oldest first
+        self._relief: asyncio.TimerHandle | None = None
         self._next_look: asyncio.TimerHandle | None = None
         self._is_closed = False
         with refusals(subject):
@@ -205,19 +206,29 @@ class Requester:
             return
         # Looked up each time: word of a change of the graph comes later than the server.
         self._under_way[number] = _UnderWay(response, self._find_servers())
-        self._ahead[number] = self._loop.call_later(AHEAD_S, self._make_room, number)
+        self._ahead[number] = None
+        if self._relief is None:
+            self._await_relief()
         response.add_done_callback(lambda _: self._end(number))
 
     def _end(self, number: int) -> None:
         del self._under_way[number]
-        self._make_room(number)
+        if number in self._ahead:
+            self._make_room(number)
 
     def _make_room(self, number: int) -> None:
-        timer = self._ahead.pop(number, None)
-        if timer is not None:
-            timer.cancel()
+        del self._ahead[number]
+        self._await_relief()
         if not self._is_closed:
             self._send_waiting()
+
+    def _await_relief(self) -> None:
+        """Let the oldest give its place up once nothing has made room for `AHEAD_S`."""
+        if self._relief is not None:
+            self._relief.cancel()
+            self._relief = None
+        if self._ahead and not self._is_closed:
+            self._relief = self._loop.call_later(AHEAD_S, self._make_room, next(iter(self._ahead)))
 
     def _take(self) -> None:
         for _ in range(MAX_TAKES_PER_TURN):

@@ -230,7 +230,7 @@ class RclpyRos:
             raise RosError("limit_exceeded", f"at most {self._max_entities} ROS entities")
         # One DDS participant cannot have both, and rcl loses rmw's reason for saying so.
         if known not in {None, type_name}:
-            raise RosError("bad_type", f"{subject} is open here as {known}, not {type_name}")
+            raise RosError("type_conflict", f"{subject} is open here as {known}, not {type_name}")
         self._last_words.end(subject, but=type_name)
 
     # What is opened and closed here is in the graph at once: no change is waited for.

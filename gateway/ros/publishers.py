@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Raw publishers, one of rclpy's for all who advertise the same."""
+"""Raw publishers, one of rclpy's for all who advertise the same, unless it is latched."""
 
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -23,6 +24,7 @@ class _Key:
     topic: str
     type_name: str
     qos: Qos
+    owner: int | None = None
 
 
 @dataclass(slots=True)
@@ -42,6 +44,7 @@ class Publishers:
         self._on_change = on_change
         self._shared: dict[_Key, _Shared] = {}
         self._handles: set[RclpyPublisher] = set()
+        self._owners = itertools.count()
 
     def __len__(self) -> int:
         """Count the open handles."""
@@ -55,7 +58,10 @@ class Publishers:
     def advertise(self, topic: str, type_name: str, qos: Qos) -> "RclpyPublisher":
         """Open a publisher; `gateway.ports.Ros.advertise` says how."""
         check_topic(topic)
-        key = _Key(topic, type_name, complete_offer(qos))
+        offer = complete_offer(qos)
+        # Late subscribers get what each publisher said last, so none may speak for another one.
+        is_latched = offer.durability == "transient_local"
+        key = _Key(topic, type_name, offer, next(self._owners) if is_latched else None)
         shared = self._shared.get(key)
         if shared is None:
             shared = self._shared[key] = _Shared(self._create(key))

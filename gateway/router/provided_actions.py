@@ -43,6 +43,7 @@ class Provided:
     type: ActionType
     server: ActionServer
     goals: dict[str, GoalRequest] = field(default_factory=dict)
+    canceling: set[str] = field(default_factory=set)  # those that somebody wants cancelled
 
 
 class ProvidedActions:
@@ -131,6 +132,12 @@ class ProvidedActions:
             raise ProtocolError("bad_request", f"status: expected {expected}, got {request.status}")
         result_type = provided.type.result
         goal = provided.goals.pop(goal_id)
+        is_canceling = goal_id in provided.canceling
+        provided.canceling.discard(goal_id)
+        if request.status == CANCELED and (status == ABORTED or not is_canceling):
+            why = "nobody asked to cancel the goal" if not is_canceling else "result is false"
+            text = f"status: {why}, so it ends as aborted (6), not canceled (5)"
+            session.warn(ProtocolError("bad_request", text), request.op, request.id)
         if status == ABORTED and isinstance(request.values, str | None):
             words = request.values if isinstance(request.values, str) else "action failed"
             goal.finish(ABORTED, failure(result_type, words))
@@ -201,10 +208,12 @@ class ProvidedActions:
     def _close(self, action: ActionName, provided: Provided) -> None:
         del self._provided[action]
         provided.goals.clear()
+        provided.canceling.clear()
         provided.server.close()
 
 
 def _pass_on_cancel(provided: Provided, goal: GoalRequest) -> None:
     for goal_id, known in provided.goals.items():
         if known is goal:
+            provided.canceling.add(goal_id)
             provided.session.ask(frames.cancel_action_goal(provided.spelling, goal_id))

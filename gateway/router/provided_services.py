@@ -3,6 +3,7 @@
 
 import asyncio
 import logging
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -52,9 +53,13 @@ class Provided:
 class ProvidedServices:
     """Opens and closes ROS services as clients come and go; every call is answered."""
 
-    def __init__(self, ros: Ros, types: InterfaceTypes) -> None:
+    def __init__(
+        self, ros: Ros, types: InterfaceTypes, is_reserved: Callable[[ServiceName], bool]
+    ) -> None:
+        """*is_reserved* tells which services the gateway answers itself."""
         self._ros = ros
         self._types = types
+        self._is_reserved = is_reserved
         self._provided: dict[ServiceName, Provided] = {}
 
     @property
@@ -82,6 +87,9 @@ class ProvidedServices:
             RosError: ROS refuses it.
         """
         service = resolve_service(request.service, session.limits.name_characters)
+        if self._is_reserved(service):
+            text = f"service {service}: the gateway answers it itself, provide another name"
+            raise ProtocolError("bad_name", text)
         service_type = self._types.service(request.type)
         former = self._provided.get(service)
         if former is None and self.count(session) >= session.limits.advertisements:

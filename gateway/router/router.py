@@ -104,7 +104,7 @@ class Router:
         self._service_calls = ServiceCalls(
             interface_types, self._calls, rosapi, calling=self._calling, asking=self._asking
         )
-        self._services = ProvidedServices(ros, interface_types)
+        self._services = ProvidedServices(ros, interface_types, rosapi.has)
         self._goals = Goals(ros, interface_types)
         self._actions = ProvidedActions(ros, interface_types)
         self._parameters = ParameterOperations(parameters)

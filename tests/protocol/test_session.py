@@ -75,12 +75,19 @@ def test_a_goal_that_cannot_be_parsed_gets_its_result():
     assert client.answers == [result("feedback: expected true or false, got 'yes'")]
 
 
-@pytest.mark.parametrize("operation", [CALL | {"service": 7}, {"op": "call_service", "id": "c"}])
-def test_a_call_of_nothing_gets_a_status(operation):
+@pytest.mark.parametrize(
+    ("operation", "answer_op"),
+    [
+        (CALL | {"service": 7}, "service_response"),
+        ({"op": "call_service", "id": "c"}, "service_response"),
+        ({"op": "send_action_goal", "id": "c"}, "action_result"),
+    ],
+)
+def test_what_names_nothing_gets_its_answer_all_the_same(operation, answer_op):
     client = Client()
     client.send(**operation)
     (answer,) = client.answers
-    assert (answer["op"], answer["id"], answer["code"]) == ("status", "c", "bad_request")
+    assert (answer["op"], answer["id"], answer["result"]) == (answer_op, "c", False)
 
 
 def test_what_is_rate_limited_gets_the_answer_that_is_waited_for():

@@ -448,7 +448,8 @@ class FakeRos:
             known = other.type_name
             if self.is_own(other.node) and _name(other) == name and known != type_name:
                 subject = f"{_NOUNS[kind]} {name}"
-                raise RosError("bad_type", f"{subject} is open here as {known}, not {type_name}")
+                text = f"{subject} is open here as {known}, not {type_name}"
+                raise RosError("type_conflict", text)
 
 
 def _name(each: Endpoint | Caller | Server) -> str:

@@ -102,7 +102,7 @@ async def test_a_goal_that_its_server_has_forgotten_has_no_result(
     monkeypatch.setattr(RclpyActionServer, "_answer_result", answer_late)
     ros.serve_action("/dock", FIBONACCI, lambda each: each.finish(SUCCEEDED, sequence()), ignore)
     accepted = await soon(ros.action_client("/dock", FIBONACCI).send_goal(goal(3), ignore))
-    with pytest.raises(RosError, match="action /dock has forgotten the goal") as caught:
+    with pytest.raises(RosError, match="action /dock does not know the goal") as caught:
         await soon(accepted.result())
     assert caught.value.code == "not_found"
 

@@ -202,7 +202,7 @@ async def test_a_topic_is_open_with_one_type_at_a_time(robot: Robot) -> None:
     _, subscription = subscribe(robot, "/count", INT32)
     with pytest.raises(RosError, match="open here as std_msgs/msg/Int32") as caught:
         robot.ros.advertise("/count", STRING, Qos())
-    assert caught.value.code == "bad_type"
+    assert caught.value.code == "type_conflict"
     with pytest.raises(RosError, match="open here as std_msgs/msg/Int32"):
         subscribe(robot, "/count", STRING)
     subscription.close()

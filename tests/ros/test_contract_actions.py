@@ -362,7 +362,7 @@ async def test_an_action_is_open_with_one_type_at_a_time(robot: Robot) -> None:
     for attempt in attempts(robot, "/dock", NESTED):
         with pytest.raises(RosError, match=f"action /dock is open here as {FIBONACCI}") as caught:
             attempt()
-        assert caught.value.code == "bad_type"
+        assert caught.value.code == "type_conflict"
     client.close()
     robot.ros.action_client("/dock", NESTED)
 

@@ -2,12 +2,13 @@
 """What the router relies on of services, asked of the fake and of rclpy in both ways of taking."""
 
 import asyncio
+import contextlib
 from collections.abc import Callable
 from typing import Any
 
 import pytest
 
-from gateway.ports import Request, RosError
+from gateway.ports import Client, Request, RosError
 from tests.client import PATIENCE_S, eventually
 from tests.ros.conftest import Robot
 from tests.ros.test_contract import BAD_NAMES
@@ -123,9 +124,16 @@ async def test_a_client_calls_a_server_that_has_come_back(robot: Robot) -> None:
     client = robot.ros.client("/arm", SET_BOOL)
     for _ in range(2):
         server = robot.world.add_service("/arm", SET_BOOL, echo)
-        assert text_of(await soon(client.call(request(True)))) == "got True"
+        assert text_of(await soon(call_until_answered(client))) == "got True"
         server.close()
         await eventually(lambda: robot.ros.service_types("/arm") == ())
+
+
+async def call_until_answered(client: Client) -> bytes:
+    """Call again where the call went to the server that was just closed."""
+    while True:
+        with contextlib.suppress(RosError):
+            return await client.call(request(True))
 
 
 async def test_closing_a_client_fails_its_calls(robot: Robot) -> None:
@@ -273,7 +281,7 @@ async def test_a_service_is_open_with_one_type_at_a_time(robot: Robot) -> None:
     for attempt in attempts(robot, "/arm", TRIGGER):
         with pytest.raises(RosError, match=f"service /arm is open here as {SET_BOOL}") as caught:
             attempt()
-        assert caught.value.code == "bad_type"
+        assert caught.value.code == "type_conflict"
     client.close()
     robot.ros.client("/arm", TRIGGER)
 

@@ -378,3 +378,23 @@ async def test_what_is_closed_leaves_the_callback_group_of_its_node(ros: RclpyRo
         ros.client("/arm", SET_BOOL).close()
         ros.serve("/arm", SET_BOOL, echo).close()
     assert len(group.entities) == before
+
+
+async def test_a_silent_server_gets_one_more_request_at_a_time(
+    ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(endpoints, "AHEAD_S", 0.3)
+    requests: list[Request] = []
+    outside.add_service("/arm", SET_BOOL, requests.append, depth=100)
+    client = ros.client("/arm", SET_BOOL)
+    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(3 * MAX_AHEAD)]
+    sent: set[int] = set()
+
+    def is_one_more() -> bool:
+        sent.add(len(client._requester._under_way))
+        return max(sent) == MAX_AHEAD + 2
+
+    await eventually(is_one_more)
+    assert sent <= {0, MAX_AHEAD, MAX_AHEAD + 1, MAX_AHEAD + 2}
+    for calling in calls:
+        calling.cancel()

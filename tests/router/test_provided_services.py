@@ -217,7 +217,7 @@ async def test_a_service_is_given_back_where_ros_refuses_the_new_one(bench: Benc
     client.send(op="call_service", service="/arm", timeout=0.01)  # keeps the type for a while
     await client.sees(1, "service_response")
     client.send(op="advertise_service", id=1, service="/arm", type="std_srvs/Trigger")
-    assert client.of("status")[-1]["code"] == "bad_type"
+    assert client.of("status")[-1]["code"] == "type_conflict"
     client.frames.clear()
     response = Caller(bench).call()
     (frame,) = await client.sees(1, "call_service")

@@ -109,10 +109,12 @@ async def test_a_call_that_fails_is_answered_with_the_reason(
     assert words in frame["values"]
 
 
-async def test_a_call_without_a_service_is_answered_by_a_status(bench: Bench) -> None:
+async def test_a_call_without_a_service_is_answered_as_every_call(bench: Bench) -> None:
     client = bench.client()
     client.send(op="call_service", id="c1")
-    assert client.of("status")[0]["id"] == "c1"
+    (answer,) = client.of("service_response")
+    assert (answer["id"], answer["service"], answer["result"]) == ("c1", "", False)
+    assert answer["values"].startswith("service: missing")
 
 
 async def test_a_call_that_nobody_answers_times_out(bench: Bench) -> None:
