@@ -10,6 +10,7 @@ MAX_ECHO: Final = 128  # characters of a client's own text that come back; logs 
 # by pydantic's name of the error
 EXPECTED: Final = {
     "bool_type": "true or false",
+    "dict_type": "an object",
     "finite_number": "a finite number",
     "float_type": "a number",
     "int_type": "an integer",

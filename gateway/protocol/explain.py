@@ -28,8 +28,10 @@ def explain(error: ValidationError) -> str:
 
 def _name(detail: ErrorDetails) -> str:
     """Return the path to the field, without the tags that unions add to it."""
-    parts = [str(part) for part in detail["loc"]]
-    return cut(".".join(parts[: 2 if parts[0] in _OBJECTS else 1]))
+    first, *rest = detail["loc"]
+    parts = [first, *(rest[:1] if first in _OBJECTS else ())]
+    parts += [part for part in rest if isinstance(part, int)]  # which element
+    return cut(".".join(map(str, parts)))
 
 
 _OBJECTS = frozenset({"qos", "image"})  # operations nest no deeper
@@ -50,14 +52,20 @@ def _expected(detail: ErrorDetails) -> str:
         case "string_too_long":
             return f"at most {context['max_length']} characters"
         case "too_long":
-            return f"at most {context['max_length']} items"
+            return f"at most {_items(context['max_length'])}"
         case "too_short":
-            return f"at least {context['min_length']} items"
+            return f"at least {_items(context['min_length'])}"
     return detail["msg"][:1].lower() + detail["msg"][1:]
+
+
+def _items(count: int) -> str:
+    return f"{count} item" if count == 1 else f"{count} items"
 
 
 def _value(detail: ErrorDetails) -> str:
     value = detail["input"]
+    if detail["type"] in {"too_short", "too_long"}:
+        return str(len(value))
     if isinstance(value, str) and detail["type"] != "string_too_long":
         return f"{cut(value)!r}"
     return kind(value)

@@ -251,3 +251,27 @@ def test_each_fragment_counts_as_an_operation_and_the_whole_does_not():
     assert isinstance(outcome[-1], Ping)
     assert client.send(op="ping") is None
     assert [answer["code"] for answer in client.answers] == ["rate_limited"]
+
+
+@pytest.mark.parametrize(
+    ("operation", "text"),
+    [
+        ({"op": "set_parameters", "values": []}, "values: expected an object, got an array"),
+        ({"op": "set_parameters", "values": {}}, "values: expected at least 1 item, got 0"),
+        ({"op": "get_parameters", "names": ["a", 5]}, "names.1: expected a string, got 5"),
+        ({"op": "subscribe", "topic": "/a", "fields": [5]}, "fields.0: expected a string, got 5"),
+        (
+            {"op": "subscribe", "topic": "/a", "fields": ["b"] * 65},
+            "fields: expected at most 64 items, got 65",
+        ),
+        (
+            {"op": "subscribe", "topic": "/a", "qos": {"depth": "x"}},
+            "qos.depth: expected an integer, got 'x'",
+        ),
+    ],
+)
+def test_what_is_wrong_is_told_with_its_place(operation, text):
+    client = Client()
+    client.send(**{"node": "/a"} | operation if "parameters" in operation["op"] else operation)
+    (answer,) = client.answers
+    assert answer["msg"] == text

@@ -3,6 +3,7 @@
 
 import itertools
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -217,6 +218,14 @@ async def test_a_later_subscription_gets_the_retained_samples(robot: Robot) -> N
     await eventually(lambda: len(received.cdrs) >= 3)
     assert received.cdrs[-3:] == [number(0), number(1), number(2)]
     assert subscription.qos.durability == "transient_local"
+
+
+async def test_latched_publishers_keep_what_each_of_them_said_last(robot: Robot) -> None:
+    for value in (1, 2):
+        robot.ros.advertise("/map", INT32, replace(LATCHED, depth=1)).publish(number(value))
+    late: list[Sample] = []
+    robot.world.add_subscription("/map", INT32, late.extend, LATCHED)
+    await eventually(lambda: sorted(each.cdr for each in late) == [number(1), number(2)])
 
 
 async def test_an_earlier_subscription_follows_to_transient_local(robot: Robot) -> None:

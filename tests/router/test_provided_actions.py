@@ -180,3 +180,39 @@ async def test_a_goal_that_is_no_such_message_is_aborted(bench: Bench) -> None:
     assert goal is not None
     assert await person.result(goal) == (ABORTED, [])
     assert not client.of("send_action_goal")
+
+
+@pytest.mark.parametrize(
+    ("is_cancelled", "result", "why"),
+    [
+        (False, True, "nobody asked to cancel the goal"),
+        (False, False, "nobody asked to cancel the goal"),
+        (True, False, "result is false"),
+    ],
+)
+async def test_a_status_that_is_not_honoured_is_told(
+    bench: Bench, is_cancelled: bool, result: bool, why: str
+) -> None:
+    client, person = provider(bench), Person(bench)
+    goal = await person.sends()
+    frame = await goal_of(client)
+    if is_cancelled:
+        goal.cancel()
+        await client.sees(1, "cancel_action_goal")
+    end = {"op": "action_result", "id": frame["id"], "action": "fib", "status": 5}
+    client.send(**end, values={"sequence": [1]}, result=result)
+    assert await person.result(goal) == (ABORTED, [1])
+    text = f"status: {why}, so it ends as aborted (6), not canceled (5)"
+    assert client.statuses == [("bad_request", text)]
+
+
+async def test_a_goal_that_was_to_be_cancelled_ends_so_without_a_word(bench: Bench) -> None:
+    client, person = provider(bench), Person(bench)
+    goal = await person.sends()
+    frame = await goal_of(client)
+    goal.cancel()
+    await client.sees(1, "cancel_action_goal")
+    end = {"op": "action_result", "id": frame["id"], "action": "fib", "status": 5}
+    client.send(**end, values={"sequence": [1]}, result=True)
+    assert await person.result(goal) == (CANCELED, [1])
+    assert client.statuses == []

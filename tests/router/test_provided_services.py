@@ -276,3 +276,15 @@ async def test_a_provider_is_asked_in_ascii_for_ros_sharp_reads_no_other(bench: 
     assert frame["args"] == {"map_url": "grüße"}
     assert any(b'"gr\\u00fc' in wire for wire in client.wires)
     waiting.cancel()
+
+
+async def test_what_the_gateway_answers_itself_cannot_be_provided(bench: Bench) -> None:
+    client = bench.client()
+    client.send(op="advertise_service", service="/rosapi/topics", type="std_srvs/Empty")
+    assert client.statuses == [
+        (
+            "bad_name",
+            "service /rosapi/topics: the gateway answers it itself, provide another name",
+        )
+    ]
+    assert bench.ros.services == []
