@@ -97,5 +97,6 @@ class Actions:
 
         if server.has_answered:
             self._last_words.keep(f"action {server.name}", server.type_name, destroy)
+            self._on_change()
         else:
             destroy()

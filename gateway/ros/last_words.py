@@ -49,6 +49,10 @@ class LastWords:
             kept.timer.cancel()
         del self._kept[kept]
 
+    def keeps(self, subject: str) -> bool:
+        """Whether something is kept of a subject."""
+        return any(kept.subject == subject for kept in self._kept)
+
     def end(self, subject: str, *, but: str | None = None) -> None:
         """Destroy at once what is kept of a subject, unless its type is *but*."""
         for kept in list(self._kept):

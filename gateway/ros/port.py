@@ -4,7 +4,8 @@
 import asyncio
 import contextlib
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Final, assert_never
 
@@ -14,7 +15,7 @@ from rclpy.parameter import Parameter
 
 from gateway import fast_dds
 from gateway.domain import MAX_DOMAIN_ID
-from gateway.ports import GoalRequest, Graph, LogLevel, Qos, Request, RosError, Sample
+from gateway.ports import GoalRequest, Graph, LogLevel, Provided, Qos, Request, RosError, Sample
 from gateway.ros.action_client import RclpyActionClient
 from gateway.ros.action_server import RclpyActionServer
 from gateway.ros.actions import Actions
@@ -173,19 +174,26 @@ class RclpyRos:
         """Return the types of a service; see the port. Kept until the graph changes."""
         # Word of a change comes a little later than the change: what is not known may be new.
         if self._service_types is None or service not in self._service_types:
-            self._service_types = {each.name: each.types for each in read_all_services(self._debug)}
+            found = self._without_ended("service", read_all_services(self._debug))
+            self._service_types = {each.name: each.types for each in found}
         return self._service_types.get(service, ())
 
     def action_types(self, action: str) -> tuple[str, ...]:
         """Return the types of an action; see `service_types`."""
         if self._action_types is None or action not in self._action_types:
-            self._action_types = {each.name: each.types for each in read_actions(self._debug)}
+            found = self._without_ended("action", read_actions(self._debug))
+            self._action_types = {each.name: each.types for each in found}
         return self._action_types.get(action, ())
 
     def graph(self) -> Graph:
         """Return the graph as it is known now; kept until it changes."""
         if self._graph is None:
-            self._graph = read_graph(self._debug)
+            graph = read_graph(self._debug)
+            self._graph = replace(
+                graph,
+                services=self._without_ended("service", graph.services),
+                actions=self._without_ended("action", graph.actions),
+            )
         return self._graph
 
     def watch_graph(self, on_change: Callable[[], None]) -> GraphWatch:
@@ -234,6 +242,15 @@ class RclpyRos:
         self._last_words.end(subject, but=type_name)
 
     # What is opened and closed here is in the graph at once: no change is waited for.
+
+    def _without_ended(self, kind: str, found: Iterable[Provided]) -> tuple[Provided, ...]:
+        """Leave out what is only kept for its last words."""
+        return tuple(
+            each
+            for each in found
+            if not (set(each.nodes) <= self._own_nodes)
+            or not self._last_words.keeps(f"{kind} {each.name}")
+        )
 
     def _topics_changed(self) -> None:
         self._graph = None

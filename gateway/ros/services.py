@@ -84,6 +84,7 @@ class Services:
 
         if service.has_answered:
             self._last_words.keep(f"service {service.name}", service.type_name, destroy)
+            self._on_change()
         else:
             destroy()
 

@@ -7,11 +7,13 @@ from typing import Any
 
 import pytest
 
-from gateway.ports import Qos
+from gateway.ports import SUCCEEDED, Qos
 from gateway.ros import RosOptions
 from gateway.ros.last_words import MAX_KEPT, LastWords
 from gateway.ros.port import RclpyRos
 from tests.client import eventually
+from tests.ros.outside import Outside
+from tests.ros.test_contract_actions import FIBONACCI, goal, ignore, sequence
 from tests.ros.test_contract_services import SET_BOOL, TRIGGER, echo, request, soon
 
 INT32 = "std_msgs/msg/Int32"
@@ -136,3 +138,32 @@ async def test_nothing_is_left_when_all_ends() -> None:
     node = ros._publishers._node
     ros.close()
     assert list(node.publishers) == []
+
+
+async def test_who_looks_here_sees_the_end_at_once(ros: RclpyRos) -> None:
+    service = ros.serve("/s", SET_BOOL, echo)
+    await soon(ros.client("/s", SET_BOOL).call(request(True)))
+    action = ros.serve_action(
+        "/a", FIBONACCI, lambda goal: goal.finish(SUCCEEDED, sequence()), ignore
+    )
+    await soon(ros.action_client("/a", FIBONACCI).send_goal(goal(1), ignore))
+
+    def names() -> set[str]:
+        return {each.name for each in (*ros.graph().services, *ros.graph().actions)}
+
+    await eventually(lambda: names() >= {"/s", "/a"})
+    assert (ros.service_types("/s"), ros.action_types("/a")) == ((SET_BOOL,), (FIBONACCI,))
+    service.close()
+    action.close()
+    assert not names() & {"/s", "/a"}
+    assert ros.service_types("/s") == ros.action_types("/a") == ()
+    assert len(services(ros, "/s")) == 1
+
+
+async def test_somebody_elses_server_of_that_name_is_seen(ros: RclpyRos, outside: Outside) -> None:
+    service = ros.serve("/s", SET_BOOL, echo)
+    await soon(ros.client("/s", SET_BOOL).call(request(True)))
+    outside.add_service("/s", SET_BOOL, echo)
+    await eventually(lambda: [len(s.nodes) for s in ros.graph().services if s.name == "/s"] == [2])
+    service.close()
+    assert ros.service_types("/s") == (SET_BOOL,)
