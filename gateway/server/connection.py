@@ -20,6 +20,7 @@ from websockets.http11 import Request, Response
 from websockets.protocol import CONNECTING, OPEN, Event
 from websockets.server import ServerProtocol
 
+from gateway.protocol import frames
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.limits import Limits
 from gateway.protocol.rate import TokenBucket
@@ -288,6 +289,9 @@ class Connection(asyncio.BufferedProtocol):
             return
         refusal = self._reception.admit(self)
         if refusal is not None:
+            # Also as a frame: .NET's WebSocket takes close codes that are younger than itself (1012
+            # to 1014) for a fault, and tells its program neither code nor reason.
+            self._protocol.send_text(frames.status("error", refusal, code="limit_exceeded"))
             self.close(OVER_CAPACITY, refusal)
             return
         self._session = self._reception.enter(self)

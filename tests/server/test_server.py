@@ -158,6 +158,7 @@ async def test_one_client_too_many_is_told_so(serve: Serve):
         async with client(served.url) as one, client(served.url) as two:
             async with client(served.url) as three:
                 assert await closing(three) == (1013, "over capacity: at most 2 clients")
+                assert three.seen[-1]["msg"] == "over capacity: at most 2 clients"
             await one.sync()
             await two.sync()
         await eventually(lambda: served.clients == 0)
