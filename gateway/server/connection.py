@@ -298,7 +298,8 @@ class Connection(asyncio.BufferedProtocol):
         logger.info("client %s connected", self.address)
 
     def _receive(self, message: bytes, *, is_text: bool) -> None:
-        if self._session is None or self._protocol.state is not OPEN:
+        # The state may be closing already: a goodbye often comes in one packet with the last words.
+        if self._session is None:
             return
         if is_text and not message.isascii():
             try:

@@ -137,6 +137,18 @@ async def test_a_vanished_client_leaves_nothing_behind(serve: Serve):
         del reader
 
 
+async def test_the_last_words_before_a_goodbye_are_heard(serve: Serve):
+    async with serve() as served, client(served.url) as listener:
+        await listener.send(op="subscribe", topic="/chatter", type=STRING)
+        await listener.sync()
+        _, writer = await handshake(served)
+        message = {"op": "publish", "topic": "/chatter", "type": STRING, "msg": {"data": "stop"}}
+        words = masked(Opcode.TEXT, json.dumps(message).encode())
+        writer.write(words + masked(Opcode.CLOSE, (1000).to_bytes(2, "big")))  # in one packet
+        assert await listener.message("/chatter") == {"data": "stop"}
+        writer.close()
+
+
 async def test_shutdown_closes_clients_with_1001(serve: Serve):
     async with serve() as served:
         connection = client(served.url)
