@@ -30,7 +30,7 @@ def main(
     """
     parser = argparse.ArgumentParser(
         prog="python -m schemas.generate",
-        description="Write models, JSON Schemas and the reference pages from the message table.",
+        description="Write models, schemas, C# classes and reference pages from the message table.",
     )
     parser.add_argument(
         "--check", action="store_true", help="write nothing, exit 1 if files differ"

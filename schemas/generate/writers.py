@@ -6,7 +6,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from schemas.generate import interface_reference, json_schemas, python_models, reference
+from schemas.generate import (
+    csharp_messages,
+    interface_reference,
+    json_schemas,
+    python_models,
+    reference,
+)
 from schemas.generate.catalogue import Catalogue
 
 
@@ -25,6 +31,7 @@ class Writer:
 WRITERS: Final = (
     Writer(python_models.write, "schemas/models/*.py"),
     Writer(json_schemas.write, "schemas/json/**/*.json"),
+    Writer(csharp_messages.write, f"{csharp_messages.CSHARP_FOLDER}/*.cs"),
     Writer(reference.write, "docs/messages.md"),
     Writer(interface_reference.write, "docs/services.md"),
 )

@@ -7,6 +7,7 @@ import json
 import pytest
 
 from schemas.generate.__main__ import main
+from schemas.generate.csharp_messages import CSHARP_FOLDER
 from schemas.installed import InstalledDefinitions, installed_prefixes
 
 TABLE = """\
@@ -60,7 +61,7 @@ def test_what_is_checked_in_is_what_would_be_generated(capsys):
     assert main(["--check"]) == 0, capsys.readouterr().out
 
 
-def test_it_writes_models_schemas_and_the_reference_page(tmp_path, tree, capsys):
+def test_it_writes_models_schemas_classes_and_the_reference_page(tmp_path, tree, capsys):
     assert main(tree) == 0
     assert files(tmp_path) == [
         "docs/messages.md",
@@ -68,8 +69,10 @@ def test_it_writes_models_schemas_and_the_reference_page(tmp_path, tree, capsys)
         "schemas/json/std_msgs/String.json",
         "schemas/models/__init__.py",
         "schemas/models/std_msgs.py",
+        f"{CSHARP_FOLDER}/MessageCatalogue.cs",
+        f"{CSHARP_FOLDER}/StdMsgs.cs",
     ]
-    assert capsys.readouterr().out.count("wrote ") == 5
+    assert capsys.readouterr().out.count("wrote ") == 7
 
 
 def test_a_second_run_changes_nothing(tree, capsys):
@@ -95,6 +98,9 @@ def test_one_row_more_generates_its_type(tmp_path, tree, made_up):
     schema = json.loads((tmp_path / "tree/schemas/json/made_up_msgs/Lamp.json").read_bytes())
     assert schema["properties"]["level"]["default"] == 7
     assert "| 1 | [made_up_msgs/msg/Lamp]" in (tmp_path / "tree/docs/messages.md").read_text()
+    classes = tmp_path / "tree" / CSHARP_FOLDER
+    assert "public byte level = 7;" in (classes / "MadeUpMsgs.cs").read_text()
+    assert "return new MadeUpMsgs.LampMsg();" in (classes / "MessageCatalogue.cs").read_text()
 
 
 def test_one_row_more_generates_its_service_or_action(tmp_path, tree):
@@ -132,6 +138,8 @@ def test_a_service_that_no_row_names_any_more_is_removed(tmp_path, tree):
         "schemas/json/test_msgs/action/Fibonacci.json",
         "schemas/models/std_srvs.py",
         "schemas/models/test_msgs.py",
+        f"{CSHARP_FOLDER}/StdSrvs.cs",
+        f"{CSHARP_FOLDER}/TestMsgs.cs",
     }
 
 

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+namespace Ros2Gateway.Json
+{
+    public sealed partial class JsonReader
+    {
+        /// <summary>
+        /// Passes over one value of any kind. Brackets must pair, nesting and strings must end; whether what
+        /// is inside is JSON in every detail is not looked at, which makes this several times as fast as
+        /// reading.
+        /// </summary>
+        public void Skip()
+        {
+            JsonKind kind = Kind;
+            if (kind == JsonKind.End)
+            {
+                throw Unexpected("a value");
+            }
+            if (kind == JsonKind.Object || kind == JsonKind.Array)
+            {
+                SkipNested(_depth);
+            }
+            else if (kind == JsonKind.String)
+            {
+                SkipString();
+            }
+            else if (kind == JsonKind.Number)
+            {
+                ScanNumber("a number");
+            }
+            else if (!TakeLiteral("null") && !TakeLiteral("true") && !TakeLiteral("false"))
+            {
+                throw Unexpected("a value");
+            }
+        }
+
+        private void SkipNested(int outer)
+        {
+            while (_position < _end)
+            {
+                switch (_buffer[_position])
+                {
+                    case (byte)'"':
+                        SkipString();
+                        continue;
+                    case (byte)'{':
+                        Enter(false);
+                        continue;
+                    case (byte)'[':
+                        Enter(true);
+                        continue;
+                    case (byte)'}':
+                    case (byte)']':
+                        if (_levels[_depth].IsArray != (_buffer[_position] == (byte)']'))
+                        {
+                            throw Unexpected(_levels[_depth].IsArray ? "a ]" : "a }");
+                        }
+                        _depth--;
+                        _position++;
+                        if (_depth == outer)
+                        {
+                            return;
+                        }
+                        continue;
+                    default:
+                        _position++;
+                        continue;
+                }
+            }
+            throw Unexpected("the end of an object or array");
+        }
+
+        private void SkipString()
+        {
+            _position++;
+            _position = ClosingQuote() + 1;
+        }
+    }
+}

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+using System;
+using System.Text;
+
+namespace Ros2Gateway.Json
+{
+    /// <summary>
+    /// Writes JSON as UTF-8 into a buffer that grows and is used again. Commas come by themselves; that names
+    /// and values alternate and that what begins ends is up to the caller. One thread at a time.
+    /// </summary>
+    public sealed partial class JsonWriter
+    {
+        private const int FirstSize = 256;
+        private const int LargestKept = 1 << 20; // bytes: one huge message must not be paid for ever after
+        private const int LargestArray = 0x7FFFFFC7; // bytes, as .NET has it
+
+        private byte[] _buffer = new byte[FirstSize];
+        private int _count;
+        private bool _needsComma;
+
+        /// <summary>What was written, in its first <see cref="Count"/> bytes; another array after the next
+        /// write that it has no room for.</summary>
+        public byte[] Buffer
+        {
+            get { return _buffer; }
+        }
+
+        /// <summary>How many bytes were written.</summary>
+        public int Count
+        {
+            get { return _count; }
+        }
+
+        /// <summary>Starts anew.</summary>
+        public void Clear()
+        {
+            if (_buffer.Length > LargestKept)
+            {
+                _buffer = new byte[FirstSize];
+            }
+            _count = 0;
+            _needsComma = false;
+        }
+
+        /// <summary>Begins an object; its members follow as names and values.</summary>
+        public void BeginObject()
+        {
+            Begin((byte)'{');
+        }
+
+        /// <summary>Ends the object that was begun last.</summary>
+        public void EndObject()
+        {
+            End((byte)'}');
+        }
+
+        /// <summary>Begins an array; its elements follow as values.</summary>
+        public void BeginArray()
+        {
+            Begin((byte)'[');
+        }
+
+        /// <summary>Ends the array that was begun last.</summary>
+        public void EndArray()
+        {
+            End((byte)']');
+        }
+
+        /// <summary>Writes the name of a member; its value must follow.</summary>
+        public void Name(string name)
+        {
+            WriteText(name);
+            Reserve(1);
+            _buffer[_count++] = (byte)':';
+            _needsComma = false;
+        }
+
+        /// <summary>Writes null.</summary>
+        public void Null()
+        {
+            Literal("null");
+        }
+
+        /// <summary>Writes true or false.</summary>
+        public void Value(bool v)
+        {
+            Literal(v ? "true" : "false");
+        }
+
+        /// <summary>Writes an integer.</summary>
+        public void Value(sbyte v)
+        {
+            Value((long)v);
+        }
+
+        /// <summary>Writes an integer.</summary>
+        public void Value(byte v)
+        {
+            Value((ulong)v);
+        }
+
+        /// <summary>Writes an integer.</summary>
+        public void Value(short v)
+        {
+            Value((long)v);
+        }
+
+        /// <summary>Writes an integer.</summary>
+        public void Value(ushort v)
+        {
+            Value((ulong)v);
+        }
+
+        /// <summary>Writes an integer.</summary>
+        public void Value(int v)
+        {
+            Value((long)v);
+        }
+
+        /// <summary>Writes an integer.</summary>
+        public void Value(uint v)
+        {
+            Value((ulong)v);
+        }
+
+        /// <summary>Writes an integer with all its digits.</summary>
+        public void Value(long v)
+        {
+            BeginValue(DecimalText.LongestNumber);
+            _count = DecimalText.WriteInt64(_buffer, _count, v);
+        }
+
+        /// <summary>Writes an integer with all its digits.</summary>
+        public void Value(ulong v)
+        {
+            BeginValue(DecimalText.LongestNumber);
+            _count = DecimalText.WriteUInt64(_buffer, _count, v);
+        }
+
+        /// <summary>
+        /// Writes the shortest number that reads back as the same float. NaN and the infinities, which JSON
+        /// has not, are null.
+        /// </summary>
+        public void Value(float v)
+        {
+            if (float.IsNaN(v) || float.IsInfinity(v))
+            {
+                Null();
+                return;
+            }
+            BeginValue(DecimalText.LongestNumber);
+            _count = DecimalText.Write(_buffer, _count, v);
+        }
+
+        /// <summary>
+        /// Writes the shortest number that reads back as the same double. NaN and the infinities, which JSON
+        /// has not, are null.
+        /// </summary>
+        public void Value(double v)
+        {
+            if (double.IsNaN(v) || double.IsInfinity(v))
+            {
+                Null();
+                return;
+            }
+            BeginValue(DecimalText.LongestNumber);
+            _count = DecimalText.Write(_buffer, _count, v);
+        }
+
+        /// <summary>
+        /// Writes a text. Null is the empty text, for ROS has no null; halves of surrogate pairs, which UTF-8
+        /// has not, become U+FFFD.
+        /// </summary>
+        public void Value(string v)
+        {
+            WriteText(v ?? "");
+        }
+
+        /// <summary>Writes a value that is JSON already; it is not looked at.</summary>
+        public void Raw(byte[] utf8, int offset, int count)
+        {
+            BeginValue(count);
+            System.Buffer.BlockCopy(utf8, offset, _buffer, _count, count);
+            _count += count;
+        }
+
+        /// <summary>Returns a copy of what was written.</summary>
+        public byte[] ToArray()
+        {
+            byte[] copy = new byte[_count];
+            System.Buffer.BlockCopy(_buffer, 0, copy, 0, _count);
+            return copy;
+        }
+
+        /// <summary>Returns what was written, for people and tests.</summary>
+        public override string ToString()
+        {
+            return Encoding.UTF8.GetString(_buffer, 0, _count);
+        }
+
+        private void Begin(byte bracket)
+        {
+            BeginValue(1);
+            _buffer[_count++] = bracket;
+            _needsComma = false;
+        }
+
+        private void End(byte bracket)
+        {
+            Reserve(1);
+            _buffer[_count++] = bracket;
+            _needsComma = true;
+        }
+
+        private void Literal(string text)
+        {
+            BeginValue(text.Length);
+            for (int i = 0; i < text.Length; i++)
+            {
+                _buffer[_count++] = (byte)text[i];
+            }
+        }
+
+        /// <summary>Writes the comma before a value, if it needs one, and makes room.</summary>
+        private void BeginValue(int bytes)
+        {
+            Reserve(bytes + 1);
+            if (_needsComma)
+            {
+                _buffer[_count++] = (byte)',';
+            }
+            _needsComma = true;
+        }
+
+        private void Reserve(int bytes)
+        {
+            if (bytes > _buffer.Length - _count)
+            {
+                int doubled = (int)Math.Min(2L * _buffer.Length, LargestArray);
+                Array.Resize(ref _buffer, Math.Max(checked(_count + bytes), doubled));
+            }
+        }
+    }
+}

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+using Ros2Gateway.Json;
+
+namespace Ros2Gateway
+{
+    /// <summary>A message of any type, as a tree: for types that have no class.</summary>
+    public sealed class DynamicMessage : IMessage
+    {
+        private readonly string _type;
+
+        /// <param name="type">pkg/msg/Name; may be empty where it is only read.</param>
+        public DynamicMessage(string type)
+        {
+            _type = type;
+            Value = JsonValue.Object();
+        }
+
+        /// <inheritdoc/>
+        public string RosType
+        {
+            get { return _type; }
+        }
+
+        /// <summary>The fields.</summary>
+        public JsonValue Value { get; set; }
+
+        /// <inheritdoc/>
+        public void Read(JsonReader reader)
+        {
+            Value = JsonValue.Read(reader);
+        }
+
+        /// <inheritdoc/>
+        public void Write(JsonWriter writer)
+        {
+            Value.Write(writer);
+        }
+    }
+}

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+using System;
+using System.Collections.Generic;
+using Ros2Gateway.Json;
+
+namespace Ros2Gateway.Messages
+{
+    /// <summary>What the generated messages have in common where they nest others.</summary>
+    public static class NestedMessages
+    {
+        /// <summary>Makes an array of new messages: a field of fixed length has no null in it.</summary>
+        public static T[] Make<T>(int length, Func<T> create)
+            where T : class, IMessage
+        {
+            var messages = new T[length];
+            for (int i = 0; i < length; i++)
+            {
+                messages[i] = create();
+            }
+            return messages;
+        }
+
+        /// <summary>Reads an array of messages.</summary>
+        /// <param name="reader">Where the array comes next.</param>
+        /// <param name="create">Makes an empty message; a delegate, because <c>new T()</c> is
+        /// reflection.</param>
+        /// <param name="length">How many there must be; -1 takes any number.</param>
+        public static T[] Read<T>(JsonReader reader, Func<T> create, int length = -1)
+            where T : class, IMessage
+        {
+            var messages = new List<T>(Math.Max(length, 0));
+            reader.BeginArray();
+            while (reader.NextElement())
+            {
+                T message = create();
+                message.Read(reader);
+                messages.Add(message);
+            }
+            if (length >= 0 && messages.Count != length)
+            {
+                throw reader.WrongLength(messages.Count, length);
+            }
+            return messages.Count == 0 ? Array.Empty<T>() : messages.ToArray();
+        }
+
+        /// <summary>Writes a message; null as one of which every field has its default.</summary>
+        public static void Write<T>(JsonWriter writer, T message)
+            where T : class, IMessage
+        {
+            if (message == null)
+            {
+                writer.BeginObject();
+                writer.EndObject();
+                return;
+            }
+            message.Write(writer);
+        }
+
+        /// <summary>Writes an array of messages; null as the empty array.</summary>
+        public static void Write<T>(JsonWriter writer, T[] messages)
+            where T : class, IMessage
+        {
+            writer.BeginArray();
+            for (int i = 0; messages != null && i < messages.Length; i++)
+            {
+                Write(writer, messages[i]);
+            }
+            writer.EndArray();
+        }
+
+        /// <summary>Makes sure that an array has the length that its type demands; null has none.</summary>
+        /// <exception cref="InvalidOperationException">It has another.</exception>
+        public static void CheckLength(Array array, string field, int length)
+        {
+            int actual = array == null ? 0 : array.Length;
+            if (actual != length)
+            {
+                throw new InvalidOperationException(
+                    field + " has " + actual + " elements, must have " + length);
+            }
+        }
+    }
+}
