@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+namespace Ros2Gateway
+{
+    /// <summary>Where a client stands with its gateway.</summary>
+    public enum ConnectionState
+    {
+        /// <summary>Not connected, and not trying to be.</summary>
+        Disconnected,
+
+        /// <summary>An attempt is under way.</summary>
+        Connecting,
+
+        /// <summary>Frames flow.</summary>
+        Connected,
+
+        /// <summary>The connection was lost or could not be made; the next attempt comes by itself.</summary>
+        Waiting,
+
+        /// <summary>The gateway refuses this client (a wrong token, a role removed); trying again is no use.</summary>
+        Refused,
+    }
+}

@@ -1,0 +1,471 @@
+// SPDX-License-Identifier: Apache-2.0
+using System;
+using System.Threading;
+using Ros2Gateway.Json;
+
+namespace Ros2Gateway
+{
+    /// <summary>
+    /// A client of the gateway: topics, services, actions, parameters and the graph of ROS 2 over one WebSocket.
+    /// </summary>
+    /// <remarks>
+    /// Frames are read on a background thread; handlers and events are called by <see cref="Pump"/>, so
+    /// on the application's own. Everything that was opened (subscriptions, publishers, services, watched
+    /// graphs) is opened again after a reconnection; everything that was asked is answered, if only by
+    /// "connection lost". Methods may be called from any thread.
+    /// </remarks>
+    public sealed class GatewayClient : IDisposable
+    {
+        private const int TickMilliseconds = 50; // what is due is seconds away: this is soon enough
+        private const int GoodbyeMilliseconds = 200; // a LAN takes one; a scene that ends must not hang
+
+        private readonly GatewayOptions _options;
+        private readonly Clock _clock = new Clock();
+        private readonly Mailbox _mailbox = new Mailbox();
+        private readonly Outbox _outbox;
+        private readonly Reports _reports;
+        private readonly Subscriptions _subscriptions;
+        private readonly Publishers _publishers;
+        private readonly Requests _requests;
+        private readonly Goals _goals;
+        private readonly ServiceProviders _providers;
+        private readonly GraphWatch _graph;
+        private readonly Inbox _inbox;
+        private readonly Link _link;
+        private readonly Timer _timer;
+        private long _names;
+        private int _isStatePosted;
+        private int _isDisposed;
+
+        /// <summary>A client that is not connected yet; what is opened before is opened with the connection.</summary>
+        public GatewayClient(GatewayOptions options)
+        {
+            _options = options;
+            RosClock = new ClockOffset(_clock);
+            _outbox = new Outbox(_clock, options.FreshMilliseconds);
+            _reports = new Reports(_mailbox, _clock);
+            _subscriptions = new Subscriptions(_outbox);
+            _publishers = new Publishers(_outbox, _reports);
+            _requests = new Requests(_outbox, _mailbox, _reports, _clock);
+            _goals = new Goals(_outbox, _mailbox, _reports);
+            _providers = new ServiceProviders(_outbox, _mailbox);
+            _graph = new GraphWatch(_outbox, _mailbox);
+            _inbox = new Inbox(
+                _subscriptions, _publishers, _requests, _goals, _providers, _graph, new Core(this), _reports);
+            _link = new Link(options, new Core(this));
+            if (options.UsesThreads)
+            {
+                _timer = new Timer(state => Tick(), null, TickMilliseconds, TickMilliseconds);
+            }
+        }
+
+        /// <summary>The connection's state has changed; called by <see cref="Pump"/>, with the newest.</summary>
+        public event Action<ConnectionState> StateChanged;
+
+        /// <summary>
+        /// Something that people should know: every refusal and warning of the gateway in its own words,
+        /// and what went wrong on this side. Called by <see cref="Pump"/>.
+        /// </summary>
+        public event Action<GatewayEvent> EventHeard
+        {
+            add { _mailbox.Heard += value; }
+            remove { _mailbox.Heard -= value; }
+        }
+
+        /// <summary>Where the client stands with its gateway.</summary>
+        public ConnectionState State
+        {
+            get { return _link.State; }
+        }
+
+        /// <summary>Whether frames flow.</summary>
+        public bool IsConnected
+        {
+            get { return State == ConnectionState.Connected; }
+        }
+
+        /// <summary>ROS time, and how long a ping takes.</summary>
+        public ClockOffset RosClock { get; private set; }
+
+        /// <summary>How many frames have come, over all connections.</summary>
+        public long FramesReceived { get; private set; }
+
+        /// <summary>How many bytes have come, over all connections.</summary>
+        public long BytesReceived { get; private set; }
+
+        /// <summary>How many messages the application was too slow for, over all subscriptions.</summary>
+        public long MessagesDropped
+        {
+            get { return _subscriptions.Dropped; }
+        }
+
+        /// <summary>How many requests and goals wait for their answers.</summary>
+        public int PendingRequests
+        {
+            get { return _requests.Count + _goals.Count; }
+        }
+
+        /// <summary>The graph as it is; null unless it is watched and has come.</summary>
+        public RosGraph Graph
+        {
+            get { return _graph.Graph; }
+        }
+
+        /// <summary>Begins to connect, and keeps connecting until <see cref="Disconnect"/>.</summary>
+        public void Connect()
+        {
+            _link.Connect(_clock.Now);
+        }
+
+        /// <summary>
+        /// Says goodbye once what was published has left, or after 0.2 s. What was opened stays, for the next
+        /// <see cref="Connect"/>.
+        /// </summary>
+        public void Disconnect()
+        {
+            if (_options.UsesThreads)
+            {
+                _outbox.WaitUntilEmpty(GoodbyeMilliseconds);
+            }
+            _link.Disconnect();
+        }
+
+        /// <summary>
+        /// Disconnects for good, and calls no handler any more. Returns when the goodbye is through, mostly at
+        /// once, or after 0.4 s.
+        /// </summary>
+        public void Dispose()
+        {
+            if (Interlocked.Exchange(ref _isDisposed, 1) == 1)
+            {
+                return;
+            }
+            if (_timer != null)
+            {
+                _timer.Dispose();
+            }
+            Disconnect();
+            _link.Close(GoodbyeMilliseconds);
+            _mailbox.Close();
+        }
+
+        /// <summary>
+        /// Calls what waits: answers and events, then messages, each subscription in turn, until nothing
+        /// waits or the time is up. Call it once per frame of the application, always on one thread.
+        /// </summary>
+        /// <returns>How many messages were handed to handlers.</returns>
+        public int Pump(double budgetMilliseconds = 4)
+        {
+            _link.Poll();
+            if (!_options.UsesThreads)
+            {
+                Tick();
+            }
+            return _mailbox.Pump(budgetMilliseconds);
+        }
+
+        /// <summary>Subscribes to a topic whose messages are of type T.</summary>
+        /// <param name="handler">Called by <see cref="Pump"/>; null to take messages from the subscription.</param>
+        public Subscription<T> Subscribe<T>(string topic, Action<T> handler = null, SubscribeOptions options = null)
+            where T : IMessage, new()
+        {
+            return Subscribe(topic, new T().RosType, () => new T(), handler, options);
+        }
+
+        /// <summary>Subscribes to a topic of a type that is known only at run time.</summary>
+        /// <param name="type">pkg/msg/Name, or empty to let the gateway find it out.</param>
+        /// <param name="create">Makes an empty message, on the thread that reads frames.</param>
+        public Subscription<T> Subscribe<T>(
+            string topic, string type, Func<T> create, Action<T> handler = null, SubscribeOptions options = null)
+            where T : IMessage
+        {
+            Subscription<T> subscription = new Subscription<T>(
+                _subscriptions, _mailbox, NewId("s"), Names.Absolute(topic), type ?? "",
+                options ?? new SubscribeOptions(), create, handler);
+            _subscriptions.Add(subscription);
+            return subscription;
+        }
+
+        /// <summary>Advertises a topic whose messages are of type T.</summary>
+        public Publisher<T> Advertise<T>(string topic, AdvertiseOptions options = null)
+            where T : IMessage, new()
+        {
+            Publisher<T> publisher = new Publisher<T>(
+                _publishers, NewId("p"), Names.Absolute(topic), new T().RosType, options ?? new AdvertiseOptions());
+            _publishers.Add(publisher);
+            return publisher;
+        }
+
+        /// <summary>Advertises a topic of a type that is known only at run time, pkg/msg/Name.</summary>
+        public Publisher Advertise(string topic, string type, AdvertiseOptions options = null)
+        {
+            Publisher publisher = new Publisher(
+                _publishers, NewId("p"), Names.Absolute(topic), type, options ?? new AdvertiseOptions());
+            _publishers.Add(publisher);
+            return publisher;
+        }
+
+        /// <summary>Calls a service; *done* is called by <see cref="Pump"/>, once, whatever happens.</summary>
+        /// <param name="timeoutMilliseconds">0 for <see cref="GatewayOptions.CallMilliseconds"/>.</param>
+        public void CallService<TResponse>(
+            string service, IMessage request, Action<Reply<TResponse>> done, int timeoutMilliseconds = 0)
+            where TResponse : IMessage, new()
+        {
+            string name = Names.Absolute(service);
+            int patience = timeoutMilliseconds > 0 ? timeoutMilliseconds : _options.CallMilliseconds;
+            _requests.Send(
+                "call_service",
+                "call_service " + name,
+                frame =>
+                {
+                    frame.Name("service");
+                    frame.Value(name);
+                    frame.Name("args");
+                    request.Write(frame);
+                    frame.Name("timeout");
+                    frame.Value(patience / 1000.0);
+                },
+                reader =>
+                {
+                    TResponse response = new TResponse();
+                    response.Read(reader);
+                    return response;
+                },
+                done,
+                patience);
+        }
+
+        /// <summary>Provides a ROS service; the handler is called by <see cref="Pump"/>.</summary>
+        /// <param name="type">pkg/srv/Name: the constant Service of the request's class.</param>
+        public ServiceProvider AdvertiseService<TRequest, TResponse>(
+            string service, string type, Func<TRequest, TResponse> handler)
+            where TRequest : IMessage, new()
+            where TResponse : IMessage
+        {
+            ServiceProvider provider = new ServiceProvider<TRequest, TResponse>(
+                _providers, Names.Absolute(service), type, handler);
+            _providers.Add(provider);
+            return provider;
+        }
+
+        /// <summary>Sends a goal to an action server; *onResult* is called once, whatever happens.</summary>
+        /// <param name="onFeedback">Called with the newest feedback; null if none is wanted.</param>
+        /// <param name="keep">Whether the goal goes on when this client leaves; else it is cancelled then.</param>
+        public Goal SendGoal<TFeedback, TResult>(
+            string action, IMessage goal, Action<TFeedback> onFeedback, Action<GoalResult<TResult>> onResult,
+            bool keep = false)
+            where TFeedback : IMessage, new()
+            where TResult : IMessage, new()
+        {
+            return _goals.Send(Names.Absolute(action), goal, onFeedback, onResult, keep);
+        }
+
+        /// <summary>
+        /// Asks for anything else that the gateway knows, such as "describe" or "lookup_transform"; the
+        /// reply is the whole frame of the answer.
+        /// </summary>
+        /// <param name="members">The members of the operation; null for none.</param>
+        public void Request(
+            string op, JsonValue members, Action<Reply<JsonValue>> done, int timeoutMilliseconds = 0)
+        {
+            _requests.Send(
+                op,
+                op,
+                frame => WriteMembers(frame, members),
+                JsonValue.Read,
+                done,
+                timeoutMilliseconds > 0 ? timeoutMilliseconds : _options.CallMilliseconds);
+        }
+
+        /// <summary>Calls *watcher* with the graph, now and whenever it changes.</summary>
+        public void WatchGraph(Action<RosGraph> watcher)
+        {
+            _graph.Add(watcher);
+        }
+
+        /// <summary>Ends that.</summary>
+        public void UnwatchGraph(Action<RosGraph> watcher)
+        {
+            _graph.Remove(watcher);
+        }
+
+        private static void WriteMembers(JsonWriter frame, JsonValue members)
+        {
+            if (members == null)
+            {
+                return;
+            }
+            foreach (string name in members.Names)
+            {
+                frame.Name(name);
+                members[name].Write(frame);
+            }
+        }
+
+        private string NewId(string kind)
+        {
+            return kind + Interlocked.Increment(ref _names);
+        }
+
+        private void Tick()
+        {
+            if (_isDisposed == 1)
+            {
+                return;
+            }
+            long now = _clock.Now;
+            _link.Tick(now);
+            _requests.Tick(now);
+            if (_outbox.IsPingDue(now))
+            {
+                SendPing();
+            }
+            _outbox.Flush(); // for a transport that was busy and has no way to say that it no longer is
+        }
+
+        private void PostState()
+        {
+            if (Interlocked.Exchange(ref _isStatePosted, 1) == 0)
+            {
+                _mailbox.Post(TellState);
+            }
+        }
+
+        private void TellState()
+        {
+            Volatile.Write(ref _isStatePosted, 0);
+            Action<ConnectionState> changed = StateChanged;
+            if (changed != null)
+            {
+                changed(State);
+            }
+        }
+
+        private void Up(ITransport transport)
+        {
+            _outbox.Attach(transport);
+            if (!string.IsNullOrEmpty(_options.Token))
+            {
+                JsonWriter frame = _outbox.Rent();
+                frame.BeginObject();
+                frame.Name("op");
+                frame.Value("auth");
+                frame.Name("token");
+                frame.Value(_options.Token);
+                frame.EndObject();
+                _outbox.Post(frame);
+            }
+            Post("hello");
+            _publishers.Restore();
+            _providers.Restore();
+            _outbox.OpenLanes();
+            _subscriptions.Restore();
+            _graph.Restore();
+        }
+
+        private void Down(string words)
+        {
+            _outbox.Detach();
+            RosClock.Forget();
+            _providers.OnDown();
+            _requests.FailAll(words);
+            _goals.FailAll(words);
+        }
+
+        private void SendPing()
+        {
+            JsonWriter frame = _outbox.Rent();
+            frame.BeginObject();
+            frame.Name("op");
+            frame.Value("ping");
+            frame.Name("value");
+            frame.Value(_clock.Precise);
+            frame.EndObject();
+            _outbox.OnPing(_clock.Now);
+            _outbox.Post(frame);
+        }
+
+        private void Post(string op)
+        {
+            JsonWriter frame = _outbox.Rent();
+            frame.BeginObject();
+            frame.Name("op");
+            frame.Value(op);
+            frame.EndObject();
+            _outbox.Post(frame);
+        }
+
+        /// <summary>What the parts tell the whole, so that none of it is public.</summary>
+        private sealed class Core : ILinkOwner, IInboxOwner
+        {
+            private readonly GatewayClient _client;
+
+            internal Core(GatewayClient client)
+            {
+                _client = client;
+            }
+
+            public void OnUp(ITransport transport)
+            {
+                _client.Up(transport);
+            }
+
+            public void OnFrame(byte[] buffer, int count)
+            {
+                _client.FramesReceived++;
+                _client.BytesReceived += count;
+                try
+                {
+                    _client._inbox.Read(buffer, count);
+                }
+                catch (Exception error)
+                {
+                    // A fault of this client, not of the frame: told, and no reason to stop reading.
+                    _client._mailbox.Report(new GatewayEvent(
+                        EventLevel.Error, "a frame could not be handled: " + error.Message, "internal", "", error));
+                }
+            }
+
+            public void OnSent(ITransport transport)
+            {
+                _client._outbox.OnSent(transport);
+            }
+
+            public void OnHeartbeat()
+            {
+                _client.SendPing();
+            }
+
+            public void OnDown(string words)
+            {
+                _client.Down(words);
+            }
+
+            public void OnPong(double sent, double rosSeconds)
+            {
+                _client._outbox.OnPong();
+                _client._link.Praise();
+                if (!double.IsNaN(sent))
+                {
+                    _client.RosClock.Add(sent, rosSeconds);
+                }
+            }
+
+            public void OnHello(JsonValue hello)
+            {
+                long bytes = hello["limits"]["message_bytes"].AsLong(int.MaxValue);
+                _client._outbox.MaxFrameBytes = (int)Math.Min(bytes, int.MaxValue);
+            }
+
+            public void OnState(ConnectionState state)
+            {
+                _client.PostState();
+            }
+
+            public void Report(EventLevel level, string text)
+            {
+                _client._reports.Tell(level, text, "client", "");
+            }
+        }
+    }
+}

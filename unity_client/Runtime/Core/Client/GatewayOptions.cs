@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+using System;
+
+namespace Ros2Gateway
+{
+    /// <summary>Where the gateway is, and how patient the client is with it.</summary>
+    public sealed class GatewayOptions
+    {
+        /// <summary>ws://HOST:PORT, or wss://; 9090 is the gateway's default port.</summary>
+        public string Address = "ws://localhost:9090";
+
+        /// <summary>Sent as the first frame, if there is one; never part of the address or of any log.</summary>
+        public string Token = "";
+
+        /// <summary>How long connecting may take, in milliseconds.</summary>
+        public int ConnectMilliseconds = 5000;
+
+        /// <summary>How often the gateway is pinged, in milliseconds; also how often clocks are compared.</summary>
+        public int HeartbeatMilliseconds = 2000;
+
+        /// <summary>Without any frame for this long the connection counts as dead: three heartbeats.</summary>
+        public int SilenceMilliseconds = 6000;
+
+        /// <summary>The pause before the first new attempt, in milliseconds; it doubles with each that fails.</summary>
+        public int FirstPauseMilliseconds = 500;
+
+        /// <summary>The longest pause between two attempts, in milliseconds.</summary>
+        public int LongestPauseMilliseconds = 10000;
+
+        /// <summary>
+        /// While a ping is unanswered for longer than this, in milliseconds, publishers refuse to send. It
+        /// bounds what a stalled network delivers late: so many milliseconds' worth of commands.
+        /// </summary>
+        public int FreshMilliseconds = 500;
+
+        /// <summary>
+        /// How long a service may take to answer, in milliseconds, where a call says nothing else.
+        /// </summary>
+        public int CallMilliseconds = 10000;
+
+        /// <summary>The longest message that is read; longer ones become an event. A 4K picture takes 4 MB.</summary>
+        public int MaxMessageBytes = 16 * 1024 * 1024;
+
+        /// <summary>Makes the transport of each attempt; null for <see cref="WebSocketTransport"/>.</summary>
+        public Func<GatewayOptions, ITransport> Transport;
+
+        /// <summary>
+        /// Whether time-outs and heartbeats are kept in the background. False where there are no threads
+        /// (WebGL): then <see cref="GatewayClient.Pump"/> keeps them.
+        /// </summary>
+        public bool UsesThreads = true;
+
+        internal ITransport NewTransport()
+        {
+            return Transport != null ? Transport(this) : new WebSocketTransport(ConnectMilliseconds, MaxMessageBytes);
+        }
+    }
+}

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+using System;
+using Ros2Gateway.Json;
+
+namespace Ros2Gateway
+{
+    /// <summary>How a goal stands; the numbers of action_msgs/msg/GoalStatus.</summary>
+    public enum GoalStatus
+    {
+        /// <summary>It was rejected, could not be sent, or its server or the connection is gone.</summary>
+        Unknown = 0,
+
+        /// <summary>It was sent; feedback may come.</summary>
+        Executing = 2,
+
+        /// <summary>It was asked to end early.</summary>
+        Canceling = 3,
+
+        /// <summary>It was reached.</summary>
+        Succeeded = 4,
+
+        /// <summary>It ended early, as asked.</summary>
+        Canceled = 5,
+
+        /// <summary>The server gave it up.</summary>
+        Aborted = 6,
+    }
+
+    /// <summary>A goal that was sent to an action server.</summary>
+    public abstract class Goal
+    {
+        private readonly Goals _goals;
+
+        internal Goal(Goals goals, string id, string action)
+        {
+            _goals = goals;
+            Id = id;
+            Action = action;
+            Status = GoalStatus.Executing;
+        }
+
+        /// <summary>The action, with its leading slash.</summary>
+        public string Action { get; private set; }
+
+        /// <summary>How it stands.</summary>
+        public GoalStatus Status { get; internal set; }
+
+        /// <summary>Whether its result has come.</summary>
+        public bool IsDone
+        {
+            get { return Status != GoalStatus.Executing && Status != GoalStatus.Canceling; }
+        }
+
+        internal string Id { get; private set; }
+
+        /// <summary>Asks for it to be cancelled; whether it was, its result tells.</summary>
+        public void Cancel()
+        {
+            if (!IsDone)
+            {
+                Status = GoalStatus.Canceling;
+                _goals.Cancel(this);
+            }
+        }
+
+        /// <summary>Reads feedback; returns how to tell it, or null where that is on its way already.</summary>
+        internal abstract Action ReadFeedback(JsonReader reader);
+
+        internal abstract Action ReadResult(GoalStatus status, JsonReader reader);
+
+        internal abstract Action Failed(string words);
+    }
+
+    /// <summary>The end of a goal: its result, or words that say why there is none.</summary>
+    public struct GoalResult<TResult>
+    {
+        /// <summary>Succeeded, canceled or aborted; unknown where there is no result.</summary>
+        public readonly GoalStatus Status;
+
+        /// <summary>What the server returned; in all three of these cases there is one.</summary>
+        public readonly TResult Value;
+
+        /// <summary>Why there is no result; null where there is one.</summary>
+        public readonly string Error;
+
+        internal GoalResult(GoalStatus status, TResult value, string error)
+        {
+            Status = status;
+            Value = value;
+            Error = error;
+        }
+
+        /// <summary>Whether the goal was reached.</summary>
+        public bool Succeeded
+        {
+            get { return Status == GoalStatus.Succeeded; }
+        }
+    }
+
+    internal sealed class Goal<TFeedback, TResult> : Goal
+        where TFeedback : IMessage, new()
+        where TResult : IMessage, new()
+    {
+        private readonly object _gate = new object();
+        private readonly Action<TFeedback> _onFeedback;
+        private readonly Action<GoalResult<TResult>> _onResult;
+        private TFeedback _feedback; // the newest; one that was not looked at makes room for it
+        private bool _isFeedbackPosted;
+
+        internal Goal(
+            Goals goals, string id, string action, Action<TFeedback> onFeedback, Action<GoalResult<TResult>> onResult)
+            : base(goals, id, action)
+        {
+            _onFeedback = onFeedback;
+            _onResult = onResult;
+        }
+
+        internal override Action ReadFeedback(JsonReader reader)
+        {
+            TFeedback feedback = new TFeedback();
+            feedback.Read(reader);
+            lock (_gate)
+            {
+                _feedback = feedback;
+                if (_isFeedbackPosted)
+                {
+                    return null;
+                }
+                _isFeedbackPosted = true;
+                return TellFeedback;
+            }
+        }
+
+        private void TellFeedback()
+        {
+            TFeedback feedback;
+            lock (_gate)
+            {
+                feedback = _feedback;
+                _isFeedbackPosted = false;
+            }
+            if (_onFeedback != null)
+            {
+                _onFeedback(feedback);
+            }
+        }
+
+        internal override Action ReadResult(GoalStatus status, JsonReader reader)
+        {
+            TResult result = new TResult();
+            result.Read(reader);
+            return () => End(new GoalResult<TResult>(status, result, null));
+        }
+
+        internal override Action Failed(string words)
+        {
+            return () => End(new GoalResult<TResult>(GoalStatus.Unknown, default(TResult), words));
+        }
+
+        private void End(GoalResult<TResult> result)
+        {
+            Status = result.Status;
+            if (_onResult != null)
+            {
+                _onResult(result);
+            }
+        }
+    }
+}

@@ -1,0 +1,465 @@
+// SPDX-License-Identifier: Apache-2.0
+using Ros2Gateway.Json;
+
+namespace Ros2Gateway
+{
+    /// <summary>What frames tell the client itself.</summary>
+    internal interface IInboxOwner
+    {
+        /// <summary>A heartbeat is back: when it left (our clock, ms), and what ROS time was meanwhile (s).</summary>
+        void OnPong(double sent, double rosSeconds);
+
+        /// <summary>The gateway has introduced itself.</summary>
+        void OnHello(JsonValue hello);
+    }
+
+    /// <summary>Reads frames, and brings each to what waits for it. One frame at a time, on any thread.</summary>
+    internal sealed class Inbox
+    {
+        private static readonly JsonMembers Envelope = new JsonMembers(
+            "op", "topic", "id", "service", "action", "msg", "values", "args", "result", "status", "level", "code",
+            "request", "value", "ros_time", "changes");
+
+        private const int Op = 0;
+        private const int Topic = 1;
+        private const int Id = 2;
+        private const int Service = 3;
+        private const int Action = 4;
+        private const int Msg = 5;
+        private const int Values = 6;
+        private const int Args = 7;
+        private const int Result = 8;
+        private const int Status = 9;
+        private const int Level = 10;
+        private const int Code = 11;
+        private const int Request = 12;
+        private const int Value = 13;
+        private const int RosTime = 14;
+        private const int Changes = 15;
+        private const int Absent = -1;
+
+        private const int NameCharacters = 128; // of what a peer sends, in words of ours
+        private const int WordsCharacters = 1024; // of a peer's own words: a paragraph
+
+        private readonly Subscriptions _subscriptions;
+        private readonly Publishers _publishers;
+        private readonly Requests _requests;
+        private readonly Goals _goals;
+        private readonly ServiceProviders _providers;
+        private readonly GraphWatch _graph;
+        private readonly IInboxOwner _owner;
+        private readonly Reports _reports;
+        private readonly JsonReader _reader = new JsonReader();
+        private readonly JsonReader _second = new JsonReader(); // for what is read twice, or later
+
+        // The frame at hand
+        private byte[] _buffer;
+        private int _count;
+        private string _op;
+        private string _topic;
+        private string _id;
+        private string _name; // of the service or action
+        private string _level;
+        private string _code;
+        private string _request;
+        private double _value;
+        private double _rosSeconds;
+        private bool _result;
+        private int _status;
+        private int _payloadAt; // where msg, values, args or changes begin
+        private bool _isDelivered;
+
+        internal Inbox(
+            Subscriptions subscriptions, Publishers publishers, Requests requests, Goals goals,
+            ServiceProviders providers, GraphWatch graph, IInboxOwner owner, Reports reports)
+        {
+            _subscriptions = subscriptions;
+            _publishers = publishers;
+            _requests = requests;
+            _goals = goals;
+            _providers = providers;
+            _graph = graph;
+            _owner = owner;
+            _reports = reports;
+        }
+
+        /// <summary>Reads one frame. Whatever is wrong with it becomes an event, never an exception.</summary>
+        internal void Read(byte[] buffer, int count)
+        {
+            Forget();
+            _buffer = buffer;
+            _count = count;
+            try
+            {
+                _reader.Reset(buffer, 0, count);
+                ReadEnvelope();
+                Dispatch();
+            }
+            catch (JsonFormatException error)
+            {
+                _reports.Error(_op ?? "", Where() + "a frame cannot be read: " + error.Message);
+            }
+            _buffer = null;
+        }
+
+        private void ReadEnvelope()
+        {
+            _reader.BeginObject();
+            int member = JsonMembers.Unknown;
+            while (_reader.NextMember(Envelope, ref member))
+            {
+                switch (member)
+                {
+                    case Op:
+                        _op = _reader.ReadString();
+                        break;
+                    case Topic:
+                        _topic = _reader.ReadString();
+                        break;
+                    case Id:
+                        _id = ReadId();
+                        break;
+                    case Service:
+                    case Action:
+                        _name = _reader.ReadString();
+                        break;
+                    case Msg:
+                        // The way of nearly all frames: the message is read where it stands, and once.
+                        if (_op != "publish" || _topic == null)
+                        {
+                            SkipPayload();
+                            break;
+                        }
+                        _isDelivered = true;
+                        if (!Deliver(_reader.Position))
+                        {
+                            return; // it is told, and the reader stands anywhere
+                        }
+                        break;
+                    case Values:
+                    case Args:
+                    case Changes:
+                        SkipPayload();
+                        break;
+                    case Result:
+                        _result = ReadFlag();
+                        break;
+                    case Status:
+                        _status = _reader.ReadInt32();
+                        break;
+                    case Level:
+                        _level = _reader.ReadString();
+                        break;
+                    case Code:
+                        _code = _reader.ReadString();
+                        break;
+                    case Request:
+                        _request = _reader.ReadString();
+                        break;
+                    case Value:
+                        _value = ReadNumber();
+                        break;
+                    case RosTime:
+                        _rosSeconds = ReadSeconds();
+                        break;
+                    default:
+                        _reader.Skip();
+                        break;
+                }
+            }
+            _reader.End();
+        }
+
+        private void Dispatch()
+        {
+            switch (_op)
+            {
+                case "publish":
+                    if (!_isDelivered)
+                    {
+                        DeliverLate();
+                    }
+                    break;
+                case "status":
+                    OnStatus();
+                    break;
+                case "service_response":
+                    OnServiceResponse();
+                    break;
+                case "call_service":
+                    _providers.OnCall(Names.Absolute(Need(_name, "service")), Need(_id, "id"), Payload());
+                    break;
+                case "action_feedback":
+                    _goals.OnFeedback(_id, Payload());
+                    break;
+                case "action_result":
+                    OnActionResult();
+                    break;
+                case "pong":
+                    if (_requests.IsPending(_id))
+                    {
+                        _requests.Answer(_id, Whole());
+                    }
+                    else
+                    {
+                        _owner.OnPong(_value, _rosSeconds);
+                    }
+                    break;
+                case "hello":
+                    if (_requests.IsPending(_id))
+                    {
+                        _requests.Answer(_id, Whole());
+                    }
+                    else
+                    {
+                        _owner.OnHello(JsonValue.Read(Whole()));
+                    }
+                    break;
+                case "graph":
+                    if (_requests.IsPending(_id))
+                    {
+                        _requests.Answer(_id, Whole());
+                    }
+                    else
+                    {
+                        _graph.OnFrame(Whole());
+                    }
+                    break;
+                case null:
+                    throw new JsonFormatException("op is missing", "", 0);
+                default:
+                    OnOther();
+                    break;
+            }
+        }
+
+        // To all but the last by a reader of their own; the last goes on where the frame's reader stands.
+        // False if that one cannot read it.
+        private bool Deliver(int at)
+        {
+            Subscription[] subscriptions = _subscriptions.Of(_topic);
+            if (subscriptions.Length == 0)
+            {
+                _reader.Skip(); // it was on its way when the last one ended
+                return true;
+            }
+            for (int i = 0; i < subscriptions.Length - 1; i++)
+            {
+                _second.Reset(_buffer, at, _count - at);
+                try
+                {
+                    subscriptions[i].Deliver(_second);
+                }
+                catch (JsonFormatException error)
+                {
+                    Unreadable(subscriptions[i], error);
+                }
+            }
+            Subscription last = subscriptions[subscriptions.Length - 1];
+            try
+            {
+                last.Deliver(_reader);
+                return true;
+            }
+            catch (JsonFormatException error)
+            {
+                Unreadable(last, error);
+                return false;
+            }
+        }
+
+        // A server that sends msg before topic, as JSON allows.
+        private void DeliverLate()
+        {
+            Need(_topic, "topic");
+            JsonReader payload = Payload();
+            int at = payload.Position;
+            foreach (Subscription subscription in _subscriptions.Of(_topic))
+            {
+                payload.Reset(_buffer, at, _count - at);
+                try
+                {
+                    subscription.Deliver(payload);
+                }
+                catch (JsonFormatException error)
+                {
+                    Unreadable(subscription, error);
+                }
+            }
+        }
+
+        private void Unreadable(Subscription subscription, JsonFormatException error)
+        {
+            subscription.Unreadable++;
+            _reports.Error("subscribe", subscription.Topic + ": a message cannot be read as "
+                + subscription.Type + ": " + error.Message);
+        }
+
+        private void OnStatus()
+        {
+            if (_request == "unsubscribe" && _code == "not_found")
+            {
+                return; // what the gateway has refused, or forgotten, needs no end
+            }
+            string words = _payloadAt == Absent ? "" : Cut(Payload().ReadString(), WordsCharacters);
+            string topic = _id == null ? null : _subscriptions.TopicOf(_id) ?? _publishers.TopicOf(_id);
+            if (topic != null && !words.Contains(topic))
+            {
+                words = topic + ": " + words;
+            }
+            if (_level == "error" && _requests.IsPending(_id))
+            {
+                _requests.Fail(_id, words);
+                return;
+            }
+            EventLevel level = _level == "error" ? EventLevel.Error
+                : _level == "info" ? EventLevel.Info : EventLevel.Warning;
+            _reports.Tell(level, words, _code ?? "", _request ?? "");
+        }
+
+        private void OnServiceResponse()
+        {
+            if (_result)
+            {
+                _requests.Answer(_id, Payload());
+            }
+            else
+            {
+                _requests.Fail(_id, Words("the call failed"));
+            }
+        }
+
+        private void OnActionResult()
+        {
+            if (_result)
+            {
+                _goals.OnResult(_id, (GoalStatus)_status, Payload());
+            }
+            else
+            {
+                _goals.Fail(_id, Words("the goal failed"));
+            }
+        }
+
+        private void OnOther()
+        {
+            if (_requests.IsPending(_id))
+            {
+                _requests.Answer(_id, Whole());
+            }
+            else if (_id == null) // else it is an answer that came too late
+            {
+                _reports.Tell(
+                    EventLevel.Warning,
+                    "a frame with unknown op '" + Cut(_op, NameCharacters) + "' was ignored",
+                    "client",
+                    "");
+            }
+        }
+
+        private JsonReader Payload()
+        {
+            if (_payloadAt == Absent)
+            {
+                throw new JsonFormatException("values are missing", "", 0);
+            }
+            _second.Reset(_buffer, _payloadAt, _count - _payloadAt);
+            return _second;
+        }
+
+        private JsonReader Whole()
+        {
+            _second.Reset(_buffer, 0, _count);
+            return _second;
+        }
+
+        private string Words(string otherwise)
+        {
+            if (_payloadAt == Absent)
+            {
+                return otherwise;
+            }
+            JsonReader payload = Payload();
+            return payload.Kind == JsonKind.String ? payload.ReadString() : otherwise;
+        }
+
+        private void SkipPayload()
+        {
+            _payloadAt = _reader.Position;
+            _reader.Skip();
+        }
+
+        private bool ReadFlag()
+        {
+            if (_reader.Kind == JsonKind.Boolean)
+            {
+                return _reader.ReadBool();
+            }
+            _reader.Skip();
+            return false;
+        }
+
+        private string ReadId()
+        {
+            if (_reader.Kind == JsonKind.String)
+            {
+                return _reader.ReadString();
+            }
+            _reader.Skip(); // ours are strings
+            return null;
+        }
+
+        private double ReadNumber()
+        {
+            if (_reader.Kind == JsonKind.Number)
+            {
+                return _reader.ReadFloat64();
+            }
+            _reader.Skip();
+            return double.NaN;
+        }
+
+        private double ReadSeconds()
+        {
+            JsonValue time = JsonValue.Read(_reader);
+            return time["sec"].AsDouble(0) + time["nanosec"].AsDouble(0) * 1e-9;
+        }
+
+        private string Need(string value, string name)
+        {
+            if (value == null)
+            {
+                throw new JsonFormatException(name + " is missing", "", 0);
+            }
+            return value;
+        }
+
+        private string Where()
+        {
+            return _topic == null ? "" : Cut(_topic, NameCharacters) + ": ";
+        }
+
+        // What a peer sends is repeated in part only.
+        private static string Cut(string text, int characters)
+        {
+            return text.Length <= characters ? text : text.Substring(0, characters) + "...";
+        }
+
+        private void Forget()
+        {
+            _op = null;
+            _topic = null;
+            _id = null;
+            _name = null;
+            _level = null;
+            _code = null;
+            _request = null;
+            _value = double.NaN;
+            _rosSeconds = 0;
+            _result = false;
+            _status = 0;
+            _payloadAt = Absent;
+            _isDelivered = false;
+        }
+    }
+}

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+using System.Collections.Generic;
+using Ros2Gateway.Json;
+
+namespace Ros2Gateway
+{
+    /// <summary>The frames of one publisher that wait, at most so many, the oldest being dropped.</summary>
+    internal sealed class Lane
+    {
+        private readonly int _depth;
+        private readonly Queue<JsonWriter> _waiting = new Queue<JsonWriter>();
+        private readonly Stack<JsonWriter> _free = new Stack<JsonWriter>();
+        private JsonWriter _last; // after all others, and never dropped for what is newer
+
+        internal Lane(int depth)
+        {
+            _depth = depth < 1 ? 1 : depth;
+        }
+
+        /// <summary>How many frames had to make room for newer ones, or became too old to be sent.</summary>
+        internal long Dropped { get; private set; }
+
+        /// <summary>Whether it stands in the outbox's queue; the outbox's own mark, under its lock.</summary>
+        internal bool IsReady { get; set; }
+
+        /// <summary>An empty frame to write into, to be handed back by one of the methods below.</summary>
+        internal JsonWriter Rent()
+        {
+            lock (_waiting)
+            {
+                JsonWriter frame = _free.Count > 0 ? _free.Pop() : new JsonWriter();
+                frame.Clear();
+                return frame;
+            }
+        }
+
+        internal void Add(JsonWriter frame)
+        {
+            lock (_waiting)
+            {
+                if (_waiting.Count >= _depth)
+                {
+                    _free.Push(_waiting.Dequeue());
+                    Dropped++;
+                }
+                _waiting.Enqueue(frame);
+            }
+        }
+
+        /// <summary>Adds the publisher's own end.</summary>
+        internal void AddLast(JsonWriter frame)
+        {
+            lock (_waiting)
+            {
+                _last = frame;
+            }
+        }
+
+        /// <summary>The oldest frame that waits; null if none does.</summary>
+        internal JsonWriter Take()
+        {
+            lock (_waiting)
+            {
+                if (_waiting.Count > 0)
+                {
+                    return _waiting.Dequeue();
+                }
+                JsonWriter last = _last;
+                _last = null;
+                return last;
+            }
+        }
+
+        internal void GiveBack(JsonWriter frame)
+        {
+            lock (_waiting)
+            {
+                _free.Push(frame);
+            }
+        }
+
+        /// <summary>Drops what waits, but for the publisher's own end.</summary>
+        internal void Drop()
+        {
+            lock (_waiting)
+            {
+                Dropped += _waiting.Count;
+                while (_waiting.Count > 0)
+                {
+                    _free.Push(_waiting.Dequeue());
+                }
+            }
+        }
+
+        /// <summary>Drops all: the connection is gone, and with it what would have ended.</summary>
+        internal void Clear()
+        {
+            Drop();
+            lock (_waiting)
+            {
+                _last = null;
+            }
+        }
+    }
+}

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+using System;
+using System.Collections.Generic;
+using System.Diagnostics;
+
+namespace Ros2Gateway
+{
+    /// <summary>What waits for the application's own thread: answers, events, and subscriptions with messages.</summary>
+    internal sealed class Mailbox
+    {
+        // Screenfuls of log; more than this between two frames of the application is one fault repeated.
+        private const int MaxEvents = 256;
+
+        private readonly object _gate = new object();
+        private readonly Queue<Action> _actions = new Queue<Action>(); // bounded by what was asked for
+        private readonly Queue<GatewayEvent> _events = new Queue<GatewayEvent>();
+        private readonly Queue<Subscription> _ready = new Queue<Subscription>();
+        private readonly Stopwatch _watch = new Stopwatch();
+        private int _droppedEvents;
+        private bool _isPumping;
+        private bool _isClosed;
+
+        /// <summary>Raised while pumping, for each event; a listener that fails harms no other.</summary>
+        internal event Action<GatewayEvent> Heard;
+
+        internal void Post(Action action)
+        {
+            lock (_gate)
+            {
+                if (!_isClosed)
+                {
+                    _actions.Enqueue(action);
+                }
+            }
+        }
+
+        internal void Report(GatewayEvent happened)
+        {
+            lock (_gate)
+            {
+                if (_isClosed)
+                {
+                    return;
+                }
+                if (_events.Count >= MaxEvents)
+                {
+                    _events.Dequeue();
+                    _droppedEvents++;
+                }
+                _events.Enqueue(happened);
+            }
+        }
+
+        /// <summary>A subscription has messages for its handler; once until it has none.</summary>
+        internal void Ready(Subscription subscription)
+        {
+            lock (_gate)
+            {
+                if (!_isClosed)
+                {
+                    _ready.Enqueue(subscription);
+                }
+            }
+        }
+
+        /// <summary>
+        /// Calls handlers until nothing waits or the time is up; returns how many messages were handed out.
+        /// A handler that pumps gets nothing.
+        /// </summary>
+        internal int Pump(double budgetMilliseconds)
+        {
+            if (_isPumping)
+            {
+                return 0;
+            }
+            _isPumping = true;
+            try
+            {
+                return PumpOnce(budgetMilliseconds);
+            }
+            finally
+            {
+                _isPumping = false;
+            }
+        }
+
+        /// <summary>Forgets all that waits; nothing is called from now on.</summary>
+        internal void Close()
+        {
+            lock (_gate)
+            {
+                _isClosed = true;
+                _actions.Clear();
+                _events.Clear();
+                _ready.Clear();
+            }
+        }
+
+        private int PumpOnce(double budgetMilliseconds)
+        {
+            _watch.Restart();
+            // What comes while handlers run waits for the next time: no handler can keep us here for ever.
+            int actions;
+            int events;
+            lock (_gate)
+            {
+                actions = _actions.Count;
+                events = _events.Count;
+            }
+            for (; actions > 0; actions--)
+            {
+                Act();
+            }
+            for (; events > 0; events--)
+            {
+                HearOne();
+            }
+            int messages = 0;
+            do
+            {
+                Subscription subscription = Next();
+                if (subscription == null)
+                {
+                    break;
+                }
+                try
+                {
+                    if (subscription.HandOut())
+                    {
+                        messages++;
+                        Ready(subscription);
+                    }
+                }
+                catch (Exception error)
+                {
+                    Ready(subscription);
+                    Report(Fault("handler of " + subscription.Topic, error));
+                }
+            }
+            while (_watch.Elapsed.TotalMilliseconds < budgetMilliseconds);
+            return messages;
+        }
+
+        private Subscription Next()
+        {
+            lock (_gate)
+            {
+                return _ready.Count > 0 ? _ready.Dequeue() : null;
+            }
+        }
+
+        private void Act()
+        {
+            Action action;
+            lock (_gate)
+            {
+                if (_actions.Count == 0)
+                {
+                    return; // a handler has closed everything
+                }
+                action = _actions.Dequeue();
+            }
+            try
+            {
+                action();
+            }
+            catch (Exception error)
+            {
+                // A fault of one handler of the application must not keep the others from their messages.
+                Report(Fault("handler", error));
+            }
+        }
+
+        private void HearOne()
+        {
+            GatewayEvent happened;
+            int dropped;
+            lock (_gate)
+            {
+                if (_events.Count == 0)
+                {
+                    return;
+                }
+                happened = _events.Dequeue();
+                dropped = _droppedEvents;
+                _droppedEvents = 0;
+            }
+            if (dropped > 0)
+            {
+                Tell(new GatewayEvent(EventLevel.Warning, dropped + " events were dropped", "client", ""));
+            }
+            Tell(happened);
+        }
+
+        private void Tell(GatewayEvent happened)
+        {
+            Action<GatewayEvent> heard = Heard;
+            if (heard == null)
+            {
+                return;
+            }
+            foreach (Delegate listener in heard.GetInvocationList())
+            {
+                try
+                {
+                    ((Action<GatewayEvent>)listener)(happened);
+                }
+                catch (Exception error)
+                {
+                    if (happened.Exception == null) // else it would never end
+                    {
+                        Report(Fault("listener of events", error));
+                    }
+                }
+            }
+        }
+
+        private static GatewayEvent Fault(string where, Exception error)
+        {
+            string text = where + " threw " + error.GetType().Name + ": " + error.Message;
+            return new GatewayEvent(EventLevel.Error, text, "client", "", error);
+        }
+    }
+}

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+using System;
+using System.Collections.Generic;
+using Ros2Gateway.Json;
+
+namespace Ros2Gateway
+{
+    /// <summary>Parameters of ROS nodes. A node has a second to answer; replies come while the client is pumped.</summary>
+    public static class Parameters
+    {
+        private const int Patience = 2000; // ms: the gateway gives a node one second
+
+        /// <summary>Asks for the names of a node's parameters.</summary>
+        public static void ListParameters(this GatewayClient client, string node, Action<Reply<string[]>> done)
+        {
+            client.Request(
+                "list_parameters",
+                Members(node),
+                reply => done(Map(reply, frame => Strings(frame["names"]))),
+                Patience);
+        }
+
+        /// <summary>Asks for values by name; without names for all that the node has.</summary>
+        public static void GetParameters(
+            this GatewayClient client, string node, string[] names, Action<Reply<JsonValue>> done)
+        {
+            client.Request(
+                "get_parameters",
+                Members(node, names),
+                reply => done(Map(reply, frame => frame["values"])),
+                Patience);
+        }
+
+        /// <summary>
+        /// Sets values by name, each by itself; the reply holds for each {"successful", "reason"}.
+        /// </summary>
+        public static void SetParameters(
+            this GatewayClient client, string node, JsonValue values, Action<Reply<JsonValue>> done)
+        {
+            client.Request(
+                "set_parameters",
+                Members(node).With("values", values),
+                reply => done(Map(reply, frame => frame["results"])),
+                Patience);
+        }
+
+        /// <summary>Asks for types, ranges and words; without names of all that the node has.</summary>
+        public static void DescribeParameters(
+            this GatewayClient client, string node, string[] names, Action<Reply<JsonValue>> done)
+        {
+            client.Request(
+                "describe_parameters",
+                Members(node, names),
+                reply => done(Map(reply, frame => frame["parameters"])),
+                Patience);
+        }
+
+        private static JsonValue Members(string node, string[] names = null)
+        {
+            JsonValue members = JsonValue.Object().With("node", node);
+            return names == null
+                ? members
+                : members.With("names", JsonValue.Array(Array.ConvertAll(names, name => (JsonValue)name)));
+        }
+
+        private static string[] Strings(JsonValue list)
+        {
+            List<string> strings = new List<string>();
+            foreach (JsonValue item in list.Items)
+            {
+                strings.Add(item.AsString(""));
+            }
+            return strings.ToArray();
+        }
+
+        private static Reply<T> Map<T>(Reply<JsonValue> reply, Func<JsonValue, T> value)
+        {
+            return reply.Ok ? Reply<T>.Of(value(reply.Value)) : Reply<T>.Failed(reply.Error);
+        }
+    }
+}

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+using System.Collections.Generic;
+using Ros2Gateway.Json;
+
+namespace Ros2Gateway
+{
+    /// <summary>All publishers of a client.</summary>
+    internal sealed class Publishers
+    {
+        private readonly object _gate = new object(); // held while sending, so that nothing overtakes its advertisement
+        private readonly Outbox _outbox;
+        private readonly Reports _reports;
+        private readonly List<Publisher> _all = new List<Publisher>();
+
+        internal Publishers(Outbox outbox, Reports reports)
+        {
+            _outbox = outbox;
+            _reports = reports;
+        }
+
+        internal void Add(Publisher publisher)
+        {
+            lock (_gate)
+            {
+                _all.Add(publisher);
+                Advertise(publisher);
+            }
+        }
+
+        /// <summary>Unadvertises, after what the publisher's lane still holds.</summary>
+        internal void Remove(Publisher publisher, Lane lane)
+        {
+            lock (_gate)
+            {
+                _all.Remove(publisher);
+                JsonWriter frame = lane.Rent();
+                frame.BeginObject();
+                frame.Name("op");
+                frame.Value("unadvertise");
+                frame.Name("id");
+                frame.Value(publisher.Id);
+                frame.Name("topic");
+                frame.Value(publisher.Topic);
+                frame.EndObject();
+                _outbox.PostLast(lane, frame);
+            }
+        }
+
+        /// <summary>Advertises all of them on a new connection, with what they had latched.</summary>
+        internal void Restore()
+        {
+            lock (_gate)
+            {
+                foreach (Publisher publisher in _all)
+                {
+                    Advertise(publisher);
+                    publisher.Restore();
+                }
+            }
+        }
+
+        /// <summary>The topic of a publisher; null if there is none with that id.</summary>
+        internal string TopicOf(string id)
+        {
+            lock (_gate)
+            {
+                Publisher found = _all.Find(publisher => publisher.Id == id);
+                return found == null ? null : found.Topic;
+            }
+        }
+
+        /// <summary>Hands a frame over; returns why it does not go, or null.</summary>
+        internal string Send(Lane lane, JsonWriter frame)
+        {
+            return _outbox.Post(lane, frame);
+        }
+
+        /// <summary>
+        /// Sends a frame that is kept for each connection: a state, so it goes in order with the requests.
+        /// Returns why it is not to be kept, or null.
+        /// </summary>
+        internal string SendLatched(byte[] latched)
+        {
+            JsonWriter frame = _outbox.Rent();
+            frame.Raw(latched, 0, latched.Length);
+            string refusal = _outbox.Post(frame);
+            return refusal == Outbox.NotConnected ? null : refusal;
+        }
+
+        internal void Report(Publisher publisher, string words)
+        {
+            _reports.Error("publish", publisher.Topic + ": " + words);
+        }
+
+        private void Advertise(Publisher publisher)
+        {
+            JsonWriter frame = _outbox.Rent();
+            frame.BeginObject();
+            frame.Name("op");
+            frame.Value("advertise");
+            frame.Name("id");
+            frame.Value(publisher.Id);
+            frame.Name("topic");
+            frame.Value(publisher.Topic);
+            frame.Name("type");
+            frame.Value(publisher.Type);
+            if (publisher.Options.Latch)
+            {
+                frame.Name("latch");
+                frame.Value(true);
+            }
+            if (publisher.Options.Qos != null)
+            {
+                frame.Name("qos");
+                publisher.Options.Qos.Write(frame);
+            }
+            frame.EndObject();
+            _outbox.Post(frame);
+        }
+    }
+}

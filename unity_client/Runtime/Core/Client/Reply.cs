@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+using System;
+
+namespace Ros2Gateway
+{
+    /// <summary>The answer to a request: a value, or words that say why there is none.</summary>
+    public struct Reply<T>
+    {
+        /// <summary>Whether there is a value.</summary>
+        public readonly bool Ok;
+
+        /// <summary>The value; default where there is none.</summary>
+        public readonly T Value;
+
+        /// <summary>Why there is no value; null where there is one.</summary>
+        public readonly string Error;
+
+        private Reply(bool ok, T value, string error)
+        {
+            Ok = ok;
+            Value = value;
+            Error = error;
+        }
+
+        /// <summary>An answer with a value.</summary>
+        public static Reply<T> Of(T value)
+        {
+            return new Reply<T>(true, value, null);
+        }
+
+        /// <summary>An answer without one.</summary>
+        public static Reply<T> Failed(string error)
+        {
+            return new Reply<T>(false, default(T), error);
+        }
+
+        /// <summary>The value.</summary>
+        /// <exception cref="GatewayException">There is none.</exception>
+        public T OrThrow()
+        {
+            if (!Ok)
+            {
+                throw new GatewayException(Error);
+            }
+            return Value;
+        }
+    }
+
+    /// <summary>A request failed; the text is the gateway's, or the client's own.</summary>
+    public sealed class GatewayException : Exception
+    {
+        /// <param name="words">What was wrong, where, and what to do.</param>
+        public GatewayException(string words)
+            : base(words)
+        {
+        }
+    }
+}

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+using System;
+using System.Collections.Generic;
+using Ros2Gateway.Json;
+
+namespace Ros2Gateway
+{
+    /// <summary>What there is in ROS: topics, services and actions with their types, and nodes. Never changes.</summary>
+    public sealed class RosGraph
+    {
+        private static readonly string[] Nothing = new string[0];
+
+        private readonly SortedDictionary<string, string[]> _topics;
+        private readonly SortedDictionary<string, string[]> _services;
+        private readonly SortedDictionary<string, string[]> _actions;
+        private readonly SortedDictionary<string, string[]> _nodes;
+
+        internal RosGraph()
+            : this(null, null)
+        {
+        }
+
+        private RosGraph(RosGraph before, JsonValue changes)
+        {
+            _topics = Merged(before == null ? null : before._topics, changes, "topics", "gone_topics");
+            _services = Merged(before == null ? null : before._services, changes, "services", "gone_services");
+            _actions = Merged(before == null ? null : before._actions, changes, "actions", "gone_actions");
+            _nodes = Merged(before == null ? null : before._nodes, changes, "nodes", "gone_nodes");
+        }
+
+        /// <summary>Topics in the order of their names.</summary>
+        public IEnumerable<string> Topics
+        {
+            get { return _topics.Keys; }
+        }
+
+        /// <summary>Services in the order of their names.</summary>
+        public IEnumerable<string> Services
+        {
+            get { return _services.Keys; }
+        }
+
+        /// <summary>Actions in the order of their names.</summary>
+        public IEnumerable<string> Actions
+        {
+            get { return _actions.Keys; }
+        }
+
+        /// <summary>Nodes in the order of their names.</summary>
+        public IEnumerable<string> Nodes
+        {
+            get { return _nodes.Keys; }
+        }
+
+        /// <summary>The type of a topic; empty if there is no such topic, or if it has several types.</summary>
+        public string TopicType(string topic)
+        {
+            return Only(_topics, topic);
+        }
+
+        /// <summary>The type of a service; empty if there is no such service.</summary>
+        public string ServiceType(string service)
+        {
+            return Only(_services, service);
+        }
+
+        /// <summary>The type of an action; empty if there is no such action.</summary>
+        public string ActionType(string action)
+        {
+            return Only(_actions, action);
+        }
+
+        internal static RosGraph Read(JsonValue frame)
+        {
+            return new RosGraph(null, frame);
+        }
+
+        internal RosGraph With(JsonValue changes)
+        {
+            return new RosGraph(this, changes);
+        }
+
+        private static string Only(SortedDictionary<string, string[]> of, string name)
+        {
+            string[] types;
+            return of.TryGetValue(Names.Absolute(name), out types) && types.Length == 1 ? types[0] : "";
+        }
+
+        private static SortedDictionary<string, string[]> Merged(
+            SortedDictionary<string, string[]> before, JsonValue changes, string present, string gone)
+        {
+            SortedDictionary<string, string[]> after = before == null
+                ? new SortedDictionary<string, string[]>(StringComparer.Ordinal)
+                : new SortedDictionary<string, string[]>(before, StringComparer.Ordinal);
+            if (changes == null)
+            {
+                return after;
+            }
+            foreach (JsonValue one in changes[present].Items)
+            {
+                if (one.Kind == JsonKind.String)
+                {
+                    after[one.AsString("")] = Nothing; // a node is its name
+                    continue;
+                }
+                List<string> types = new List<string>();
+                foreach (JsonValue type in one["types"].Items)
+                {
+                    types.Add(type.AsString(""));
+                }
+                after[one["name"].AsString("")] = types.ToArray();
+            }
+            foreach (JsonValue one in changes[gone].Items)
+            {
+                after.Remove(one.AsString(""));
+            }
+            return after;
+        }
+    }
+}

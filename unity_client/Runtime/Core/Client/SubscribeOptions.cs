@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+using Ros2Gateway.Json;
+
+namespace Ros2Gateway
+{
+    /// <summary>What a subscription asks for beyond topic and type.</summary>
+    public sealed class SubscribeOptions
+    {
+        /// <summary>
+        /// How many messages may wait for the application, the oldest being dropped. 1, the default, is
+        /// always the newest; more keeps every message in order, as long as they are taken fast enough.
+        /// </summary>
+        public int Queue = 1;
+
+        /// <summary>At most one message in so many milliseconds, the newest; 0 for all.</summary>
+        public double ThrottleMilliseconds;
+
+        /// <summary>Only these fields, as dotted paths ("pose.pose.position"); null for all.</summary>
+        public string[] Fields;
+
+        /// <summary>What pictures of sensor_msgs/msg/Image should be like; null for the gateway's defaults.</summary>
+        public ImageOptions Image;
+
+        /// <summary>Quality of service; null to take what the publishers offer, which is nearly always right.</summary>
+        public QosOptions Qos;
+    }
+
+    /// <summary>How the gateway should send sensor_msgs/msg/Image: as JPEG, of this size and rate.</summary>
+    public sealed class ImageOptions
+    {
+        /// <summary>"jpeg", "png" or "raw"; null for JPEG.</summary>
+        public string Format;
+
+        /// <summary>1 to 100, of JPEG; 0 for the gateway's default.</summary>
+        public int Quality;
+
+        /// <summary>Scaled down to fit, in pixels; 0 for no bound.</summary>
+        public int MaxWidth;
+
+        /// <summary>Scaled down to fit, in pixels; 0 for no bound.</summary>
+        public int MaxHeight;
+
+        /// <summary>At most so many pictures a second; 0 for all.</summary>
+        public double MaxFps;
+
+        internal void Write(JsonWriter writer)
+        {
+            writer.BeginObject();
+            if (!string.IsNullOrEmpty(Format))
+            {
+                writer.Name("format");
+                writer.Value(Format);
+            }
+            if (Quality > 0)
+            {
+                writer.Name("quality");
+                writer.Value(Quality);
+            }
+            if (MaxWidth > 0)
+            {
+                writer.Name("max_width");
+                writer.Value(MaxWidth);
+            }
+            if (MaxHeight > 0)
+            {
+                writer.Name("max_height");
+                writer.Value(MaxHeight);
+            }
+            if (MaxFps > 0)
+            {
+                writer.Name("max_fps");
+                writer.Value(MaxFps);
+            }
+            writer.EndObject();
+        }
+    }
+
+    /// <summary>Quality of service in ROS' words; what is null or 0 is left to the gateway.</summary>
+    public sealed class QosOptions
+    {
+        /// <summary>"reliable", "best_effort" or "best_available".</summary>
+        public string Reliability;
+
+        /// <summary>"volatile", "transient_local" or "best_available".</summary>
+        public string Durability;
+
+        /// <summary>How many messages DDS keeps.</summary>
+        public int Depth;
+
+        internal void Write(JsonWriter writer)
+        {
+            writer.BeginObject();
+            if (!string.IsNullOrEmpty(Reliability))
+            {
+                writer.Name("reliability");
+                writer.Value(Reliability);
+            }
+            if (!string.IsNullOrEmpty(Durability))
+            {
+                writer.Name("durability");
+                writer.Value(Durability);
+            }
+            if (Depth > 0)
+            {
+                writer.Name("depth");
+                writer.Value(Depth);
+            }
+            writer.EndObject();
+        }
+    }
+}

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+using System;
+using System.Collections.Generic;
+using Ros2Gateway.Json;
+
+namespace Ros2Gateway
+{
+    /// <summary>All subscriptions of a client, by topic.</summary>
+    internal sealed class Subscriptions
+    {
+        // What the gateway lets wait for a client on a topic; more may wait here.
+        private const int MaxGatewayQueue = 1024;
+
+        private static readonly Subscription[] None = new Subscription[0];
+
+        private readonly object _gate = new object();
+        private readonly Outbox _outbox;
+
+        // Arrays are replaced, never changed: the thread that reads frames holds no lock while it delivers.
+        private readonly Dictionary<string, Subscription[]> _byTopic = new Dictionary<string, Subscription[]>();
+
+        internal Subscriptions(Outbox outbox)
+        {
+            _outbox = outbox;
+        }
+
+        /// <summary>How many messages made room for newer ones, in all that ever were.</summary>
+        internal long Dropped { get; set; }
+
+        internal void Add(Subscription subscription)
+        {
+            lock (_gate)
+            {
+                Subscription[] before = Of(subscription.Topic);
+                Subscription[] after = new Subscription[before.Length + 1];
+                before.CopyTo(after, 0);
+                after[before.Length] = subscription;
+                _byTopic[subscription.Topic] = after;
+                if (before.Length > 0)
+                {
+                    // Else the gateway would count the newcomer as one more of the same client, and not
+                    // send what is latched again.
+                    Unsubscribe(subscription.Topic, null);
+                }
+                Send(after);
+            }
+        }
+
+        internal void Remove(Subscription subscription)
+        {
+            lock (_gate)
+            {
+                Subscription[] before = Of(subscription.Topic);
+                Subscription[] after = Array.FindAll(before, one => one != subscription);
+                if (after.Length == before.Length)
+                {
+                    return;
+                }
+                if (after.Length == 0)
+                {
+                    _byTopic.Remove(subscription.Topic);
+                }
+                else
+                {
+                    _byTopic[subscription.Topic] = after;
+                }
+                Unsubscribe(subscription.Topic, subscription.Id);
+            }
+        }
+
+        /// <summary>The topic of a subscription; null if there is none with that id.</summary>
+        internal string TopicOf(string id)
+        {
+            lock (_gate)
+            {
+                foreach (KeyValuePair<string, Subscription[]> topic in _byTopic)
+                {
+                    if (Array.Exists(topic.Value, one => one.Id == id))
+                    {
+                        return topic.Key;
+                    }
+                }
+                return null;
+            }
+        }
+
+        /// <summary>Those to a topic; the array never changes.</summary>
+        internal Subscription[] Of(string topic)
+        {
+            lock (_gate)
+            {
+                Subscription[] subscriptions;
+                return _byTopic.TryGetValue(topic, out subscriptions) ? subscriptions : None;
+            }
+        }
+
+        /// <summary>Asks the gateway for all of them, on a new connection.</summary>
+        internal void Restore()
+        {
+            lock (_gate)
+            {
+                foreach (Subscription[] subscriptions in _byTopic.Values)
+                {
+                    Send(subscriptions);
+                }
+            }
+        }
+
+        // All to one topic: the gateway serves them by one stream with the shortest of their queues, so
+        // each has to ask for the longest. What it has already with the same id it replaces.
+        private void Send(Subscription[] subscriptions)
+        {
+            int queue = 1;
+            foreach (Subscription subscription in subscriptions)
+            {
+                queue = Math.Max(queue, subscription.Options.Queue);
+            }
+            queue = Math.Min(queue, MaxGatewayQueue);
+            foreach (Subscription subscription in subscriptions)
+            {
+                Send(subscription, queue);
+            }
+        }
+
+        // Without an id, all to the topic.
+        private void Unsubscribe(string topic, string id)
+        {
+            JsonWriter frame = _outbox.Rent();
+            frame.BeginObject();
+            frame.Name("op");
+            frame.Value("unsubscribe");
+            if (id != null)
+            {
+                frame.Name("id");
+                frame.Value(id);
+            }
+            frame.Name("topic");
+            frame.Value(topic);
+            frame.EndObject();
+            _outbox.Post(frame);
+        }
+
+        private void Send(Subscription subscription, int queue)
+        {
+            SubscribeOptions options = subscription.Options;
+            JsonWriter frame = _outbox.Rent();
+            frame.BeginObject();
+            frame.Name("op");
+            frame.Value("subscribe");
+            frame.Name("id");
+            frame.Value(subscription.Id);
+            frame.Name("topic");
+            frame.Value(subscription.Topic);
+            if (!string.IsNullOrEmpty(subscription.Type))
+            {
+                frame.Name("type");
+                frame.Value(subscription.Type);
+            }
+            if (options.ThrottleMilliseconds > 0)
+            {
+                frame.Name("throttle_rate");
+                frame.Value(options.ThrottleMilliseconds);
+            }
+            frame.Name("queue_length");
+            frame.Value(queue);
+            if (options.Fields != null)
+            {
+                frame.Name("fields");
+                frame.Values(options.Fields);
+            }
+            if (options.Image != null)
+            {
+                frame.Name("image");
+                options.Image.Write(frame);
+            }
+            if (options.Qos != null)
+            {
+                frame.Name("qos");
+                options.Qos.Write(frame);
+            }
+            frame.EndObject();
+            _outbox.Post(frame);
+        }
+    }
+}

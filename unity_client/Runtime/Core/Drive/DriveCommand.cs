@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+using System;
+using System.Globalization;
+
+namespace Ros2Gateway.Drive
+{
+    /// <summary>What a base with two driven wheels is told, in its own axes.</summary>
+    public readonly struct DriveCommand : IEquatable<DriveCommand>
+    {
+        /// <summary>Metres per second ahead: the <c>linear.x</c> of a Twist.</summary>
+        public readonly double linear;
+
+        /// <summary>Radians per second, counter-clockwise: the <c>angular.z</c> of a Twist.</summary>
+        public readonly double angular;
+
+        /// <summary>Takes speeds as they are.</summary>
+        public DriveCommand(double linear, double angular)
+        {
+            this.linear = linear;
+            this.angular = angular;
+        }
+
+        /// <summary>Stand still; the same as <c>default</c>.</summary>
+        public static DriveCommand Zero
+        {
+            get { return default(DriveCommand); }
+        }
+
+        /// <inheritdoc/>
+        public bool Equals(DriveCommand other)
+        {
+            return linear.Equals(other.linear) && angular.Equals(other.angular);
+        }
+
+        /// <inheritdoc/>
+        public override bool Equals(object obj)
+        {
+            return obj is DriveCommand && Equals((DriveCommand)obj);
+        }
+
+        /// <inheritdoc/>
+        public override int GetHashCode()
+        {
+            return unchecked(linear.GetHashCode() * 397 ^ angular.GetHashCode());
+        }
+
+        /// <summary>For people: both speeds with their units.</summary>
+        public override string ToString()
+        {
+            return string.Format(
+                CultureInfo.InvariantCulture, "{0:0.###} m/s, {1:0.###} rad/s", linear, angular);
+        }
+    }
+}
