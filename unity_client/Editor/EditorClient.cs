@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+using System;
+using Ros2Gateway.Unity;
+
+namespace Ros2Gateway.Editor
+{
+    /// <summary>
+    /// A client of the editor's own, outside play mode: whoever owns it pumps it from the editor's update,
+    /// and disposes it with the window that needed it. What stands in its way is told in words.
+    /// </summary>
+    public sealed class EditorClient : IDisposable
+    {
+        private string _lastWords = "";
+
+        /// <summary>Begins to connect, to where these options say.</summary>
+        public EditorClient(GatewayOptions options)
+        {
+            Address = options.Address;
+            Client = new GatewayClient(options);
+            Client.EventHeard += Hear;
+            Client.Connect();
+        }
+
+        /// <summary>The client itself.</summary>
+        public GatewayClient Client { get; private set; }
+
+        /// <summary>Where it connects to.</summary>
+        public string Address { get; private set; }
+
+        /// <summary>Why there is no connection, or that it is being made; empty while there is one.</summary>
+        public string Problem
+        {
+            get
+            {
+                if (Client.IsConnected)
+                {
+                    return "";
+                }
+                return _lastWords.Length > 0 ? _lastWords : "connecting to " + Address;
+            }
+        }
+
+        /// <summary>What a settings asset says; without one, where the gateway is by default.</summary>
+        public static GatewayOptions OptionsOf(GatewaySettings settings)
+        {
+            GatewayOptions options = new GatewayOptions();
+            if (settings != null)
+            {
+                options.Address = settings.Address;
+                options.Token = settings.Token;
+            }
+            return options;
+        }
+
+        /// <summary>Calls what waits; from the editor's update.</summary>
+        public void Pump()
+        {
+            Client.Pump();
+        }
+
+        /// <summary>Disconnects, for good.</summary>
+        public void Dispose()
+        {
+            Client.Dispose();
+        }
+
+        private void Hear(GatewayEvent happened)
+        {
+            if (happened.Level != EventLevel.Info)
+            {
+                _lastWords = happened.Text;
+            }
+        }
+    }
+}

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+using Ros2Gateway.Unity;
+using UnityEditor;
+using UnityEngine;
+
+namespace Ros2Gateway.Editor
+{
+    /// <summary>GameObject > ROS 2 Gateway: ready objects for a scene.</summary>
+    public static class GatewayMenu
+    {
+        private const string Path = "GameObject/ROS 2 Gateway/";
+        private const int Priority = 10; // among the other kinds of objects, as Unity's manual asks for
+
+        /// <summary>The connection that all others find.</summary>
+        [MenuItem(Path + "Connection", false, Priority)]
+        public static void Connection(MenuCommand command)
+        {
+            Finish(new GameObject("Gateway Connection", typeof(GatewayConnection)), command);
+        }
+
+        /// <summary>A screen for a camera's pictures.</summary>
+        [MenuItem(Path + "Image Screen", false, Priority)]
+        public static void ImageScreen(MenuCommand command)
+        {
+            GameObject screen = GameObject.CreatePrimitive(PrimitiveType.Quad);
+            screen.name = "Image Screen";
+            Subscribing(screen, "/camera/image_raw", "sensor_msgs/msg/Image");
+            Finish(screen.AddComponent<ImageScreen>(), command);
+        }
+
+        /// <summary>A screen for any topic, as text.</summary>
+        [MenuItem(Path + "Text Screen", false, Priority)]
+        public static void TextScreen(MenuCommand command)
+        {
+            GameObject screen = new GameObject("Text Screen", typeof(TextMesh));
+            Subscribing(screen, "/chatter", "");
+            Finish(screen.AddComponent<TextScreen>(), command);
+        }
+
+        /// <summary>A screen for the log of ROS and the client's events.</summary>
+        [MenuItem(Path + "Log Screen", false, Priority)]
+        public static void LogScreen(MenuCommand command)
+        {
+            GameObject screen = new GameObject("Log Screen", typeof(TextMesh));
+            Finish(screen.AddComponent<LogScreen>(), command);
+        }
+
+        /// <summary>The state of the connection, as text.</summary>
+        [MenuItem(Path + "Connection HUD", false, Priority)]
+        public static void Hud(MenuCommand command)
+        {
+            GameObject hud = new GameObject("Connection HUD", typeof(TextMesh));
+            Finish(hud.AddComponent<ConnectionHud>(), command);
+        }
+
+        /// <summary>What follows a robot's odometry.</summary>
+        [MenuItem(Path + "Digital Twin", false, Priority)]
+        public static void Twin(MenuCommand command)
+        {
+            GameObject twin = new GameObject("Digital Twin");
+            Subscribing(twin, "/odom", "nav_msgs/msg/Odometry");
+            Finish(twin.AddComponent<DigitalTwin>(), command);
+        }
+
+        /// <summary>What a laser scanner measures, as points.</summary>
+        [MenuItem(Path + "Laser Scan", false, Priority)]
+        public static void LaserScan(MenuCommand command)
+        {
+            GameObject scan = new GameObject("Laser Scan");
+            Subscribing(scan, "/scan", "sensor_msgs/msg/LaserScan");
+            Finish(scan.AddComponent<LaserScanDisplay>(), command);
+        }
+
+        /// <summary>A cloud of points.</summary>
+        [MenuItem(Path + "Point Cloud", false, Priority)]
+        public static void PointCloud(MenuCommand command)
+        {
+            GameObject cloud = new GameObject("Point Cloud");
+            Subscribing(cloud, "/points", "sensor_msgs/msg/PointCloud2");
+            Finish(cloud.AddComponent<PointCloudDisplay>(), command);
+        }
+
+        /// <summary>A battery's charge, as text.</summary>
+        [MenuItem(Path + "Battery", false, Priority)]
+        public static void Battery(MenuCommand command)
+        {
+            GameObject battery = new GameObject("Battery", typeof(TextMesh));
+            Subscribing(battery, "/battery_state", "sensor_msgs/msg/BatteryState");
+            Finish(battery.AddComponent<BatteryDisplay>(), command);
+        }
+
+        /// <summary>The arrow keys drive.</summary>
+        [MenuItem(Path + "Teleop Driver", false, Priority)]
+        public static void Teleop(MenuCommand command)
+        {
+            Finish(new GameObject("Teleop Driver", typeof(TeleopDriver)), command);
+        }
+
+        /// <summary>A point of the scene is driven to.</summary>
+        [MenuItem(Path + "Target Driver", false, Priority)]
+        public static void Target(MenuCommand command)
+        {
+            Finish(new GameObject("Target Driver", typeof(TargetDriver)), command);
+        }
+
+        private static void Subscribing(GameObject made, string topic, string type)
+        {
+            TopicSubscriber subscriber = made.AddComponent<TopicSubscriber>();
+            subscriber.Topic = topic;
+            subscriber.Type = type;
+        }
+
+        private static void Finish(Component on, MenuCommand command)
+        {
+            Finish(on.gameObject, command);
+        }
+
+        private static void Finish(GameObject made, MenuCommand command)
+        {
+            GameObjectUtility.SetParentAndAlign(made, command.context as GameObject);
+            Undo.RegisterCreatedObjectUndo(made, "Create " + made.name);
+            Selection.activeObject = made;
+        }
+    }
+}

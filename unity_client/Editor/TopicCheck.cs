@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+using System.Text.RegularExpressions;
+using Ros2Gateway.Messages;
+
+namespace Ros2Gateway.Editor
+{
+    /// <summary>What is wrong with a topic or its type, in words; null where nothing is.</summary>
+    public static class TopicCheck
+    {
+        private static readonly Regex Name =
+            new Regex(@"^/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*$", RegexOptions.ECMAScript);
+        private static readonly Regex Type =
+            new Regex(@"^[a-z]\w*/(msg/)?[A-Z][A-Za-z0-9]*$", RegexOptions.ECMAScript);
+
+        /// <summary>Of a topic's name.</summary>
+        public static string OfTopic(string topic)
+        {
+            if (string.IsNullOrEmpty(topic))
+            {
+                return "no topic is chosen";
+            }
+            return Name.IsMatch(topic)
+                ? null
+                : "'" + topic
+                    + "' is no topic: words of letters, digits and _ with / between them, no digit first";
+        }
+
+        /// <summary>Of a type; *mayBeEmpty* where the gateway finds it out.</summary>
+        public static string OfType(string type, bool mayBeEmpty)
+        {
+            if (string.IsNullOrEmpty(type))
+            {
+                return mayBeEmpty ? null : "a publisher needs a type";
+            }
+            if (MessageCatalogue.Create(type) != null)
+            {
+                return null;
+            }
+            if (type[0] >= '0' && type[0] <= '9')
+            {
+                int last = new TypeCatalogue().Count - 1;
+                return "the message table has no number " + type + ": it ends at " + last;
+            }
+            return Type.IsMatch(type)
+                ? type + " has no class here: messages come and go as a tree (DynamicMessage)"
+                : "'" + type + "' is no type: pkg/msg/Name, or a number of the message table";
+        }
+
+        /// <summary>Of a type, given what the topic carries now; empty if that is not known.</summary>
+        public static string OfGraph(string topic, string type, string carried)
+        {
+            string chosen = MessageCatalogue.Resolve(type);
+            return string.IsNullOrEmpty(chosen) || string.IsNullOrEmpty(carried) || chosen == carried
+                ? null
+                : topic + " carries " + carried + " now";
+        }
+    }
+}

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+using UnityEngine;
+#if ROS2GATEWAY_UGUI
+using UnityEngine.UI;
+#endif
+
+namespace Ros2Gateway.Unity
+{
+    /// <summary>What a picture is shown on: the Renderer or the RawImage beside a display.</summary>
+    internal sealed class PictureSurface
+    {
+        private readonly Renderer _renderer;
+        private readonly Material _original;
+        private readonly Material _material; // a copy: the original may be an asset that others use
+        private readonly bool _hasTint; // Unity logs an error where a shader has none
+        private readonly Color _tint;
+#if ROS2GATEWAY_UGUI
+        private readonly RawImage _image;
+        private readonly Color _imageTint;
+        private AspectRatioFitter _fitter;
+        private bool _isFitterOurs;
+#endif
+
+        internal PictureSurface(Component display)
+        {
+            _renderer = display.GetComponent<Renderer>();
+            if (_renderer != null)
+            {
+                _original = _renderer.sharedMaterial;
+                _material = _original != null ? new Material(_original) : Unlit();
+                _renderer.sharedMaterial = _material;
+            }
+            _hasTint = _material != null
+                && (_material.HasProperty("_Color") || _material.HasProperty("_BaseColor"));
+            _tint = _hasTint ? _material.color : Color.white;
+#if ROS2GATEWAY_UGUI
+            _image = display.GetComponent<RawImage>();
+            _imageTint = _image != null ? _image.color : Color.white;
+            _fitter = display.GetComponent<AspectRatioFitter>();
+#endif
+        }
+
+        internal bool Exists
+        {
+            get
+            {
+#if ROS2GATEWAY_UGUI
+                if (_image != null)
+                {
+                    return true;
+                }
+#endif
+                return _material != null;
+            }
+        }
+
+        internal void Show(Texture texture)
+        {
+            if (_material != null)
+            {
+                _material.mainTexture = texture;
+            }
+#if ROS2GATEWAY_UGUI
+            if (_image != null)
+            {
+                _image.texture = texture;
+            }
+#endif
+        }
+
+        /// <summary>Makes it as wide as the picture demands; the height stays.</summary>
+        internal void KeepAspect(float aspect)
+        {
+#if ROS2GATEWAY_UGUI
+            if (_image != null)
+            {
+                if (_fitter == null)
+                {
+                    _fitter = _image.gameObject.AddComponent<AspectRatioFitter>();
+                    _fitter.aspectMode = AspectRatioFitter.AspectMode.HeightControlsWidth;
+                    _isFitterOurs = true;
+                }
+                _fitter.aspectRatio = aspect;
+                return;
+            }
+#endif
+            if (_renderer != null)
+            {
+                Vector3 scale = _renderer.transform.localScale;
+                _renderer.transform.localScale = new Vector3(scale.y * aspect, scale.y, scale.z);
+            }
+        }
+
+        /// <summary>Makes it darker than its colour; a share of 1 is its colour.</summary>
+        internal void Darken(float share)
+        {
+            if (_hasTint)
+            {
+                _material.color = Darker(_tint, share);
+            }
+#if ROS2GATEWAY_UGUI
+            if (_image != null)
+            {
+                _image.color = Darker(_imageTint, share);
+            }
+#endif
+        }
+
+        internal void Destroy()
+        {
+            if (_renderer != null)
+            {
+                _renderer.sharedMaterial = _original;
+            }
+            Object.Destroy(_material);
+#if ROS2GATEWAY_UGUI
+            if (_image != null)
+            {
+                _image.texture = null;
+                _image.color = _imageTint;
+            }
+            if (_isFitterOurs)
+            {
+                Object.Destroy(_fitter);
+            }
+#endif
+        }
+
+        private static Color Darker(Color color, float share)
+        {
+            return new Color(color.r * share, color.g * share, color.b * share, color.a);
+        }
+
+        private static Material Unlit()
+        {
+            Shader shader = Shader.Find("Unlit/Texture");
+            return shader != null ? new Material(shader) : null; // a build may have left it out
+        }
+    }
+}

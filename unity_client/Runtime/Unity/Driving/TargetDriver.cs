@@ -1,0 +1,373 @@
+// SPDX-License-Identifier: Apache-2.0
+using System;
+using Ros2Gateway.Drive;
+using Ros2Gateway.Messages.NavMsgs;
+using UnityEngine;
+using UnityEngine.Events;
+
+namespace Ros2Gateway.Unity
+{
+    /// <summary>Words, for the Inspector's lists of what to call.</summary>
+    [Serializable]
+    public sealed class ReasonEvent : UnityEvent<string>
+    {
+    }
+
+    /// <summary>
+    /// Drives a robot to a point of the scene by its odometry: it turns, then drives, as
+    /// <see cref="DriveToTarget"/> says. The target is given up and the robot told to stand when the window
+    /// loses the focus, the application pauses, the component is disabled or the connection is lost; a new
+    /// connection resumes nothing.
+    /// </summary>
+    [AddComponentMenu("ROS 2 Gateway/Target Driver")]
+    public sealed class TargetDriver : MonoBehaviour
+    {
+        [SerializeField]
+        [Tooltip("Without, the scene's")]
+        private GatewayConnection _connection;
+
+        [SerializeField]
+        [Tooltip("Where commands go, as geometry_msgs/msg/Twist")]
+        private string _topic = "/cmd_vel";
+
+        [SerializeField]
+        [Tooltip("Where poses come from, as nav_msgs/msg/Odometry")]
+        private string _odometryTopic = "/odom";
+
+        [SerializeField]
+        [Tooltip("A subscriber of the odometry that the scene has already; without, one of its own")]
+        private TopicSubscriber _odometry;
+
+        [SerializeField]
+        [Tooltip("Where the odometry's frame is: the digital twin's parent. Without, the world's origin")]
+        private Transform _origin;
+
+        [SerializeField]
+        [Tooltip("Is put where the target is, and hidden while there is none")]
+        private Transform _marker;
+
+        [SerializeField]
+        [Tooltip("Commands a second, in Hz")]
+        [Range(10, 50)]
+        private float _rate = 20;
+
+        [SerializeField]
+        [Tooltip("Off for a headset whose desktop window is in the background")]
+        private bool _stopsWithoutFocus = true;
+
+        [SerializeField]
+        private DriveSettings _settings = new DriveSettings();
+
+        [SerializeField]
+        private UnityEvent _onReached = new UnityEvent();
+
+        [SerializeField]
+        private ReasonEvent _onFailed = new ReasonEvent();
+
+        private DriveOutput _output;
+        private DriveToTarget _drive;
+        private Subscription<OdometryMsg> _subscription;
+        private PlanarPose _pose;
+        private double _poseTime = double.NaN;
+        private double _next;
+        private int _changes; // of the connection, when the target was set
+        private Vector3 _place; // of the target, in the world
+
+        /// <summary>The target was reached, and the robot told to stand.</summary>
+        public event Action Reached;
+
+        /// <summary>The target was given up, and why: also by <see cref="Stop"/> with its reason.</summary>
+        public event Action<string> Failed;
+
+        /// <summary>
+        /// Where commands go; a change takes effect when the component is enabled the next time.
+        /// </summary>
+        public string Topic
+        {
+            get { return _topic; }
+            set { _topic = value; }
+        }
+
+        /// <summary>Where poses come from; like <see cref="Topic"/>.</summary>
+        public string OdometryTopic
+        {
+            get { return _odometryTopic; }
+            set { _odometryTopic = value; }
+        }
+
+        /// <summary>Whose messages these are; like <see cref="Topic"/>.</summary>
+        public GatewayConnection Connection
+        {
+            get { return _connection; }
+            set { _connection = value; }
+        }
+
+        /// <summary>
+        /// A subscriber of the odometry to share; null for one of its own; like <see cref="Topic"/>.
+        /// </summary>
+        public TopicSubscriber Odometry
+        {
+            get { return _odometry; }
+            set { _odometry = value; }
+        }
+
+        /// <summary>Where the odometry's frame is in the scene; null for the world's origin.</summary>
+        public Transform Origin
+        {
+            get { return _origin; }
+            set { _origin = value; }
+        }
+
+        /// <summary>Is put where the target is, and hidden while there is none; may be null.</summary>
+        public Transform Marker
+        {
+            get { return _marker; }
+            set { _marker = value; }
+        }
+
+        /// <summary>What the robot may do; like <see cref="Topic"/>.</summary>
+        public DriveSettings Settings
+        {
+            get { return _settings; }
+            set { _settings = value; }
+        }
+
+        /// <summary>Called when a target was reached, from the Inspector's list.</summary>
+        public UnityEvent OnReached
+        {
+            get { return _onReached; }
+        }
+
+        /// <summary>Called with the reason when a target was given up, from the Inspector's list.</summary>
+        public ReasonEvent OnFailed
+        {
+            get { return _onFailed; }
+        }
+
+        /// <summary>What it is doing.</summary>
+        public DriveState State
+        {
+            get { return _drive == null ? DriveState.Idle : _drive.State; }
+        }
+
+        /// <summary>Why it waits, or gave up, in words; empty otherwise.</summary>
+        public string Reason
+        {
+            get { return _drive == null ? "" : _drive.Reason; }
+        }
+
+        /// <summary>Metres from the robot to the target; NaN before the first pose.</summary>
+        public double Distance
+        {
+            get { return _drive == null ? double.NaN : _drive.Distance; }
+        }
+
+        /// <summary>
+        /// Drives to a point of the scene, its height being ignored; what was the target before is no longer.
+        /// False, and nothing happens, while there is no connection or the component is disabled; false, too,
+        /// for a point that is not finite.
+        /// </summary>
+        public bool SetTarget(Vector3 worldPosition)
+        {
+            if (_output == null || !_output.IsConnected)
+            {
+                return false;
+            }
+            Vector3 local = _origin == null ? worldPosition : _origin.InverseTransformPoint(worldPosition);
+            Vector3<Flu> target = local.FromUnity<Flu>();
+            _drive.SetTarget(target.x, target.y, Time.unscaledTimeAsDouble);
+            if (!_drive.IsActive)
+            {
+                End();
+                return false;
+            }
+            _changes = _output.Changes;
+            _next = 0;
+            _place = worldPosition;
+            ShowMarker();
+            return true;
+        }
+
+        /// <summary>
+        /// Tells the robot to stand, whatever it does and whoever drove it, and takes the target away.
+        /// </summary>
+        public void Stop(string reason)
+        {
+            if (_output != null)
+            {
+                GiveUp(reason);
+                _output.Send(DriveCommand.Zero);
+            }
+        }
+
+        private void OnEnable()
+        {
+            _connection = GatewayConnection.For(this, _connection);
+            ShowMarker();
+            if (_connection == null)
+            {
+                return;
+            }
+            try
+            {
+                _drive = new DriveToTarget(_settings);
+            }
+            catch (ArgumentException error)
+            {
+                Debug.LogError("Target Driver on " + name + ": " + error.Message, this);
+                return;
+            }
+            _poseTime = double.NaN;
+            _output = new DriveOutput(_connection, _topic);
+            if (_odometry != null)
+            {
+                _odometry.MessageReceived += TakeAny;
+            }
+            else
+            {
+                _subscription = _connection.Client.Subscribe<OdometryMsg>(_odometryTopic, Take);
+            }
+        }
+
+        private void Update()
+        {
+            if (_output == null)
+            {
+                return;
+            }
+            if (!_output.IsConnected || _changes != _output.Changes)
+            {
+                GiveUp("connection lost");
+            }
+            double now = Time.unscaledTimeAsDouble;
+            if (!_drive.IsActive)
+            {
+                _output.Stand(); // after a connection was lost
+            }
+            else if (now >= _next)
+            {
+                _next = now + 1.0 / _rate;
+                Step(now);
+            }
+        }
+
+        // At once, in all three: Update may not be called again.
+        private void OnApplicationFocus(bool hasFocus)
+        {
+            if (!hasFocus && _stopsWithoutFocus)
+            {
+                GiveUp("the window lost the focus");
+            }
+        }
+
+        private void OnApplicationPause(bool isPaused)
+        {
+            if (isPaused)
+            {
+                GiveUp("the application was paused");
+            }
+        }
+
+        private void OnApplicationQuit()
+        {
+            GiveUp("the application ends");
+        }
+
+        private void OnDisable()
+        {
+            GiveUp("the Target Driver was disabled");
+            if (_odometry != null)
+            {
+                _odometry.MessageReceived -= TakeAny;
+            }
+            if (_subscription != null)
+            {
+                _subscription.Dispose();
+                _subscription = null;
+            }
+            if (_output != null)
+            {
+                _output.Dispose();
+                _output = null;
+            }
+        }
+
+        private void OnDrawGizmos()
+        {
+            if (_drive != null && _drive.IsActive)
+            {
+                Gizmos.color = Color.green;
+                Gizmos.DrawWireSphere(_place, 0.1f);
+            }
+        }
+
+        private void Step(double now)
+        {
+            DriveCommand command = _drive.Step(_pose, _poseTime, now);
+            bool isSent = _output.Send(command);
+            if (!_drive.IsActive)
+            {
+                End();
+            }
+            else if (!isSent)
+            {
+                GiveUp("the command could not be published");
+            }
+        }
+
+        private void GiveUp(string reason)
+        {
+            if (_drive == null || !_drive.IsActive)
+            {
+                return;
+            }
+            _drive.Stop(reason);
+            _output.Stand();
+            End();
+        }
+
+        private void End()
+        {
+            ShowMarker();
+            if (_drive.State == DriveState.Done)
+            {
+                if (Reached != null)
+                {
+                    Reached();
+                }
+                _onReached.Invoke();
+                return;
+            }
+            string reason = _drive.Reason;
+            if (Failed != null)
+            {
+                Failed(reason);
+            }
+            _onFailed.Invoke(reason);
+        }
+
+        private void ShowMarker()
+        {
+            if (_marker != null)
+            {
+                _marker.position = _place;
+                _marker.gameObject.SetActive(_drive != null && _drive.IsActive);
+            }
+        }
+
+        private void TakeAny(IMessage message)
+        {
+            OdometryMsg odometry = message as OdometryMsg;
+            if (odometry != null)
+            {
+                Take(odometry);
+            }
+        }
+
+        private void Take(OdometryMsg odometry)
+        {
+            _pose = new PlanarPose(odometry.pose.pose.As<Flu>());
+            _poseTime = Time.unscaledTimeAsDouble;
+        }
+    }
+}

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+using System;
+using Ros2Gateway.Drive;
+using UnityEngine;
+
+namespace Ros2Gateway.Unity
+{
+    /// <summary>
+    /// Drives a robot by keys: a Twist while one is held, zero on release. The robot is told to stand, and
+    /// held keys must be pressed anew, when the window loses the focus, the application pauses, the component
+    /// is disabled or STOP is pressed; while there is no connection nothing is published, and a new one
+    /// resumes no motion.
+    /// </summary>
+    [AddComponentMenu("ROS 2 Gateway/Teleop Driver")]
+    public sealed class TeleopDriver : MonoBehaviour
+    {
+        [SerializeField]
+        [Tooltip("Without, the scene's")]
+        private GatewayConnection _connection;
+
+        [SerializeField]
+        private string _topic = "/cmd_vel";
+
+        [SerializeField]
+        [Tooltip("Ahead and back, in m/s; a TurtleBot3 Waffle Pi does 0.26")]
+        [Range(0.01f, 2)]
+        private float _linearSpeed = 0.26f;
+
+        [SerializeField]
+        [Tooltip("Turning, in rad/s; a TurtleBot3 Waffle Pi does 1.82")]
+        [Range(0.01f, 6)]
+        private float _angularSpeed = 1.82f;
+
+        [SerializeField]
+        [Tooltip("How often a held key is published, in Hz: robots stop after half a second of silence")]
+        [Range(10, 20)]
+        private float _rate = 15;
+
+        private DriveOutput _output;
+        private KeyDrive _keys;
+        private IDriveInput _input;
+        private bool _isUnfocused;
+        private bool _isPaused;
+        private int _changes; // of the connection, when keys were let go of last
+
+        /// <summary>The topic; a change takes effect when the component is enabled the next time.</summary>
+        public string Topic
+        {
+            get { return _topic; }
+            set { _topic = value; }
+        }
+
+        /// <summary>Whose publisher this is; like <see cref="Topic"/>.</summary>
+        public GatewayConnection Connection
+        {
+            get { return _connection; }
+            set { _connection = value; }
+        }
+
+        /// <summary>m/s ahead and back; like <see cref="Topic"/>.</summary>
+        public float LinearSpeed
+        {
+            get { return _linearSpeed; }
+            set { _linearSpeed = value; }
+        }
+
+        /// <summary>rad/s of turning; like <see cref="Topic"/>.</summary>
+        public float AngularSpeed
+        {
+            get { return _angularSpeed; }
+            set { _angularSpeed = value; }
+        }
+
+        /// <summary>Where keys come from; the arrow keys and space, unless it is set.</summary>
+        public IDriveInput Input
+        {
+            get { return _input ?? (_input = DriveInputs.Keyboard()); }
+            set { _input = value; }
+        }
+
+        /// <summary>
+        /// Tells the robot to stand, whatever it does and whoever drove it; held keys must be pressed anew.
+        /// </summary>
+        public void Stop()
+        {
+            LetGo();
+            if (_output != null)
+            {
+                _output.Send(DriveCommand.Zero);
+            }
+        }
+
+        private void OnEnable()
+        {
+            _connection = GatewayConnection.For(this, _connection);
+            if (_connection == null)
+            {
+                return;
+            }
+            try
+            {
+                _keys = new KeyDrive(_linearSpeed, _angularSpeed, _rate);
+            }
+            catch (ArgumentException error)
+            {
+                Debug.LogError("Teleop Driver on " + name + ": " + error.Message, this);
+                return;
+            }
+            _output = new DriveOutput(_connection, _topic);
+            LetGo(); // a key that is held already drives nothing
+        }
+
+        private void Update()
+        {
+            if (_output == null)
+            {
+                return;
+            }
+            if (!_output.IsConnected)
+            {
+                return;
+            }
+            if (_changes != _output.Changes)
+            {
+                _changes = _output.Changes;
+                LetGo();
+            }
+            if (Input.StopPressed)
+            {
+                Stop();
+            }
+            DriveCommand command;
+            if (!_isUnfocused && !_isPaused && _keys.Step(Input.Held, Time.unscaledTimeAsDouble, out command))
+            {
+                _output.Send(command);
+            }
+        }
+
+        // At once, in all three: Update may not be called again.
+        private void OnApplicationFocus(bool hasFocus)
+        {
+            _isUnfocused = !hasFocus;
+            LetGo();
+        }
+
+        private void OnApplicationPause(bool isPaused)
+        {
+            _isPaused = isPaused;
+            LetGo();
+        }
+
+        private void OnApplicationQuit()
+        {
+            LetGo();
+        }
+
+        private void OnDisable()
+        {
+            if (_output != null)
+            {
+                _output.Dispose();
+                _output = null;
+            }
+        }
+
+        /// <summary>The robot stands, and what is held now counts again once it was released.</summary>
+        private void LetGo()
+        {
+            if (_output == null)
+            {
+                return;
+            }
+            double now = Time.unscaledTimeAsDouble;
+            DriveKeys held = Input.Held;
+            DriveCommand ignored;
+            _keys.Step(held, now, out ignored);
+            _keys.Release();
+            _keys.Step(held, now, out ignored);
+            _output.Stand();
+        }
+    }
+}

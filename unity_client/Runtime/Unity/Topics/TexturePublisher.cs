@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+using UnityEngine;
+
+namespace Ros2Gateway.Unity
+{
+    /// <summary>
+    /// Publishes what a camera of the scene sees, or a texture, by the Topic Publisher beside it: as JPEG, at
+    /// its rate, size and quality.
+    /// </summary>
+    [AddComponentMenu("ROS 2 Gateway/Texture Publisher")]
+    [RequireComponent(typeof(TopicPublisher))]
+    public sealed class TexturePublisher : MonoBehaviour
+    {
+        private const int DepthBits = 24; // what Unity's own cameras use
+
+        [SerializeField]
+        [Tooltip("A camera for this alone: it renders into a texture instead of to the screen")]
+        private Camera _camera;
+
+        [SerializeField]
+        [Tooltip("Without a camera: what is published, such as a Render Texture")]
+        private Texture _source;
+
+        [SerializeField]
+        [Tooltip("The header's frame")]
+        private string _frameId = "camera";
+
+        [SerializeField]
+        [Tooltip("What the camera renders, in pixels, unless it has a target texture")]
+        private Vector2 _cameraSize = new Vector2(640, 480);
+
+        private TopicPublisher _publisher;
+        private RenderTexture _rendered;
+
+        /// <summary>Whose picture is published; before the component is enabled.</summary>
+        public Camera Camera
+        {
+            get { return _camera; }
+            set { _camera = value; }
+        }
+
+        /// <summary>What is published without a camera.</summary>
+        public Texture Source
+        {
+            get { return _source; }
+            set { _source = value; }
+        }
+
+        /// <summary>The header's frame.</summary>
+        public string FrameId
+        {
+            get { return _frameId; }
+            set { _frameId = value; }
+        }
+
+        private void OnEnable()
+        {
+            _publisher = GetComponent<TopicPublisher>();
+            if (_camera != null && _camera.targetTexture == null)
+            {
+                int width = Mathf.Max(1, Mathf.RoundToInt(_cameraSize.x));
+                int height = Mathf.Max(1, Mathf.RoundToInt(_cameraSize.y));
+                _rendered = new RenderTexture(width, height, DepthBits);
+                _camera.targetTexture = _rendered;
+            }
+        }
+
+        private void LateUpdate()
+        {
+            // the camera's picture is that of the frame before
+            Texture texture = _camera != null ? _camera.targetTexture : _source;
+            if (texture != null)
+            {
+                _publisher.PublishTexture(texture, _frameId);
+            }
+        }
+
+        private void OnDisable()
+        {
+            if (_rendered == null)
+            {
+                return;
+            }
+            if (_camera != null && _camera.targetTexture == _rendered)
+            {
+                _camera.targetTexture = null;
+            }
+            _rendered.Release();
+            Destroy(_rendered);
+            _rendered = null;
+        }
+    }
+}

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+using System;
+using UnityEngine;
+using UnityEngine.XR;
+
+namespace Ros2Gateway.Samples.XrTarget
+{
+    /// <summary>
+    /// The controllers of a headset by Unity's own XR input, so with every plug-in: trigger, grip, and a
+    /// touchpad that is clicked (Vive) or a stick that is clicked or pushed ahead (Quest). The hand that
+    /// pressed last points.
+    /// </summary>
+    public sealed class ControllerInput : IPointerInput
+    {
+        private const float Pushed = 0.7f; // of a stick's way ahead
+        private const float Released = 0.4f; // well below, so that a trembling thumb teleports once
+
+        private readonly Transform _space;
+        private readonly Hand _left = new Hand(XRNode.LeftHand);
+        private readonly Hand _right = new Hand(XRNode.RightHand);
+        private Hand _pointing;
+
+        /// <param name="space">The tracking space, which the devices' poses are relative to; null for the
+        /// world.</param>
+        public ControllerInput(Transform space)
+        {
+            _space = space;
+            _pointing = _right;
+        }
+
+        /// <summary>Whether there is a headset at all.</summary>
+        public static bool HasHeadset
+        {
+            get { return InputDevices.GetDeviceAtXRNode(XRNode.Head).isValid; }
+        }
+
+        /// <summary>
+        /// Whether there is a headset and somebody wears it; one without a sensor for that is always worn.
+        /// </summary>
+        public static bool IsHeadsetWorn
+        {
+            get
+            {
+                InputDevice head = InputDevices.GetDeviceAtXRNode(XRNode.Head);
+                bool isWorn;
+                return head.isValid
+                    && (!head.TryGetFeatureValue(CommonUsages.userPresence, out isWorn) || isWorn);
+            }
+        }
+
+        /// <inheritdoc/>
+        public bool IsUserPresent
+        {
+            get { return IsHeadsetWorn; }
+        }
+
+        /// <inheritdoc/>
+        public Ray Pointer
+        {
+            get
+            {
+                Vector3 position = _pointing.Position;
+                Vector3 direction = _pointing.Rotation * Vector3.forward;
+                return _space == null
+                    ? new Ray(position, direction)
+                    : new Ray(_space.TransformPoint(position), _space.TransformDirection(direction));
+            }
+        }
+
+        /// <inheritdoc/>
+        public bool TargetPressed
+        {
+            get { return _left.Trigger.IsPressed || _right.Trigger.IsPressed; }
+        }
+
+        /// <inheritdoc/>
+        public bool TeleportPressed
+        {
+            get { return _left.Pad.IsPressed || _right.Pad.IsPressed; }
+        }
+
+        /// <inheritdoc/>
+        public bool StopPressed
+        {
+            get { return _left.Grip.IsPressed || _right.Grip.IsPressed; }
+        }
+
+        /// <inheritdoc/>
+        public void Poll()
+        {
+            _left.Poll();
+            _right.Poll();
+            if (_right.IsAnyPressed)
+            {
+                _pointing = _right;
+            }
+            else if (_left.IsAnyPressed)
+            {
+                _pointing = _left;
+            }
+        }
+
+        /// <summary>A button that is pressed in the frame in which it goes down.</summary>
+        private sealed class Button
+        {
+            private bool _isDown;
+
+            internal bool IsPressed { get; private set; }
+
+            internal bool IsDown
+            {
+                get { return _isDown; }
+            }
+
+            internal void Set(bool isDown)
+            {
+                IsPressed = isDown && !_isDown;
+                _isDown = isDown;
+            }
+        }
+
+        private sealed class Hand
+        {
+            internal readonly Button Trigger = new Button();
+            internal readonly Button Grip = new Button();
+            internal readonly Button Pad = new Button();
+
+            private readonly XRNode _node;
+
+            internal Hand(XRNode node)
+            {
+                _node = node;
+            }
+
+            internal Vector3 Position { get; private set; }
+
+            internal Quaternion Rotation { get; private set; } = Quaternion.identity;
+
+            internal bool IsAnyPressed
+            {
+                get { return Trigger.IsPressed || Grip.IsPressed || Pad.IsPressed; }
+            }
+
+            internal void Poll()
+            {
+                InputDevice device = InputDevices.GetDeviceAtXRNode(_node);
+                Vector3 position;
+                if (device.TryGetFeatureValue(CommonUsages.devicePosition, out position))
+                {
+                    Position = position;
+                }
+                Quaternion rotation;
+                if (device.TryGetFeatureValue(CommonUsages.deviceRotation, out rotation))
+                {
+                    Rotation = rotation;
+                }
+                Trigger.Set(Is(device, CommonUsages.triggerButton));
+                Grip.Set(Is(device, CommonUsages.gripButton));
+                Pad.Set(Is(device, CommonUsages.primary2DAxisClick) || IsPushed(device));
+            }
+
+            private bool IsPushed(InputDevice device)
+            {
+                Vector2 axis;
+                // A thumb that rests on a touchpad pushes nothing.
+                return device.TryGetFeatureValue(CommonUsages.primary2DAxis, out axis)
+                    && axis.y > (Pad.IsDown ? Released : Pushed)
+                    && device.name.IndexOf("vive", StringComparison.OrdinalIgnoreCase) < 0;
+            }
+
+            private static bool Is(InputDevice device, InputFeatureUsage<bool> usage)
+            {
+                bool isDown;
+                return device.TryGetFeatureValue(usage, out isDown) && isDown;
+            }
+        }
+    }
+}

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+using UnityEngine;
+
+namespace Ros2Gateway.Samples.XrTarget
+{
+    /// <summary>
+    /// A headset's controllers, or the mouse as long as there has been no headset: once there was one, its
+    /// loss is the user's absence.
+    /// </summary>
+    public sealed class ControllerOrMouseInput : IPointerInput
+    {
+        private readonly ControllerInput _controllers;
+        private IPointerInput _current;
+
+        /// <param name="space">The tracking space; null for the world.</param>
+        /// <param name="head">The camera's; null for the main one.</param>
+        public ControllerOrMouseInput(Transform space, Transform head)
+        {
+            _controllers = new ControllerInput(space);
+            _current = new MouseInput(head == null ? null : head.GetComponent<Camera>());
+        }
+
+        /// <inheritdoc/>
+        public bool IsUserPresent
+        {
+            get { return _current.IsUserPresent; }
+        }
+
+        /// <inheritdoc/>
+        public Ray Pointer
+        {
+            get { return _current.Pointer; }
+        }
+
+        /// <inheritdoc/>
+        public bool TargetPressed
+        {
+            get { return _current.TargetPressed; }
+        }
+
+        /// <inheritdoc/>
+        public bool TeleportPressed
+        {
+            get { return _current.TeleportPressed; }
+        }
+
+        /// <inheritdoc/>
+        public bool StopPressed
+        {
+            get { return _current.StopPressed; }
+        }
+
+        /// <inheritdoc/>
+        public void Poll()
+        {
+            if (ControllerInput.HasHeadset)
+            {
+                _current = _controllers;
+            }
+            _current.Poll();
+        }
+    }
+}

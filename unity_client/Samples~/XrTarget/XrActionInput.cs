@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#if ROS2GATEWAY_INPUT_SYSTEM && ENABLE_INPUT_SYSTEM
+using System.Collections.Generic;
+using UnityEngine;
+using UnityEngine.InputSystem;
+#if ROS2GATEWAY_XR_INTERACTION
+using UnityEngine.XR.Interaction.Toolkit.Interactors;
+#endif
+
+namespace Ros2Gateway.Samples.XrTarget
+{
+    /// <summary>
+    /// Pointing by actions of the Input System, and with the XR Interaction Toolkit by one of its rays. Put
+    /// it beside the <see cref="XrTargetControl"/>. Actions that are left empty are bound to every
+    /// controller's trigger, touchpad or stick (clicked) and grip.
+    /// </summary>
+    public sealed class XrActionInput : MonoBehaviour, IPointerInput
+    {
+        [SerializeField]
+        [Tooltip("Sends the robot to what is pointed at; empty for the trigger")]
+        private InputActionReference _target;
+
+        [SerializeField]
+        [Tooltip("Takes the user to what is pointed at; empty for the touchpad or stick, clicked")]
+        private InputActionReference _teleport;
+
+        [SerializeField]
+        [Tooltip("Stops the robot; empty for the grip")]
+        private InputActionReference _stop;
+
+        [SerializeField]
+        [Tooltip("The pointing hand's transform; not needed with a ray of the XR Interaction Toolkit")]
+        private Transform _hand;
+
+        private readonly List<InputAction> _own = new List<InputAction>();
+        private InputAction _targetAction;
+        private InputAction _teleportAction;
+        private InputAction _stopAction;
+
+#if ROS2GATEWAY_XR_INTERACTION
+        [SerializeField]
+        [Tooltip("The pointing hand's ray")]
+        private XRRayInteractor _ray;
+
+        /// <summary>The pointing hand's ray.</summary>
+        public XRRayInteractor RayInteractor
+        {
+            get { return _ray; }
+            set { _ray = value; }
+        }
+#endif
+
+        /// <summary>The pointing hand's transform; null for this one.</summary>
+        public Transform Hand
+        {
+            get { return _hand; }
+            set { _hand = value; }
+        }
+
+        /// <summary>
+        /// Sends the robot to what is pointed at; null for the trigger; like the others, set it before this
+        /// is enabled.
+        /// </summary>
+        public InputActionReference Target
+        {
+            get { return _target; }
+            set { _target = value; }
+        }
+
+        /// <summary>Takes the user to what is pointed at; null for the touchpad or stick, clicked.</summary>
+        public InputActionReference Teleport
+        {
+            get { return _teleport; }
+            set { _teleport = value; }
+        }
+
+        /// <summary>Stops the robot; null for the grip.</summary>
+        public InputActionReference Stop
+        {
+            get { return _stop; }
+            set { _stop = value; }
+        }
+
+        /// <inheritdoc/>
+        public bool IsUserPresent
+        {
+            get { return !ControllerInput.HasHeadset || ControllerInput.IsHeadsetWorn; }
+        }
+
+        /// <inheritdoc/>
+        public Ray Pointer
+        {
+            get
+            {
+                Transform origin = _hand != null ? _hand : transform;
+#if ROS2GATEWAY_XR_INTERACTION
+                if (_ray != null)
+                {
+                    origin = _ray.rayOriginTransform != null ? _ray.rayOriginTransform : _ray.transform;
+                }
+#endif
+                return new Ray(origin.position, origin.forward);
+            }
+        }
+
+        /// <inheritdoc/>
+        public bool TargetPressed
+        {
+            get { return _targetAction.WasPressedThisFrame(); }
+        }
+
+        /// <inheritdoc/>
+        public bool TeleportPressed
+        {
+            get { return _teleportAction.WasPressedThisFrame(); }
+        }
+
+        /// <inheritdoc/>
+        public bool StopPressed
+        {
+            get { return _stopAction.WasPressedThisFrame(); }
+        }
+
+        /// <inheritdoc/>
+        public void Poll()
+        {
+        }
+
+        private void OnEnable()
+        {
+            _targetAction = Enabled(_target, "Target", "<XRController>/{TriggerButton}");
+            _teleportAction = Enabled(_teleport, "Teleport", "<XRController>/{Primary2DAxisClick}");
+            _stopAction = Enabled(_stop, "Stop", "<XRController>/{GripButton}");
+        }
+
+        private void OnDisable()
+        {
+            // What is referred to may be somebody else's, too: it is left enabled.
+            foreach (InputAction action in _own)
+            {
+                action.Disable();
+                action.Dispose();
+            }
+            _own.Clear();
+        }
+
+        private InputAction Enabled(InputActionReference reference, string name, string binding)
+        {
+            InputAction action = reference == null ? null : reference.action;
+            if (action == null)
+            {
+                action = new InputAction(name, InputActionType.Button, binding);
+                _own.Add(action);
+            }
+            action.Enable();
+            return action;
+        }
+    }
+}
+#endif

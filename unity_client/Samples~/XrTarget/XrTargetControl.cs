@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+using Ros2Gateway.Unity;
+using UnityEngine;
+
+namespace Ros2Gateway.Samples.XrTarget
+{
+    /// <summary>
+    /// Sends the robot to where the user points (trigger), teleports the user (touchpad or stick) and stops
+    /// the robot (grip). A headset that is taken off stops it, too; focus, pause and connection are the
+    /// <see cref="TargetDriver"/>'s own business.
+    /// </summary>
+    public sealed class XrTargetControl : MonoBehaviour
+    {
+        private const float Level = 0.7f; // of a normal's height: what is steeper than 45 degrees is a wall
+
+        [SerializeField]
+        private TargetDriver _driver;
+
+        [SerializeField]
+        [Tooltip("What is moved by teleporting: the tracking space, with the head somewhere in it")]
+        private Transform _rig;
+
+        [SerializeField]
+        [Tooltip("The camera")]
+        private Transform _head;
+
+        [SerializeField]
+        [Tooltip("Shows what is pointed along; may be empty")]
+        private LineRenderer _line;
+
+        [SerializeField]
+        [Tooltip("How far one can point, in metres")]
+        private float _reach = 20;
+
+        [SerializeField]
+        [Tooltip("What can be pointed at")]
+        private LayerMask _layers = Physics.DefaultRaycastLayers;
+
+        private IPointerInput _input;
+        private bool _wasPresent;
+
+        /// <summary>What drives the robot.</summary>
+        public TargetDriver Driver
+        {
+            get { return _driver; }
+            set { _driver = value; }
+        }
+
+        /// <summary>What is moved by teleporting.</summary>
+        public Transform Rig
+        {
+            get { return _rig; }
+            set { _rig = value; }
+        }
+
+        /// <summary>The camera.</summary>
+        public Transform Head
+        {
+            get { return _head; }
+            set { _head = value; }
+        }
+
+        /// <summary>Shows what is pointed along; may be null.</summary>
+        public LineRenderer Line
+        {
+            get { return _line; }
+            set { _line = value; }
+        }
+
+        /// <summary>
+        /// Where pointing comes from: a component beside this one (such as XrActionInput), else a headset's
+        /// controllers or the mouse, unless it is set.
+        /// </summary>
+        public IPointerInput Input
+        {
+            get
+            {
+                if (_input == null)
+                {
+                    _input = GetComponent<IPointerInput>() ?? new ControllerOrMouseInput(_rig, _head);
+                }
+                return _input;
+            }
+
+            set
+            {
+                _input = value;
+            }
+        }
+
+        private void Update()
+        {
+            Input.Poll();
+            bool isPresent = Input.IsUserPresent;
+            if (_wasPresent && !isPresent)
+            {
+                _driver.Stop("the headset was taken off");
+            }
+            _wasPresent = isPresent;
+            if (Input.StopPressed)
+            {
+                _driver.Stop("the grip was pressed");
+            }
+            RaycastHit hit;
+            bool isHit = Physics.Raycast(Input.Pointer, out hit, _reach, _layers);
+            Show(isHit ? hit.point : Input.Pointer.GetPoint(_reach));
+            if (!isHit || !isPresent || Input.StopPressed)
+            {
+                return;
+            }
+            if (Input.TargetPressed)
+            {
+                _driver.SetTarget(hit.point);
+            }
+            if (Input.TeleportPressed && hit.normal.y > Level)
+            {
+                Teleport(hit.point);
+            }
+        }
+
+        private void Teleport(Vector3 place)
+        {
+            // The user's feet go there, wherever in the tracking space they are.
+            Vector3 feet = new Vector3(_head.position.x, _rig.position.y, _head.position.z);
+            _rig.position += place - feet;
+        }
+
+        private void Show(Vector3 end)
+        {
+            if (_line != null)
+            {
+                _line.SetPosition(0, Input.Pointer.origin);
+                _line.SetPosition(1, end);
+            }
+        }
+    }
+}

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+using System;
+using System.Text;
+using NUnit.Framework;
+using Ros2Gateway.Json;
+using Ros2Gateway.Messages;
+using Ros2Gateway.Messages.GeometryMsgs;
+using Ros2Gateway.Messages.NavMsgs;
+using Ros2Gateway.Messages.SensorMsgs;
+using Ros2Gateway.Messages.StdMsgs;
+using Ros2Gateway.Messages.StdSrvs;
+
+namespace Ros2Gateway.Tests
+{
+    [TestFixture]
+    public class MessagesTests
+    {
+        [Test]
+        public void FieldsHaveTheNamesOfRos()
+        {
+            var odometry = new OdometryMsg();
+            Read(odometry, "{\"pose\":{\"pose\":{\"position\":{\"x\":1.5}}},\"child_frame_id\":\"base\"}");
+            Assert.AreEqual(1.5, odometry.pose.pose.position.x);
+            Assert.AreEqual("base", odometry.child_frame_id);
+            Assert.AreEqual(36, odometry.pose.covariance.Length);
+        }
+
+        [Test]
+        public void FieldsThatAreAbsentStayAsTheyAre()
+        {
+            var twist = new TwistMsg();
+            twist.linear.x = 1;
+            Read(twist, "{\"angular\":{\"z\":2}}");
+            Assert.AreEqual(1, twist.linear.x);
+            Assert.AreEqual(2, twist.angular.z);
+        }
+
+        [Test]
+        public void WhatWasForgottenIsWrittenAsEmpty()
+        {
+            var scan = new LaserScanMsg { header = null, ranges = null };
+            string text = Written(scan);
+            StringAssert.StartsWith("{\"header\":{},", text);
+            StringAssert.Contains("\"ranges\":[]", text);
+            Assert.AreEqual("{\"data\":\"\"}", Written(new StringMsg { data = null }));
+            Assert.AreEqual("{\"goals\":[{}]}", Written(new Goals()));
+        }
+
+        [Test]
+        public void AMessageThatIsNullIsMadeWhenItIsRead()
+        {
+            var pose = new PoseMsg { position = null };
+            Read(pose, "{\"position\":{\"y\":3}}");
+            Assert.AreEqual(3, pose.position.y);
+        }
+
+        [Test]
+        public void AnArrayOfAFixedLengthIsCheckedWhenItIsWritten()
+        {
+            var pose = new PoseWithCovarianceMsg { covariance = new double[35] };
+            InvalidOperationException error = Assert.Throws<InvalidOperationException>(() => Written(pose));
+            Assert.AreEqual("covariance has 35 elements, must have 36", error.Message);
+        }
+
+        [Test]
+        public void AStampOfZeroIsLeftOutSoThatTheGatewaySetsIt()
+        {
+            var header = new HeaderMsg { frame_id = "map" };
+            Assert.AreEqual("{\"frame_id\":\"map\"}", Written(header));
+            header.stamp.nanosec = 1;
+            Assert.AreEqual("{\"stamp\":{\"sec\":0,\"nanosec\":1},\"frame_id\":\"map\"}", Written(header));
+        }
+
+        [Test]
+        public void ConstantsAndTypesAreThoseOfTheDefinition()
+        {
+            Assert.AreEqual(2, BatteryStateMsg.POWER_SUPPLY_STATUS_DISCHARGING);
+            Assert.AreEqual("sensor_msgs/msg/BatteryState", BatteryStateMsg.Type);
+            Assert.AreEqual("sensor_msgs/msg/BatteryState", new BatteryStateMsg().RosType);
+            Assert.AreEqual("std_srvs/srv/SetBool_Request", new SetBoolRequest().RosType);
+            Assert.AreEqual("std_srvs/srv/SetBool", SetBoolRequest.Service);
+            Assert.AreEqual("std_srvs/srv/SetBool", SetBoolResponse.Service);
+        }
+
+        [TestCase("geometry_msgs/msg/Twist")]
+        [TestCase("geometry_msgs/Twist")]
+        [TestCase("1")]
+        public void TheCatalogueMakesAMessageByNameAndNumber(string type)
+        {
+            Assert.IsInstanceOf<TwistMsg>(MessageCatalogue.Create(type));
+            Assert.AreNotSame(MessageCatalogue.Create(type), MessageCatalogue.Create(type));
+        }
+
+        [TestCase(null)]
+        [TestCase("")]
+        [TestCase("Twist")]
+        [TestCase("geometry_msgs/")]
+        [TestCase("/")]
+        [TestCase("geometry_msgs/msg/Twister")]
+        [TestCase("999")]
+        [TestCase("01")]
+        [TestCase("99999999999999999999")]
+        public void TheCatalogueHasNothingForAnUnknownType(string type)
+        {
+            Assert.IsNull(MessageCatalogue.Create(type));
+        }
+
+        [Test]
+        public void EveryTypeOfTheCatalogueIsMadeByItsName()
+        {
+            Assert.Greater(MessageCatalogue.Types.Count, 125);
+            foreach (string type in MessageCatalogue.Types)
+            {
+                Assert.AreEqual(type, MessageCatalogue.Create(type).RosType);
+            }
+        }
+
+        private static void Read(IMessage message, string text)
+        {
+            byte[] utf8 = Encoding.UTF8.GetBytes(text);
+            var reader = new JsonReader();
+            reader.Reset(utf8, 0, utf8.Length);
+            message.Read(reader);
+            reader.End();
+        }
+
+        private static string Written(IMessage message)
+        {
+            var writer = new JsonWriter();
+            message.Write(writer);
+            return writer.ToString();
+        }
+
+        /// <summary>A message of one's own, which the catalogue does not know.</summary>
+        private sealed class Goals : IMessage
+        {
+            public string RosType
+            {
+                get { return "some_msgs/msg/Goals"; }
+            }
+
+            public void Read(JsonReader reader)
+            {
+                reader.Skip();
+            }
+
+            public void Write(JsonWriter writer)
+            {
+                writer.BeginObject();
+                writer.Name("goals");
+                NestedMessages.Write(writer, new PoseMsg[] { null });
+                writer.EndObject();
+            }
+        }
+    }
+}

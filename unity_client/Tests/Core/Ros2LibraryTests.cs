@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: Apache-2.0
+using System.Diagnostics;
+using System.Threading;
+using NUnit.Framework;
+using Ros2Gateway.Messages.GeometryMsgs;
+using Ros2Gateway.Messages.NavMsgs;
+using Ros2Gateway.Messages.SensorMsgs;
+using Ros2Gateway.Messages.StdMsgs;
+using static Ros2Gateway.Thesis.Ros2Library;
+
+namespace Ros2Gateway.Tests
+{
+    /// <summary>The calls of the library of 2021, tested as that was: base tests, five messages, five topics.</summary>
+    [TestFixture]
+    [Category("Gateway")]
+    public sealed class Ros2LibraryTests
+    {
+        private const int String = 0;
+        private const int Twist = 1;
+        private const int Header = 2;
+        private const int PoseWithCovariance = 3;
+        private const int Pose = 4;
+        private const int Image = 5;
+        private const int BatteryState = 6;
+        private const int LaserScan = 7;
+        private const int CompressedImage = 8;
+        private const int Odometry = 9;
+
+        [SetUp]
+        public void SetUp()
+        {
+            Thesis.Ros2Library.Options = new GatewayOptions { Address = Live.Address(Live.Gateway) };
+        }
+
+        [TearDown]
+        public void TearDown()
+        {
+            ros2_shutdown();
+        }
+
+        [Test]
+        public void InitAndShutdownInAnyOrderAreHarmless()
+        {
+            ros2_shutdown();
+            Assert.IsTrue(ros2_init("a"));
+            Assert.IsTrue(ros2_init("b"));
+            ros2_shutdown();
+            ros2_shutdown();
+            Assert.IsFalse(ros2_ok());
+            for (int i = 0; i < 5; i++)
+            {
+                Assert.IsTrue(ros2_init("again"));
+                ros2_shutdown();
+            }
+            Connect();
+            ros2_shutdown();
+            Connect();
+        }
+
+        [Test]
+        public void BeforeInitEverythingFailsAndNothingThrows()
+        {
+            string text;
+            Assert.IsFalse(add_publisher("/t", String, 10));
+            Assert.IsFalse(add_subscriber("/t", String, 10, 10));
+            Assert.IsFalse(send_string("/t", "x"));
+            Assert.IsFalse(poll_string("/t", out text));
+            Assert.AreEqual("", text);
+            Assert.IsFalse(ros2_ok());
+        }
+
+        [Test]
+        public void SendingAndPollingWithoutRegistrationFailAndNothingThrows()
+        {
+            Connect();
+            string text;
+            TwistMsg twist;
+            HeaderMsg header;
+            ImageMsg image;
+            CompressedImageMsg compressed;
+            BatteryStateMsg battery;
+            LaserScanMsg scan;
+            OdometryMsg odometry;
+            Assert.IsFalse(send_string("/t", "x"));
+            Assert.IsFalse(send_twist("/t", 1, 0, 0, 0, 0, 0));
+            Assert.IsFalse(send_header("/t", new HeaderMsg()));
+            Assert.IsFalse(send_pose("/t", new PoseStampedMsg()));
+            Assert.IsFalse(send_pose_with_cov("/t", new PoseWithCovarianceStampedMsg()));
+            Assert.IsFalse(poll_string("/t", out text));
+            Assert.IsFalse(poll_twist("/t", out twist));
+            Assert.IsFalse(poll_header("/t", out header));
+            Assert.IsFalse(poll_image("/t", out image));
+            Assert.IsFalse(poll_compressed_image("/t", out compressed));
+            Assert.IsFalse(poll_battery_state("/t", out battery));
+            Assert.IsFalse(poll_laser_scan("/t", out scan));
+            Assert.IsFalse(poll_odometry("/t", out odometry));
+            string debug;
+            Assert.IsTrue(poll_debug_message(out debug));
+            Assert.IsFalse(add_publisher("/t", 9999, 10));
+            Assert.IsFalse(add_subscriber("/t", -1, 10, 10));
+            Assert.IsFalse(add_publisher("", String, 10));
+        }
+
+        [Test]
+        public void FiveMessagesArriveInOrder()
+        {
+            Connect();
+            Pair("/five", String);
+            for (int i = 0; i < 5; i++)
+            {
+                Assert.IsTrue(send_string("/five", "message " + i));
+            }
+            for (int i = 0; i < 5; i++)
+            {
+                string text = "";
+                Until(() => poll_string("/five", out text), "for message " + i);
+                Assert.AreEqual("message " + i, text);
+            }
+        }
+
+        [Test]
+        public void OnlyAsManyAsTheBacklogWaitAndTheyAreTheNewest()
+        {
+            Connect();
+            Pair("/backlog", String, 3);
+            Pair("/marker", String);
+            for (int i = 0; i < 10; i++)
+            {
+                Assert.IsTrue(send_string("/backlog", i.ToString()));
+            }
+            string text = "";
+            for (int i = 0; i < 3; i++)
+            {
+                // There and back again some times: whatever was sent before has long come.
+                Assert.IsTrue(send_string("/marker", "marker"));
+                Until(() => poll_string("/marker", out text), "for the marker");
+            }
+            for (int i = 7; i < 10; i++)
+            {
+                Assert.IsTrue(poll_string("/backlog", out text));
+                Assert.AreEqual(i.ToString(), text);
+            }
+            Assert.IsFalse(poll_string("/backlog", out text));
+        }
+
+        [Test]
+        public void FiveTopicsAtOnceWithFiveTypes()
+        {
+            Connect();
+            Pair("/one", String);
+            Pair("/two", Twist);
+            Pair("/three", Header);
+            Pair("/four", PoseWithCovariance);
+            Pair("/five_b", Pose);
+            string text = "";
+            TwistMsg twist = null;
+            HeaderMsg header = null;
+            PoseWithCovarianceStampedMsg withCovariance = null;
+            PoseStampedMsg pose = null;
+            PoseWithCovarianceStampedMsg sent = new PoseWithCovarianceStampedMsg();
+            sent.pose.covariance[35] = 0.5;
+            Assert.IsTrue(send_string("/one", "1"));
+            Assert.IsTrue(send_twist("/two", 0.26, 0, 0, 0, 0, 1.82));
+            Assert.IsTrue(send_header("/three", new HeaderMsg { frame_id = "map" }));
+            Assert.IsTrue(send_pose_with_cov("/four", sent));
+            PoseStampedMsg goal = new PoseStampedMsg();
+            goal.pose.position.x = 1.5;
+            Assert.IsTrue(send_pose("/five_b", goal));
+            Until(() => poll_string("/one", out text), "for the string");
+            Until(() => poll_twist("/two", out twist), "for the twist");
+            Until(() => poll_header("/three", out header), "for the header");
+            Until(() => poll("/four", out withCovariance), "for the pose with covariance");
+            Until(() => poll("/five_b", out pose), "for the pose");
+            Assert.AreEqual("1", text);
+            Assert.AreEqual(1.82, twist.angular.z);
+            Assert.AreEqual("map", header.frame_id);
+            Assert.Greater(header.stamp.sec, 0, "a header without a stamp is stamped");
+            Assert.AreEqual(0.5, withCovariance.pose.covariance[35]);
+            Assert.AreEqual(1.5, pose.pose.position.x);
+        }
+
+        [Test]
+        public void EverythingThatTheRobotSensesCanBePolled()
+        {
+            Connect();
+            ImageMsg image = null;
+            CompressedImageMsg compressed = null;
+            BatteryStateMsg battery = null;
+            LaserScanMsg scan = null;
+            OdometryMsg odometry = null;
+            OdometryMsg without = null;
+            Assert.IsTrue(add_subscriber("/camera/image_raw", Image, 1, 1));
+            Assert.IsTrue(add_subscriber("/camera/image_raw/compressed", CompressedImage, 1, 1));
+            Assert.IsTrue(add_subscriber("/battery_state", BatteryState, 10, 10));
+            Assert.IsTrue(add_subscriber("/scan", LaserScan, 10, 10));
+            Assert.IsTrue(add_subscriber("/odom", Odometry, 10, 10));
+            Until(() => poll_image("/camera/image_raw", out image), "for the image");
+            Until(() => poll_compressed_image("/camera/image_raw/compressed", out compressed), "for the picture");
+            Until(() => poll_battery_state("/battery_state", out battery), "for the battery");
+            Until(() => poll_laser_scan("/scan", out scan), "for the scan");
+            Until(() => poll_odometry("/odom", out odometry), "for odometry");
+            Until(() => poll_odometry("/odom", out without, false), "for more odometry");
+            Assert.AreEqual(image.step * image.height, image.data.Length);
+            Assert.AreEqual(0xFF, compressed.data[0]);
+            Assert.Greater(battery.voltage, 0);
+            Assert.Greater(scan.ranges.Length, 0);
+            Assert.AreEqual(36, odometry.pose.covariance.Length);
+            Assert.IsNull(without.pose.covariance);
+        }
+
+        [Test]
+        public void PollingAnotherTypeThanWasSubscribedFails()
+        {
+            Connect();
+            Assert.IsTrue(add_subscriber("/odom", Odometry, 10, 10));
+            TwistMsg twist;
+            string words = "";
+            Until(() => !poll_twist("/odom", out twist) && poll_debug_message(out words) && words.Contains("has type"), "for the words");
+            StringAssert.Contains("the subscriber has type nav_msgs/msg/Odometry", words);
+        }
+
+        private static void Connect()
+        {
+            Assert.IsTrue(ros2_init("unity"));
+            Until(ros2_ok, "to be connected");
+        }
+
+        /// <summary>A publisher and a subscriber that have found each other, with nothing left to poll.</summary>
+        private static void Pair(string topic, int type, int backlog = 10)
+        {
+            Assert.IsTrue(add_publisher(topic, type, 10));
+            Assert.IsTrue(add_subscriber(topic, type, backlog, 10));
+            IMessage message = Messages.MessageCatalogue.Create(type.ToString());
+            IMessage found = null;
+            Until(() => poll(topic, out found), "for the first on " + topic, () => send(topic, message));
+            // Others may be on their way. The last one is known by its being alone for long enough to be polled.
+            int silent = 0;
+            Until(() => silent > 50, "for silence on " + topic, () => silent = poll(topic, out found) ? 0 : silent + 1);
+        }
+
+        private static void Until(System.Func<bool> holds, string what, System.Action again = null)
+        {
+            Stopwatch watch = Stopwatch.StartNew();
+            while (!holds())
+            {
+                if (again != null)
+                {
+                    again();
+                }
+                if (watch.ElapsedMilliseconds > 30000)
+                {
+                    string debug;
+                    string heard = "";
+                    while (poll_debug_message(out debug))
+                    {
+                        heard += debug + " | ";
+                    }
+                    Assert.Fail("waited in vain " + what + "; heard: " + heard);
+                }
+                Thread.Sleep(2);
+            }
+        }
+    }
+}

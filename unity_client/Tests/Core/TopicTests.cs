@@ -1,0 +1,390 @@
+// SPDX-License-Identifier: Apache-2.0
+using System.Collections.Generic;
+using NUnit.Framework;
+using Ros2Gateway.Json;
+using Ros2Gateway.Messages.GeometryMsgs;
+using Ros2Gateway.Messages.NavMsgs;
+using Ros2Gateway.Messages.SensorMsgs;
+using Ros2Gateway.Messages.StdMsgs;
+
+namespace Ros2Gateway.Tests
+{
+    /// <summary>Topics both ways, through a live gateway.</summary>
+    [TestFixture]
+    [Category("Gateway")]
+    public sealed class TopicTests
+    {
+        private const string Type = "test/msg/Padded"; // of a server that knows no types
+
+        [Test]
+        public void OdometryOfTheRobotComesAsATypedMessage()
+        {
+            using (Live live = Live.Connected())
+            {
+                OdometryMsg odometry = null;
+                live.Client.Subscribe<OdometryMsg>("odom", message => odometry = message);
+                live.Until(() => odometry != null, "for odometry");
+                Assert.AreEqual("odom", odometry.header.frame_id);
+                Assert.AreEqual("base_footprint", odometry.child_frame_id);
+                Assert.Greater(odometry.header.stamp.sec, 0);
+                Assert.AreEqual(36, odometry.pose.covariance.Length);
+            }
+        }
+
+        [Test]
+        public void APictureComesAsJpegOfTheWantedSize()
+        {
+            using (Live live = Live.Connected())
+            {
+                CompressedImageMsg picture = null;
+                live.Client.Subscribe<CompressedImageMsg>(
+                    "/camera/image_raw", "sensor_msgs/msg/Image", () => new CompressedImageMsg(), message => picture = message,
+                    new SubscribeOptions { Image = new ImageOptions { Quality = 50, MaxWidth = 320 } });
+                live.Until(() => picture != null, "for a picture");
+                Assert.AreEqual("jpeg", picture.format);
+                Assert.AreEqual(0xFF, picture.data[0]);
+                Assert.AreEqual(0xD8, picture.data[1]);
+            }
+        }
+
+        [Test]
+        public void OnlyTheFieldsThatWereAskedForCome()
+        {
+            using (Live live = Live.Connected())
+            {
+                OdometryMsg odometry = null;
+                live.Client.Subscribe<OdometryMsg>(
+                    "/odom", message => odometry = message,
+                    new SubscribeOptions { Fields = new[] { "child_frame_id" }, ThrottleMilliseconds = 50 });
+                live.Until(() => odometry != null, "for odometry");
+                Assert.AreEqual("base_footprint", odometry.child_frame_id);
+                Assert.AreEqual("", odometry.header.frame_id);
+            }
+        }
+
+        [Test]
+        public void AQueueKeepsMessagesInOrderAndDropsTheOldest()
+        {
+            using (Live live = Live.Connected())
+            {
+                Publisher<Int64Msg> publisher = live.Client.Advertise<Int64Msg>(
+                    "/numbers", new AdvertiseOptions { Queue = 100 });
+                Subscription<Int64Msg> all = live.Client.Subscribe<Int64Msg>(
+                    "/numbers", null, new SubscribeOptions { Queue = 100 });
+                Subscription<Int64Msg> some = live.Client.Subscribe<Int64Msg>(
+                    "/numbers", null, new SubscribeOptions { Queue = 5 });
+                Subscription<Int64Msg> newest = live.Client.Subscribe<Int64Msg>("/numbers");
+                WaitUntilHeard(live, publisher, all);
+                Empty(all);
+                Empty(some);
+
+                for (int i = 1; i <= 20; i++)
+                {
+                    Assert.IsTrue(publisher.Publish(new Int64Msg { data = i }));
+                }
+                live.Until(() => all.Waiting == 20, "for all numbers");
+
+                CollectionAssert.AreEqual(Numbers(1, 20), Empty(all));
+                CollectionAssert.AreEqual(Numbers(16, 20), Empty(some));
+                CollectionAssert.AreEqual(Numbers(20, 20), Empty(newest));
+                Assert.GreaterOrEqual(some.Dropped, 15);
+            }
+        }
+
+        [Test]
+        public void WhatIsPublishedComesBackWithEveryDigitAndCharacter()
+        {
+            using (Live live = Live.Connected())
+            {
+                Publisher<PoseStampedMsg> publisher = live.Client.Advertise<PoseStampedMsg>("/somewhere");
+                Subscription<PoseStampedMsg> subscription = live.Client.Subscribe<PoseStampedMsg>("/somewhere");
+                PoseStampedMsg sent = new PoseStampedMsg();
+                sent.header.frame_id = "käse \"\\\u0001 \ud83d\ude00";
+                sent.header.stamp.sec = 7;
+                sent.pose.position.x = 0.1 + 0.2;
+                sent.pose.position.y = double.NaN;
+                sent.pose.orientation.w = -1e-300;
+                PoseStampedMsg got = null;
+                live.Until(() => subscription.TryTake(out got), "for the pose", () => publisher.Publish(sent));
+                Assert.AreEqual(sent.header.frame_id, got.header.frame_id);
+                Assert.AreEqual(sent.pose.position.x, got.pose.position.x);
+                Assert.IsNaN(got.pose.position.y);
+                Assert.AreEqual(sent.pose.orientation.w, got.pose.orientation.w);
+            }
+        }
+
+        [Test]
+        public void ATypeWithoutAClassCanBeReadAsATree()
+        {
+            using (Live live = Live.Connected())
+            {
+                DynamicMessage odometry = null;
+                live.Client.Subscribe("/odom", "", () => new DynamicMessage(""), message => odometry = message);
+                live.Until(() => odometry != null, "for odometry");
+                Assert.AreEqual("base_footprint", odometry.Value["child_frame_id"].AsString());
+            }
+        }
+
+        [Test]
+        public void TheGatewaysWordsOnARefusalAreAnEvent()
+        {
+            using (Live live = Live.Connected())
+            {
+                live.Client.Subscribe<StringMsg>("/odom");
+                live.Until(
+                    () => live.Heard("topic /odom has type nav_msgs/msg/Odometry, not std_msgs/msg/String"), "to be refused");
+            }
+        }
+
+        [Test]
+        public void AMessageOfAnotherTypeIsRefusedHere()
+        {
+            using (Live live = Live.Connected())
+            {
+                Publisher publisher = live.Client.Advertise("/typed", "std_msgs/msg/String");
+                Assert.IsFalse(publisher.Publish(new TwistMsg()));
+                live.Until(
+                    () => live.Heard("/typed: expected std_msgs/msg/String, got geometry_msgs/msg/Twist"), "for the reason");
+            }
+        }
+
+        [Test]
+        public void AMessageLargerThanTheGatewayTakesIsRefusedHereAndTheConnectionStays()
+        {
+            using (Live live = Live.Connected())
+            {
+                Publisher<StringMsg> publisher = live.Client.Advertise<StringMsg>("/large");
+                StringMsg large = new StringMsg { data = new string('x', 300000) };
+                live.Until(() => live.Client.RosClock.IsKnown, "for the first pong, which comes after hello");
+                live.Until(() => !publisher.Publish(large), "to be refused");
+                live.Until(() => live.Heard("/large: a frame of 300"), "for the reason");
+                Assert.IsTrue(live.Client.IsConnected);
+            }
+        }
+
+        [Test]
+        public void ASecondSubscriptionToALatchedTopicGetsTheLatchedMessageToo()
+        {
+            using (Live live = Live.Connected())
+            {
+                OccupancyGridMsg first = null;
+                OccupancyGridMsg second = null;
+                SubscribeOptions options = new SubscribeOptions { Fields = new[] { "info.width" } };
+                live.Client.Subscribe<OccupancyGridMsg>("/map", message => first = message, options);
+                live.Until(() => first != null, "for the map");
+                live.Client.Subscribe<OccupancyGridMsg>("/map", message => second = message, options);
+                live.Until(() => second != null, "for the map, again");
+            }
+        }
+
+        [Test]
+        public void AHandlerMayDisposeItsSubscriptionOrTheClient()
+        {
+            using (Live live = Live.Connected())
+            {
+                int seen = 0;
+                Subscription<OdometryMsg> subscription = null;
+                subscription = live.Client.Subscribe<OdometryMsg>("/odom", message =>
+                {
+                    seen++;
+                    subscription.Dispose();
+                }, new SubscribeOptions { Queue = 10 });
+                live.Until(() => seen > 0, "for odometry");
+                int after = 0;
+                bool isDisposed = false;
+                live.Client.Subscribe<OdometryMsg>("/odom", message =>
+                {
+                    after += isDisposed ? 1 : 0;
+                    isDisposed = true;
+                    live.Client.Dispose();
+                    live.Client.Pump();
+                }, new SubscribeOptions { Queue = 100 });
+                live.Until(() => isDisposed, "for odometry, again");
+                live.Client.Pump();
+                Assert.AreEqual(1, seen);
+                Assert.AreEqual(0, after, "a handler was called after Dispose");
+            }
+        }
+
+        [Test]
+        public void AMessageThatThrowsIsRefusedAndTheConnectionStays()
+        {
+            using (Live live = Live.Connected())
+            {
+                Publisher publisher = live.Client.Advertise("/throws", "std_msgs/msg/String", new AdvertiseOptions { Latch = true });
+                Assert.IsFalse(publisher.Publish(new Throwing()));
+                Assert.IsFalse(publisher.Publish(null));
+                live.Until(() => live.Heard("/throws: not today") && live.Heard("/throws: no message"), "for the reasons");
+                Assert.IsTrue(publisher.Publish(new StringMsg { data = "tomorrow" }));
+            }
+        }
+
+        [Test]
+        public void AfterDisposeNothingMoreComes()
+        {
+            using (Live live = Live.Connected())
+            {
+                int seen = 0;
+                Subscription<OdometryMsg> subscription = live.Client.Subscribe<OdometryMsg>("/odom", message => seen++);
+                live.Until(() => seen > 0, "for odometry");
+                subscription.Dispose();
+                int before = seen;
+                bool isAnswered = false;
+                // The answer comes after everything that was on its way.
+                live.Client.Request("ping", null, reply => isAnswered = true);
+                live.Until(() => isAnswered, "for an answer");
+                live.Client.Pump();
+                Assert.AreEqual(before, seen);
+            }
+        }
+
+        [Test]
+        public void TheLastWordBeforeLeavingIsHeard()
+        {
+            using (Live listener = Live.Connected())
+            {
+                long last = 0;
+                listener.Client.Subscribe<Int64Msg>("/last_words", message => last = message.data);
+                for (int i = 1; i <= 20; i++)
+                {
+                    using (Live speaker = Live.Connected())
+                    {
+                        Publisher<Int64Msg> publisher = speaker.Client.Advertise<Int64Msg>("/last_words");
+                        listener.Until(() => last == -i, "for the first word", () =>
+                        {
+                            publisher.Publish(new Int64Msg { data = -i });
+                            listener.Client.Pump();
+                        });
+                        publisher.Publish(new Int64Msg { data = i });
+                        publisher.Dispose();
+                    }
+                    listener.Until(() => last == i, "for the last word of " + i);
+                }
+            }
+        }
+
+        [Test]
+        public void WhatANetworkDoesNotTakeMakesRoomForTheNewest()
+        {
+            using (Live live = Live.Connected(
+                Live.Rogue, "/stops-reading", options => options.FreshMilliseconds = 60000))
+            {
+                List<long> echoed = Echoed(live);
+                Publisher publisher = Padded(live, 3);
+                string padding = new string('x', 50000);
+                for (int i = 1; i <= 1000; i++)
+                {
+                    Assert.IsTrue(publisher.Publish(Number(i, padding)));
+                }
+                live.Until(() => echoed.Contains(1000), "for the newest");
+                Assert.Greater(publisher.Dropped, 0);
+                CollectionAssert.IsOrdered(echoed);
+            }
+        }
+
+        [Test]
+        public void WhileTheGatewayDoesNotAnswerPublishingFailsAndNothingIsSentLater()
+        {
+            using (Live live = Live.Connected(
+                Live.Rogue, "/stops-reading", options => options.FreshMilliseconds = 400))
+            {
+                List<long> echoed = Echoed(live);
+                Publisher publisher = Padded(live, 1);
+                int number = 0;
+                HashSet<long> refused = new HashSet<long>();
+                System.Action publish = () =>
+                {
+                    number++;
+                    if (!publisher.Publish(Number(number, "")))
+                    {
+                        refused.Add(number);
+                    }
+                    live.Client.Pump();
+                };
+                live.Until(() => refused.Count > 20, "for the stall to be noticed", publish);
+                Assert.IsTrue(live.Heard("/flood: no answer from the gateway for 400 ms"));
+                int stalled = number;
+                live.Until(() => echoed.Exists(one => one > stalled), "for the network to be back", publish);
+                int last = number;
+                live.Until(() => echoed.Contains(last) || refused.Contains(last), "for the last");
+                Assert.IsFalse(echoed.Exists(refused.Contains), "what was refused was sent all the same");
+                Assert.IsTrue(live.Client.IsConnected);
+            }
+        }
+
+        private static List<long> Echoed(Live live)
+        {
+            List<long> echoed = new List<long>();
+            live.Client.Subscribe(
+                "/echo", Type, () => new DynamicMessage(Type),
+                message => echoed.Add(message.Value["number"].AsLong()), new SubscribeOptions { Queue = 10000 });
+            return echoed;
+        }
+
+        private static Publisher Padded(Live live, int queue)
+        {
+            return live.Client.Advertise("/flood", Type, new AdvertiseOptions { Queue = queue });
+        }
+
+        private static DynamicMessage Number(int number, string padding)
+        {
+            return new DynamicMessage(Type)
+            {
+                Value = JsonValue.Object().With("number", number).With("padding", padding),
+            };
+        }
+
+        private sealed class Throwing : IMessage
+        {
+            public string RosType
+            {
+                get { return "std_msgs/msg/String"; }
+            }
+
+            public void Read(JsonReader reader)
+            {
+            }
+
+            public void Write(JsonWriter writer)
+            {
+                throw new System.NotSupportedException("not today");
+            }
+        }
+
+        private static void WaitUntilHeard(Live live, Publisher<Int64Msg> publisher, Subscription<Int64Msg> subscription)
+        {
+            // ROS drops what is published before publisher and subscriber have found each other.
+            live.Until(() => subscription.Received > 0, "for the first", () =>
+            {
+                publisher.Publish(new Int64Msg { data = 0 });
+                live.Client.Pump();
+            });
+            Subscription<Int64Msg> last = live.Client.Subscribe<Int64Msg>("/numbers");
+            Int64Msg message = null;
+            publisher.Publish(new Int64Msg { data = -1 });
+            live.Until(() => last.TryTake(out message) && message.data == -1, "for the last of these");
+            last.Dispose();
+        }
+
+        private static List<long> Empty(Subscription<Int64Msg> subscription)
+        {
+            List<long> numbers = new List<long>();
+            Int64Msg message;
+            while (subscription.TryTake(out message))
+            {
+                numbers.Add(message.data);
+            }
+            return numbers;
+        }
+
+        private static List<long> Numbers(long from, long to)
+        {
+            List<long> numbers = new List<long>();
+            for (long i = from; i <= to; i++)
+            {
+                numbers.Add(i);
+            }
+            return numbers;
+        }
+    }
+}

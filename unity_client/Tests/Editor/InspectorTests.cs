@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+using NUnit.Framework;
+using Ros2Gateway.Unity;
+using UnityEditor;
+using UnityEngine;
+
+namespace Ros2Gateway.Editor.Tests
+{
+    /// <summary>The inspectors open, draw and close; the menu makes what it says.</summary>
+    [TestFixture]
+    public sealed class InspectorTests
+    {
+        [Test]
+        public void InspectorsDrawWithoutAConnectionInTheScene()
+        {
+            GameObject holder = new GameObject("topics");
+            holder.SetActive(false);
+            Draw(holder.AddComponent<TopicSubscriber>(), typeof(TopicSubscriberInspector));
+            Draw(holder.AddComponent<TopicPublisher>(), typeof(TopicPublisherInspector));
+            Object.DestroyImmediate(holder);
+            GatewaySettings settings = ScriptableObject.CreateInstance<GatewaySettings>();
+            Draw(settings, typeof(GatewaySettingsInspector));
+            Object.DestroyImmediate(settings);
+        }
+
+        [Test]
+        public void TheMenuMakesWhatItSays()
+        {
+            GameObject parent = new GameObject("parent");
+            parent.SetActive(false); // nothing in it begins
+            MenuCommand command = new MenuCommand(parent);
+            Made<GatewayConnection>(() => GatewayMenu.Connection(command), parent);
+            Made<ImageScreen>(() => GatewayMenu.ImageScreen(command), parent);
+            Made<TextScreen>(() => GatewayMenu.TextScreen(command), parent);
+            Made<LogScreen>(() => GatewayMenu.LogScreen(command), parent);
+            Made<ConnectionHud>(() => GatewayMenu.Hud(command), parent);
+            Made<DigitalTwin>(() => GatewayMenu.Twin(command), parent);
+            Made<LaserScanDisplay>(() => GatewayMenu.LaserScan(command), parent);
+            Made<PointCloudDisplay>(() => GatewayMenu.PointCloud(command), parent);
+            Made<BatteryDisplay>(() => GatewayMenu.Battery(command), parent);
+            Made<TeleopDriver>(() => GatewayMenu.Teleop(command), parent);
+            Made<TargetDriver>(() => GatewayMenu.Target(command), parent);
+            Object.DestroyImmediate(parent);
+        }
+
+        private static void Draw(Object target, System.Type inspector)
+        {
+            UnityEditor.Editor editor = UnityEditor.Editor.CreateEditor(target, inspector);
+            editor.OnInspectorGUI();
+            Object.DestroyImmediate(editor);
+        }
+
+        private static void Made<T>(System.Action make, GameObject parent)
+            where T : Component
+        {
+            make();
+            GameObject made = (GameObject)Selection.activeObject;
+            Assert.IsNotNull(made.GetComponent<T>());
+            Assert.AreSame(parent.transform, made.transform.parent);
+        }
+    }
+}

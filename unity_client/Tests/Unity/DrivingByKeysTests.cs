@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Apache-2.0
+using System.Collections;
+using NUnit.Framework;
+using Ros2Gateway.Drive;
+using UnityEngine;
+using UnityEngine.TestTools;
+
+namespace Ros2Gateway.Unity.Tests
+{
+    /// <summary>
+    /// What a second client hears of a Teleop Driver. Each test ends with a turn that marks the end.
+    /// </summary>
+    [TestFixture]
+    [Category("Gateway")]
+    public sealed class DrivingByKeysTests
+    {
+        private const string Topic = "/driving_by_keys/cmd_vel";
+        private const double Ahead = 0.26;
+        private const double Turn = 1.82;
+
+        private DrivingScene _scene;
+        private HeldKeys _keys;
+
+        [SetUp]
+        public void SetUp()
+        {
+            _keys = new HeldKeys();
+        }
+
+        [TearDown]
+        public void TearDown()
+        {
+            if (_scene != null)
+            {
+                _scene.Dispose();
+                _scene = null;
+            }
+        }
+
+        [UnityTest]
+        public IEnumerator AHeldKeyDrivesAndItsReleaseStopsOnce()
+        {
+            _scene = new DrivingScene(Topic);
+            Driver();
+            yield return Hold();
+            _keys.Held = DriveKeys.None;
+            yield return _scene.UntilHeard(0, 0);
+            yield return Mark();
+            Assert.AreEqual(1, _scene.Heard.FindAll(heard => heard.Equals(DriveCommand.Zero)).Count);
+            int zero = _scene.Heard.IndexOf(DriveCommand.Zero);
+            Assert.IsFalse(_scene.Heard.FindIndex(zero, heard => heard.linear != 0) >= 0);
+        }
+
+        [UnityTest]
+        public IEnumerator KeysAreThoseOfTheThesis()
+        {
+            _scene = new DrivingScene(Topic);
+            Driver();
+            yield return Hold();
+            _keys.Held = DriveKeys.Back;
+            yield return _scene.UntilHeard(-Ahead, 0);
+            _keys.Held = DriveKeys.Right;
+            yield return _scene.UntilHeard(0, -Turn);
+            _keys.Held = DriveKeys.Forward | DriveKeys.Left;
+            yield return _scene.UntilHeard(Ahead, Turn);
+        }
+
+        [UnityTest]
+        public IEnumerator AConnectionThatIsDisabledFirstSendsTheStopBeforeItLeaves()
+        {
+            _scene = new DrivingScene(Topic);
+            Driver();
+            yield return Hold();
+            _scene.Connection.gameObject.SetActive(false);
+            yield return _scene.UntilHeard(0, 0);
+        }
+
+        [UnityTest]
+        public IEnumerator LossOfFocusOrAPauseStopsAndHeldKeysMustBePressedAnew(
+            [Values("OnApplicationFocus", "OnApplicationPause")] string message)
+        {
+            bool isGone = message == "OnApplicationPause";
+            _scene = new DrivingScene(Topic);
+            TeleopDriver driver = Driver();
+            yield return Hold();
+            driver.SendMessage(message, isGone);
+            yield return _scene.UntilHeard(0, 0);
+            _scene.Heard.Clear();
+            driver.SendMessage(message, !isGone);
+            yield return Mark();
+            Assert.IsFalse(_scene.HasHeard(Ahead, 0));
+        }
+
+        [UnityTest]
+        public IEnumerator WithoutFocusNoKeyDrives()
+        {
+            _scene = new DrivingScene(Topic);
+            TeleopDriver driver = Driver();
+            yield return Hold();
+            driver.SendMessage("OnApplicationFocus", false);
+            yield return _scene.UntilHeard(0, 0);
+            _scene.Heard.Clear();
+            _keys.Held = DriveKeys.None;
+            yield return null;
+            _keys.Held = DriveKeys.Back;
+            yield return null;
+            driver.SendMessage("OnApplicationFocus", true);
+            yield return Mark();
+            Assert.IsFalse(_scene.HasHeard(-Ahead, 0));
+        }
+
+        [UnityTest]
+        public IEnumerator DisablingStopsAndEnablingResumesNothing()
+        {
+            _scene = new DrivingScene(Topic);
+            TeleopDriver driver = Driver();
+            yield return Hold();
+            driver.enabled = false;
+            yield return _scene.UntilHeard(0, 0);
+            _scene.Heard.Clear();
+            driver.enabled = true;
+            yield return Mark();
+            Assert.IsFalse(_scene.HasHeard(Ahead, 0));
+        }
+
+        [UnityTest]
+        public IEnumerator StopSendsZeroAndHeldKeysMustBePressedAnew()
+        {
+            _scene = new DrivingScene(Topic);
+            Driver();
+            yield return Hold();
+            _keys.StopPressed = true;
+            yield return null;
+            _keys.StopPressed = false;
+            yield return _scene.UntilHeard(0, 0);
+            _scene.Heard.Clear();
+            yield return Mark();
+            Assert.IsFalse(_scene.HasHeard(Ahead, 0));
+            _keys.Held = DriveKeys.None;
+            yield return _scene.UntilHeard(0, 0);
+            _scene.Heard.Clear();
+            _keys.StopPressed = true; // zero also for what another has set in motion
+            yield return _scene.UntilHeard(0, 0);
+        }
+
+        [UnityTest]
+        public IEnumerator ANewConnectionBeginsWithZeroAndResumesNothing(
+            [Values(false, true)] bool isFrozen)
+        {
+            _scene = new DrivingScene(Topic, "/through");
+            Driver();
+            yield return Hold();
+            int before = _scene.Heard.Count;
+            yield return _scene.CutAndReconnect(isFrozen);
+            yield return _scene.UntilHeard(0, 0);
+            int zero = _scene.Heard.LastIndexOf(DriveCommand.Zero);
+            Assert.GreaterOrEqual(zero, before);
+            yield return Mark();
+            Assert.IsFalse(_scene.Heard.FindIndex(zero, heard => heard.linear != 0) >= 0);
+        }
+
+        [UnityTest]
+        public IEnumerator ASpeedThatMakesNoSenseIsAnErrorInWords()
+        {
+            LogAssert.Expect(
+                LogType.Error, "Teleop Driver on driver: speeds and rate of the keys are finite and above 0");
+            _scene = new DrivingScene(Topic);
+            GameObject holder = _scene.New("driver");
+            TeleopDriver driver = holder.AddComponent<TeleopDriver>();
+            driver.LinearSpeed = 0;
+            driver.Input = _keys;
+            holder.SetActive(true);
+            _keys.Held = DriveKeys.Forward;
+            yield return null;
+            driver.Stop();
+        }
+
+        [UnityTest]
+        public IEnumerator WithoutAConnectionInTheSceneNothingThrows()
+        {
+            GameObject holder = new GameObject("driver");
+            _keys.Held = DriveKeys.Forward;
+            _keys.StopPressed = true;
+            TeleopDriver driver = holder.AddComponent<TeleopDriver>();
+            driver.Input = _keys;
+            yield return null;
+            driver.Stop();
+            driver.SendMessage("OnApplicationFocus", false);
+            yield return null;
+            Object.DestroyImmediate(holder);
+        }
+
+        private TeleopDriver Driver()
+        {
+            GameObject holder = _scene.New("driver");
+            TeleopDriver driver = holder.AddComponent<TeleopDriver>();
+            driver.Topic = Topic;
+            driver.Input = _keys;
+            holder.SetActive(true);
+            return driver;
+        }
+
+        private IEnumerator Hold()
+        {
+            yield return _scene.Until(() => _scene.Connection.Client.IsConnected, "to be connected");
+            yield return null; // keys that are held before there is a connection count for nothing
+            _keys.Held = DriveKeys.Forward;
+            yield return _scene.UntilHeard(Ahead, 0);
+        }
+
+        /// <summary>Turns, beside what is held: everything that went before was heard before.</summary>
+        private IEnumerator Mark()
+        {
+            yield return null;
+            _keys.Held |= DriveKeys.Left;
+            yield return _scene.UntilHeard(0, Turn);
+        }
+    }
+}

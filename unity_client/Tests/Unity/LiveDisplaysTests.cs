@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+using System.Collections;
+using NUnit.Framework;
+using Ros2Gateway.Messages.GeometryMsgs;
+using Ros2Gateway.Messages.NavMsgs;
+using Ros2Gateway.Messages.SensorMsgs;
+using UnityEngine;
+using UnityEngine.TestTools;
+
+namespace Ros2Gateway.Unity.Tests
+{
+    /// <summary>Every display with what the simulated robot says.</summary>
+    [TestFixture]
+    [Category("Gateway")]
+    public sealed class LiveDisplaysTests
+    {
+        private DisplayScene _scene;
+
+        [SetUp]
+        public void SetUp()
+        {
+            _scene = new DisplayScene();
+            _scene.Connect();
+        }
+
+        [TearDown]
+        public void TearDown()
+        {
+            _scene.Dispose();
+        }
+
+        [UnityTest]
+        public IEnumerator TheCameraIsOnTheScreen()
+        {
+            ImageScreen screen = _scene.Display<ImageScreen>(
+                "/camera/image_raw/compressed", "8", DisplayScene.OnRenderer);
+            yield return _scene.Until(() => !screen.IsStale, "for a picture");
+            Assert.Greater(screen.Texture.width, 0);
+        }
+
+        [UnityTest]
+        public IEnumerator AnyTopicIsText()
+        {
+            TextScreen screen = _scene.Display<TextScreen>("/scan", "");
+            yield return _scene.Until(
+                () => screen.Output.Text != null && screen.Output.Text.Contains("... 360]"), "for a scan");
+            StringAssert.Contains("range_max: 3.5", screen.Output.Text);
+        }
+
+        [UnityTest]
+        public IEnumerator TheTwinFollowsTheRobot()
+        {
+            DigitalTwin twin = _scene.Display<DigitalTwin>("/odom", OdometryMsg.Type);
+            TopicPublisher driver = _scene.Publisher("/cmd_vel", TwistMsg.Type);
+            TwistMsg turn = new TwistMsg();
+            turn.angular.z = 0.5;
+            yield return _scene.Until(() => twin.Subscriber.Last != null, "for odometry");
+            yield return null;
+            Quaternion before = twin.transform.localRotation;
+            yield return _scene.Until(
+                () => Quaternion.Angle(before, twin.transform.localRotation) > 5,
+                "to turn",
+                () => driver.Publish(turn));
+            driver.Publish(new TwistMsg());
+        }
+
+        [UnityTest]
+        public IEnumerator TheScanIsDrawn()
+        {
+            LaserScanDisplay display = _scene.Display<LaserScanDisplay>("/scan", LaserScanMsg.Type);
+            yield return _scene.Until(() => display.Hits > 10, "for hits");
+            Bounds bounds = display.GetComponent<MeshFilter>().sharedMesh.bounds;
+            Assert.Less(bounds.size.magnitude, 10, "the scanner reaches 3.5 m");
+            Assert.AreEqual(0, bounds.size.y, "the scan is flat");
+        }
+
+        [UnityTest]
+        public IEnumerator APointCloudIsDrawn()
+        {
+            PointCloudDisplay display = _scene.Display<PointCloudDisplay>("/cloud", PointCloud2Msg.Type);
+            GatewayClient client = _scene.Connection.Client;
+            Publisher<PointCloud2Msg> publisher = client.Advertise<PointCloud2Msg>("/cloud");
+            PointCloud2Msg cloud = new PointCloud2Msg
+            {
+                width = 500,
+                height = 2,
+                point_step = 12,
+                row_step = 6000,
+                data = new byte[12000],
+                fields = new[]
+                {
+                    new PointFieldMsg { name = "x", datatype = PointFieldMsg.FLOAT32, count = 1 },
+                    new PointFieldMsg { name = "y", datatype = PointFieldMsg.FLOAT32, count = 1, offset = 4 },
+                    new PointFieldMsg { name = "z", datatype = PointFieldMsg.FLOAT32, count = 1, offset = 8 },
+                },
+            };
+            yield return _scene.Until(() => client.IsConnected, "to be connected");
+            yield return _scene.Until(
+                () => display.Drawn == 1000, "for the points", () => publisher.Publish(cloud));
+        }
+
+        [UnityTest]
+        public IEnumerator TheBatteryIsShown()
+        {
+            BatteryDisplay display = _scene.Display<BatteryDisplay>("/battery_state", "6");
+            yield return _scene.Until(() => display.Output.Text != null, "for the battery");
+            StringAssert.Contains(" %, ", display.Output.Text);
+            Assert.IsFalse(display.IsLow);
+        }
+    }
+}
