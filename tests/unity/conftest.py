@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the package's tests share: a live gateway with a simulated robot, and C# under Mono."""
+
+from collections.abc import Callable, Iterator, Mapping
+
+import pytest
+
+from tests.clients.robot import Robot
+from tests.gateway_process import GatewayProcess, gateway_process
+from tests.ros.outside import Outside
+from tests.unity import csharp, mono
+from tests.unity.background import in_background
+from tests.unity.csharp import CSharpTest
+from tests.unity.rogue import deaf, rogue
+
+
+@pytest.fixture(scope="session")
+def gateway() -> Iterator[GatewayProcess]:
+    """``ros2-gateway demo`` on a free port, for the whole session."""
+    with in_background(gateway_process("demo")) as process:
+        yield process
+
+
+@pytest.fixture(scope="session")
+def servers(gateway: GatewayProcess) -> Iterator[dict[str, str]]:
+    """Where a C# test finds the gateway, and servers that misbehave: its environment."""
+    with in_background(rogue(gateway.url)) as rogue_url, in_background(deaf()) as deaf_url:
+        outside = Outside("unity_tests")
+        robot = Robot(outside)
+        robot.provide_fibonacci("/fibonacci")
+        yield {
+            "ROS2GATEWAY_TEST_URL": gateway.url,
+            "ROS2GATEWAY_ROGUE_URL": rogue_url,
+            "ROS2GATEWAY_DEAF_URL": deaf_url,
+        }
+        robot.close()
+        outside.close()
+
+
+@pytest.fixture(scope="session")
+def mono_runner() -> Iterator[csharp.Runner]:
+    """Runs C# tests as Unity's editor and desktop players do."""
+    runner = csharp.Runner()
+    yield runner
+    runner.close()
+
+
+@pytest.fixture(scope="session")
+def ahead_of_time_runner() -> Iterator[csharp.Runner]:
+    """Runs C# tests without a JIT compiler, as on Android."""
+    if reason := mono.missing_ahead_of_time():
+        pytest.skip(reason)
+    runner = csharp.Runner(full_aot=True)
+    yield runner
+    runner.close()
+
+
+@pytest.fixture
+def check_csharp(
+    request: pytest.FixtureRequest, mono_runner: csharp.Runner
+) -> Callable[[CSharpTest], None]:
+    """Run a C# test, with a live gateway if it needs one."""
+    return lambda test: mono_runner.check(test, _environment(request, test))
+
+
+@pytest.fixture
+def check_ahead_of_time(
+    request: pytest.FixtureRequest, ahead_of_time_runner: csharp.Runner
+) -> Callable[[CSharpTest], None]:
+    """Like `check_csharp`, for a test that is compiled ahead of time."""
+    return lambda test: ahead_of_time_runner.check(test, _environment(request, test))
+
+
+def _environment(request: pytest.FixtureRequest, test: CSharpTest) -> Mapping[str, str]:
+    if not test.needs_gateway:
+        return {}
+    servers: dict[str, str] = request.getfixturevalue("servers")
+    return servers

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+using System;
+using System.Collections;
+using System.Diagnostics;
+using System.Linq;
+using NUnit.Framework;
+using Ros2Gateway.Unity;
+using UnityEditor;
+using UnityEngine;
+using UnityEngine.Stage;
+using UnityEngine.TestTools;
+
+namespace Ros2Gateway.Editor.Tests
+{
+    /// <summary>Somebody clicks in the inspectors, with the live gateway behind them.</summary>
+    [TestFixture]
+    public sealed class InspectorClicksTests
+    {
+        private const int PatienceMilliseconds = 30000; // a machine may be busy with other things
+
+        private GameObject _holder;
+        private GatewaySettings _settings;
+        private UnityEditor.Editor _editor;
+
+        [SetUp]
+        public void SetUp()
+        {
+            _settings = ScriptableObject.CreateInstance<GatewaySettings>();
+            _holder = new GameObject("holder");
+            _holder.SetActive(false);
+        }
+
+        [TearDown]
+        public void TearDown()
+        {
+            if (_editor != null)
+            {
+                UnityEngine.Object.DestroyImmediate(_editor);
+            }
+            UnityEngine.Object.DestroyImmediate(_holder);
+            UnityEngine.Object.DestroyImmediate(_settings);
+        }
+
+        [UnityTest]
+        [Category("Gateway")]
+        public IEnumerator A_topic_of_the_live_graph_is_chosen_with_its_type()
+        {
+            _settings.Address = Gateway();
+            TopicSubscriber subscriber = Subscriber();
+            Look("Connect");
+            Look();
+            StringAssert.StartsWith("connecting to ws://", Inspector.Words[0]);
+            yield return Until(() => !Inspector.Words.Any(words => words.Contains("connect")));
+            Look("Topics");
+            string item = Inspector.Menu.Keys.Single(key => key.EndsWith("LaserScan"));
+            StringAssert.DoesNotContain("/", item, "a slash makes a submenu");
+            Inspector.Menu[item]();
+            Assert.AreEqual("/scan", subscriber.Topic);
+            Assert.AreEqual("sensor_msgs/msg/LaserScan", subscriber.Type);
+            subscriber.Type = "1";
+            Look();
+            CollectionAssert.Contains(Inspector.Words, "/scan carries sensor_msgs/msg/LaserScan now");
+        }
+
+        [Test]
+        public void A_type_is_found_by_its_number_and_chosen()
+        {
+            TopicSubscriber subscriber = Subscriber();
+            Inspector.Write("Find a type", "6");
+            Look("Types");
+            Inspector.Menu.Single(item => item.Key.StartsWith("6  ")).Value();
+            Assert.AreEqual("sensor_msgs/msg/BatteryState", subscriber.Type);
+            Assert.AreEqual("/odom", subscriber.Topic);
+            Inspector.Write("Find a type", "nonsense");
+            Look("Types");
+            Assert.IsNull(Inspector.Menu["no type is called nonsense"]);
+            Inspector.Write("Find a type", "");
+            Look("Types");
+            Assert.IsTrue(Inspector.Menu.ContainsKey("geometry_msgs/Twist"));
+        }
+
+        [Test]
+        public void What_is_wrong_is_said()
+        {
+            TopicSubscriber subscriber = Subscriber();
+            subscriber.Topic = "/no good";
+            subscriber.Type = "Twist";
+            Look();
+            Assert.AreEqual(2, Inspector.Words.Count, string.Join(" | ", Inspector.Words));
+        }
+
+        [UnityTest]
+        [Category("Gateway")]
+        public IEnumerator The_connection_is_tested_from_the_settings()
+        {
+            _settings.Address = Gateway();
+            Open(_settings, typeof(GatewaySettingsInspector));
+            Look("Test connection");
+            yield return Until(() => Inspector.Words.Any(words => words.StartsWith("ros2-json-gateway")));
+        }
+
+        [UnityTest]
+        [Category("Gateway")]
+        public IEnumerator A_closed_inspector_leaves_nothing_in_the_editors_update()
+        {
+            _settings.Address = Gateway();
+            Subscriber();
+            Look("Connect");
+            Assert.IsNotNull(EditorApplication.update);
+            UnityEngine.Object.DestroyImmediate(_editor);
+            Assert.IsNull(EditorApplication.update);
+            Open(_settings, typeof(GatewaySettingsInspector));
+            Look("Test connection");
+            Assert.IsNotNull(EditorApplication.update);
+            yield return Until(() => EditorApplication.update == null);
+        }
+
+        private static string Gateway()
+        {
+            string address = Environment.GetEnvironmentVariable("ROS2GATEWAY_TEST_URL");
+            if (string.IsNullOrEmpty(address))
+            {
+                Assert.Ignore("needs a gateway: set ROS2GATEWAY_TEST_URL");
+            }
+            return address;
+        }
+
+        private TopicSubscriber Subscriber()
+        {
+            GatewayConnection connection = _holder.AddComponent<GatewayConnection>();
+            connection.Settings = _settings;
+            TopicSubscriber subscriber = _holder.AddComponent<TopicSubscriber>();
+            subscriber.Connection = connection;
+            Open(subscriber, typeof(TopicSubscriberInspector));
+            return subscriber;
+        }
+
+        private void Open(UnityEngine.Object target, Type inspector)
+        {
+            _editor = UnityEditor.Editor.CreateEditor(target, inspector);
+        }
+
+        private void Look(string click = null)
+        {
+            Inspector.Look(_editor.OnInspectorGUI, click);
+        }
+
+        /// <summary>Goes on as the editor does: its update, and a look at the inspector.</summary>
+        private IEnumerator Until(Func<bool> holds)
+        {
+            Stopwatch watch = Stopwatch.StartNew();
+            while (!holds())
+            {
+                string shown = string.Join(" | ", Inspector.Words);
+                Assert.Less(watch.ElapsedMilliseconds, PatienceMilliseconds, shown);
+                if (EditorApplication.update != null)
+                {
+                    EditorApplication.update();
+                }
+                Look();
+                yield return null;
+            }
+        }
+    }
+}

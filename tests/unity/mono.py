@@ -1,0 +1,225 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Mono as the tests use it: compile C# once per content, run it, translate it ahead of time.
+
+What Unity's editor and desktop players run on is Mono, too; the full ahead-of-time mode, without a
+JIT compiler, stands in for IL2CPP.
+"""
+
+import hashlib
+import os
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+ROOT: Final = Path(__file__).resolve().parents[2]
+CACHE: Final = ROOT / ".cache" / "unity"
+
+COMPILE_TIMEOUT_S: Final = 100  # takes 1 to 3 s, on a machine that does nothing else
+TRANSLATE_TIMEOUT_S: Final = 300
+
+# By default there is room for 4096 delegates and lazily bound calls in a process; a process that runs
+# hundreds of tests needs more.
+_TRANSLATE: Final = "--aot=full,ntrampolines=65536"
+
+_NUNIT_DIRECTORIES: Final = Path("/usr/lib/cli")
+_FRAMEWORK_DIRECTORY: Final = Path("/usr/lib/mono/4.5")
+# mscorlib first: the others are translated against it
+_FRAMEWORK: Final = (
+    *("mscorlib", "System", "System.Core", "System.Configuration", "System.Xml"),
+    *("System.Security", "System.Numerics", "Mono.Security"),
+)
+
+
+class CompileError(Exception):
+    """The C# compiler or the translator refused; the text is what it said."""
+
+
+@dataclass(frozen=True)
+class Binary:
+    """A compiled assembly and those that it needs at run time."""
+
+    path: Path
+    references: tuple["Binary", ...] = ()
+
+    @property
+    def name(self) -> str:
+        """The assembly's name."""
+        return self.path.stem
+
+    def closure(self) -> Iterator["Binary"]:
+        """Yield it and everything that it needs, what is needed first, each once."""
+        seen: dict[Path, Binary] = {}
+        for reference in self.references:
+            for needed in reference.closure():
+                seen.setdefault(needed.path, needed)
+        seen.setdefault(self.path, self)
+        yield from seen.values()
+
+
+def missing() -> str:
+    """Say what is not installed, in words for a skipped test; empty if all is there."""
+    absent = [program for program in ("mono", "mcs") if shutil.which(program) is None]
+    if not _nunit_paths():
+        absent.append("NUnit 2.6")
+    return f"{', '.join(absent)} missing: run tools/make-mono.sh as root" if absent else ""
+
+
+def missing_ahead_of_time() -> str:
+    """Like `missing`, for `ahead_of_time`."""
+    absent = [program for program in ("as", "ld") if shutil.which(program) is None]
+    return missing() or (
+        f"{', '.join(absent)} missing: run tools/make-mono.sh as root" if absent else ""
+    )
+
+
+def nunit() -> Binary:
+    """The NUnit framework that the tests are compiled against."""
+    return Binary(_nunit_paths()[-1])
+
+
+def compile_assembly(
+    name: str,
+    sources: Sequence[Path],
+    *,
+    references: Sequence[Binary] = (),
+    defines: Sequence[str] = (),
+    options: Sequence[str] = (),
+) -> Binary:
+    """Compile `sources` to ``name.dll`` (or ``.exe``, by the name), warnings being errors.
+
+    The same sources, references and options are compiled once, and found again by later runs.
+
+    Raises:
+        CompileError: With the compiler's words.
+    """
+    filename = name if name.endswith(".exe") else f"{name}.dll"
+    arguments = [
+        *("-langversion:7.2", "-warnaserror", "-nologo", "-debug"),
+        f"-target:{'exe' if filename.endswith('.exe') else 'library'}",
+        *(f"-define:{define}" for define in defines),
+        *(f"-reference:{reference.path}" for reference in references),
+        *options,
+    ]
+    digest = hashlib.sha256("\n".join([filename, *arguments]).encode())
+    for source in sources:
+        digest.update(f"\n{source}\n".encode() + source.read_bytes())
+    binary = Binary(CACHE / digest.hexdigest()[:16] / filename, tuple(references))
+    if not binary.path.exists():
+        if not sources:
+            raise CompileError(f"{name} has no sources")
+        with _new_directory(binary.path.parent) as directory:
+            command = ["mcs", *arguments, f"-out:{directory / filename}", *map(str, sources)]
+            _run(command, COMPILE_TIMEOUT_S)
+    return binary
+
+
+def ahead_of_time(binary: Binary) -> Binary:
+    """Translate an assembly and everything that it needs to machine code, completely.
+
+    Raises:
+        CompileError: With the translator's words.
+    """
+    framework = _translated_framework()
+    translated: dict[Path, Binary] = {}
+    for needed in binary.closure():
+        references = tuple(translated[reference.path] for reference in needed.references)
+        translated[needed.path] = _translated(needed, (framework, *references))
+    return translated[binary.path]
+
+
+def command(binary: Binary, *arguments: str, full_aot: bool = False) -> list[str]:
+    """What runs a program; `environment` belongs to it."""
+    return ["mono", "--debug", *(["--full-aot"] if full_aot else []), str(binary.path), *arguments]
+
+
+def environment(*binaries: Binary) -> dict[str, str]:
+    """Return the environment in which a program finds these and what they need."""
+    directories = {str(n.path.parent): None for binary in binaries for n in binary.closure()}
+    return {**os.environ, "MONO_PATH": ":".join(directories)}
+
+
+def _translated(binary: Binary, references: tuple[Binary, ...]) -> Binary:
+    key = "\n".join(str(path) for path in (binary.path, *(r.path for r in references)))
+    digest = hashlib.sha256(key.encode() + binary.path.read_bytes()).hexdigest()[:16]
+    translated = Binary(CACHE / f"{digest}-aot" / binary.path.name, references)
+    if not translated.path.exists():
+        with _new_directory(translated.path.parent) as directory:
+            _copy(binary.path, directory)
+            _run(
+                ["mono", _TRANSLATE, str(directory / binary.path.name)],
+                TRANSLATE_TIMEOUT_S,
+                environment(*references),
+            )
+    return translated
+
+
+def _translated_framework() -> Binary:
+    """All of the framework in one directory; `mscorlib` stands for it."""
+    sources = [_FRAMEWORK_DIRECTORY / f"{name}.dll" for name in _FRAMEWORK]
+    digest = hashlib.sha256(_TRANSLATE.encode())
+    for source in sources:
+        digest.update(source.read_bytes())
+    framework = CACHE / f"{digest.hexdigest()[:16]}-framework"
+    if not framework.exists():
+        with _new_directory(framework) as directory:
+            for source in sources:
+                _copy(source, directory)
+            for source in sources:
+                _run(
+                    ["mono", _TRANSLATE, str(directory / source.name)],
+                    TRANSLATE_TIMEOUT_S,
+                    {**os.environ, "MONO_PATH": str(directory)},
+                )
+    return Binary(framework / "mscorlib.dll")
+
+
+def _copy(binary: Path, directory: Path) -> None:
+    shutil.copy(binary, directory)
+    for symbols in (binary.with_suffix(".pdb"), Path(f"{binary}.mdb")):
+        if symbols.exists():
+            shutil.copy(symbols, directory)
+
+
+class _new_directory:  # noqa: N801  # used as a function
+    """A directory that comes into being complete, or not at all, also with other processes."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+
+    def __enter__(self) -> Path:
+        CACHE.mkdir(parents=True, exist_ok=True)
+        self._temporary = Path(tempfile.mkdtemp(prefix="new-", dir=CACHE))
+        return self._temporary
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if kind is None and not self._path.exists():
+            try:
+                self._temporary.rename(self._path)
+            except OSError:
+                if not self._path.exists():
+                    raise
+        shutil.rmtree(self._temporary, ignore_errors=True)
+
+
+def _run(arguments: list[str], timeout_s: float, env: dict[str, str] | None = None) -> None:
+    done = subprocess.run(
+        arguments,
+        cwd=ROOT,
+        env=env,
+        timeout=timeout_s,
+        check=False,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    if done.returncode != 0:
+        raise CompileError(f"{arguments[0]} failed:\n{done.stdout}")
+
+
+def _nunit_paths() -> list[Path]:
+    return sorted(_NUNIT_DIRECTORIES.glob("nunit.framework-2.6*/nunit.framework.dll"))

@@ -1,0 +1,252 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The package's assembly definitions, compiled for a target as Unity compiles them."""
+
+import itertools
+import json
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import Any, Final
+
+from tests.unity import mono
+from tests.unity.mono import Binary
+
+PACKAGE: Final = mono.ROOT / "unity_client"
+STUB: Final = Path(__file__).parent / "stub"
+RUNNER: Final = Path(__file__).parent / "runner"
+SURFACE: Final = Path(__file__).parent / "surface"
+
+_STUB_REFERENCES: Final[dict[str, tuple[str, ...]]] = {
+    "UnityEngine": (),
+    "UnityEditor": ("UnityEngine",),
+    "UnityEngine.TestRunner": ("UnityEngine",),
+    "UnityEngine.UI": ("UnityEngine",),
+    "Unity.InputSystem": ("UnityEngine",),
+    "Unity.XR.Interaction.Toolkit": ("UnityEngine", "Unity.InputSystem"),
+}
+_INPUT_SYSTEM: Final = "com.unity.inputsystem"
+_PACKAGES: Final = {
+    "com.unity.ugui": "UnityEngine.UI",
+    _INPUT_SYSTEM: "Unity.InputSystem",
+    "com.unity.xr.interaction.toolkit": "Unity.XR.Interaction.Toolkit",
+}
+# every version that has a define of its own, oldest first
+_UNITY_VERSIONS: Final = (
+    *("2019_1", "2019_2", "2019_3", "2019_4", "2020_1", "2020_2", "2020_3"),
+    *("2021_1", "2021_2", "2021_3", "2022_1", "2022_2", "2022_3", "2023_1", "2023_2"),
+    *("6000_0",),
+)
+
+
+@dataclass(frozen=True)
+class Target:
+    """What Unity builds for: decides which assemblies are compiled, and their defines."""
+
+    name: str
+    platform: str
+    """As in an assembly definition's ``includePlatforms``."""
+    defines: tuple[str, ...]
+    unity: str = "2021_3"
+    packages: frozenset[str] = frozenset()
+    """The optional packages that are installed."""
+    legacy_input: bool = True
+    """Whether the player settings have the Input Manager on, be it beside the Input System."""
+    tests: bool = False
+    """Whether Unity's Test Framework compiles its tests, too."""
+
+    def __str__(self) -> str:
+        return self.name
+
+    def with_everything(self) -> "Target":
+        """Return it with the newest Unity, all optional packages and the tests."""
+        return replace(
+            self, unity="6000_0", packages=frozenset(_PACKAGES), tests=True, name=f"{self}-full"
+        )
+
+    def all_defines(self) -> tuple[str, ...]:
+        """Return every symbol that Unity defines."""
+        versions = _UNITY_VERSIONS[: _UNITY_VERSIONS.index(self.unity) + 1]
+        return (
+            *self.defines,
+            *(f"UNITY_{version}_OR_NEWER" for version in versions),
+            *("CSHARP_7_3_OR_NEWER", "NET_STANDARD", "NET_STANDARD_2_1", "NETSTANDARD2_1"),
+            *self._inputs(),
+            *(("UNITY_INCLUDE_TESTS",) if self.tests else ()),
+        )
+
+    def _inputs(self) -> tuple[str, ...]:
+        return (
+            *(("ENABLE_LEGACY_INPUT_MANAGER",) if self.legacy_input else ()),
+            *(("ENABLE_INPUT_SYSTEM",) if _INPUT_SYSTEM in self.packages else ()),
+        )
+
+
+_LINUX: Final = ("UNITY_STANDALONE", "UNITY_STANDALONE_LINUX", "UNITY_64", "ENABLE_MONO")
+EDITOR: Final = Target(
+    "editor",
+    "Editor",
+    (*_LINUX, "UNITY_EDITOR", "UNITY_EDITOR_64", "UNITY_EDITOR_LINUX", "DEBUG", "UNITY_ASSERTIONS"),
+)
+STANDALONE: Final = Target("standalone", "LinuxStandalone64", _LINUX)
+ANDROID: Final = Target("android", "Android", ("UNITY_ANDROID", "ENABLE_IL2CPP"))
+WEBGL: Final = Target("webgl", "WebGL", ("UNITY_WEBGL", "ENABLE_IL2CPP"))
+TARGETS: Final = (EDITOR, STANDALONE, ANDROID, WEBGL)
+
+
+@dataclass(frozen=True)
+class AssemblyDefinition:
+    """An ``.asmdef`` file."""
+
+    path: Path
+    name: str
+    references: tuple[str, ...]
+    include_platforms: tuple[str, ...]
+    exclude_platforms: tuple[str, ...]
+    constraints: tuple[str, ...]
+    version_defines: tuple[tuple[str, str], ...]
+    """Package and symbol."""
+    precompiled: tuple[str, ...]
+    engine: bool
+
+    @classmethod
+    def read(cls, path: Path) -> "AssemblyDefinition":
+        """Read the file."""
+        content: dict[str, Any] = json.loads(path.read_text())
+        return cls(
+            path,
+            content["name"],
+            tuple(content.get("references", ())),
+            tuple(content.get("includePlatforms", ())),
+            tuple(content.get("excludePlatforms", ())),
+            tuple(content.get("defineConstraints", ())),
+            tuple((entry["name"], entry["define"]) for entry in content.get("versionDefines", ())),
+            tuple(content.get("precompiledReferences", ())),
+            not content.get("noEngineReferences", False),
+        )
+
+    def sources(self) -> list[Path]:
+        """Return its files: those below it that no other definition claims."""
+        return sorted(_sources(self.path.parent, top=True))
+
+    def defines(self, target: Target) -> tuple[str, ...]:
+        """Return the symbols for its sources."""
+        return (
+            *target.all_defines(),
+            *(define for name, define in self.version_defines if name in target.packages),
+        )
+
+    def applies_to(self, target: Target) -> bool:
+        """Tell whether Unity compiles it for the target."""
+        if self.include_platforms and target.platform not in self.include_platforms:
+            return False
+        defines = self.defines(target)
+        return target.platform not in self.exclude_platforms and all(
+            any(_holds(symbol.strip(), defines) for symbol in constraint.split("||"))
+            for constraint in self.constraints
+        )
+
+
+@cache
+def assembly_definitions() -> dict[str, AssemblyDefinition]:
+    """Return those of the package and its samples, by name."""
+    definitions = map(AssemblyDefinition.read, sorted(PACKAGE.rglob("*.asmdef")))
+    return {definition.name: definition for definition in definitions}
+
+
+@cache
+def compiled(name: str, target: Target) -> Binary:
+    """Compile an assembly of the package and what it refers to.
+
+    Raises:
+        CompileError: With the compiler's words.
+    """
+    definition = assembly_definitions()[name]
+    references = [
+        compiled(reference, target) if reference in assembly_definitions() else stub(reference)
+        for reference in _present(definition.references, target)
+    ]
+    if definition.engine:
+        references.insert(0, stub("UnityEngine"))
+        if target.platform == "Editor":
+            references.append(stub("UnityEditor"))
+    if "nunit.framework.dll" in definition.precompiled:
+        references.append(mono.nunit())
+    return mono.compile_assembly(
+        name,
+        definition.sources(),
+        references=list(dict.fromkeys(references)),
+        defines=definition.defines(target),
+        # a serialized field is assigned by Unity, which silences this warning, too
+        options=["-nowarn:0649"] if definition.engine else [],
+    )
+
+
+def undocumented(name: str) -> str:
+    """Return what the compiler says of public members without a summary; empty if all have one."""
+    definition = assembly_definitions()[name]
+    target = EDITOR.with_everything()
+    # 1573: a parameter's meaning may be in the summary
+    options = [f"-doc:{mono.CACHE / name}.xml", "-nowarn:0649,1573"]
+    try:
+        mono.compile_assembly(
+            name,
+            definition.sources(),
+            references=compiled(name, target).references,
+            defines=definition.defines(target),
+            options=options,
+        )
+    except mono.CompileError as error:
+        return str(error)
+    return ""
+
+
+@cache
+def stub(name: str) -> Binary:
+    """Compile one of the stub's assemblies."""
+    references = [stub(reference) for reference in _STUB_REFERENCES[name]]
+    return mono.compile_assembly(name, sorted((STUB / name).rglob("*.cs")), references=references)
+
+
+def stubs() -> list[Binary]:
+    """Compile all of the stub."""
+    return [stub(name) for name in _STUB_REFERENCES]
+
+
+@cache
+def runner() -> Binary:
+    """Compile what runs NUnit's tests."""
+    return mono.compile_assembly(
+        "runner.exe",
+        sorted(RUNNER.glob("*.cs")),
+        references=[mono.nunit(), stub("UnityEngine"), stub("UnityEngine.TestRunner")],
+    )
+
+
+def _present(references: Iterable[str], target: Target) -> Iterator[str]:
+    """Leave out what is not installed, as Unity does."""
+    for reference in references:
+        if reference in assembly_definitions():
+            if assembly_definitions()[reference].applies_to(target):
+                yield reference
+        elif reference in _PACKAGES.values():
+            if any(_PACKAGES[package] == reference for package in target.packages):
+                yield reference
+        elif reference == "UnityEngine.TestRunner":
+            yield reference
+        elif reference != "UnityEditor.TestRunner":
+            raise ValueError(f"unknown assembly {reference}: not of the package, nor of the stub")
+
+
+def _sources(directory: Path, *, top: bool) -> Iterator[Path]:
+    entries = sorted(directory.iterdir())
+    if not top and any(entry.suffix == ".asmdef" for entry in entries):
+        return
+    yield from (entry for entry in entries if entry.suffix == ".cs")
+    folders = (entry for entry in entries if entry.is_dir())
+    kept = (f for f in folders if not f.name.endswith("~") and not f.name.startswith("."))
+    yield from itertools.chain.from_iterable(_sources(folder, top=False) for folder in kept)
+
+
+def _holds(symbol: str, defines: tuple[str, ...]) -> bool:
+    return symbol[1:] not in defines if symbol.startswith("!") else symbol in defines

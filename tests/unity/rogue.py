@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A gateway that misbehaves, by the path that a client connects to; for tests of clients.
+
+``/through`` is the exception: it passes everything on to a real gateway, until a client sends
+``{"op":"cut"}`` and the line is cut.
+"""
+
+import asyncio
+import contextlib
+import json
+from collections.abc import AsyncIterator, Awaitable, Callable
+from typing import Final
+
+from websockets.asyncio.client import connect
+from websockets.asyncio.server import ServerConnection, serve
+from websockets.exceptions import ConnectionClosed
+
+GOOD: Final = '{"op":"publish","topic":"/odom","msg":{"child_frame_id":"the good one"}}'
+HUGE_BYTES: Final = 20_000_000
+
+# Each is wrong in its own way, and comes before a good one.
+BAD_FRAMES: Final = (
+    "not json",
+    "",
+    "[]",
+    "null",
+    "{}",
+    '{"op":7}',
+    '{"op":"nonsense"}',
+    '{"op":"publish"}',
+    '{"op":"publish","topic":"/odom"}',
+    '{"op":"publish","topic":"/odom","msg":null}',
+    '{"op":"publish","topic":"/odom","msg":5}',
+    '{"op":"publish","topic":"/odom","msg":{"pose":[1]}}',
+    '{"op":"publish","topic":"/odom","msg":{"header":{"stamp":{"sec":null}}}}',
+    '{"op":"publish","topic":"/odom","msg":{"pose":{"covariance":[1,2]}}}',
+    '{"op":"publish","topic":"/odom","msg":{"child_frame_id":"cut of',
+    '{"op":"publish","topic":"/odom","msg":{}} and more',
+    '{"op":"publish","msg":{"child_frame_id":"nowhere"}}',
+    '{"op":"publish","topic":"/elsewhere","msg":{}}',
+    '{"op":"status"}',
+    '{"op":"status","level":"error","msg":{"no":"text"}}',
+    '{"op":"status","level":"error","msg":"words of the gateway","code":"bad_type","request":"subscribe"}',  # noqa: E501
+    '{"op":"service_response"}',
+    '{"op":"service_response","id":"r1","result":"yes"}',
+    '{"op":"service_response","id":"unknown","values":{},"result":true}',
+    '{"op":"action_result","id":"unknown","values":{},"result":true,"status":4}',
+    '{"op":"action_feedback","id":"unknown"}',
+    '{"op":"call_service"}',
+    '{"op":"call_service","id":"c","service":"/not_ours","args":{}}',
+    '{"op":"pong"}',
+    '{"op":"pong","value":"yesterday","ros_time":7}',
+    '{"op":"graph","topics":7}',
+    '{"op":"graph","changes":[]}',
+    '{"op":"publish","topic":"/odom","msg":' + "[" * 10_000 + "]" * 10_000 + "}",
+)
+
+
+class Rogue:
+    """The server of all paths; *gateway* is where ``/through`` leads."""
+
+    def __init__(self, gateway: str) -> None:
+        self._gateway = gateway
+        self._paths: dict[str, Callable[[ServerConnection], Awaitable[None]]] = {
+            "/bad-frames": self._bad_frames,
+            "/bad-text": self._bad_text,
+            "/huge": self._huge,
+            "/dies": self._dies,
+            "/slow": self._slow,
+            "/mute": self._mute,
+            "/refuses": self._refuses,
+            "/full": self._full,
+            "/stops-reading": self._stops_reading,
+            "/through": self._through,
+        }
+
+    async def serve(self, client: ServerConnection) -> None:
+        """Live one connection."""
+        assert client.request is not None
+        with contextlib.suppress(ConnectionClosed):
+            await self._paths[client.request.path](client)
+
+    async def _bad_frames(self, client: ServerConnection) -> None:
+        await _subscribed(client)
+        for frame in BAD_FRAMES:
+            await client.send(frame)
+        await client.send(GOOD)
+        await client.wait_closed()
+
+    async def _bad_text(self, client: ServerConnection) -> None:
+        await _subscribed(client)
+        frame = b'{"op":"publish","topic":"/odom","msg":{"child_frame_id":"\xc0\xaf"}}'
+        await client.send(frame, text=True)
+        await client.wait_closed()
+
+    async def _huge(self, client: ServerConnection) -> None:
+        await _subscribed(client)
+        await client.send('{"op":"publish","topic":"/odom","msg":"' + "x" * HUGE_BYTES + '"}')
+        await client.send(GOOD)
+        await client.wait_closed()
+
+    async def _dies(self, client: ServerConnection) -> None:
+        await _subscribed(client)
+        # a text frame of 1000 bytes, of which five come (RFC 6455, section 5.2)
+        client.transport.write(b'\x81\x7e\x03\xe8{"op"')
+        client.transport.close()
+
+    async def _slow(self, client: ServerConnection) -> None:
+        """Send one message, a piece at a time, as over a weak network."""
+        await _subscribed(client)
+        frame = GOOD.replace('"msg"', " " * 200_000 + '"msg"').encode()
+        client.transport.write(b"\x81\x7f" + len(frame).to_bytes(8, "big"))
+        for start in range(0, len(frame), 5000):
+            client.transport.write(frame[start : start + 5000])
+            await asyncio.sleep(0.05)
+        await client.wait_closed()
+
+    async def _mute(self, client: ServerConnection) -> None:
+        async for _ in client:
+            pass
+
+    async def _refuses(self, client: ServerConnection) -> None:
+        await client.close(4401, "the token is wrong")
+
+    async def _full(self, client: ServerConnection) -> None:
+        reason = "at most 32 clients"
+        await client.send(json.dumps({"op": "status", "level": "error", "msg": reason}))
+        await client.close(1013, reason)
+
+    async def _stops_reading(self, client: ServerConnection) -> None:
+        """Read nothing from the first message on until told how many came; then echo the rest."""
+        async for text in client:
+            if json.loads(text)["op"] == "publish":
+                client.transport.pause_reading()
+                await asyncio.sleep(2)  # what a stalled network is
+                client.transport.resume_reading()
+                break
+        async for text in client:
+            frame = json.loads(text)
+            if frame["op"] == "publish":
+                frame["topic"] = "/echo"
+                del frame["msg"]["padding"]
+                await client.send(json.dumps(frame))
+            elif frame["op"] == "ping":
+                await client.send(json.dumps({"op": "pong", "value": frame["value"]}))
+
+    async def _through(self, client: ServerConnection) -> None:
+        async with connect(self._gateway, max_size=None) as gateway, asyncio.TaskGroup() as group:
+            back = group.create_task(_pass_on(gateway, client))
+            with contextlib.suppress(ConnectionClosed):
+                async for frame in client:
+                    if b'"cut"' in (frame if isinstance(frame, bytes) else frame.encode()):
+                        client.transport.abort()
+                        break
+                    await gateway.send(frame)
+            back.cancel()
+
+
+async def _pass_on(gateway: object, client: ServerConnection) -> None:
+    with contextlib.suppress(ConnectionClosed):
+        async for frame in gateway:  # type: ignore[attr-defined]  # a connection of the other side
+            await client.send(frame)
+
+
+async def _subscribed(client: ServerConnection) -> None:
+    async for text in client:
+        if json.loads(text)["op"] == "subscribe":
+            return
+
+
+@contextlib.asynccontextmanager
+async def rogue(gateway: str) -> AsyncIterator[str]:
+    """Serve on a free port until the context ends; the value is the address, without path."""
+    handler = Rogue(gateway).serve
+    async with serve(handler, "127.0.0.1", 0, compression=None, max_size=None) as server:
+        port = next(iter(server.sockets)).getsockname()[1]
+        yield f"ws://127.0.0.1:{port}"
+
+
+@contextlib.asynccontextmanager
+async def deaf() -> AsyncIterator[str]:
+    """Accept connections on a free port, and never say a word."""
+
+    async def ignore(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        with contextlib.suppress(ConnectionError, asyncio.CancelledError):
+            await reader.read()
+        writer.close()
+
+    async with await asyncio.start_server(ignore, "127.0.0.1", 0) as server:
+        port = server.sockets[0].getsockname()[1]
+        yield f"ws://127.0.0.1:{port}"

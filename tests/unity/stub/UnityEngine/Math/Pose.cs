@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+using System;
+
+namespace UnityEngine
+{
+    [Serializable]
+    public struct Pose
+    {
+        public Vector3 position;
+        public Quaternion rotation;
+
+        public Pose(Vector3 position, Quaternion rotation)
+        {
+            this.position = position;
+            this.rotation = rotation;
+        }
+    }
+}

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The C# tests of the package, run as Unity's editor runs them, and compiled ahead of time."""
+
+import pytest
+
+from tests.unity import csharp
+
+pytestmark = pytest.mark.timeout(300)  # the first test waits for the translation
+
+
+@pytest.mark.parametrize("test", csharp.parameters("Ros2Gateway.Core.Tests"))
+def test_core(test, check_csharp):
+    check_csharp(test)
+
+
+@pytest.mark.parametrize("test", csharp.parameters("Ros2Gateway.Unity.Tests"))
+def test_components(test, check_csharp):
+    check_csharp(test)
+
+
+@pytest.mark.parametrize("test", csharp.parameters("Ros2Gateway.Core.Tests", csharp.AHEAD_OF_TIME))
+def test_core_ahead_of_time(test, check_ahead_of_time):
+    check_ahead_of_time(test)
+
+
+@pytest.mark.parametrize("test", csharp.parameters("Ros2Gateway.Unity.Tests", csharp.AHEAD_OF_TIME))
+def test_components_ahead_of_time(test, check_ahead_of_time):
+    check_ahead_of_time(test)
