@@ -29,6 +29,7 @@ serve: $(READY) ## start the gateway alone (make serve ARGS='--domain-id 7')
 test: lint $(CLIENTS) ## check and test everything (make test ARGS='tests/test_cli.py -x')
 	$(BIN)/python -m schemas.generate --check
 	@$(BIN)/python -m tests.interfaces
+	@sh tools/make-mono.sh
 	$(BIN)/python -m pytest $(PYTEST_ARGS)
 
 lint: $(READY_FOR_TESTS) ## check style, types and layers
@@ -43,6 +44,7 @@ format: $(READY_FOR_TESTS) ## repair what style repairs can
 
 docs: $(READY_FOR_TESTS) ## write the generated parts of code and documentation anew
 	$(BIN)/python -m schemas.generate
+	$(BIN)/python -m tools.unity_metas
 	@keys=$$($(BIN)/ros2-gateway check-config --keys) \
 	    && sed -i '/^| key |/,$$d' docs/configuration.md \
 	    && printf '%s\n' "$$keys" >> docs/configuration.md

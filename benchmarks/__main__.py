@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``python -m benchmarks [odometry] [image] [codec]``: measure the gateway beside the floor.
+"""``python -m benchmarks [WHAT ...]``: measure the gateway beside the floor.
 
 Of ``odometry`` and ``image`` both receive from the same publisher in alternating rounds; figures
 are medians. CPU time is user and system time of the whole process, from the operating system.
-``codec`` measures what rendering costs, as JSON and as CBOR.
+``codec`` measures what rendering costs, as JSON and as CBOR, ``unity`` what the Unity client does.
 """
 
 import argparse
@@ -12,11 +12,11 @@ import statistics
 import time
 from collections.abc import Callable
 
-from benchmarks import codec
+from benchmarks import codec, unity
 from benchmarks.processes import Receipt, line_with, receive, running
 
 RATES_HZ = {"odometry": 1000.0, "image": 30.0}
-WHAT = (*RATES_HZ, "codec")
+WHAT = (*RATES_HZ, "codec", "unity")
 
 
 def main() -> None:
@@ -31,6 +31,8 @@ def main() -> None:
     for name in arguments.what:
         if name == "codec":
             codec.main()
+        elif name == "unity":
+            unity.main()
         else:
             _measure(name, arguments.rounds, arguments.seconds)
 
