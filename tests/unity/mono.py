@@ -21,7 +21,7 @@ CACHE: Final = ROOT / ".cache" / "unity"
 COMPILE_TIMEOUT_S: Final = 100  # takes 1 to 3 s, on a machine that does nothing else
 TRANSLATE_TIMEOUT_S: Final = 300
 
-# By default there is room for 4096 delegates and lazily bound calls in a process; a process that runs
+# By default there is room for 4096 delegates and lazily bound calls in a process; one that runs
 # hundreds of tests needs more.
 _TRANSLATE: Final = "--aot=full,ntrampolines=65536"
 
