@@ -152,6 +152,9 @@ class Rogue:
                     if b'"cut"' in (frame if isinstance(frame, bytes) else frame.encode()):
                         client.transport.abort()
                         break
+                    if b'"stall"' in (frame if isinstance(frame, bytes) else frame.encode()):
+                        await asyncio.sleep(2.5)
+                        continue
                     await gateway.send(frame)
             back.cancel()
 

@@ -43,13 +43,7 @@ namespace Ros2Gateway.Editor
         /// <summary>What a settings asset says; without one, where the gateway is by default.</summary>
         public static GatewayOptions OptionsOf(GatewaySettings settings)
         {
-            GatewayOptions options = new GatewayOptions();
-            if (settings != null)
-            {
-                options.Address = settings.Address;
-                options.Token = settings.Token;
-            }
-            return options;
+            return settings != null ? settings.Options() : new GatewayOptions();
         }
 
         /// <summary>Calls what waits; from the editor's update.</summary>

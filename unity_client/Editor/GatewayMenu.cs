@@ -32,7 +32,7 @@ namespace Ros2Gateway.Editor
         [MenuItem(Path + "Text Screen", false, Priority)]
         public static void TextScreen(MenuCommand command)
         {
-            GameObject screen = new GameObject("Text Screen", typeof(TextMesh));
+            GameObject screen = Text("Text Screen");
             Subscribing(screen, "/chatter", "");
             Finish(screen.AddComponent<TextScreen>(), command);
         }
@@ -41,7 +41,7 @@ namespace Ros2Gateway.Editor
         [MenuItem(Path + "Log Screen", false, Priority)]
         public static void LogScreen(MenuCommand command)
         {
-            GameObject screen = new GameObject("Log Screen", typeof(TextMesh));
+            GameObject screen = Text("Log Screen");
             Finish(screen.AddComponent<LogScreen>(), command);
         }
 
@@ -49,7 +49,7 @@ namespace Ros2Gateway.Editor
         [MenuItem(Path + "Connection HUD", false, Priority)]
         public static void Hud(MenuCommand command)
         {
-            GameObject hud = new GameObject("Connection HUD", typeof(TextMesh));
+            GameObject hud = Text("Connection HUD");
             Finish(hud.AddComponent<ConnectionHud>(), command);
         }
 
@@ -84,7 +84,7 @@ namespace Ros2Gateway.Editor
         [MenuItem(Path + "Battery", false, Priority)]
         public static void Battery(MenuCommand command)
         {
-            GameObject battery = new GameObject("Battery", typeof(TextMesh));
+            GameObject battery = Text("Battery");
             Subscribing(battery, "/battery_state", "sensor_msgs/msg/BatteryState");
             Finish(battery.AddComponent<BatteryDisplay>(), command);
         }
@@ -101,6 +101,16 @@ namespace Ros2Gateway.Editor
         public static void Target(MenuCommand command)
         {
             Finish(new GameObject("Target Driver", typeof(TargetDriver)), command);
+        }
+
+        private static GameObject Text(string name)
+        {
+            GameObject made = new GameObject(name, typeof(TextMesh));
+            TextMesh text = made.GetComponent<TextMesh>();
+            text.fontSize = 48; // the letters' resolution; the next line makes them some 7 cm high
+            text.characterSize = 0.015f;
+            text.anchor = TextAnchor.UpperLeft;
+            return made;
         }
 
         private static void Subscribing(GameObject made, string topic, string type)

@@ -124,6 +124,7 @@ namespace Ros2Gateway.Samples.Tests
             XrDevices.Set(XRNode.Head, CommonUsages.centerEyeRotation, Quaternion.Euler(0, 20, 0));
             XrDevices.Set(XRNode.RightHand, CommonUsages.devicePosition, new Vector3(-0.3f, 1, 0));
             XrDevices.Set(XRNode.RightHand, CommonUsages.deviceRotation, Quaternion.Euler(90, 0, 0));
+            yield return null;
             XrDevices.Set(XRNode.RightHand, CommonUsages.triggerButton, true);
             yield return null;
             AreClose(new Vector3(0.1f, 1.7f, 0), Camera.main.transform.localPosition);
@@ -141,6 +142,11 @@ namespace Ros2Gateway.Samples.Tests
             ControllerInput controllers = new ControllerInput(null);
             XrDevices.Set(XRNode.LeftHand, CommonUsages.triggerButton, true);
             controllers.Poll();
+            Assert.IsFalse(controllers.TargetPressed, "it was down when the controller woke");
+            XrDevices.Set(XRNode.LeftHand, CommonUsages.triggerButton, false);
+            controllers.Poll();
+            XrDevices.Set(XRNode.LeftHand, CommonUsages.triggerButton, true);
+            controllers.Poll();
             Assert.IsTrue(controllers.TargetPressed);
             controllers.Poll();
             Assert.IsFalse(controllers.TargetPressed);
@@ -156,6 +162,8 @@ namespace Ros2Gateway.Samples.Tests
         public void A_stick_teleports_when_it_is_pushed_and_a_touchpad_when_it_is_clicked()
         {
             ControllerInput controllers = new ControllerInput(null);
+            XrDevices.Set(XRNode.RightHand, CommonUsages.primary2DAxis, Vector2.zero);
+            controllers.Poll();
             XrDevices.Set(XRNode.RightHand, CommonUsages.primary2DAxis, new Vector2(0, 0.9f));
             controllers.Poll();
             Assert.IsTrue(controllers.TeleportPressed);

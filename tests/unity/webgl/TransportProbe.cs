@@ -66,10 +66,8 @@ internal sealed class TransportProbe : ITransportListener
 
     public void OnSent()
     {
-        _sentInPoll += 1;
-        Enter(null);
+        _sentInPoll += 1; // may come within another call, and within TrySend
         Send();
-        Leave();
     }
 
     public void OnClosed(int code, string reason)
@@ -99,13 +97,14 @@ internal sealed class TransportProbe : ITransportListener
 
     private void Send()
     {
-        if (_left > 0 && _transport.TrySend(_frame, _frame.Length))
+        if (_left == 0)
         {
-            _left -= 1;
-            if (_transport.TrySend(_frame, _frame.Length))
-            {
-                Console.WriteLine("two frames under way");
-            }
+            return;
+        }
+        _left -= 1; // before, because OnSent may come within
+        if (!_transport.TrySend(_frame, _frame.Length))
+        {
+            _left += 1;
         }
     }
 

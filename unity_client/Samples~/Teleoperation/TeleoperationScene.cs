@@ -32,6 +32,18 @@ namespace Ros2Gateway.Samples.Teleoperation
         [SerializeField]
         private string _commandTopic = "/cmd_vel";
 
+        [SerializeField]
+        [Tooltip("Of floor and robot; without, the default one, which a build with URP may lack")]
+        private Material _material;
+
+#pragma warning disable 0169 // so that stripping leaves what CreatePrimitive needs
+        private MeshFilter _keepMeshFilter;
+        private MeshRenderer _keepMeshRenderer;
+        private MeshCollider _keepMeshCollider;
+        private BoxCollider _keepBoxCollider;
+        private CapsuleCollider _keepCapsuleCollider;
+#pragma warning restore 0169
+
         private GatewaySettings _settings;
 
         /// <summary>Where the gateway is; before the scene is active.</summary>
@@ -180,7 +192,7 @@ namespace Ros2Gateway.Samples.Teleoperation
             return made;
         }
 
-        private static GameObject Part(
+        private GameObject Part(
             PrimitiveType shape, string name, Transform parent, Vector3 position, Vector3 scale, Color color)
         {
             GameObject part = GameObject.CreatePrimitive(shape);
@@ -188,7 +200,12 @@ namespace Ros2Gateway.Samples.Teleoperation
             part.transform.SetParent(parent, false);
             part.transform.localPosition = position;
             part.transform.localScale = scale;
-            part.GetComponent<Renderer>().material.color = color;
+            Renderer renderer = part.GetComponent<Renderer>();
+            if (_material != null)
+            {
+                renderer.sharedMaterial = _material;
+            }
+            renderer.material.color = color;
             return part;
         }
     }

@@ -103,7 +103,16 @@ namespace Ros2Gateway.Samples.XrTarget
         /// <summary>A button that is pressed in the frame in which it goes down.</summary>
         private sealed class Button
         {
+            private readonly bool _countsAtOnce;
             private bool _isDown;
+            private bool _isKnown;
+
+            /// <param name="countsAtOnce">Whether it was pressed, too, if it is down when its controller
+            /// wakes: a stop, but not what sets something going.</param>
+            internal Button(bool countsAtOnce)
+            {
+                _countsAtOnce = countsAtOnce;
+            }
 
             internal bool IsPressed { get; private set; }
 
@@ -114,16 +123,24 @@ namespace Ros2Gateway.Samples.XrTarget
 
             internal void Set(bool isDown)
             {
-                IsPressed = isDown && !_isDown;
+                IsPressed = isDown && !_isDown && (_isKnown || _countsAtOnce);
                 _isDown = isDown;
+                _isKnown = true;
+            }
+
+            internal void Forget()
+            {
+                IsPressed = false;
+                _isDown = false;
+                _isKnown = false;
             }
         }
 
         private sealed class Hand
         {
-            internal readonly Button Trigger = new Button();
-            internal readonly Button Grip = new Button();
-            internal readonly Button Pad = new Button();
+            internal readonly Button Trigger = new Button(false);
+            internal readonly Button Grip = new Button(true);
+            internal readonly Button Pad = new Button(false);
 
             private readonly XRNode _node;
 
@@ -144,6 +161,13 @@ namespace Ros2Gateway.Samples.XrTarget
             internal void Poll()
             {
                 InputDevice device = InputDevices.GetDeviceAtXRNode(_node);
+                if (!device.isValid)
+                {
+                    Trigger.Forget();
+                    Grip.Forget();
+                    Pad.Forget();
+                    return;
+                }
                 Vector3 position;
                 if (device.TryGetFeatureValue(CommonUsages.devicePosition, out position))
                 {

@@ -36,8 +36,11 @@ namespace Ros2Gateway.Samples.XrTarget
         [Tooltip("What can be pointed at")]
         private LayerMask _layers = Physics.DefaultRaycastLayers;
 
+        private const float FocusSeconds = 0.2f; // the click that gives a window the focus is not meant for the floor
+
         private IPointerInput _input;
         private bool _wasPresent;
+        private float _readyAt;
 
         /// <summary>What drives the robot.</summary>
         public TargetDriver Driver
@@ -88,6 +91,19 @@ namespace Ros2Gateway.Samples.XrTarget
             }
         }
 
+        private void OnApplicationFocus(bool hasFocus)
+        {
+            _readyAt = Time.unscaledTime + FocusSeconds;
+        }
+
+        private void OnDisable()
+        {
+            if (_driver != null)
+            {
+                _driver.Stop("what stops it was disabled");
+            }
+        }
+
         private void Update()
         {
             Input.Poll();
@@ -104,7 +120,7 @@ namespace Ros2Gateway.Samples.XrTarget
             RaycastHit hit;
             bool isHit = Physics.Raycast(Input.Pointer, out hit, _reach, _layers);
             Show(isHit ? hit.point : Input.Pointer.GetPoint(_reach));
-            if (!isHit || !isPresent || Input.StopPressed)
+            if (!isHit || !isPresent || Input.StopPressed || Time.unscaledTime < _readyAt)
             {
                 return;
             }

@@ -27,6 +27,26 @@ namespace Ros2Gateway.Samples.XrTarget
         [SerializeField]
         private string _commandTopic = "/cmd_vel";
 
+        [SerializeField]
+        [Tooltip("Whether a window without focus stops the robot. Off for a headset whose desktop window is in the background")]
+        private bool _stopsWithoutFocus = true;
+
+        [SerializeField]
+        [Tooltip("An object with a component that points, such as Xr Action Input; without, a headset's controllers or the mouse")]
+        private GameObject _pointer;
+
+        [SerializeField]
+        [Tooltip("Of floor and robot; without, the default one, which a build with URP may lack")]
+        private Material _material;
+
+#pragma warning disable 0169 // so that stripping leaves what CreatePrimitive needs
+        private MeshFilter _keepMeshFilter;
+        private MeshRenderer _keepMeshRenderer;
+        private MeshCollider _keepMeshCollider;
+        private BoxCollider _keepBoxCollider;
+        private CapsuleCollider _keepCapsuleCollider;
+#pragma warning restore 0169
+
         private GatewaySettings _settings;
         private Material _lineMaterial;
         private TargetDriver _driver;
@@ -130,6 +150,7 @@ namespace Ros2Gateway.Samples.XrTarget
             GameObject driver = New("Target Driver", transform);
             _driver = driver.AddComponent<TargetDriver>();
             _driver.Topic = _commandTopic;
+            _driver.StopsWithoutFocus = _stopsWithoutFocus;
             _driver.Odometry = twin.GetComponent<TopicSubscriber>();
             _driver.Origin = origin;
             _driver.Marker = marker.transform;
@@ -168,6 +189,10 @@ namespace Ros2Gateway.Samples.XrTarget
             control.Rig = rig.transform;
             control.Head = eyes.transform;
             control.Line = line;
+            if (_pointer != null)
+            {
+                control.Input = _pointer.GetComponent<IPointerInput>();
+            }
             rig.SetActive(true);
         }
 
@@ -202,7 +227,7 @@ namespace Ros2Gateway.Samples.XrTarget
             return made;
         }
 
-        private static GameObject Part(
+        private GameObject Part(
             PrimitiveType shape, string name, Transform parent, Vector3 position, Vector3 scale, Color color)
         {
             GameObject part = GameObject.CreatePrimitive(shape);
@@ -210,7 +235,12 @@ namespace Ros2Gateway.Samples.XrTarget
             part.transform.SetParent(parent, false);
             part.transform.localPosition = position;
             part.transform.localScale = scale;
-            part.GetComponent<Renderer>().material.color = color;
+            Renderer renderer = part.GetComponent<Renderer>();
+            if (_material != null)
+            {
+                renderer.sharedMaterial = _material;
+            }
+            renderer.material.color = color;
             return part;
         }
 

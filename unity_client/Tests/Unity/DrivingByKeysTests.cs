@@ -52,6 +52,65 @@ namespace Ros2Gateway.Unity.Tests
         }
 
         [UnityTest]
+        public IEnumerator AStopDuringAStallOfTheNetworkIsHeardWhenItIsBack(
+            [Values("release", "disable")] string kind)
+        {
+            LogAssert.ignoreFailingMessages = true; // commands are refused meanwhile, and it is said
+            _scene = new DrivingScene(Topic, "/through");
+            TeleopDriver driver = Driver();
+            yield return Hold();
+            bool isRefused = false;
+            bool wasLost = false;
+            _scene.Connection.EventHeard += happened => isRefused |= happened.Text.Contains("no answer from the gateway");
+            _scene.Connection.StateChanged += state => wasLost |= state != ConnectionState.Connected;
+            _scene.Connection.Client.Request("stall", null, null);
+            yield return _scene.Until(() => isRefused, "for the stall to be noticed");
+            if (kind == "release")
+            {
+                _keys.Held = DriveKeys.None;
+            }
+            else
+            {
+                driver.enabled = false;
+            }
+            yield return _scene.UntilHeard(0, 0);
+            Assert.IsFalse(wasLost, "it was the loss that stopped it");
+        }
+
+        [UnityTest]
+        public IEnumerator AnApplicationThatFreezesStopsTheRobot()
+        {
+            _scene = new DrivingScene(Topic);
+            Driver();
+            yield return Hold();
+            // From here on there is no frame, and the key is held.
+            bool isZero = System.Threading.SpinWait.SpinUntil(
+                () =>
+                {
+                    _scene.Observer.Pump();
+                    return _scene.Last.Equals(DriveCommand.Zero);
+                },
+                30000);
+            Assert.IsTrue(isZero, "the robot drives on");
+            yield return _scene.UntilHeard(Ahead, 0); // the next frames drive on
+        }
+
+        [UnityTest]
+        public IEnumerator StopStopsEveryDriverOfTheConnection()
+        {
+            _scene = new DrivingScene(Topic);
+            TeleopDriver driver = Driver();
+            TeleopDriver other = Driver();
+            yield return Hold();
+            other.Stop();
+            yield return _scene.UntilHeard(0, 0);
+            _scene.Heard.Clear();
+            yield return Mark();
+            Assert.IsFalse(_scene.HasHeard(Ahead, 0));
+            Assert.IsNotNull(driver);
+        }
+
+        [UnityTest]
         public IEnumerator KeysAreThoseOfTheThesis()
         {
             _scene = new DrivingScene(Topic);

@@ -21,6 +21,7 @@ namespace Ros2Gateway.Unity.Tests
         {
             _scene = new DisplayScene();
             _display = _scene.Display<LaserScanDisplay>();
+            _display.Style = LaserScanStyle.Points;
         }
 
         [TearDown]

@@ -72,6 +72,25 @@ namespace Ros2Gateway
             remove { _mailbox.Heard -= value; }
         }
 
+        /// <summary>Where the gateway is; another address counts from the next attempt to connect on.</summary>
+        public string Address
+        {
+            get { return _options.Address; }
+            set { _options.Address = value; }
+        }
+
+        /// <summary>What the gateway asks for, if it does; like <see cref="Address"/>.</summary>
+        public string Token
+        {
+            set { _options.Token = value; }
+        }
+
+        /// <summary>Whether it has ended for good.</summary>
+        public bool IsDisposed
+        {
+            get { return Volatile.Read(ref _isDisposed) == 1; }
+        }
+
         /// <summary>Where the client stands with its gateway.</summary>
         public ConnectionState State
         {

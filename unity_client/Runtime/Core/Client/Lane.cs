@@ -11,6 +11,7 @@ namespace Ros2Gateway
         private readonly Queue<JsonWriter> _waiting = new Queue<JsonWriter>();
         private readonly Stack<JsonWriter> _free = new Stack<JsonWriter>();
         private JsonWriter _last; // after all others, and never dropped for what is newer
+        private bool _keepsNewest; // which is right even when it comes late
 
         internal Lane(int depth)
         {
@@ -34,7 +35,7 @@ namespace Ros2Gateway
             }
         }
 
-        internal void Add(JsonWriter frame)
+        internal void Add(JsonWriter frame, bool evenLate)
         {
             lock (_waiting)
             {
@@ -44,6 +45,7 @@ namespace Ros2Gateway
                     Dropped++;
                 }
                 _waiting.Enqueue(frame);
+                _keepsNewest = evenLate;
             }
         }
 
@@ -79,15 +81,16 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>Drops what waits, but for the publisher's own end.</summary>
+        /// <summary>Drops what waits, but for what may come late and the publisher's own end.</summary>
         internal void Drop()
         {
             lock (_waiting)
             {
-                Dropped += _waiting.Count;
-                while (_waiting.Count > 0)
+                int kept = _keepsNewest ? 1 : 0;
+                while (_waiting.Count > kept)
                 {
                     _free.Push(_waiting.Dequeue());
+                    Dropped++;
                 }
             }
         }
@@ -95,9 +98,10 @@ namespace Ros2Gateway
         /// <summary>Drops all: the connection is gone, and with it what would have ended.</summary>
         internal void Clear()
         {
-            Drop();
             lock (_waiting)
             {
+                _keepsNewest = false;
+                Drop();
                 _last = null;
             }
         }

@@ -32,8 +32,8 @@ namespace Ros2Gateway
         private const int RoleRemoved = 4403;
         private const int Normal = 1000; // RFC 6455, 7.4.1
 
-        // After so many attempts in a row that failed it is not a restart that is waited for. A server that
-        // accepts and keeps silent costs a socket with each attempt, which .NET cannot take back.
+        // A server that accepts and keeps silent costs a socket with each attempt, which .NET cannot take
+        // back: after so many in a row they become rare, 60 in an hour.
         private const int ManyAttempts = 30;
         private const double PatientPauseMilliseconds = 60000;
 
@@ -283,7 +283,8 @@ namespace Ros2Gateway
             // Clients that lost the same gateway should not all come back in the same moment.
             double pause = _pause * (0.8 + 0.4 * _random.NextDouble());
             _nextAttempt = _now + (long)pause;
-            _silentAttempts += wasUp ? 0 : 1;
+            bool wasSilent = !wasUp && _now - _attemptBegan >= _options.ConnectMilliseconds;
+            _silentAttempts = wasSilent ? _silentAttempts + 1 : 0;
             _pause = Math.Min(
                 2 * _pause,
                 _silentAttempts > ManyAttempts ? PatientPauseMilliseconds : _options.LongestPauseMilliseconds);

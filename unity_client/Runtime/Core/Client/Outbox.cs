@@ -112,19 +112,19 @@ namespace Ros2Gateway
         }
 
         /// <summary>Sends a frame of a lane when its turn comes; returns why it does not go, or null.</summary>
-        internal string Post(Lane lane, JsonWriter frame)
+        internal string Post(Lane lane, JsonWriter frame, bool evenLate)
         {
             lock (_gate)
             {
                 string refusal = !_areLanesOpen ? NotConnected
-                    : AreLanesHeld() ? "no answer from the gateway for " + _freshMilliseconds + " ms"
+                    : !evenLate && AreLanesHeld() ? "no answer from the gateway for " + _freshMilliseconds + " ms"
                     : TooLarge(frame);
                 if (refusal != null)
                 {
                     lane.GiveBack(frame);
                     return refusal;
                 }
-                lane.Add(frame);
+                lane.Add(frame, evenLate);
                 Enqueue(lane);
             }
             Flush();

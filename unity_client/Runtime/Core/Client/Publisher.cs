@@ -52,12 +52,17 @@ namespace Ros2Gateway
         /// FreshMilliseconds allow. Only a latched message is kept, and goes out again with each connection.
         /// The message may be changed afterwards.
         /// </remarks>
-        public bool Publish(IMessage message)
+        /// <param name="message">What is sent.</param>
+        /// <param name="evenLate">
+        /// For what is right whenever it arrives, a stop above all: it is taken while the gateway does not
+        /// answer, too, and goes when the network is back, if nothing newer has been published by then.
+        /// </param>
+        public bool Publish(IMessage message, bool evenLate = false)
         {
             string refusal = IsDisposed ? "publisher was disposed"
                 : message == null ? "no message"
                 : message.RosType != Type ? "expected " + Type + ", got " + message.RosType
-                : Send(message);
+                : Send(message, evenLate);
             if (refusal != null)
             {
                 _publishers.Report(this, refusal);
@@ -85,7 +90,7 @@ namespace Ros2Gateway
         }
 
         // Returns why it does not go, or null.
-        private string Send(IMessage message)
+        private string Send(IMessage message, bool evenLate)
         {
             JsonWriter frame = _lane.Rent();
             try
@@ -108,7 +113,7 @@ namespace Ros2Gateway
             }
             else
             {
-                refusal = _publishers.Send(_lane, frame);
+                refusal = _publishers.Send(_lane, frame, evenLate);
             }
             Published += refusal == null ? 1 : 0;
             return refusal;
@@ -139,9 +144,9 @@ namespace Ros2Gateway
         }
 
         /// <inheritdoc cref="Publisher.Publish(IMessage)"/>
-        public bool Publish(T message)
+        public bool Publish(T message, bool evenLate = false)
         {
-            return base.Publish(message);
+            return base.Publish(message, evenLate);
         }
     }
 }

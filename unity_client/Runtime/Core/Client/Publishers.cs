@@ -70,9 +70,9 @@ namespace Ros2Gateway
         }
 
         /// <summary>Hands a frame over; returns why it does not go, or null.</summary>
-        internal string Send(Lane lane, JsonWriter frame)
+        internal string Send(Lane lane, JsonWriter frame, bool evenLate)
         {
-            return _outbox.Post(lane, frame);
+            return _outbox.Post(lane, frame, evenLate);
         }
 
         /// <summary>

@@ -10,7 +10,8 @@ namespace Ros2Gateway
     {
         private readonly Subscriptions _subscriptions;
 
-        internal Subscription(Subscriptions subscriptions, string id, string topic, string type, SubscribeOptions options)
+        internal Subscription(
+            Subscriptions subscriptions, string id, string topic, string type, SubscribeOptions options)
         {
             _subscriptions = subscriptions;
             Id = id;

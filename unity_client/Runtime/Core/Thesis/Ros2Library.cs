@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 using System.Collections.Generic;
+using System.Globalization;
 using Ros2Gateway.Json;
 using Ros2Gateway.Messages;
 using Ros2Gateway.Messages.GeometryMsgs;
@@ -320,7 +321,7 @@ namespace Ros2Gateway.Thesis
                 Failed(call, "", "a topic is missing");
                 return null;
             }
-            IMessage example = MessageCatalogue.Create(type.ToString(System.Globalization.CultureInfo.InvariantCulture));
+            IMessage example = MessageCatalogue.Create(type.ToString(CultureInfo.InvariantCulture));
             if (example == null)
             {
                 Failed(call, topic, "the message table has no number " + type);

@@ -44,6 +44,9 @@ namespace Ros2Gateway.Unity
         /// <summary>The connection was made or lost; also while it is being made.</summary>
         public event Action<ConnectionState> StateChanged;
 
+        /// <summary>Somebody stops the robot: whatever drives it by this connection gives up.</summary>
+        internal event Action<string> Halted;
+
         /// <summary>
         /// The connection is about to be ended from this side: the moment for last words, such as a robot's stop.
         /// </summary>
@@ -80,7 +83,10 @@ namespace Ros2Gateway.Unity
             get { return _onDisconnected; }
         }
 
-        /// <summary>Where the gateway is; set it before the first use, for instance from a text field.</summary>
+        /// <summary>
+        /// Where the gateway is. Another address, for instance from a text field, counts when the component is
+        /// enabled the next time.
+        /// </summary>
         public GatewaySettings Settings
         {
             get { return _settings; }
@@ -104,8 +110,26 @@ namespace Ros2Gateway.Unity
             return found;
         }
 
+        /// <summary>Makes everything that drives a robot by this connection give up, with the reason.</summary>
+        internal void Halt(string reason)
+        {
+            if (Halted != null)
+            {
+                Halted(reason);
+            }
+        }
+
         private void OnEnable()
         {
+            if (_client != null && _client.IsDisposed)
+            {
+                _client = null; // of the last Play, where the editor reloads neither scripts nor scene
+            }
+            if (_settings != null)
+            {
+                Client.Address = _settings.Address;
+                Client.Token = _settings.Token;
+            }
             Client.Connect();
         }
 

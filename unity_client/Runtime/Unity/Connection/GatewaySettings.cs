@@ -23,7 +23,8 @@ namespace Ros2Gateway.Unity
         [Range(0.5f, 20)]
         public float PumpMilliseconds = 4;
 
-        internal GatewayOptions Options()
+        /// <summary>The options of a client of its own.</summary>
+        public GatewayOptions Options()
         {
             return new GatewayOptions
             {

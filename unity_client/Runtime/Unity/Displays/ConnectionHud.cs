@@ -102,7 +102,7 @@ namespace Ros2Gateway.Unity
             GatewayClient client = connection.Client;
             _builder.Clear();
             _builder.Append(client.State.ToString().ToLowerInvariant());
-            _builder.Append(' ').Append(AddressOf(connection));
+            _builder.Append(' ').Append(client.Address);
             if (client.IsConnected)
             {
                 Figure("\nround trip ", client.RosClock.RoundTripMilliseconds, "0.0", " ms");
@@ -133,11 +133,6 @@ namespace Ros2Gateway.Unity
                 default:
                     return _waitingColor;
             }
-        }
-
-        private static string AddressOf(GatewayConnection connection)
-        {
-            return connection.Settings != null ? connection.Settings.Address : new GatewayOptions().Address;
         }
     }
 }

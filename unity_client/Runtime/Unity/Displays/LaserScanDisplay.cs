@@ -37,7 +37,7 @@ namespace Ros2Gateway.Unity
         private const float SameThing = 0.1f; // of the range: neighbours that differ more are not joined
 
         [SerializeField]
-        private LaserScanStyle _style = LaserScanStyle.Points;
+        private LaserScanStyle _style = LaserScanStyle.Outline;
 
         [SerializeField]
         private LaserScanColoring _coloring = LaserScanColoring.Distance;

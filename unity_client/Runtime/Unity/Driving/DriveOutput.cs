@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 using System;
+using System.Diagnostics;
+using System.Threading;
 using Ros2Gateway.Drive;
 using Ros2Gateway.Messages.GeometryMsgs;
 
@@ -7,30 +9,44 @@ namespace Ros2Gateway.Unity
 {
     /// <summary>
     /// Publishes commands as Twist, and knows whether the robot may still be moving by them: after a
-    /// connection was lost in the middle of driving, the first thing that the robot hears is zero.
+    /// connection was lost in the middle of driving, the first thing that the robot hears is zero; and when
+    /// the application freezes in the middle of driving, a timer of its own sends zero.
     /// </summary>
     internal sealed class DriveOutput : IDisposable
     {
+        // Both drivers send ten times a second or more. Unity's Pause button, a breakpoint or a scene that
+        // loads stop Update, and nothing else: the connection stays, and looks well.
+        private const int FrozenMilliseconds = 300;
+        private const int CheckMilliseconds = 50;
+
+        private readonly object _gate = new object(); // the timer has a thread of its own
         private readonly GatewayConnection _connection;
+        private readonly GatewayClient _client;
         private readonly Publisher<TwistMsg> _publisher;
         private readonly TwistMsg _twist = new TwistMsg();
+        private readonly Stopwatch _sinceSent = new Stopwatch();
+        private readonly Timer _deadMan; // null where there are no threads: there the page is what freezes
         private bool _isMoving;
         private bool _isUp;
 
         internal DriveOutput(GatewayConnection connection, string topic)
         {
             _connection = connection;
+            _client = connection.Client;
             // A command that waited is one for a robot that is elsewhere by now.
-            _publisher = connection.Client.Advertise<TwistMsg>(topic, new AdvertiseOptions { Queue = 1 });
-            _isUp = connection.Client.IsConnected;
+            _publisher = _client.Advertise<TwistMsg>(topic, new AdvertiseOptions { Queue = 1 });
+            _isUp = _client.IsConnected;
             connection.StateChanged += Changed;
             connection.Leaving += Stand; // a scene may disable the connection first
+#if !UNITY_WEBGL || UNITY_EDITOR
+            _deadMan = new Timer(state => StandIfFrozen(), null, CheckMilliseconds, CheckMilliseconds);
+#endif
         }
 
         /// <summary>Whether a command would go now.</summary>
         internal bool IsConnected
         {
-            get { return _connection != null && _isUp && _connection.Client.IsConnected; }
+            get { return _isUp && _client.IsConnected; }
         }
 
         /// <summary>
@@ -39,17 +55,13 @@ namespace Ros2Gateway.Unity
         /// </summary>
         internal int Changes { get; private set; }
 
-        /// <summary>Sends a command; false if it does not go.</summary>
+        /// <summary>Sends a command; false if it does not go. Zero goes even late, when a network is back.</summary>
         internal bool Send(DriveCommand command)
         {
-            _twist.linear.x = command.linear;
-            _twist.angular.z = command.angular;
-            bool isSent = IsConnected && _publisher.Publish(_twist);
-            if (isSent)
+            lock (_gate)
             {
-                _isMoving = !command.Equals(DriveCommand.Zero);
+                return _isUp && Publish(command);
             }
-            return isSent;
         }
 
         /// <summary>
@@ -57,18 +69,50 @@ namespace Ros2Gateway.Unity
         /// </summary>
         internal void Stand()
         {
-            if (_isMoving)
+            lock (_gate)
             {
-                Send(DriveCommand.Zero);
+                if (_isMoving && _isUp)
+                {
+                    Publish(DriveCommand.Zero);
+                }
             }
         }
 
         public void Dispose()
         {
+            if (_deadMan != null)
+            {
+                _deadMan.Dispose();
+            }
             Stand();
             _publisher.Dispose();
             _connection.StateChanged -= Changed;
             _connection.Leaving -= Stand;
+        }
+
+        private void StandIfFrozen()
+        {
+            lock (_gate)
+            {
+                if (_isMoving && _sinceSent.ElapsedMilliseconds > FrozenMilliseconds)
+                {
+                    Publish(DriveCommand.Zero);
+                }
+            }
+        }
+
+        private bool Publish(DriveCommand command)
+        {
+            bool isZero = command.Equals(DriveCommand.Zero);
+            _twist.linear.x = command.linear;
+            _twist.angular.z = command.angular;
+            bool isSent = _client.IsConnected && _publisher.Publish(_twist, isZero);
+            if (isSent)
+            {
+                _isMoving = !isZero;
+                _sinceSent.Restart();
+            }
+            return isSent;
         }
 
         private void Changed(ConnectionState state)

@@ -125,6 +125,16 @@ namespace Ros2Gateway.Unity
             set { _marker = value; }
         }
 
+        /// <summary>
+        /// Whether a window without focus stops the robot; off for a headset whose desktop window is in the
+        /// background.
+        /// </summary>
+        public bool StopsWithoutFocus
+        {
+            get { return _stopsWithoutFocus; }
+            set { _stopsWithoutFocus = value; }
+        }
+
         /// <summary>What the robot may do; like <see cref="Topic"/>.</summary>
         public DriveSettings Settings
         {
@@ -189,13 +199,14 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Tells the robot to stand, whatever it does and whoever drove it, and takes the target away.
+        /// Tells the robot to stand, whatever it does and whichever driver of this connection drove it, and
+        /// takes the target away.
         /// </summary>
         public void Stop(string reason)
         {
             if (_output != null)
             {
-                GiveUp(reason);
+                _connection.Halt(reason);
                 _output.Send(DriveCommand.Zero);
             }
         }
@@ -219,6 +230,7 @@ namespace Ros2Gateway.Unity
             }
             _poseTime = double.NaN;
             _output = new DriveOutput(_connection, _topic);
+            _connection.Halted += GiveUp;
             if (_odometry != null)
             {
                 _odometry.MessageReceived += TakeAny;
@@ -287,6 +299,7 @@ namespace Ros2Gateway.Unity
             }
             if (_output != null)
             {
+                _connection.Halted -= GiveUp;
                 _output.Dispose();
                 _output = null;
             }

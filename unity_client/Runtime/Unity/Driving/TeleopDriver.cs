@@ -79,13 +79,14 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Tells the robot to stand, whatever it does and whoever drove it; held keys must be pressed anew.
+        /// Tells the robot to stand, whatever it does and whichever driver of this connection drove it; held
+        /// keys must be pressed anew.
         /// </summary>
         public void Stop()
         {
-            LetGo();
             if (_output != null)
             {
+                _connection.Halt("stop was pressed");
                 _output.Send(DriveCommand.Zero);
             }
         }
@@ -107,6 +108,9 @@ namespace Ros2Gateway.Unity
                 return;
             }
             _output = new DriveOutput(_connection, _topic);
+            _connection.Halted += Halt;
+            _isUnfocused = !Application.isFocused; // it may have come back while this was disabled
+            _isPaused = false;
             LetGo(); // a key that is held already drives nothing
         }
 
@@ -158,9 +162,15 @@ namespace Ros2Gateway.Unity
         {
             if (_output != null)
             {
+                _connection.Halted -= Halt;
                 _output.Dispose();
                 _output = null;
             }
+        }
+
+        private void Halt(string reason)
+        {
+            LetGo();
         }
 
         /// <summary>The robot stands, and what is held now counts again once it was released.</summary>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+using Ros2Gateway.Messages.SensorMsgs;
 using UnityEngine;
 
 namespace Ros2Gateway.Unity
@@ -51,6 +52,15 @@ namespace Ros2Gateway.Unity
         {
             get { return _frameId; }
             set { _frameId = value; }
+        }
+
+        // In the editor, when the component is added: a publisher that suits pictures.
+        private void Reset()
+        {
+            TopicPublisher publisher = GetComponent<TopicPublisher>();
+            publisher.Topic = "/unity/image/compressed";
+            publisher.Type = CompressedImageMsg.Type;
+            publisher.Rate = 10;
         }
 
         private void OnEnable()

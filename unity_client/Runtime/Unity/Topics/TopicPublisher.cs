@@ -151,6 +151,10 @@ namespace Ros2Gateway.Unity
             {
                 return false;
             }
+            if (_fullType != CompressedImageMsg.Type)
+            {
+                return Publish(new CompressedImageMsg()); // which is refused in words, before any encoding
+            }
             byte[] jpeg = _encoder.Encode(texture, _imageMaxWidth, _imageMaxHeight, _imageQuality);
             if (jpeg == null)
             {

@@ -53,7 +53,9 @@ namespace Ros2Gateway.Unity
                 return false;
             }
             _isSending = WebGlSocket.Send(_handle, buffer, count) == 1;
-            return _isSending;
+            bool isTaken = _isSending;
+            TellSent(); // the browser has it: a page that is hidden now has no later moment for what comes next
+            return isTaken;
         }
 
         /// <inheritdoc/>
