@@ -12,6 +12,7 @@ CLIENTS := $(VENV)/clients/.ready
 PIP := $(BIN)/python -m pip -qq --disable-pip-version-check --no-input
 
 ARGS ?=
+WHAT ?=
 PYTEST_ARGS ?= $(ARGS)
 
 .DEFAULT_GOAL := help
@@ -49,8 +50,8 @@ docs: $(READY_FOR_TESTS) ## write the generated parts of code and documentation 
 	    && sed -i '/^| key |/,$$d' docs/configuration.md \
 	    && printf '%s\n' "$$keys" >> docs/configuration.md
 
-bench: $(READY) ## measure speed (a few minutes)
-	@$(BIN)/python -m benchmarks $(ARGS)
+bench: $(READY) ## measure speed, some ten minutes (make bench WHAT=odometry)
+	@$(BIN)/python -m benchmarks $(WHAT) $(ARGS)
 
 clean: ## remove .venv and all caches
 	rm -rf $(VENV) dist build .cache .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis

@@ -10,20 +10,21 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.task import Future
 
 from benchmarks.report import Ages
-from benchmarks.samples import TYPES
+from benchmarks.samples import SAMPLES, topic
 
 
 def main(name: str) -> None:
     """Receive until SIGINT, then print the ages."""
     ages = Ages()
+    sample = SAMPLES[name]
+    read = sample.clockwork.read
 
     def note(message: object) -> None:
-        stamp = message.header.stamp  # type: ignore[attr-defined]  # rclpy has no types
-        ages.add(time.time_ns() - stamp.sec * 1_000_000_000 - stamp.nanosec)
+        ages.add(time.time_ns() - read(message))
 
     rclpy.init(signal_handler_options=rclpy.SignalHandlerOptions.NO)
-    node = rclpy.create_node(f"benchmark_{name}_floor")
-    node.create_subscription(type(TYPES[name]()), f"/benchmark/{name}", note, 10)
+    node = rclpy.create_node("benchmark_floor")
+    node.create_subscription(type(sample.make()), topic(name), note, 10)
     executor = SingleThreadedExecutor()
     executor.add_node(node)
     # an exception in the midst of rclpy's conversion would come out as another one

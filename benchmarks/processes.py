@@ -22,14 +22,22 @@ class Receipt:
 
     rate_hz: float
     p50_ms: float
+    p90_ms: float
     p99_ms: float
     cpu_us_per_message: float
+    memory_mb: float
 
 
 def cpu_s(pid: int) -> float:
     """Return the user and system time that a process has used."""
     fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
     return (int(fields[11]) + int(fields[12])) / _TICKS_PER_S
+
+
+def memory_mb(pid: int) -> float:
+    """Return what of a process is in memory."""
+    pages = int(Path(f"/proc/{pid}/statm").read_text().split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
 @contextlib.contextmanager
@@ -60,10 +68,14 @@ def receive(receiver: subprocess.Popen[str], tested_pid: int, seconds: float) ->
     before, before_s = _count(receiver), cpu_s(tested_pid)
     time.sleep(seconds)
     count, spent_s = _count(receiver) - before, cpu_s(tested_pid) - before_s
+    memory = memory_mb(tested_pid)
     receiver.send_signal(signal.SIGINT)
     seen = json.loads(line_with(receiver, r"\{.*\}"))
     receiver.wait(timeout=30)
-    return Receipt(count / seconds, seen["p50_ms"], seen["p99_ms"], spent_s / count * 1e6)
+    if count == 0:
+        raise RuntimeError("nothing was received")
+    ages = (seen["p50_ms"], seen["p90_ms"], seen["p99_ms"])
+    return Receipt(count / seconds, *ages, spent_s / count * 1e6, memory)
 
 
 def _count(receiver: subprocess.Popen[str]) -> int:

@@ -18,17 +18,19 @@ def main(name: str, rate_hz: float) -> None:
     """Publish until SIGINT."""
     import rclpy
 
-    from benchmarks.samples import TYPES, cdr, stamp
+    from benchmarks.samples import SAMPLES, topic
 
     rclpy.init(signal_handler_options=rclpy.SignalHandlerOptions.NO)
-    node = rclpy.create_node(f"benchmark_{name}_publisher")
-    sample = cdr(name)
-    publisher = node.create_publisher(type(TYPES[name]()), f"/benchmark/{name}", 10)
+    node = rclpy.create_node("benchmark_publisher")
+    sample = SAMPLES[name]
+    cdr = sample.cdr()
+    publisher = node.create_publisher(type(sample.make()), topic(name), 10)
     period_s = 1 / rate_hz
     due_s = time.monotonic()
     try:
         while True:
-            publisher.publish(stamp(sample))
+            sample.clockwork.write(cdr, time.time_ns())
+            publisher.publish(bytes(cdr))
             due_s += period_s
             pause_s = due_s - time.monotonic()
             if pause_s > 0:

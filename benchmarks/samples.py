@@ -1,17 +1,94 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The messages that are measured, as CDR with a stamp that can be renewed in place."""
+"""The messages that are measured, as CDR in which the time of sending can be renewed in place.
 
+Types with a header carry it as their stamp; a String as its text, a Twist as its first number.
+"""
+
+import re
 import struct
-import time
-from typing import Any
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final
 
 import numpy as np
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from rclpy.serialization import serialize_message
-from sensor_msgs.msg import Image
+from sensor_msgs.msg import CompressedImage, Image, LaserScan, PointCloud2, PointField
+from std_msgs.msg import String
 
-STAMP_OFFSET = 4  # behind the encapsulation header: std_msgs/Header comes first in these types
+_ENCAPSULATION: Final = 4  # bytes before the first field of every CDR message
+_LENGTH: Final = 4  # bytes before the characters of a string
+_DIGITS: Final = 19  # of nanoseconds since 1970, until 2286
+
+
+@dataclass(frozen=True)
+class Clockwork:
+    """Where a type carries the time of sending, and how to read it again."""
+
+    write: Callable[[bytearray, int], None]
+    """Renew it, in nanoseconds, in a message as CDR."""
+    read: Callable[[Any], int]
+    """Read it from a message of rclpy's."""
+    pattern: "re.Pattern[bytes]"
+    """Finds it in a frame of JSON: a full parse would make the client what is measured."""
+    parse: Callable[["re.Match[bytes]"], int]
+
+
+@dataclass(frozen=True)
+class Sample:
+    """One kind of message, and the rate at which it is compared with the floor."""
+
+    make: Callable[[], Any]
+    rate_hz: float
+    clockwork: Clockwork
+
+    def cdr(self) -> bytearray:
+        """Return the message serialised."""
+        return bytearray(serialize_message(self.make()))
+
+
+_HEADER: Final = Clockwork(
+    lambda sample, now_ns: struct.pack_into(
+        "<iI", sample, _ENCAPSULATION, *divmod(now_ns, 1_000_000_000)
+    ),
+    lambda message: message.header.stamp.sec * 1_000_000_000 + message.header.stamp.nanosec,
+    re.compile(rb'"stamp":\{"sec":(\d+),"nanosec":(\d+)\}'),
+    lambda found: int(found[1]) * 1_000_000_000 + int(found[2]),
+)
+_TEXT: Final = Clockwork(
+    lambda sample, now_ns: struct.pack_into(
+        f"{_DIGITS}s", sample, _ENCAPSULATION + _LENGTH, b"%d" % now_ns
+    ),
+    lambda message: int(message.data),
+    re.compile(rb'"data":"(\d+)"'),
+    lambda found: int(found[1]),
+)
+# microseconds, which a double holds exactly
+_NUMBER: Final = Clockwork(
+    lambda sample, now_ns: struct.pack_into("<d", sample, _ENCAPSULATION, now_ns // 1000),
+    lambda message: int(message.linear.x) * 1000,
+    re.compile(rb'"linear":\{"x":([\d.e+]+)'),
+    lambda found: int(float(found[1])) * 1000,
+)
+
+
+def topic(name: str) -> str:
+    """Return the topic of a sample."""
+    return f"/benchmark/{name.replace('-', '_')}"
+
+
+def string() -> String:
+    """Return a text of the length of a time."""
+    return String(data="0" * _DIGITS)
+
+
+def twist() -> Twist:
+    """Return a velocity."""
+    message = Twist()
+    message.linear.x = 1.0
+    message.angular.z = 1.82
+    return message
 
 
 def odometry() -> Odometry:
@@ -28,28 +105,56 @@ def odometry() -> Odometry:
     return message
 
 
-def image() -> Image:
-    """Return a VGA picture as busy as a room: soft shapes, edges and sensor noise."""
-    y, x = np.mgrid[0:480, 0:640]
+def laser_scan() -> LaserScan:
+    """Return 720 ranges as a scanner measures them, to the millimetre, and 720 intensities."""
+    message = LaserScan(angle_min=-3.14159, angle_max=3.14159, angle_increment=0.00872665)
+    message.header.frame_id = "base_scan"
+    message.range_min, message.range_max = 0.12, 3.5
+    message.ranges = np.round(np.linspace(0.12, 3.5, 720), 3).astype(np.float32).tolist()
+    message.intensities = np.linspace(20, 60, 720).round().astype(np.float32).tolist()
+    return message
+
+
+def image(width: int = 640, height: int = 480) -> Image:
+    """Return a picture as busy as a room: soft shapes, edges and sensor noise."""
+    y, x = np.mgrid[0:height, 0:width]
     soft = 110 + 60 * np.sin(x / 37.0) + 50 * np.cos(y / 23.0)
     edges = 40 * ((x // 53 + y // 41) % 2)
-    noise = np.random.default_rng(1).normal(0, 4, (480, 640, 3))
+    noise = np.random.default_rng(1).normal(0, 4, (height, width, 3))
     pixels = np.clip((soft + edges)[..., None] * (1.0, 0.9, 0.7) + noise, 0, 255).astype(np.uint8)
-    message = Image(height=480, width=640, encoding="rgb8", step=640 * 3)
+    message = Image(height=height, width=width, encoding="rgb8", step=width * 3)
     message.header.frame_id = "camera"
     message.data = pixels.tobytes()
     return message
 
 
-TYPES: dict[str, Any] = {"odometry": odometry, "image": image}
+def compressed_image() -> CompressedImage:
+    """Return 60 kB, which nobody decodes on the way."""
+    message = CompressedImage(format="jpeg")
+    message.header.frame_id = "camera"
+    message.data = np.random.default_rng(1).bytes(60_000)
+    return message
 
 
-def cdr(name: str) -> bytearray:
-    """Return one of `TYPES` serialised."""
-    return bytearray(serialize_message(TYPES[name]()))
+def point_cloud() -> PointCloud2:
+    """Return 76,800 points of 16 bytes: 1.2 MB."""
+    message = PointCloud2(height=240, width=320, point_step=16, row_step=5120, is_dense=True)
+    message.header.frame_id = "camera"
+    message.fields = [
+        PointField(name=name, offset=4 * at, datatype=PointField.FLOAT32, count=1)
+        for at, name in enumerate(("x", "y", "z", "rgb"))
+    ]
+    message.data = np.random.default_rng(1).bytes(1_228_800)
+    return message
 
 
-def stamp(sample: bytearray) -> bytes:
-    """Return the sample as of now."""
-    struct.pack_into("<iI", sample, STAMP_OFFSET, *divmod(time.time_ns(), 1_000_000_000))
-    return bytes(sample)
+SAMPLES: Final[dict[str, Sample]] = {
+    "string": Sample(string, 1000, _TEXT),
+    "twist": Sample(twist, 1000, _NUMBER),
+    "odometry": Sample(odometry, 1000, _HEADER),
+    "laser-scan": Sample(laser_scan, 1000, _HEADER),
+    "image": Sample(image, 30, _HEADER),
+    "image-1080p": Sample(lambda: image(1920, 1080), 30, _HEADER),
+    "compressed-image": Sample(compressed_image, 200, _HEADER),
+    "point-cloud": Sample(point_cloud, 30, _HEADER),
+}

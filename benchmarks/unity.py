@@ -17,7 +17,7 @@ from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
 from websockets.protocol import State
 
-from benchmarks.samples import cdr
+from benchmarks.samples import SAMPLES
 from gateway.codec.image import ImageOptions
 from gateway.codec.json import dumps
 from gateway.codec.picture import picture_renderer
@@ -66,19 +66,23 @@ def main() -> None:
 def _messages() -> dict[str, tuple[str, bytes]]:
     """Return types and JSON of what is read."""
     types = Types(InstalledDefinitions())
-    odometry = types.get("nav_msgs/msg/Odometry")
+    decode = types.get("nav_msgs/msg/Odometry").decode
+    odometry = dumps(decode(bytes(SAMPLES["odometry"].cdr())))
     render = picture_renderer(types.get("sensor_msgs/msg/Image"), ImageOptions())
     ranges = [round(0.12 + 0.004 * i, 4) for i in range(720)]
     scan = json.dumps({"ranges": ranges, "intensities": []}, separators=(",", ":"))
     both = json.dumps({"ranges": ranges, "intensities": ranges}, separators=(",", ":"))
     return {
         "pose": ("geometry_msgs/msg/PoseStamped", _POSE),
-        "odometry": ("nav_msgs/msg/Odometry", dumps(odometry.decode(bytes(cdr("odometry"))))),
+        "odometry": (
+            "nav_msgs/msg/Odometry",
+            odometry,
+        ),
         "laser scan, 720 rays": ("sensor_msgs/msg/LaserScan", scan.encode()),
         "laser scan, 720 and intensities": ("sensor_msgs/msg/LaserScan", both.encode()),
         _PICTURE: (
             "sensor_msgs/msg/CompressedImage",
-            render(bytes(cdr("image"))),
+            render(bytes(SAMPLES["image"].cdr())),
         ),
     }
 
