@@ -3,8 +3,9 @@
 
 A kind of message (``odometry`` ...) is received by the gateway and by a bare rclpy subscriber, the
 floor, from the same publisher in alternating rounds; figures are medians, CPU time is user and
-system time of the whole process. ``codec`` measures what rendering costs, as JSON and as CBOR,
-``unity`` what the Unity client does. Read ratios: the times are those of one machine in one mood.
+system time of the whole process. ``fan-out`` measures many clients of one topic, ``codec`` what
+rendering costs, as JSON and as CBOR, ``unity`` what the Unity client does. Read ratios: the times
+are those of one machine in one mood.
 """
 
 import argparse
@@ -12,12 +13,12 @@ import json
 import os
 from pathlib import Path
 
-from benchmarks import codec, unity
+from benchmarks import codec, fan_out, unity
 from benchmarks.beside_floor import Comparison, compare, table
 from benchmarks.picture import encoder_share
 from benchmarks.samples import SAMPLES
 
-WHAT = (*SAMPLES, "codec", "unity")
+WHAT = (*SAMPLES, "fan-out", "codec", "unity")
 
 
 def main() -> None:
@@ -47,6 +48,8 @@ def main() -> None:
     if arguments.json is not None:
         figures = [one.as_json() for one in comparisons]
         arguments.json.write_text(json.dumps(figures, indent=1) + "\n")
+    if "fan-out" in arguments.what:
+        fan_out.main()
     if "codec" in arguments.what:
         codec.main()
     if "unity" in arguments.what:

@@ -65,19 +65,20 @@ def receive(receiver: subprocess.Popen[str], tested_pid: int, seconds: float) ->
     """Let a receiver work for a while, and return what it saw and what that cost."""
     line_with(receiver, "ready")
     time.sleep(2)  # discovery, and code that is compiled at first use
-    before, before_s = _count(receiver), cpu_s(tested_pid)
+    before, before_s = count(receiver), cpu_s(tested_pid)
     time.sleep(seconds)
-    count, spent_s = _count(receiver) - before, cpu_s(tested_pid) - before_s
+    received, spent_s = count(receiver) - before, cpu_s(tested_pid) - before_s
     memory = memory_mb(tested_pid)
     receiver.send_signal(signal.SIGINT)
     seen = json.loads(line_with(receiver, r"\{.*\}"))
     receiver.wait(timeout=30)
-    if count == 0:
+    if received == 0:
         raise RuntimeError("nothing was received")
     ages = (seen["p50_ms"], seen["p90_ms"], seen["p99_ms"])
-    return Receipt(count / seconds, *ages, spent_s / count * 1e6, memory)
+    return Receipt(received / seconds, *ages, spent_s / received * 1e6, memory)
 
 
-def _count(receiver: subprocess.Popen[str]) -> int:
+def count(receiver: subprocess.Popen[str]) -> int:
+    """Return how many messages a receiver has got so far."""
     receiver.send_signal(signal.SIGUSR1)
     return int(line_with(receiver, r"count \d+").split()[1])
