@@ -8,12 +8,44 @@ using Ros2Gateway.Messages.NavMsgs;
 
 namespace Ros2Gateway.Tests
 {
-    /// <summary>Driving the simulated robot: where it really is, and how driving ends.</summary>
+    /// <summary>Driving the simulated robot through a live gateway: where it gets to, and how driving ends.</summary>
     [TestFixture]
     [Category("Gateway")]
     public sealed class DriveGatewayTests
     {
         private const double Standing = 1e-3; // m/s and rad/s
+
+        // A third of a minute each, at the robot's pace: twenty targets in all, four of them ahead of time.
+#if ENABLE_IL2CPP
+        [TestCase(5)]
+#else
+        [TestCase(1)]
+        [TestCase(2)]
+        [TestCase(3)]
+        [TestCase(4)]
+#endif
+        public void FourRandomTargetsAreReachedWithinFiveCentimetres(int seed)
+        {
+            using (Live live = Live.Connected())
+            {
+                var robot = new GatewayRobot(live);
+                robot.Reset();
+                var settings = new DriveSettings();
+                var drive = new DriveToTarget(settings);
+                var random = new Random(seed);
+                for (int i = 0; i < 4; i++)
+                {
+                    // Between the crates and the pillars: from anywhere in here to anywhere nothing is in the
+                    // way.
+                    double x = -0.4 + 0.9 * random.NextDouble(), y = -0.4 + 0.8 * random.NextDouble();
+                    DriveState end = DriveLoop.Run(drive, settings, robot, x, y);
+                    Assert.AreEqual(DriveState.Done, end, drive.Reason);
+                    PlanarPose rest = robot.Pose;
+                    double miss = Math.Sqrt((rest.x - x) * (rest.x - x) + (rest.y - y) * (rest.y - y));
+                    Assert.Less(miss, 0.05);
+                }
+            }
+        }
 
         [TestCase(11)]
 #if !ENABLE_IL2CPP // at the robot's pace: ahead of time one says enough

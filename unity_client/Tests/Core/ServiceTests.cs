@@ -91,6 +91,30 @@ namespace Ros2Gateway.Tests
         }
 
         [Test]
+        public void AClassThatThrowsWhileItReadsFailsTheCallAndNothingElse()
+        {
+            using (Live live = Live.Connected())
+            {
+                live.Client.AdvertiseService<Throwing, TriggerResponse>(
+                    "/reads_badly", TriggerRequest.Service, request => new TriggerResponse { success = true });
+                live.Until(() => Call<TriggerResponse>(live, "/motor_power", new SetBoolRequest()).Ok, "for the robot");
+                Reply<Throwing> response = Call<Throwing>(live, "/motor_power", new SetBoolRequest());
+                StringAssert.Contains("answer cannot be read: not today", response.Error);
+                Reply<TriggerResponse> answer = Reply<TriggerResponse>.Failed("");
+                live.Until(() => answer.Ok, "for the service", () =>
+                {
+                    answer = Call<TriggerResponse>(live, "/reads_badly", new TriggerRequest());
+                });
+                // More than may wait at once: none of those that failed waits any more.
+                for (int i = 0; i < 100; i++)
+                {
+                    answer = Call<TriggerResponse>(live, "/reads_badly", new TriggerRequest());
+                    StringAssert.Contains("not today", answer.Value.message);
+                }
+            }
+        }
+
+        [Test]
         public void CallsWithoutAConnectionAreAnsweredAtOnce()
         {
             using (GatewayClient client = new GatewayClient(new GatewayOptions()))
@@ -155,6 +179,23 @@ namespace Ros2Gateway.Tests
                 live.Until(() => live.Client.RosClock.IsKnown, "for the first pong");
                 double now = (System.DateTime.UtcNow - new System.DateTime(1970, 1, 1)).TotalSeconds;
                 Assert.AreEqual(now, live.Client.RosClock.RosSeconds, 1 + live.Client.RosClock.ErrorSeconds);
+            }
+        }
+
+        private sealed class Throwing : IMessage
+        {
+            public string RosType
+            {
+                get { return "std_srvs/srv/Trigger_Request"; }
+            }
+
+            public void Read(JsonReader reader)
+            {
+                throw new System.NotSupportedException("not today");
+            }
+
+            public void Write(JsonWriter writer)
+            {
             }
         }
 

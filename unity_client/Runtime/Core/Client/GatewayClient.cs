@@ -237,12 +237,10 @@ namespace Ros2Gateway
                 "call_service " + name,
                 frame =>
                 {
-                    frame.Name("service");
-                    frame.Value(name);
+                    frame.Member("service", name);
                     frame.Name("args");
                     request.Write(frame);
-                    frame.Name("timeout");
-                    frame.Value(patience / 1000.0);
+                    frame.Member("timeout", patience / 1000.0);
                 },
                 reader =>
                 {
@@ -366,11 +364,8 @@ namespace Ros2Gateway
             if (!string.IsNullOrEmpty(_options.Token))
             {
                 JsonWriter frame = _outbox.Rent();
-                frame.BeginObject();
-                frame.Name("op");
-                frame.Value("auth");
-                frame.Name("token");
-                frame.Value(_options.Token);
+                frame.Begin("auth");
+                frame.Member("token", _options.Token);
                 frame.EndObject();
                 _outbox.Post(frame);
             }
@@ -394,11 +389,8 @@ namespace Ros2Gateway
         private void SendPing()
         {
             JsonWriter frame = _outbox.Rent();
-            frame.BeginObject();
-            frame.Name("op");
-            frame.Value("ping");
-            frame.Name("value");
-            frame.Value(_clock.Precise);
+            frame.Begin("ping");
+            frame.Member("value", _clock.Precise);
             frame.EndObject();
             _outbox.OnPing(_clock.Now);
             _outbox.Post(frame);
@@ -407,9 +399,7 @@ namespace Ros2Gateway
         private void Post(string op)
         {
             JsonWriter frame = _outbox.Rent();
-            frame.BeginObject();
-            frame.Name("op");
-            frame.Value(op);
+            frame.Begin(op);
             frame.EndObject();
             _outbox.Post(frame);
         }

@@ -58,12 +58,10 @@ namespace Ros2Gateway
             {
                 frame.Name("args");
                 goal.Write(frame);
-                frame.Name("feedback");
-                frame.Value(onFeedback != null);
+                frame.Member("feedback", onFeedback != null);
                 if (keep)
                 {
-                    frame.Name("keep");
-                    frame.Value(true);
+                    frame.Member("keep", true);
                 }
                 frame.EndObject();
             }
@@ -109,8 +107,9 @@ namespace Ros2Gateway
             {
                 _mailbox.Post(goal.ReadResult(status, reader));
             }
-            catch (JsonFormatException error)
+            catch (Exception error)
             {
+                // Not only a JsonFormatException: the message may be a class of the application's.
                 Fail(goal, "result cannot be read: " + error.Message);
             }
         }
@@ -164,13 +163,8 @@ namespace Ros2Gateway
         private JsonWriter Begin(string op, Goal goal)
         {
             JsonWriter frame = _outbox.Rent();
-            frame.BeginObject();
-            frame.Name("op");
-            frame.Value(op);
-            frame.Name("id");
-            frame.Value(goal.Id);
-            frame.Name("action");
-            frame.Value(goal.Action);
+            frame.Begin(op, goal.Id);
+            frame.Member("action", goal.Action);
             return frame;
         }
     }

@@ -134,11 +134,8 @@ namespace Ros2Gateway
         private void Send(bool watch)
         {
             JsonWriter frame = _outbox.Rent();
-            frame.BeginObject();
-            frame.Name("op");
-            frame.Value("graph");
-            frame.Name("watch");
-            frame.Value(watch);
+            frame.Begin("graph");
+            frame.Member("watch", watch);
             frame.EndObject();
             _outbox.Post(frame);
         }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+using System;
 using Ros2Gateway.Json;
 
 namespace Ros2Gateway
@@ -250,7 +251,7 @@ namespace Ros2Gateway
                 {
                     subscriptions[i].Deliver(_second);
                 }
-                catch (JsonFormatException error)
+                catch (Exception error)
                 {
                     Unreadable(subscriptions[i], error);
                 }
@@ -261,7 +262,7 @@ namespace Ros2Gateway
                 last.Deliver(_reader);
                 return true;
             }
-            catch (JsonFormatException error)
+            catch (Exception error)
             {
                 Unreadable(last, error);
                 return false;
@@ -281,14 +282,15 @@ namespace Ros2Gateway
                 {
                     subscription.Deliver(payload);
                 }
-                catch (JsonFormatException error)
+                catch (Exception error)
                 {
                     Unreadable(subscription, error);
                 }
             }
         }
 
-        private void Unreadable(Subscription subscription, JsonFormatException error)
+        // Mostly a JsonFormatException; but a class of the application's may throw anything while it reads.
+        private void Unreadable(Subscription subscription, Exception error)
         {
             subscription.Unreadable++;
             _reports.Error("subscribe", subscription.Topic + ": a message cannot be read as "

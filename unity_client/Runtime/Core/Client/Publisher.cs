@@ -121,13 +121,8 @@ namespace Ros2Gateway
 
         private void Write(JsonWriter frame, IMessage message)
         {
-            frame.BeginObject();
-            frame.Name("op");
-            frame.Value("publish");
-            frame.Name("id");
-            frame.Value(Id);
-            frame.Name("topic");
-            frame.Value(Topic);
+            frame.Begin("publish", Id);
+            frame.Member("topic", Topic);
             frame.Name("msg");
             message.Write(frame);
             frame.EndObject();

@@ -34,13 +34,8 @@ namespace Ros2Gateway
             {
                 _all.Remove(publisher);
                 JsonWriter frame = lane.Rent();
-                frame.BeginObject();
-                frame.Name("op");
-                frame.Value("unadvertise");
-                frame.Name("id");
-                frame.Value(publisher.Id);
-                frame.Name("topic");
-                frame.Value(publisher.Topic);
+                frame.Begin("unadvertise", publisher.Id);
+                frame.Member("topic", publisher.Topic);
                 frame.EndObject();
                 _outbox.PostLast(lane, frame);
             }
@@ -95,19 +90,12 @@ namespace Ros2Gateway
         private void Advertise(Publisher publisher)
         {
             JsonWriter frame = _outbox.Rent();
-            frame.BeginObject();
-            frame.Name("op");
-            frame.Value("advertise");
-            frame.Name("id");
-            frame.Value(publisher.Id);
-            frame.Name("topic");
-            frame.Value(publisher.Topic);
-            frame.Name("type");
-            frame.Value(publisher.Type);
+            frame.Begin("advertise", publisher.Id);
+            frame.Member("topic", publisher.Topic);
+            frame.Member("type", publisher.Type);
             if (publisher.Options.Latch)
             {
-                frame.Name("latch");
-                frame.Value(true);
+                frame.Member("latch", true);
             }
             if (publisher.Options.Qos != null)
             {

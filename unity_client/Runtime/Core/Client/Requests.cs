@@ -66,11 +66,7 @@ namespace Ros2Gateway
             JsonWriter frame = _outbox.Rent();
             try
             {
-                frame.BeginObject();
-                frame.Name("op");
-                frame.Value(op);
-                frame.Name("id");
-                frame.Value(id);
+                frame.Begin(op, id);
                 write(frame);
                 frame.EndObject();
             }
@@ -107,8 +103,9 @@ namespace Ros2Gateway
             {
                 _mailbox.Post(request.Read(reader));
             }
-            catch (JsonFormatException error)
+            catch (Exception error)
             {
+                // Not only a JsonFormatException: the message may be a class of the application's.
                 Fail(request, "answer cannot be read: " + error.Message);
             }
         }

@@ -30,8 +30,8 @@ namespace Ros2Gateway
             lock (_gate)
             {
                 _byService[provider.Service] = provider;
+                Send("advertise_service", provider);
             }
-            Send("advertise_service", provider);
         }
 
         internal void Remove(ServiceProvider provider)
@@ -44,8 +44,8 @@ namespace Ros2Gateway
                     return;
                 }
                 _byService.Remove(provider.Service);
+                Send("unadvertise_service", provider);
             }
-            Send("unadvertise_service", provider);
         }
 
         /// <summary>Calls that wait are of a connection that is gone: their ids mean nothing on the next.</summary>
@@ -59,14 +59,12 @@ namespace Ros2Gateway
 
         internal void Restore()
         {
-            List<ServiceProvider> all;
             lock (_gate)
             {
-                all = new List<ServiceProvider>(_byService.Values);
-            }
-            foreach (ServiceProvider provider in all)
-            {
-                Send("advertise_service", provider);
+                foreach (ServiceProvider provider in _byService.Values)
+                {
+                    Send("advertise_service", provider);
+                }
             }
         }
 
@@ -95,8 +93,9 @@ namespace Ros2Gateway
             {
                 answer = provider.Read(reader);
             }
-            catch (JsonFormatException error)
+            catch (Exception error)
             {
+                // Not only a JsonFormatException: the message may be a class of the application's.
                 Done();
                 Refuse(service, id, "request cannot be read: " + error.Message);
                 return;
@@ -109,8 +108,7 @@ namespace Ros2Gateway
             JsonWriter frame = Begin(provider.Service, id);
             frame.Name("values");
             response.Write(frame);
-            frame.Name("result");
-            frame.Value(true);
+            frame.Member("result", true);
             frame.EndObject();
             string refusal = _outbox.Post(frame);
             if (refusal != null && refusal != Outbox.NotConnected)
@@ -154,10 +152,8 @@ namespace Ros2Gateway
         private void Refuse(string service, string id, string words)
         {
             JsonWriter frame = Begin(service, id);
-            frame.Name("values");
-            frame.Value(words);
-            frame.Name("result");
-            frame.Value(false);
+            frame.Member("values", words);
+            frame.Member("result", false);
             frame.EndObject();
             _outbox.Post(frame);
         }
@@ -165,28 +161,19 @@ namespace Ros2Gateway
         private JsonWriter Begin(string service, string id)
         {
             JsonWriter frame = _outbox.Rent();
-            frame.BeginObject();
-            frame.Name("op");
-            frame.Value("service_response");
-            frame.Name("id");
-            frame.Value(id);
-            frame.Name("service");
-            frame.Value(service);
+            frame.Begin("service_response", id);
+            frame.Member("service", service);
             return frame;
         }
 
         private void Send(string op, ServiceProvider provider)
         {
             JsonWriter frame = _outbox.Rent();
-            frame.BeginObject();
-            frame.Name("op");
-            frame.Value(op);
-            frame.Name("service");
-            frame.Value(provider.Service);
+            frame.Begin(op);
+            frame.Member("service", provider.Service);
             if (op == "advertise_service")
             {
-                frame.Name("type");
-                frame.Value(provider.Type);
+                frame.Member("type", provider.Type);
             }
             frame.EndObject();
             _outbox.Post(frame);

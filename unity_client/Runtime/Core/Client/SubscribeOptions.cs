@@ -48,28 +48,23 @@ namespace Ros2Gateway
             writer.BeginObject();
             if (!string.IsNullOrEmpty(Format))
             {
-                writer.Name("format");
-                writer.Value(Format);
+                writer.Member("format", Format);
             }
             if (Quality > 0)
             {
-                writer.Name("quality");
-                writer.Value(Quality);
+                writer.Member("quality", Quality);
             }
             if (MaxWidth > 0)
             {
-                writer.Name("max_width");
-                writer.Value(MaxWidth);
+                writer.Member("max_width", MaxWidth);
             }
             if (MaxHeight > 0)
             {
-                writer.Name("max_height");
-                writer.Value(MaxHeight);
+                writer.Member("max_height", MaxHeight);
             }
             if (MaxFps > 0)
             {
-                writer.Name("max_fps");
-                writer.Value(MaxFps);
+                writer.Member("max_fps", MaxFps);
             }
             writer.EndObject();
         }
@@ -92,18 +87,15 @@ namespace Ros2Gateway
             writer.BeginObject();
             if (!string.IsNullOrEmpty(Reliability))
             {
-                writer.Name("reliability");
-                writer.Value(Reliability);
+                writer.Member("reliability", Reliability);
             }
             if (!string.IsNullOrEmpty(Durability))
             {
-                writer.Name("durability");
-                writer.Value(Durability);
+                writer.Member("durability", Durability);
             }
             if (Depth > 0)
             {
-                writer.Name("depth");
-                writer.Value(Depth);
+                writer.Member("depth", Depth);
             }
             writer.EndObject();
         }

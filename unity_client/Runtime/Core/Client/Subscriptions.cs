@@ -126,16 +126,8 @@ namespace Ros2Gateway
         private void Unsubscribe(string topic, string id)
         {
             JsonWriter frame = _outbox.Rent();
-            frame.BeginObject();
-            frame.Name("op");
-            frame.Value("unsubscribe");
-            if (id != null)
-            {
-                frame.Name("id");
-                frame.Value(id);
-            }
-            frame.Name("topic");
-            frame.Value(topic);
+            frame.Begin("unsubscribe", id);
+            frame.Member("topic", topic);
             frame.EndObject();
             _outbox.Post(frame);
         }
@@ -144,25 +136,17 @@ namespace Ros2Gateway
         {
             SubscribeOptions options = subscription.Options;
             JsonWriter frame = _outbox.Rent();
-            frame.BeginObject();
-            frame.Name("op");
-            frame.Value("subscribe");
-            frame.Name("id");
-            frame.Value(subscription.Id);
-            frame.Name("topic");
-            frame.Value(subscription.Topic);
+            frame.Begin("subscribe", subscription.Id);
+            frame.Member("topic", subscription.Topic);
             if (!string.IsNullOrEmpty(subscription.Type))
             {
-                frame.Name("type");
-                frame.Value(subscription.Type);
+                frame.Member("type", subscription.Type);
             }
             if (options.ThrottleMilliseconds > 0)
             {
-                frame.Name("throttle_rate");
-                frame.Value(options.ThrottleMilliseconds);
+                frame.Member("throttle_rate", options.ThrottleMilliseconds);
             }
-            frame.Name("queue_length");
-            frame.Value(queue);
+            frame.Member("queue_length", queue);
             if (options.Fields != null)
             {
                 frame.Name("fields");

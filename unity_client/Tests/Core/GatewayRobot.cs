@@ -2,7 +2,6 @@
 using System;
 using System.Diagnostics;
 using System.Threading;
-using NUnit.Framework;
 using Ros2Gateway.Drive;
 using Ros2Gateway.Messages.GeometryMsgs;
 using Ros2Gateway.Messages.NavMsgs;
@@ -79,43 +78,6 @@ namespace Ros2Gateway.Tests
         {
             _pose = new PlanarPose(odometry.pose.pose.As<Flu>());
             _poseTime = Now;
-        }
-    }
-
-    [TestFixture]
-    [Category("Gateway")]
-    public sealed class DriveThroughGatewayTests
-    {
-        // A third of a minute each, at the robot's pace: twenty targets in all, four of them ahead of time.
-#if ENABLE_IL2CPP
-        [TestCase(5)]
-#else
-        [TestCase(1)]
-        [TestCase(2)]
-        [TestCase(3)]
-        [TestCase(4)]
-#endif
-        public void FourRandomTargetsAreReachedWithinFiveCentimetres(int seed)
-        {
-            using (Live live = Live.Connected())
-            {
-                var robot = new GatewayRobot(live);
-                robot.Reset();
-                var settings = new DriveSettings();
-                var drive = new DriveToTarget(settings);
-                var random = new Random(seed);
-                for (int i = 0; i < 4; i++)
-                {
-                    // Between the crates and the pillars: from anywhere in here to anywhere nothing is in the
-                    // way.
-                    double x = -0.4 + 0.9 * random.NextDouble(), y = -0.4 + 0.8 * random.NextDouble();
-                    DriveState end = DriveLoop.Run(drive, settings, robot, x, y);
-                    Assert.AreEqual(DriveState.Done, end, drive.Reason);
-                    PlanarPose rest = robot.Pose;
-                    double miss = Math.Sqrt((rest.x - x) * (rest.x - x) + (rest.y - y) * (rest.y - y));
-                    Assert.Less(miss, 0.05);
-                }
-            }
         }
     }
 }
