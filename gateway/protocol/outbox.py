@@ -2,9 +2,11 @@
 """What waits for one client: a control lane that overtakes, and a bounded lane per topic.
 
 Nothing here is rendered before its turn to be sent: a sample that is dropped was never decoded.
+What comes while nothing waits and the socket takes has its turn at once, and passes by the lanes.
 """
 
 from collections import deque
+from collections.abc import Callable
 from typing import Protocol
 
 
@@ -21,6 +23,10 @@ class Entry(Protocol):
 
     def wire(self) -> bytes | None:
         """Return the bytes to send; ``None``: not ready yet; empty: nothing to send after all."""
+
+
+Pass = Callable[[Entry], bool]
+"""Write an entry to the socket; false where it is not ready, or where the socket is busy."""
 
 
 class Lane:
@@ -41,16 +47,23 @@ class Lane:
         self.sent = 0
         self.dropped = 0
 
-    def put(self, entry: Entry) -> None:
-        """Append an entry, dropping what does not fit any more."""
+    def put(self, entry: Entry, *, more: bool = False) -> None:
+        """Send an entry where it can go at once, else append it and drop what does not fit.
+
+        *more* says that others follow at once, to be written together.
+        """
+        outbox = self._outbox
+        if outbox.pass_by is not None and not (more or outbox.size) and outbox.pass_by(entry):
+            self.sent += 1
+            return
         self.waiting.append(entry)
         self.size += entry.size
-        self._outbox.grow(entry.size)
+        outbox.grow(entry.size)
         while len(self.waiting) > self.depth or (
             self.max_bytes is not None and self.size > self.max_bytes and len(self.waiting) > 1
         ):
             self.drop_oldest()
-        self._outbox.shed()
+        outbox.shed()
 
     def drop_oldest(self) -> None:
         """Drop the entry that has waited longest, and count it."""
@@ -97,6 +110,7 @@ class Outbox:
 
     def __init__(self, max_bytes: int) -> None:
         self.max_bytes = max_bytes
+        self.pass_by: Pass | None = None  # while the socket takes
         self.size = 0
         self.control_sent = 0
         self._control: deque[bytes] = deque()

@@ -106,11 +106,13 @@ class Stream:
         self.wish = wish
         self.lane.depth, self.lane.max_bytes = _bounds(wish)
 
-    def offer(self, entry: Entry, now_ns: int) -> int | None:
-        """Take a new sample; return when to call `release`, if this sample has to wait."""
-        throttle_ns = self.wish.throttle_ns
-        if not throttle_ns:
-            self.lane.put(entry)
+    def offer(self, entry: Entry, now_ns: int, *, more: bool = False) -> int | None:
+        """Take a new sample; return when to call `release`, if this sample has to wait.
+
+        *more* says that others follow at once; see `Lane.put`.
+        """
+        if not self.wish.throttle_ns:
+            self.lane.put(entry, more=more)
             return None
         if self._held is not None:
             self.coalesced += 1

@@ -127,8 +127,7 @@ class EventfdInlet:
     def count_take(self) -> bool:
         """Count one take; see `Inlet`."""
         if not self._owed:
-            with contextlib.suppress(BlockingIOError):  # it has counted nothing
-                self._count()
+            self._count()
         is_owed = self._owed > 0
         self._owed -= is_owed
         return is_owed
@@ -141,12 +140,14 @@ class EventfdInlet:
         self._undo.close()
 
     def _arrive(self) -> None:
-        with contextlib.suppress(BlockingIOError):  # a take has read it since the loop looked
-            self._count()
+        self._count()
         self._on_arrival()
 
     def _count(self) -> None:
-        arrived = os.eventfd_read(self._fd) - self._repeats
+        try:
+            arrived = os.eventfd_read(self._fd) - self._repeats
+        except BlockingIOError:  # it has counted nothing, or a take has read it meanwhile
+            return
         self._repeats = 0
         self._owed = min(self._owed + arrived, MAX_DEPTH)  # DDS has dropped what is beyond
 

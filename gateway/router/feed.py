@@ -40,9 +40,9 @@ class Member:
         self.request_id: str | int | None = None  # of the newest subscription, for warnings
         self._release: asyncio.TimerHandle | None = None  # at the end of a throttle interval
 
-    def offer(self, entry: Entry, now_ns: int) -> None:
-        """Take a sample, now or at the end of the stream's interval."""
-        due_ns = self.stream.offer(entry, now_ns)
+    def offer(self, entry: Entry, now_ns: int, *, more: bool) -> None:
+        """Take a sample, now or at the end of the stream's interval; *more* follow at once."""
+        due_ns = self.stream.offer(entry, now_ns, more=more)
         if due_ns is not None:
             loop = asyncio.get_running_loop()
             self._release = loop.call_later((due_ns - now_ns) / 1e9, self._on_interval)
@@ -116,7 +116,7 @@ class Feed:
             member.warn(ProtocolError("qos_incompatible", text))
         now_ns = time.monotonic_ns()
         for seq, sample in latched:
-            self._offer(member, Frame(rendition, sample, seq), now_ns)
+            self._offer(member, Frame(rendition, sample, seq), now_ns, more=True)
 
     def leave(self, member: Member, rendition: Rendition) -> None:
         """Feed a stream of some rendition no longer."""
@@ -141,11 +141,12 @@ class Feed:
             self._latch.keep(samples, before + 1, 2 * self._retained)
         else:
             self._latch.clear()  # its publishers have changed: what it kept may be long wrong
+        more = len(samples) > 1
         for rendition, members in self._members.items():
             for seq, sample in enumerate(samples, start=before + 1):
                 frame = Frame(rendition, sample, seq)
                 for member in members:
-                    self._offer(member, frame, now_ns)
+                    self._offer(member, frame, now_ns, more=more)
         self.wake_all()
 
     def wake_all(self, rendition: Rendition | None = None) -> None:
@@ -153,7 +154,8 @@ class Feed:
         groups = self._members.values() if rendition is None else [self._members.get(rendition, [])]
         for members in list(groups):
             for member in list(members):
-                member.session.wake()
+                if member.session.outbox.size:
+                    member.session.wake()
 
     def on_incompatible(self, text: str) -> None:
         """Tell the clients of a publisher that cannot be matched."""
@@ -192,11 +194,11 @@ class Feed:
             return 0
         return max(1, subscription.publishers) * (self.key.qos.depth or 1)
 
-    def _offer(self, member: Member, frame: Frame, now_ns: int) -> None:
+    def _offer(self, member: Member, frame: Frame, now_ns: int, *, more: bool) -> None:
         stream, session = member.stream, member.session
         wish = stream.wish
         if wish.meta or wish.fragment_size is not None or session.is_ros_sharp:
             own = TailoredFrame(frame, stream, session, self._ros_now_ns())
-            member.offer(own, now_ns)
+            member.offer(own, now_ns, more=more)
         else:
-            member.offer(frame, now_ns)
+            member.offer(frame, now_ns, more=more)

@@ -23,6 +23,7 @@ from websockets.server import ServerProtocol
 from gateway.protocol import frames
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.limits import Limits
+from gateway.protocol.outbox import Entry
 from gateway.protocol.rate import TokenBucket
 from gateway.protocol.session import Session
 from gateway.server.timing import Timing
@@ -130,9 +131,8 @@ class Connection(asyncio.BufferedProtocol):
                 data = self._shake_hands(data)
             if data:
                 self._process(data)
-        except Exception:  # our bug, whatever it is: this client pays, the others do not
-            logger.exception("connection from %s failed", self.address)
-            self.close(INTERNAL_ERROR, "internal error")
+        except Exception:
+            self._fail()
 
     def eof_received(self) -> None:
         """Note that the peer has closed its side."""
@@ -150,11 +150,15 @@ class Connection(asyncio.BufferedProtocol):
         """Stop taking from the outbox: the socket is full."""
         self._paused = True
         self._progress_s = time.monotonic()
+        if self._session is not None:
+            self._session.outbox.pass_by = None
 
     def resume_writing(self) -> None:
         """Go on: the socket has taken most of what it had."""
         self._paused = False
         self._protocol_backlog = 0
+        if self._session is not None:
+            self._session.outbox.pass_by = self._pass_by
         self.flush()
 
     # What the server calls
@@ -171,14 +175,13 @@ class Connection(asyncio.BufferedProtocol):
         self._flushing = True  # rendering may report an error, which wakes us again
         outbox = self._session.outbox
         try:
-            while not self._paused and self._protocol.state is OPEN:
+            while outbox.size and not self._paused and self._protocol.state is OPEN:
                 batch = outbox.take(WRITE_HIGH_WATER_BYTES)
                 if not batch and not outbox.has_control:  # rendering may have added a status
                     break
                 self._transport.writelines(batch)
-        except Exception:  # our bug, see buffer_updated
-            logger.exception("sending to %s failed", self.address)
-            self.close(INTERNAL_ERROR, "internal error")
+        except Exception:
+            self._fail()
         finally:
             self._flushing = False
 
@@ -295,6 +298,7 @@ class Connection(asyncio.BufferedProtocol):
             self.close(OVER_CAPACITY, refusal)
             return
         self._session = self._reception.enter(self)
+        self._session.outbox.pass_by = self._pass_by
         logger.info("client %s connected", self.address)
 
     def _receive(self, message: bytes, *, is_text: bool) -> None:
@@ -325,6 +329,25 @@ class Connection(asyncio.BufferedProtocol):
             self._transport.writelines(self._session.outbox.take(WRITE_HIGH_WATER_BYTES))
 
     # Outgoing
+
+    def _pass_by(self, entry: Entry) -> bool:
+        """Send what need not wait; see `gateway.protocol.outbox.Pass`."""
+        if self._flushing or self._protocol.state is not OPEN:
+            return False
+        try:
+            wire = entry.wire()
+            if not wire:
+                return False
+            self._transport.write(wire)
+        except Exception:
+            self._fail()
+            return False
+        return True
+
+    def _fail(self) -> None:
+        """Close after an exception that is our bug, whatever it is: the other clients go on."""
+        logger.exception("serving %s failed", self.address)
+        self.close(INTERNAL_ERROR, "internal error")
 
     def _write_protocol_output(self) -> None:
         if self._transport.is_closing():
