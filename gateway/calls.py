@@ -11,6 +11,7 @@ from gateway.ports import Client, Ros
 from gateway.protocol.errors import ProtocolError
 from schemas.definition import DefinitionError
 from schemas.installed import UnknownTypeError
+from schemas.message import Clock
 
 
 class Calls:
@@ -39,7 +40,7 @@ class Calls:
             RosError: ROS refuses it, or the server has gone.
         """
         service_type = self._type(type_name)
-        request = encode_values(service_type.request, values, self._ros.now_ns(), "args")
+        request = encode_values(service_type.request, values, self._ros.now_ns, "args")
         client = self._clients.use(
             (service, type_name), lambda: self._ros.client(service, type_name)
         )
@@ -66,7 +67,7 @@ class Calls:
             raise ProtocolError("bad_type", f"type: {cut(str(error))}") from error
 
 
-def encode_values(message_type: MessageType, values: object, now_ns: int, root: str) -> bytes:
+def encode_values(message_type: MessageType, values: object, now_ns: Clock, root: str) -> bytes:
     """Turn what a client wrote for a request, goal or the like into CDR.
 
     That is an object, or as rosbridge allows an array with the values of the fields in order, or

@@ -55,13 +55,17 @@ __all__ = [
 
 _T = TypeVar("_T")
 
+Clock: TypeAlias = int | Callable[[], int]
+"""ROS time in nanoseconds, or a function that tells it."""
+
 
 class Message(BaseModel):
     """A ROS 2 message as a frozen model; fields are named by `schemas.naming.attribute`.
 
     ``model_validate(value, context={"now_ns": ...})`` takes a decoded JSON object and the ROS
-    time that ``"now"`` and headers without a stamp stand for. Without the context ``"now"``
-    is refused and such headers keep the stamp 0.
+    time that ``"now"`` and headers without a stamp stand for, or a function that tells it, which
+    is asked for each of them. Without the context ``"now"`` is refused and such headers keep the
+    stamp 0.
     """
 
     model_config = ConfigDict(
@@ -185,10 +189,10 @@ class TimeMessage(Message):
     @classmethod
     def _resolve(cls, value: object, info: ValidationInfo) -> object:
         if value == "now":
-            now_ns = _now_ns(info)
+            now_ns = _clock(info)
             if now_ns is None:
                 raise PydanticCustomError("no_clock", "no clock says what time is now")
-            sec, nanosec = divmod(now_ns, 10**9)
+            sec, nanosec = divmod(now_ns if isinstance(now_ns, int) else now_ns(), 10**9)
             return {"sec": sec, "nanosec": nanosec}
         return _with_ros2_names(value)
 
@@ -205,7 +209,7 @@ class HeaderMessage(Message):
         if not isinstance(value, dict) or ("stamp" in value and "seq" not in value):
             return value
         header = {key: item for key, item in value.items() if key != "seq"}
-        if _now_ns(info) is not None:
+        if _clock(info) is not None:
             header.setdefault("stamp", "now")
         return header
 
@@ -223,9 +227,9 @@ def _with_ros2_names(value: object) -> object:
     }
 
 
-def _now_ns(info: ValidationInfo) -> int | None:
+def _clock(info: ValidationInfo) -> Clock | None:
     context = info.context
     if not isinstance(context, Mapping):
         return None
-    now_ns = context.get("now_ns")
-    return now_ns if isinstance(now_ns, int) else None
+    now_ns: Clock | None = context.get("now_ns")
+    return now_ns

@@ -26,7 +26,7 @@ from schemas.definition import Definition
 from schemas.generate.json_schemas import Schema, interface_schema
 from schemas.installed import InstalledDefinitions
 from schemas.interface import Interface, InterfaceKind
-from schemas.message import Message
+from schemas.message import Clock, Message
 
 # Selections of fields that stay compiled per type. Clients share a few, and compiling takes
 # milliseconds, tens of them for the largest types; a client that keeps making up new ones must not
@@ -99,8 +99,8 @@ class MessageType:
             wanted, lambda: compile_transcoder(self.definition, self._definitions, wanted)
         )
 
-    def validate(self, value: object, now_ns: int, root: str = "msg") -> Message:
-        """Turn decoded JSON into a message; *now_ns* is what its ``"now"`` stands for.
+    def validate(self, value: object, now_ns: Clock, root: str = "msg") -> Message:
+        """Turn decoded JSON into a message; *now_ns* is, or tells, what its ``"now"`` stands for.
 
         Raises:
             InvalidValueError: it is no such message; paths in the text begin with *root*.

@@ -2,6 +2,7 @@
 """Names of topics, services and actions as clients write them, and as ROS knows them."""
 
 import re
+from functools import lru_cache
 from typing import Final, Literal, NewType
 
 from gateway.codec.words import cut
@@ -36,6 +37,7 @@ def resolve_action(name: str, max_characters: int) -> ActionName:
     return ActionName(_resolve("action", name, max_characters))
 
 
+@lru_cache(maxsize=1024)  # a client names its topic in every message that it publishes
 def _resolve(kind: Literal["topic", "service", "action"], name: str, max_characters: int) -> str:
     if len(name) > max_characters:
         raise ProtocolError(

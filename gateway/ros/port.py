@@ -73,6 +73,7 @@ class RclpyRos:
                     self._debug = _open_node(context, options, "debug", undo)
             except REFUSALS as error:
                 raise refused("starting ROS", error) from error
+            self._clock = self._debug.get_clock().handle
             executor = ExecutorThread(context)
             undo.callback(executor.close)
             executor.add_node(self._debug)
@@ -114,7 +115,9 @@ class RclpyRos:
 
     def now_ns(self) -> int:
         """ROS time in nanoseconds."""
-        return int(self._debug.get_clock().now().nanoseconds)
+        # as the clock's own now(), without the object that would wrap it
+        with self._clock:
+            return int(self._clock.get_now().nanoseconds)
 
     def subscribe(
         self,

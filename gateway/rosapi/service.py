@@ -133,7 +133,7 @@ class Rosapi:
         request = self._requests.get(part_name(type_name, "request"))
         try:
             values = request.named(args) if isinstance(args, list) else args
-            message = request.validate({} if values is None else values, self._ros.now_ns(), "args")
+            message = request.validate({} if values is None else values, self._ros.now_ns, "args")
         except CodecError as error:
             raise ProtocolError("invalid_value", str(error)) from error
         names = (field.name for field in request.definition.fields)

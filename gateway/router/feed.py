@@ -198,7 +198,8 @@ class Feed:
         stream, session = member.stream, member.session
         wish = stream.wish
         if wish.meta or wish.fragment_size is not None or session.is_ros_sharp:
-            own = TailoredFrame(frame, stream, session, self._ros_now_ns())
+            ros_time_ns = self._ros_now_ns() if wish.meta else 0
+            own = TailoredFrame(frame, stream, session, ros_time_ns)
             member.offer(own, now_ns, more=more)
         else:
             member.offer(frame, now_ns, more=more)

@@ -92,7 +92,7 @@ class Goals:
             raise ProtocolError("limit_exceeded", f"at most {limit} goals under way per client")
         if request.id is not None and any(other.request.id == request.id for other in own):
             raise ProtocolError("bad_request", f"id: {request.id!r} is a goal under way already")
-        goal = encode_values(action_type.goal, request.args, self._ros.now_ns(), "args")
+        goal = encode_values(action_type.goal, request.args, self._ros.now_ns, "args")
         lane = session.outbox.open_lane(*FEEDBACK_LANE)
         pursuit = Pursuit(session, request, action, action_type, lane)
         self._pursuits.setdefault(session, own).add(pursuit)

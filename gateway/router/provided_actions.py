@@ -112,7 +112,7 @@ class ProvidedActions:
             ProtocolError: there is no such goal, or the values do not fit the type.
         """
         provided, goal_id = self._find(session, request)
-        cdr = encode_values(provided.type.feedback, request.values, self._ros.now_ns(), "values")
+        cdr = encode_values(provided.type.feedback, request.values, self._ros.now_ns, "values")
         provided.goals[goal_id].feedback(cdr)
 
     def finish(self, session: Session, request: ActionResult) -> None:
@@ -143,7 +143,7 @@ class ProvidedActions:
             goal.finish(ABORTED, failure(result_type, words))
             return
         try:
-            cdr = encode_values(result_type, request.values, self._ros.now_ns(), "values")
+            cdr = encode_values(result_type, request.values, self._ros.now_ns, "values")
         except ProtocolError:
             reason = "the action's client sent an invalid result"
             goal.finish(ABORTED, failure(result_type, reason))

@@ -139,7 +139,7 @@ class ProvidedServices:
             _fail(pending.request, provided.type, words)
             return
         try:
-            cdr = encode_values(response_type, response.values, self._ros.now_ns(), "values")
+            cdr = encode_values(response_type, response.values, self._ros.now_ns, "values")
         except ProtocolError:
             reason = "the service's client sent an invalid response"
             _fail(pending.request, provided.type, reason)

@@ -124,15 +124,16 @@ class Connection(asyncio.BufferedProtocol):
         """Process what was read."""
         self._heard_s = time.monotonic()
         self._pinged_s = None
-        data = bytes(self._buffer[:nbytes])
+        data = bytes(memoryview(self._buffer)[:nbytes])
         try:
             self._pace(nbytes)
             if self._head is not None:
                 data = self._shake_hands(data)
             if data:
                 self._process(data)
-        except Exception:
-            self._fail()
+        except Exception:  # our bug, whatever it is: this client pays, the others do not
+            logger.exception("connection from %s failed", self.address)
+            self.close(INTERNAL_ERROR, "internal error")
 
     def eof_received(self) -> None:
         """Note that the peer has closed its side."""
@@ -180,8 +181,9 @@ class Connection(asyncio.BufferedProtocol):
                 if not batch and not outbox.has_control:  # rendering may have added a status
                     break
                 self._transport.writelines(batch)
-        except Exception:
-            self._fail()
+        except Exception:  # our bug, see buffer_updated
+            logger.exception("sending to %s failed", self.address)
+            self.close(INTERNAL_ERROR, "internal error")
         finally:
             self._flushing = False
 
@@ -339,21 +341,18 @@ class Connection(asyncio.BufferedProtocol):
             if not wire:
                 return False
             self._transport.write(wire)
-        except Exception:
-            self._fail()
+        except Exception:  # our bug, see buffer_updated
+            logger.exception("sending to %s failed", self.address)
+            self.close(INTERNAL_ERROR, "internal error")
             return False
         return True
 
-    def _fail(self) -> None:
-        """Close after an exception that is our bug, whatever it is: the other clients go on."""
-        logger.exception("serving %s failed", self.address)
-        self.close(INTERNAL_ERROR, "internal error")
-
     def _write_protocol_output(self) -> None:
-        if self._transport.is_closing():
+        output = self._protocol.data_to_send()
+        if not output or self._transport.is_closing():
             return
         backlog = self._transport.get_write_buffer_size()
-        for data in self._protocol.data_to_send():
+        for data in output:
             if data:
                 self._transport.write(data)
             elif self._transport.can_write_eof():

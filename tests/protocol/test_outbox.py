@@ -173,10 +173,67 @@ def test_closing_a_lane_forgets_what_waits_and_keeps_its_counts():
     assert (outbox.size, outbox.dropped) == (0, 1)
 
 
+class Socket:
+    """What entries are passed to; while it is busy it takes none."""
+
+    def __init__(self, outbox: Outbox) -> None:
+        self.written: list[bytes] = []
+        self.is_busy = False
+        outbox.pass_by = self._pass_by
+
+    def _pass_by(self, entry: Item) -> bool:
+        wire = None if self.is_busy else entry.wire()
+        if wire:
+            self.written.append(wire)
+        return bool(wire)
+
+
+def test_what_comes_while_nothing_waits_goes_at_once_and_counts_as_sent():
+    outbox = Outbox(1000)
+    socket = Socket(outbox)
+    lane = outbox.open_lane(10, None)
+    lane.put(Item(b"1"))
+    assert (socket.written, outbox.size, lane.sent) == ([b"1"], 0, 1)
+
+
+def test_nothing_passes_by_what_waits():
+    outbox = Outbox(1000)
+    socket = Socket(outbox)
+    lane, other = outbox.open_lane(10, None), outbox.open_lane(10, None)
+    socket.is_busy = True
+    lane.put(Item(b"1"))
+    socket.is_busy = False
+    lane.put(Item(b"2"))
+    other.put(Item(b"3"))
+    assert (socket.written, outbox.take(EVERYTHING)) == ([], [b"1", b"3", b"2"])
+    lane.put(Item(b"4"))
+    assert socket.written == [b"4"]
+
+
+def test_what_others_follow_waits_for_them():
+    outbox = Outbox(1000)
+    socket = Socket(outbox)
+    lane = outbox.open_lane(10, None)
+    for text in (b"1", b"2"):
+        lane.put(Item(text), more=True)
+    assert (socket.written, outbox.take(EVERYTHING)) == ([], [b"1", b"2"])
+
+
+def test_what_is_not_ready_waits_in_its_lane():
+    outbox = Outbox(1000)
+    socket = Socket(outbox)
+    lane = outbox.open_lane(1, None)
+    item = Item(b"1", ready=False)
+    lane.put(item)
+    item.ready = True
+    assert (socket.written, outbox.take(EVERYTHING)) == ([], [b"1"])
+
+
 actions = st.lists(
     st.one_of(
-        st.tuples(st.just("put"), st.integers(0, 2), st.integers(1, 60)),
+        st.tuples(st.just("put"), st.integers(0, 2), st.integers(1, 60), st.booleans()),
         st.tuples(st.just("take"), st.integers(0, 100)),
+        st.tuples(st.just("busy"), st.booleans()),
         st.tuples(st.just("control"), st.integers(1, 20)),
     ),
     max_size=60,
@@ -187,13 +244,16 @@ actions = st.lists(
 def test_every_entry_is_sent_dropped_or_waiting_and_the_budget_holds(steps):
     outbox = Outbox(100)
     lanes = [outbox.open_lane(1, None), outbox.open_lane(3, 50), outbox.open_lane(5, None)]
+    socket = Socket(outbox)
+    taken = socket.written
     put = control_put = 0
-    taken: list[bytes] = []
     for step in steps:
         match step:
-            case ("put", lane, size):
-                lanes[lane].put(Item(b"%d" % put + bytes(size)))
+            case ("put", lane, size, more):
+                lanes[lane].put(Item(b"%d:%d " % (lane, put) + bytes(size)), more=more)
                 put += 1
+            case ("busy", is_busy):
+                socket.is_busy = is_busy
             case ("control", size):
                 outbox.put_control(bytes(size))
                 control_put += 1
@@ -209,6 +269,10 @@ def test_every_entry_is_sent_dropped_or_waiting_and_the_budget_holds(steps):
     taken += outbox.take(EVERYTHING)
     assert outbox.size == 0
     assert outbox.control_sent == control_put
+    for lane in range(len(lanes)):
+        prefix = b"%d:" % lane
+        order = [int(wire[2:].split()[0]) for wire in taken if wire.startswith(prefix)]
+        assert order == sorted(order)
 
 
 def _held(lane: Lane) -> int:

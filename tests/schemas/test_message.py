@@ -282,6 +282,20 @@ def test_now_before_1970_has_nanoseconds_that_count_up():
     assert Time.model_validate("now", context={"now_ns": -1}) == Time(sec=-1, nanosec=999_999_999)
 
 
+def test_a_clock_is_asked_where_a_message_says_now_and_only_there():
+    asked = []
+
+    def clock() -> int:
+        asked.append(True)
+        return 3_000_000_007
+
+    context = {"now_ns": clock}
+    assert PoseStamped.model_validate({"pose": {}}, context=context).header.stamp == Time()
+    assert not asked
+    stamped = PoseStamped.model_validate({"header": {"frame_id": "map"}}, context=context)
+    assert stamped.header.stamp == Time(sec=3, nanosec=7)
+
+
 def test_now_without_a_clock_is_refused():
     assert refusal(Time, "now")[1:] == ("no_clock", "no clock says what time is now")
 
