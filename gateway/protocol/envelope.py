@@ -10,7 +10,7 @@ from gateway.codec import cbor
 from gateway.codec.json import ascii_only
 from gateway.protocol import frames
 from gateway.protocol.fragments import text_frames
-from gateway.protocol.framing import binary_header, payload_offset, text_header
+from gateway.protocol.framing import BINARY, TEXT, header, payload_offset
 
 Compression = Literal["none", "png", "cbor", "cbor-raw"]
 """How messages travel: as JSON, as JSON in a picture, as CBOR, or as CDR in CBOR."""
@@ -64,7 +64,7 @@ class JsonEnvelope:
         """Frame it without looking at it."""
         prefix = self._prefix
         length = len(prefix) + len(body) + 1
-        return b"".join((text_header(length), prefix, body, frames.PUBLISH_SUFFIX))
+        return b"".join((header(TEXT, length), prefix, body, frames.PUBLISH_SUFFIX))
 
     def body(self, shared: bytes) -> bytes:
         """Take it out of its frame."""
@@ -99,7 +99,7 @@ class PngEnvelope:
     def shared(self, body: bytes) -> bytes:
         """Frame it."""
         length = len(self._PREFIX) + len(body) + len(self._SUFFIX)
-        return b"".join((text_header(length), self._PREFIX, body, self._SUFFIX))
+        return b"".join((header(TEXT, length), self._PREFIX, body, self._SUFFIX))
 
     def body(self, shared: bytes) -> bytes:
         """Take it out of its frame."""
@@ -126,7 +126,7 @@ class CborEnvelope:
     def shared(self, body: bytes) -> bytes:
         """Frame it."""
         prefix = self._prefix
-        return b"".join((binary_header(len(prefix) + len(body)), prefix, body))
+        return b"".join((header(BINARY, len(prefix) + len(body)), prefix, body))
 
     def body(self, shared: bytes) -> bytes:
         """Take it out of its frame."""
@@ -137,7 +137,7 @@ class CborEnvelope:
         prefix = self._prefix
         if tailoring.meta is not None:
             prefix = self._up_to_message(tailoring.meta.members())
-        return b"".join((binary_header(len(prefix) + len(body)), prefix, body))
+        return b"".join((header(BINARY, len(prefix) + len(body)), prefix, body))
 
     def _up_to_message(self, meta: dict[str, object]) -> bytes:
         members = {"op": "publish", "topic": self._topic, **meta}

@@ -6,37 +6,37 @@ cannot do for us: it frames per connection. Frames from a server are not masked,
 fragmented or compressed, so a header depends on the payload's kind and length alone.
 """
 
+import struct
 from typing import Final
 
-_FIN_TEXT: Final = 0x81
-_FIN_BINARY: Final = 0x82
+# the first byte of a complete frame: FIN, and the opcode
+TEXT: Final = 0x81
+BINARY: Final = 0x82
+
 _SHORT: Final = 126  # lengths below stand in the second byte itself
 _LONG: Final = 1 << 16
+_pack_short: Final = struct.Struct(">BB").pack
+_pack_medium: Final = struct.Struct(">BBH").pack
+_pack_long: Final = struct.Struct(">BBQ").pack
 
 
-def text_header(length: int) -> bytes:
-    """Return the header of a complete, unmasked text frame with *length* bytes of payload."""
-    return _header(_FIN_TEXT, length)
+def header(kind: int, length: int) -> bytes:
+    """Return the header of a complete, unmasked frame of `TEXT` or `BINARY`.
 
-
-def binary_header(length: int) -> bytes:
-    """Return the header of a complete, unmasked binary frame with *length* bytes of payload."""
-    return _header(_FIN_BINARY, length)
+    *length* is that of the payload in bytes.
+    """
+    if length < _SHORT:
+        return _pack_short(kind, length)
+    if length < _LONG:
+        return _pack_medium(kind, 126, length)
+    return _pack_long(kind, 127, length)
 
 
 def text_frame(payload: bytes) -> bytes:
     """Return a complete, unmasked text frame."""
-    return text_header(len(payload)) + payload
+    return header(TEXT, len(payload)) + payload
 
 
 def payload_offset(frame: bytes) -> int:
     """Return where the payload begins in an unmasked frame."""
     return {126: 4, 127: 10}.get(frame[1], 2)
-
-
-def _header(first: int, length: int) -> bytes:
-    if length < _SHORT:
-        return bytes((first, length))
-    if length < _LONG:
-        return bytes((first, 126)) + length.to_bytes(2, "big")
-    return bytes((first, 127)) + length.to_bytes(8, "big")

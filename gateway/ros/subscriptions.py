@@ -128,14 +128,9 @@ class RclpySubscription:
         self._offers = offers
         self._refusals: list[str] = []  # why what the offers ask for is not in force
         self._reported: list[str] = []
-        self._qos = adopt(asked, self._matching(offers))
-        self._reader: Reader | None = self._read(self._qos)
+        self.qos = adopt(asked, self._matching(offers))  # nothing in it is left to adopt
+        self._reader: Reader | None = self._read(self.qos)
         self._retired: Reader | None = None  # while it delivers its last
-
-    @property
-    def qos(self) -> Qos:
-        """The profile in force, with nothing left to adopt."""
-        return self._qos
 
     @property
     def publishers(self) -> int:
@@ -161,16 +156,16 @@ class RclpySubscription:
         if self._reader is None:
             return
         self._offers = offers
-        qos = adopt(self._asked, self._matching(offers), self._qos)
+        qos = adopt(self._asked, self._matching(offers), self.qos)
         self._refusals.clear()
-        if not is_same_request(qos, self._qos):
+        if not is_same_request(qos, self.qos):
             self._replace(self._reader, qos)
         self.report()
 
     def report(self) -> None:
         """Tell of each publisher that cannot be matched, once while it stands."""
         known = self._reported
-        unmatched = mismatches(self.topic, self.type_name, self._qos, self._offers)
+        unmatched = mismatches(self.topic, self.type_name, self.qos, self._offers)
         self._reported = [*self._refusals, *unmatched]
         for reason in self._reported:
             if reason not in known and self._reader is not None:  # a callback may close this
@@ -180,9 +175,9 @@ class RclpySubscription:
         try:
             self._reader = self._read(qos)
         except RosError as error:
-            self._refusals.append(f"{error}; keeping reliability {self._qos.reliability}")
+            self._refusals.append(f"{error}; keeping reliability {self.qos.reliability}")
             return
-        self._qos = qos
+        self.qos = qos
         self._retired = retired
         try:
             retired.flush()

@@ -29,20 +29,29 @@ class FeedKey(NamedTuple):
 
 
 class Member:
-    """A stream of some session on its way from feed to feed, with its timer."""
+    """A stream of some session on its way from feed to feed, with its timer.
 
-    __slots__ = ("_release", "rendition", "request_id", "session", "stream")
+    *ros_now_ns* stamps frames with meta.
+    """
 
-    def __init__(self, session: Session, stream: Stream) -> None:
+    __slots__ = ("_release", "_ros_now_ns", "rendition", "request_id", "session", "stream")
+
+    def __init__(self, session: Session, stream: Stream, ros_now_ns: Callable[[], int]) -> None:
+        self._ros_now_ns = ros_now_ns
         self.session = session
         self.stream = stream
         self.rendition: Rendition | None = None  # while it is fed
         self.request_id: str | int | None = None  # of the newest subscription, for warnings
         self._release: asyncio.TimerHandle | None = None  # at the end of a throttle interval
 
-    def offer(self, entry: Entry, now_ns: int, *, more: bool) -> None:
+    def offer(self, frame: Frame, now_ns: int, *, more: bool) -> None:
         """Take a sample, now or at the end of the stream's interval; *more* follow at once."""
-        due_ns = self.stream.offer(entry, now_ns, more=more)
+        stream, session = self.stream, self.session
+        wish = stream.wish
+        entry: Entry = frame
+        if wish.meta or wish.fragment_size is not None or session.is_ros_sharp:
+            entry = TailoredFrame(frame, stream, session, self._ros_now_ns() if wish.meta else 0)
+        due_ns = stream.offer(entry, now_ns, more=more)
         if due_ns is not None:
             loop = asyncio.get_running_loop()
             self._release = loop.call_later((due_ns - now_ns) / 1e9, self._on_interval)
@@ -77,24 +86,23 @@ class Feed:
     """Hands every sample to its streams: one frame per rendition, however many clients.
 
     Runs on the event loop's thread. *make_rendition* builds a rendition when the first
-    stream asks for it; *ros_now_ns* stamps frames with meta; *latch* keeps what late streams get.
+    stream asks for it; *latch* keeps what late streams get.
     """
 
     def __init__(
         self,
         key: FeedKey,
         make_rendition: Callable[["Feed", RenditionKey], Rendition],
-        ros_now_ns: Callable[[], int],
         latch: Latch | TransformLatch,
     ) -> None:
         self.key = key
         self.subscription: Subscription | None = None  # set by the opener, before any sample
         self._make_rendition = make_rendition
-        self._ros_now_ns = ros_now_ns
         self._members: dict[Rendition, list[Member]] = {}
         self._seq = 0
         self._arrivals: deque[tuple[int, int]] = deque(maxlen=_RATE_BATCHES)
         self._latch = latch
+        self._has_kept = False
         self._broken: set[str] = set()  # what is wrong with samples, as far as it was told
 
     @property
@@ -116,7 +124,7 @@ class Feed:
             member.warn(ProtocolError("qos_incompatible", text))
         now_ns = time.monotonic_ns()
         for seq, sample in latched:
-            self._offer(member, Frame(rendition, sample, seq), now_ns, more=True)
+            member.offer(Frame(rendition, sample, seq), now_ns, more=True)
 
     def leave(self, member: Member, rendition: Rendition) -> None:
         """Feed a stream of some rendition no longer."""
@@ -136,24 +144,26 @@ class Feed:
         before = self._seq
         self._seq += len(samples)
         self._arrivals.append((now_ns, self._seq))
-        if self._retained:
+        retained = self._retained
+        if retained:
             # twice what is replayed now: a new publisher's sample may come before its discovery
-            self._latch.keep(samples, before + 1, 2 * self._retained)
-        else:
+            self._latch.keep(samples, before + 1, 2 * retained)
+            self._has_kept = True
+        elif self._has_kept:
             self._latch.clear()  # its publishers have changed: what it kept may be long wrong
+            self._has_kept = False
         more = len(samples) > 1
         for rendition, members in self._members.items():
             for seq, sample in enumerate(samples, start=before + 1):
                 frame = Frame(rendition, sample, seq)
                 for member in members:
-                    self._offer(member, frame, now_ns, more=more)
+                    member.offer(frame, now_ns, more=more)
         self.wake_all()
 
-    def wake_all(self, rendition: Rendition | None = None) -> None:
-        """Have the sessions of all streams, or of one rendition's, send what they can."""
-        groups = self._members.values() if rendition is None else [self._members.get(rendition, [])]
-        for members in list(groups):
-            for member in list(members):
+    def wake_all(self) -> None:
+        """Have the sessions of all streams send what they can."""
+        for members in self._members.values():
+            for member in members:
                 if member.session.outbox.size:
                     member.session.wake()
 
@@ -193,13 +203,3 @@ class Feed:
         if subscription is None or subscription.qos.durability != "transient_local":
             return 0
         return max(1, subscription.publishers) * (self.key.qos.depth or 1)
-
-    def _offer(self, member: Member, frame: Frame, now_ns: int, *, more: bool) -> None:
-        stream, session = member.stream, member.session
-        wish = stream.wish
-        if wish.meta or wish.fragment_size is not None or session.is_ros_sharp:
-            ros_time_ns = self._ros_now_ns() if wish.meta else 0
-            own = TailoredFrame(frame, stream, session, ros_time_ns)
-            member.offer(own, now_ns, more=more)
-        else:
-            member.offer(frame, now_ns, more=more)

@@ -206,7 +206,7 @@ class Subscriptions:
         entry.requests = requests
         if entry.member is None:
             stream = Stream(entry.spelling, wish, entry.session.outbox)
-            entry.member = Member(entry.session, stream)
+            entry.member = Member(entry.session, stream, self._ros.now_ns)
         member = entry.member
         member.change(wish)
         member.request_id = next(reversed(requests))
@@ -239,7 +239,7 @@ class Subscriptions:
 
     def _open(self, key: FeedKey) -> Feed:
         latch = make_latch(key.topic, self._types.get(key.type_name))
-        feed = Feed(key, self._renditions.make, self._ros.now_ns, latch)
+        feed = Feed(key, self._renditions.make, latch)
         feed.subscription = self._ros.subscribe(
             key.topic,
             key.type_name,

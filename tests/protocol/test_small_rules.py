@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from websockets.frames import Frame, Opcode
 
 from gateway.protocol.errors import ProtocolError
-from gateway.protocol.framing import binary_header, text_frame
+from gateway.protocol.framing import BINARY, header, text_frame
 from gateway.protocol.names import resolve_topic
 from gateway.protocol.rate import TokenBucket
 
@@ -74,5 +74,5 @@ def test_a_rate_of_zero_allows_all():
 def test_frames_are_what_websockets_would_send(length):
     payload = b"x" * length
     assert text_frame(payload) == Frame(Opcode.TEXT, payload).serialize(mask=False)
-    binary = binary_header(length) + payload
+    binary = header(BINARY, length) + payload
     assert binary == Frame(Opcode.BINARY, payload).serialize(mask=False)

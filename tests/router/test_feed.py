@@ -18,7 +18,7 @@ class BrokenLatch(Latch):
 
 
 def test_a_stream_that_cannot_get_what_is_latched_is_not_fed():
-    feed = Feed(FeedKey("/map", "std_msgs/msg/String", Qos()), Mock(), lambda: 0, BrokenLatch())
+    feed = Feed(FeedKey("/map", "std_msgs/msg/String", Qos()), Mock(), BrokenLatch())
     with pytest.raises(CodecError):
         feed.join(Mock(), RenditionKey("/map", None, None), replay=True)
     assert feed.is_idle
