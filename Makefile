@@ -13,6 +13,7 @@ PIP := $(BIN)/python -m pip -qq --disable-pip-version-check --no-input
 
 ARGS ?=
 WHAT ?=
+COMPARE ?=
 PYTEST_ARGS ?= $(ARGS)
 
 .DEFAULT_GOAL := help
@@ -50,8 +51,8 @@ docs: $(READY_FOR_TESTS) ## write the generated parts of code and documentation 
 	    && sed -i '/^| key |/,$$d' docs/configuration.md \
 	    && printf '%s\n' "$$keys" >> docs/configuration.md
 
-bench: $(READY) ## measure speed, some ten minutes (make bench WHAT=odometry)
-	@$(BIN)/python -m benchmarks $(WHAT) $(ARGS)
+bench: $(READY) ## measure speed, some 40 minutes (make bench WHAT=odometry, make bench COMPARE=ref)
+	@$(BIN)/python -m benchmarks $(WHAT) $(if $(COMPARE),--compare $(COMPARE)) $(ARGS)
 
 clean: ## remove .venv and all caches
 	rm -rf $(VENV) dist build .cache .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis

@@ -1,60 +1,142 @@
 # SPDX-License-Identifier: Apache-2.0
 """``python -m benchmarks [WHAT ...]``: what the gateway and the Unity client cost.
 
-A kind of message (``odometry`` ...) is received by the gateway and by a bare rclpy subscriber, the
-floor, from the same publisher in alternating rounds; figures are medians, CPU time is user and
-system time of the whole process. ``fan-out`` measures many clients of one topic, ``codec`` what
-rendering costs, as JSON and as CBOR, ``unity`` what the Unity client does. Read ratios: the times
-are those of one machine in one mood.
+Every process is a real one. Figures are medians; CPU time is user and system time of a process and
+its children. Read ratios: the times are those of one machine in one mood.
 """
 
 import argparse
-import json
 import os
+import shlex
+import signal
+import sys
+from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Any
 
-from benchmarks import codec, fan_out, unity
-from benchmarks.beside_floor import Comparison, compare, table
-from benchmarks.picture import encoder_share
-from benchmarks.samples import SAMPLES
+from benchmarks import figures
+from benchmarks.catalogue import COMPARED, SCENARIOS
+from benchmarks.errors import BenchmarkError
+from benchmarks.figures import Figure
+from benchmarks.plan import Plan
+from benchmarks.servers import Server, require_free
 
-WHAT = (*SAMPLES, "fan-out", "codec", "unity")
+_FAILED = 1
+_INTERRUPTED = 130
 
 
-def main() -> None:
-    """Run what the command line names."""
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run what the command line names, and return the exit code."""
+    parser = _parser()
+    options = parser.parse_args(arguments)
+    unknown = [name for name in options.what if name not in SCENARIOS]
+    if unknown:
+        parser.error(f"unknown WHAT: {', '.join(unknown)} (there are: {', '.join(SCENARIOS)})")
+    if (options.beside is None) != (options.beside_port is None):
+        parser.error("--beside and --beside-port go together")
+    if options.json is not None:  # now rather than when all is measured
+        if not options.json.parent.is_dir():
+            parser.error(f"--json {options.json}: there is no directory {options.json.parent}")
+        if options.json.is_dir():
+            parser.error(f"--json {options.json} is a directory")
+    try:
+        stored = None if options.compare is None else figures.read(options.compare)
+        plan = _plan(options)
+    except BenchmarkError as error:
+        parser.error(str(error))
+    os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+    os.environ["ROS_DOMAIN_ID"] = str(1 + os.getpid() % 100)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))  # ends what it started
+    try:
+        return _run(options, plan, stored)
+    except (BenchmarkError, OSError) as error:
+        print(f"{parser.prog}: {error}", file=sys.stderr)
+        return _FAILED
+    except KeyboardInterrupt:
+        return _INTERRUPTED
+
+
+def _run(options: argparse.Namespace, plan: Plan, stored: list[Figure] | None) -> int:
+    names = options.what or (SCENARIOS if stored is None else COMPARED)
+    measured = _measure(names, plan)
+    if options.json is not None:
+        figures.write(options.json, measured)
+    if stored is None:
+        return 0
+    verdicts = figures.compare(stored, measured, lambda name: _measure([name], plan))
+    if not verdicts:
+        raise BenchmarkError(f"{options.compare} holds no ratio of what was measured")
+    print(f"\nratios beside {options.compare}, worse from {figures.TOLERANCE:.0%} on")
+    print(figures.table(verdicts))
+    return _FAILED if any(one.word == "WORSE" for one in verdicts) else 0
+
+
+def _measure(names: Iterable[str], plan: Plan) -> list[Figure]:
+    measured: list[Figure] = []
+    for name in dict.fromkeys(names):
+        print(f"\nmeasuring {name} ...", flush=True)
+        measured += SCENARIOS[name].measure(plan)
+    return measured
+
+
+def _plan(options: argparse.Namespace) -> Plan:
+    servers = [Server()]
+    if options.beside is not None:
+        try:
+            command = tuple(shlex.split(options.beside))
+        except ValueError as error:
+            raise BenchmarkError(f"--beside {options.beside}: {error}") from None
+        if not command:
+            raise BenchmarkError("--beside names no command")
+        require_free(options.beside_port)
+        servers.append(Server("other", command, options.beside_port))
+    brief = options.quick
+    return Plan(
+        rounds=options.rounds or (1 if brief else 3),
+        seconds=options.seconds or (2.0 if brief else 6.0),
+        servers=tuple(servers),
+        seeks_highest_rates=not brief and options.compare is None,
+    )
+
+
+def _parser() -> argparse.ArgumentParser:
+    width = max(map(len, SCENARIOS))
+    kinds = "\n".join(
+        f"  {name:{width}}  {one.takes:>5}  {one.about}" for name, one in SCENARIOS.items()
+    )
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks",
         description=__doc__,
+        epilog=f"WHAT, and about how long it takes (all of it by default):\n{kinds}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("what", nargs="*", default=list(WHAT), choices=WHAT, metavar="WHAT")
-    parser.add_argument("--rounds", type=int, default=3)
-    parser.add_argument("--seconds", type=float, default=8.0, help="of each measurement")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures there, too")
-    arguments = parser.parse_args()
-    os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
-    os.environ["ROS_DOMAIN_ID"] = str(1 + os.getpid() % 100)
-    comparisons: list[Comparison] = []
-    for name in arguments.what:
-        if name in SAMPLES:
-            print(f"measuring {name} ...", flush=True)
-            comparisons.append(compare(name, arguments.rounds, arguments.seconds))
-    if comparisons:
-        print(f"\none client; of each two columns the first is the floor's\n{table(comparisons)}")
-    for one in comparisons:
-        if one.name == "image":
-            print(encoder_share(one.gateway.cpu_us_per_message))
-    if arguments.json is not None:
-        figures = [one.as_json() for one in comparisons]
-        arguments.json.write_text(json.dumps(figures, indent=1) + "\n")
-    if "fan-out" in arguments.what:
-        fan_out.main()
-    if "codec" in arguments.what:
-        codec.main()
-    if "unity" in arguments.what:
-        unity.main()
+    add = parser.add_argument
+    add("what", nargs="*", metavar="WHAT", help="what to measure; see below")
+    add("--rounds", type=_positive(int), help="of which figures are medians (3)")
+    add("--seconds", type=_positive(float), help="of each measurement (6)")
+    add("--quick", action="store_true", help="1 round of 2 s, and no search for highest rates")
+    add("--json", type=Path, metavar="FILE", help="write the figures there, too")
+    add(
+        "--compare",
+        metavar="REF",
+        help="compare ratios with stored ones, a file or a name in benchmarks/reference, and exit"
+        f" with 1 if any is worse; measures {', '.join(COMPARED)} by default, no highest rates",
+    )
+    add("--beside", metavar="COMMAND", help="another rosbridge server to measure in the same run")
+    add("--beside-port", type=_positive(int), metavar="PORT", help="where that one listens")
+    return parser
+
+
+def _positive(kind: type[Any]) -> Any:
+    def number(text: str) -> Any:
+        value = kind(text)
+        if not value > 0:
+            raise argparse.ArgumentTypeError(f"{text}: need a number above 0")
+        return value
+
+    number.__name__ = "number"  # what argparse calls it
+    return number
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

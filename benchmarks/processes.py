@@ -1,84 +1,190 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Start, measure and end the processes of a benchmark."""
+"""Start, ask, measure and end the processes of a benchmark."""
 
 import contextlib
+import ctypes
 import json
 import os
+import queue
 import re
 import signal
 import subprocess
 import sys
+import threading
 import time
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any, Final
 
-_TICKS_PER_S = os.sysconf("SC_CLK_TCK")
+from benchmarks.errors import BenchmarkError
 
-
-@dataclass(frozen=True)
-class Receipt:
-    """What one receiver saw, and what the process under test spent meanwhile."""
-
-    rate_hz: float
-    p50_ms: float
-    p90_ms: float
-    p99_ms: float
-    cpu_us_per_message: float
-    memory_mb: float
+_TICKS_PER_S: Final = os.sysconf("SC_CLK_TCK")
+_LIBC: Final = ctypes.CDLL(None)
+_ANSWER_S: Final = 30.0  # also for what starts: rclpy, and a picture of 1080p to be made
+_END_S: Final = 10.0
 
 
-def cpu_s(pid: int) -> float:
-    """Return the user and system time that a process has used."""
-    fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
-    return (int(fields[11]) + int(fields[12])) / _TICKS_PER_S
+class Process:
+    """A process in a session of its own, so that Ctrl-C reaches the benchmark, which ends it."""
 
+    def __init__(self, name: str, command: list[str], *, is_asked: bool) -> None:
+        self.name = name
+        self._popen = subprocess.Popen(
+            command,
+            stdin=subprocess.PIPE if is_asked else subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+        )
+        self.pid: Final = self._popen.pid
+        self._lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
 
-def memory_mb(pid: int) -> float:
-    """Return what of a process is in memory."""
-    pages = int(Path(f"/proc/{pid}/statm").read_text().split()[1])
-    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
+    def send(self, *words: object) -> None:
+        """Give an actor an order."""
+        assert self._popen.stdin is not None
+        try:
+            self._popen.stdin.write(" ".join(map(str, words)) + "\n")
+            self._popen.stdin.flush()
+        except BrokenPipeError:
+            raise BenchmarkError(f"{self.name} has ended") from None
+
+    def answer(self, timeout_s: float = _ANSWER_S) -> Any:
+        """Return what an actor tells next."""
+        return json.loads(self._line(time.monotonic() + timeout_s))
+
+    def ask(self, *words: object, timeout_s: float = _ANSWER_S) -> Any:
+        """Give an actor an order and return its answer."""
+        self.send(*words)
+        return self.answer(timeout_s)
+
+    def line_with(self, pattern: str, timeout_s: float = _ANSWER_S) -> str:
+        """Return the first match in what the process prints."""
+        deadline_s = time.monotonic() + timeout_s
+        while True:
+            if found := re.search(pattern, self._line(deadline_s)):
+                return found[0]
+
+    def is_running(self) -> bool:
+        """Tell whether it has not ended yet."""
+        return self._popen.poll() is None
+
+    def end(self) -> None:
+        """End it and all of its group: at its stdin's end or at SIGINT, at the latest by force."""
+        if self._popen.stdin is not None:
+            with contextlib.suppress(BrokenPipeError):
+                self._popen.stdin.close()
+        else:
+            self._signal(signal.SIGINT)
+        try:
+            self._popen.wait(_END_S)
+        except subprocess.TimeoutExpired:
+            print(f"{self.name} does not end, killing it", file=sys.stderr)
+        finally:
+            self._signal(signal.SIGKILL)  # also children that it has left behind
+            self._popen.wait()
+        self._reader.join(_END_S)
+
+    def _signal(self, number: int) -> None:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self.pid, number)
+
+    def _line(self, deadline_s: float) -> str:
+        try:
+            line = self._lines.get(timeout=max(0.0, deadline_s - time.monotonic()))
+        except queue.Empty:
+            raise BenchmarkError(f"{self.name} does not answer in time") from None
+        if line is None:
+            self._lines.put(None)
+            raise BenchmarkError(f"{self.name} has ended unexpectedly")
+        return line
+
+    def _read(self) -> None:
+        assert self._popen.stdout is not None
+        with self._popen.stdout as lines:
+            for line in lines:
+                self._lines.put(line)
+        self._lines.put(None)
 
 
 @contextlib.contextmanager
-def running(*command: str) -> Iterator[subprocess.Popen[str]]:
-    """Run ``python -m COMMAND`` and end it as Ctrl-C does."""
-    process = subprocess.Popen([sys.executable, "-m", *command], stdout=subprocess.PIPE, text=True)
+def running(name: str, *command: str, is_asked: bool = False) -> Iterator[Process]:
+    """Run a command, and end it in any case."""
+    try:
+        process = Process(name, list(command), is_asked=is_asked)
+    except OSError as error:
+        raise BenchmarkError(f"cannot start {command[0]}: {error.strerror}") from None
     try:
         yield process
     finally:
-        if process.poll() is None:
-            process.send_signal(signal.SIGINT)
-        process.communicate(timeout=30)
+        process.end()
 
 
-def line_with(process: subprocess.Popen[str], pattern: str) -> str:
-    """Return the first match in what a process prints."""
-    assert process.stdout is not None
-    for line in process.stdout:
-        if found := re.search(pattern, line):
-            return found[0]
-    raise RuntimeError(f"the process ended without printing {pattern}")
+@contextlib.contextmanager
+def acting(name: str, *arguments: object) -> Iterator[Process]:
+    """Run a program of `benchmarks.actors`, whose first answer is still to be read."""
+    command = [sys.executable, "-m", f"benchmarks.actors.{name}", *map(str, arguments)]
+    with running(name, *command, is_asked=True) as actor:
+        yield actor
 
 
-def receive(receiver: subprocess.Popen[str], tested_pid: int, seconds: float) -> Receipt:
-    """Let a receiver work for a while, and return what it saw and what that cost."""
-    line_with(receiver, "ready")
-    time.sleep(2)  # discovery, and code that is compiled at first use
-    before, before_s = count(receiver), cpu_s(tested_pid)
-    time.sleep(seconds)
-    received, spent_s = count(receiver) - before, cpu_s(tested_pid) - before_s
-    memory = memory_mb(tested_pid)
-    receiver.send_signal(signal.SIGINT)
-    seen = json.loads(line_with(receiver, r"\{.*\}"))
-    receiver.wait(timeout=30)
-    if received == 0:
-        raise RuntimeError("nothing was received")
-    ages = (seen["p50_ms"], seen["p90_ms"], seen["p99_ms"])
-    return Receipt(received / seconds, *ages, spent_s / received * 1e6, memory)
+def wait_until(condition: Callable[[], bool], what: str, timeout_s: float = _ANSWER_S) -> None:
+    """Ask again and again."""
+    deadline_s = time.monotonic() + timeout_s
+    while not condition():
+        if time.monotonic() > deadline_s:
+            raise BenchmarkError(f"not within {timeout_s:g} s: {what}")
+        time.sleep(0.05)
 
 
-def count(receiver: subprocess.Popen[str]) -> int:
-    """Return how many messages a receiver has got so far."""
-    receiver.send_signal(signal.SIGUSR1)
-    return int(line_with(receiver, r"count \d+").split()[1])
+def cpu_s(pid: int) -> float:
+    """Return the user and system time that a process and its children have used.
+
+    A child that has ended counts once its parent has waited for it.
+    """
+    return sum(_cpu_s(one) for one in _family(pid))
+
+
+def memory_mb(pid: int) -> float:
+    """Return what of a process and its children is in memory."""
+    pages = sum(int(_read(one, "statm", "0 0").split()[1]) for one in _family(pid))
+    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+
+def _family(pid: int) -> list[int]:
+    parents: dict[int, int] = {}
+    for path in Path("/proc").glob("[0-9]*"):
+        fields = _stat(int(path.name))
+        if fields:
+            parents[int(path.name)] = int(fields[1])
+    family = [pid]
+    for one in family:  # grows while it is walked
+        family += [child for child, parent in parents.items() if parent == one]
+    return family
+
+
+def _cpu_s(pid: int) -> float:
+    """Return the time of one process by its clock, which counts nanoseconds where proc has 10 ms.
+
+    Of its ended children there is no such clock.
+    """
+    clock = ctypes.c_int()
+    if _LIBC.clock_getcpuclockid(pid, ctypes.byref(clock)) != 0:
+        return 0.0  # it has just ended
+    with contextlib.suppress(OSError):
+        children_ticks = sum(map(int, _stat(pid)[13:15]))  # cutime, cstime: see proc(5)
+        return time.clock_gettime(clock.value) + children_ticks / _TICKS_PER_S
+    return 0.0
+
+
+def _stat(pid: int) -> list[str]:
+    """Return the fields after the name; none of a process that has just ended."""
+    return _read(pid, "stat", ")").rsplit(")", 1)[1].split()
+
+
+def _read(pid: int, name: str, otherwise: str) -> str:
+    try:
+        return Path(f"/proc/{pid}/{name}").read_text()
+    except (FileNotFoundError, ProcessLookupError):
+        return otherwise

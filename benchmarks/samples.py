@@ -7,7 +7,7 @@ Types with a header carry it as their stamp; a String as its text, a Twist as it
 import re
 import struct
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -31,7 +31,10 @@ class Clockwork:
     read: Callable[[Any], int]
     """Read it from a message of rclpy's."""
     pattern: "re.Pattern[bytes]"
-    """Finds it in a frame of JSON: a full parse would make the client what is measured."""
+    """Finds it in a frame, in JSON however a server spaces it.
+
+    A full parse would make the client what is measured.
+    """
     parse: Callable[["re.Match[bytes]"], int]
 
 
@@ -42,6 +45,8 @@ class Sample:
     make: Callable[[], Any]
     rate_hz: float
     clockwork: Clockwork
+    compression: str = "none"
+    """How a client asks for it."""
 
     def cdr(self) -> bytearray:
         """Return the message serialised."""
@@ -53,29 +58,44 @@ _HEADER: Final = Clockwork(
         "<iI", sample, _ENCAPSULATION, *divmod(now_ns, 1_000_000_000)
     ),
     lambda message: message.header.stamp.sec * 1_000_000_000 + message.header.stamp.nanosec,
-    re.compile(rb'"stamp":\{"sec":(\d+),"nanosec":(\d+)\}'),
+    re.compile(rb'"stamp": ?\{"sec": ?(\d+), ?"nanosec": ?(\d+)\}'),
     lambda found: int(found[1]) * 1_000_000_000 + int(found[2]),
+)
+# the same in CDR within CBOR, where 0x5a and 4 bytes tell the length (RFC 8949, section 3)
+_RAW_HEADER: Final = replace(
+    _HEADER,
+    pattern=re.compile(rb"bytes\x5a.{4}\0\x01..(.{8})", re.DOTALL),
+    parse=lambda found: sum(
+        part * unit
+        for part, unit in zip(struct.unpack("<iI", found[1]), (1_000_000_000, 1), strict=True)
+    ),
 )
 _TEXT: Final = Clockwork(
     lambda sample, now_ns: struct.pack_into(
         f"{_DIGITS}s", sample, _ENCAPSULATION + _LENGTH, b"%d" % now_ns
     ),
     lambda message: int(message.data),
-    re.compile(rb'"data":"(\d+)"'),
+    re.compile(rb'"data": ?"(\d+)"'),
     lambda found: int(found[1]),
 )
 # microseconds, which a double holds exactly
 _NUMBER: Final = Clockwork(
     lambda sample, now_ns: struct.pack_into("<d", sample, _ENCAPSULATION, now_ns // 1000),
     lambda message: int(message.linear.x) * 1000,
-    re.compile(rb'"linear":\{"x":([\d.e+]+)'),
+    re.compile(rb'"linear": ?\{"x": ?([\d.e+]+)'),
     lambda found: int(float(found[1])) * 1000,
 )
 
 
-def topic(name: str) -> str:
-    """Return the topic of a sample."""
-    return f"/benchmark/{name.replace('-', '_')}"
+def topic(name: str, number: int = 0) -> str:
+    """Return the topic of a sample, or one of many."""
+    return f"/benchmark/{name.replace('-', '_')}" + (f"_{number}" if number else "")
+
+
+def message_type(name: str) -> str:
+    """Return the ROS name of a sample's type."""
+    message_class = type(SAMPLES[name].make())
+    return f"{message_class.__module__.split('.')[0]}/msg/{message_class.__name__}"
 
 
 def string() -> String:
@@ -157,4 +177,5 @@ SAMPLES: Final[dict[str, Sample]] = {
     "image-1080p": Sample(lambda: image(1920, 1080), 30, _HEADER),
     "compressed-image": Sample(compressed_image, 200, _HEADER),
     "point-cloud": Sample(point_cloud, 30, _HEADER),
+    "point-cloud-raw": Sample(point_cloud, 30, _RAW_HEADER, "cbor-raw"),
 }

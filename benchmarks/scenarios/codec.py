@@ -4,13 +4,17 @@
 import statistics
 import time
 from collections.abc import Callable
+from typing import Final
 
 import numpy as np
 
+from benchmarks.figures import Figure
+from benchmarks.plan import Plan
 from gateway.codec.json import dumps
 from gateway.codec.types import MessageType, Types
 from schemas.installed import InstalledDefinitions
 
+_SCENARIO: Final = "codec"
 _REPEATS = 15
 _BATCH_S = 0.05
 
@@ -29,10 +33,11 @@ _MESSAGES = {
 }
 
 
-def main() -> None:
-    """Print a table."""
+def measure(_: Plan) -> list[Figure]:
+    """Print a table and return the figures."""
+    figures: list[Figure] = []
     types = Types(InstalledDefinitions())
-    print(f"\n{'CDR to':28}{'JSON us':>10}{'bytes':>10}{'CBOR us':>10}{'bytes':>10}{'ratio':>8}")
+    print(f"{'CDR to':28}{'JSON us':>10}{'bytes':>10}{'CBOR us':>10}{'bytes':>10}{'ratio':>8}")
     for name, values in _MESSAGES.items():
         message_type = types.get(name)
         cdr = message_type.encode(message_type.validate(values, now_ns=0))
@@ -42,6 +47,11 @@ def main() -> None:
             f"{name:28}{json_us:10.1f}{json_bytes:10}{cbor_us:10.1f}{cbor_bytes:10}"
             f"{cbor_us / json_us:8.2f}"
         )
+        figures += [
+            Figure(_SCENARIO, f"{name}, as JSON", json_us, "us"),
+            Figure(_SCENARIO, f"{name}, as CBOR", cbor_us, "us"),
+        ]
+    return figures
 
 
 def _as_json(message_type: MessageType) -> Callable[[bytes], bytes]:

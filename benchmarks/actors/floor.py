@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The floor: a process with a bare rclpy subscriber that only notes how old each message is.
+
+``SAMPLE HOW`` as arguments. HOW is ``plain`` for what people write, on the standard executor, or
+``raw`` for what costs least: CDR on the events executor, to hear what others send, as a Twist only.
+Orders: as those of the client.
+"""
+
+import struct
+import sys
+import time
+from typing import Any, Final
+
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.experimental.events_executor import EventsExecutor
+from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
+
+from benchmarks.actors.orders import obey, tell
+from benchmarks.actors.report import Ages
+from benchmarks.samples import SAMPLES, topic
+
+_DEPTH: Final = 32  # as many as the gateway keeps: the losses of both mean the same
+_DEPTH_RAW: Final = 1000  # what is asked is whether a sample was sent
+_SPIN_S: Final = 1e6  # without an end, the events executor of rclpy 7.1 delivers nothing
+
+
+def main(name: str, *, raw: bool) -> None:
+    """Receive until the end of stdin."""
+    ages = Ages()
+    sample = SAMPLES[name]
+    read = _read_twist if raw else sample.clockwork.read
+
+    def note(message: Any) -> None:
+        now_ns = time.time_ns()
+        ages.add(read(message), now_ns)
+
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    node = rclpy.create_node("benchmark_floor")
+    depth = _DEPTH_RAW if raw else _DEPTH
+    node.create_subscription(type(sample.make()), topic(name), note, depth, raw=raw)
+    executor = EventsExecutor() if raw else SingleThreadedExecutor()
+    executor.add_node(node)
+    over: Any = Future()
+
+    def end() -> None:
+        over.set_result(None)
+        executor.wake()
+
+    obey(
+        {
+            "count": lambda: len(ages),
+            "report": lambda: {name: ages.summary()},
+            "clear": ages.clear,
+        },
+        end,
+    )
+    tell("ready")
+    executor.spin_until_future_complete(over, _SPIN_S)
+    rclpy.shutdown()
+
+
+def _read_twist(cdr: bytes) -> int:
+    return int(struct.unpack_from("<d", cdr, 4)[0]) * 1000
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], raw=sys.argv[2] == "raw")

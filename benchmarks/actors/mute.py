@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A client that subscribes and then reads nothing: ``URL SAMPLE ...`` as arguments."""
+
+import sys
+import threading
+
+from benchmarks.actors.connection import Connection
+from benchmarks.actors.orders import obey, tell
+from benchmarks.samples import message_type, topic
+
+
+def main(url: str, *names: str) -> None:
+    """Keep the connection open until the end of stdin."""
+    over = threading.Event()
+    obey({}, over.set)
+    with Connection(url) as connection:
+        for name in names:
+            connection.send({"op": "subscribe", "topic": topic(name), "type": message_type(name)})
+        tell("ready")
+        over.wait()
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

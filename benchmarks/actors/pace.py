@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""When samples are sent, and the stamps that tell each from every other."""
+
+import time
+from collections.abc import Callable
+from typing import Final
+
+# What may be sent at once. Receivers take what comes together for less, so up to 10 kHz nothing
+# does; beyond, sleeps are not exact enough.
+_BURST_S: Final = 0.0002
+_UNIT_NS: Final = 1000  # a Twist carries microseconds
+
+
+class Stamps:
+    """Times of sending, strictly increasing, no two alike even between *parts* processes."""
+
+    def __init__(self, part: int = 0, parts: int = 1) -> None:
+        self._offset_ns = part * _UNIT_NS
+        self._step_ns = parts * _UNIT_NS
+        self._last_ns = 0
+
+    def next(self, now_ns: int) -> int:
+        """Return the next stamp, *now_ns* to a few microseconds."""
+        self._last_ns = max(now_ns // self._step_ns * self._step_ns, self._last_ns + self._step_ns)
+        return self._last_ns + self._offset_ns
+
+
+def paced(
+    send: Callable[[], object],
+    rate_hz: float,
+    count: float,
+    is_over: Callable[[], bool] = lambda: False,
+) -> float:
+    """Send *count* times, each when it is due, and return the seconds from first to last.
+
+    Due times are absolute: what is sent late delays nothing after it. What is late is caught up at
+    twice the rate at most, so that a pause of this process is no flood for the receiver.
+    """
+    burst = max(1, int(rate_hz * _BURST_S))
+    started_s = begun_s = time.monotonic()
+    sent = 0
+    while sent < count and not is_over():
+        due_s = max(started_s + sent / rate_hz, begun_s + burst / rate_hz / 2 if sent else 0.0)
+        pause_s = due_s - time.monotonic()
+        if pause_s > 0:
+            time.sleep(pause_s)
+        begun_s = time.monotonic()
+        for _ in range(int(min(burst, count - sent))):
+            send()
+            sent += 1
+    return time.monotonic() - started_s

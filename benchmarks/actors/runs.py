@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How a program that sends is ordered to.
+
+``run RATE COUNT`` sends so many samples at that rate, and answers with how many it sent and in what
+time; ``go RATE`` sends until the end, and answers with the time of the first. ``count`` answers
+with the samples sent so far.
+"""
+
+import math
+import queue
+import threading
+import time
+from collections.abc import Callable, Mapping
+
+from benchmarks.actors.orders import obey, tell
+from benchmarks.actors.pace import paced
+
+
+def do_runs(
+    send: Callable[[], object], further_orders: Mapping[str, Callable[..., object]] | None = None
+) -> None:
+    """Obey until the end of stdin, sending in this thread; tell that it is ready."""
+    jobs: queue.SimpleQueue[tuple[float, float] | None] = queue.SimpleQueue()
+    over = threading.Event()
+    sent = 0
+
+    def send_one() -> None:
+        nonlocal sent
+        send()
+        sent += 1
+
+    def end() -> None:
+        over.set()
+        jobs.put(None)
+
+    obey(
+        {
+            "run": lambda rate_hz, count: jobs.put((float(rate_hz), int(count))),
+            "go": lambda rate_hz: jobs.put((float(rate_hz), math.inf)),
+            "count": lambda: sent,
+            **(further_orders or {}),
+        },
+        end,
+    )
+    tell("ready")
+    while (job := jobs.get()) is not None:
+        rate_hz, count = job
+        before = sent
+        if math.isinf(count):
+            tell(time.time_ns())
+        seconds = paced(send_one, rate_hz, count, over.is_set)
+        if not math.isinf(count):
+            tell({"sent": sent - before, "seconds": seconds})

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Everything that can be measured, by the names of the command line."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Final
+
+from benchmarks import unity
+from benchmarks.figures import Figure
+from benchmarks.plan import Plan
+from benchmarks.samples import SAMPLES
+from benchmarks.scenarios import (
+    beside_floor,
+    codec,
+    fan_out,
+    first_frame,
+    growth,
+    idle,
+    inbound,
+    many_topics,
+    slow_client,
+    start_up,
+    steps,
+)
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """Something to measure."""
+
+    about: str
+    takes: str
+    """How long, as people say it, with the usual rounds and seconds."""
+    measure: Callable[[Plan], Sequence[Figure]]
+
+
+def _unity(_: Plan) -> list[Figure]:
+    unity.main()
+    return []
+
+
+SCENARIOS: Final[dict[str, Scenario]] = {
+    name: Scenario(
+        f"at {sample.rate_hz:g} Hz beside a bare rclpy subscriber, and the highest rates held",
+        "3 min",
+        partial(beside_floor.measure, name),
+    )
+    for name, sample in SAMPLES.items()
+} | {
+    "fan-out": Scenario("one topic to 1 ... 200 clients", "3 min", fan_out.measure),
+    "many-topics": Scenario("60 topics to 5 clients", "30 s", many_topics.measure),
+    "inbound": Scenario("from a client into ROS", "2 min", inbound.measure),
+    "first-frame": Scenario("from subscribe to the first frame", "1 min", first_frame.measure),
+    "slow-client": Scenario(
+        "one client that reads nothing beside 3 that do", "1 min", slow_client.measure
+    ),
+    "start-up": Scenario("from start to the first handshake", "15 s", start_up.measure),
+    "idle": Scenario("60 subscriptions to silent topics", "40 s", idle.measure),
+    "growth": Scenario("cost by rate, clients, idle topics and uptime", "4 min", growth.measure),
+    "steps": Scenario("where the time goes, for Odometry and Image", "5 min", steps.measure),
+    "codec": Scenario("CDR to JSON and to CBOR, without a network", "15 s", codec.measure),
+    "unity": Scenario("the Unity client under Mono", "1 min", _unity),
+}
+
+# what a comparison measures by default: a few minutes, every kind of ratio
+COMPARED: Final = (
+    *("string", "twist", "odometry", "laser-scan", "image", "compressed-image", "point-cloud"),
+    *("inbound", "fan-out"),
+)

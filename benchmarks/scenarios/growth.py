@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether cost grows as it should: with what is delivered, and with nothing else."""
+
+import contextlib
+import statistics
+import time
+from typing import Final
+
+from benchmarks.crowds import Load, crowd_of, load
+from benchmarks.figures import Figure
+from benchmarks.plan import Plan
+from benchmarks.receivers import publishing
+from benchmarks.servers import Server
+
+_SCENARIO: Final = "growth"
+_SAMPLE: Final = "odometry"
+_RATES_HZ: Final = (250.0, 500.0, 1000.0, 2000.0)
+_CLIENTS: Final = (1, 10, 50)
+_CLIENTS_HZ: Final = 50.0
+_BYSTANDERS: Final = 200  # topics that nobody subscribes to
+_STEADY_HZ: Final = 500.0
+_LATER_S: Final = 120.0
+_ROOM: Final = {"max_clients": max(_CLIENTS), "max_clients_per_address": max(_CLIENTS)}
+
+
+def measure(plan: Plan) -> list[Figure]:
+    """Print tables and return the figures."""
+    print(f"{_SAMPLE}: how cost grows")
+    print(f"  {'':16}{'':28}{'frames/s':>9}{'CPU us per frame':>18}{'% of a core':>13}")
+    figures: list[Figure] = []
+    for server in plan.servers:
+        figures += _by_rate(server, plan.seconds)
+        figures += _by_clients(server, plan.seconds)
+        figures += _by_bystanders(server, plan.seconds)
+        figures += _by_uptime(server, plan.seconds)
+    return figures
+
+
+def _by_rate(server: Server, seconds: float) -> list[Figure]:
+    loads = [_load(server, f"{rate:.0f} Hz", rate, 1, seconds) for rate in _RATES_HZ]
+    slope, fixed = statistics.linear_regression(
+        [one.frames_per_s for one in loads], [one.core_share for one in loads]
+    )
+    print(f"  {server.name:16}{fixed * 100:.2f} % of a core, and {slope * 1e6:.0f} us per message")
+    return [
+        Figure(_SCENARIO, f"{server.name}, fixed", fixed * 100, "% of a core"),
+        Figure(_SCENARIO, f"{server.name}, each message", slope * 1e6, "us"),
+        *(
+            _us_per_frame(server, f"{rate:.0f} Hz", one)
+            for rate, one in zip(_RATES_HZ, loads, strict=True)
+        ),
+    ]
+
+
+def _by_clients(server: Server, seconds: float) -> list[Figure]:
+    return [
+        _us_per_frame(server, case, _load(server, case, _CLIENTS_HZ, clients, seconds))
+        for clients in _CLIENTS
+        for case in [f"{clients} clients, {_CLIENTS_HZ:.0f} Hz"]
+    ]
+
+
+def _by_bystanders(server: Server, seconds: float) -> list[Figure]:
+    figures = [_bystander_figure(server, 0, seconds)]
+    with publishing("twist", topics=_BYSTANDERS):
+        figures.append(_bystander_figure(server, _BYSTANDERS, seconds))
+    return figures
+
+
+def _bystander_figure(server: Server, topics: int, seconds: float) -> Figure:
+    case = f"{topics} idle topics beside"
+    return _us_per_frame(server, case, _load(server, case, _STEADY_HZ, 1, seconds))
+
+
+def _by_uptime(server: Server, seconds: float) -> list[Figure]:
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(publishing(_SAMPLE, _STEADY_HZ))
+        url, process = stack.enter_context(server.running())
+        crowd = stack.enter_context(crowd_of(url, _SAMPLE, 1))
+        started_s = time.monotonic()
+        first = load(crowd, process, 1, seconds)
+        _print_row(server.name, "minute 0", first)
+        time.sleep(max(0.0, started_s + _LATER_S - time.monotonic()))
+        later = load(crowd, process, 1, seconds)
+        _print_row(server.name, "minute 2", later)
+    return [
+        _us_per_frame(server, "minute 0", first),
+        _us_per_frame(server, "minute 2", later),
+    ]
+
+
+def _load(server: Server, case: str, rate_hz: float, clients: int, seconds: float) -> Load:
+    with (
+        publishing(_SAMPLE, rate_hz),
+        server.running(_ROOM) as (url, process),
+        crowd_of(url, _SAMPLE, clients) as crowd,
+    ):
+        result = load(crowd, process, clients, seconds)
+    _print_row(server.name, case, result)
+    return result
+
+
+def _print_row(name: str, case: str, one: Load) -> None:
+    print(
+        f"  {name:16}{case:28}{one.frames_per_s:9.0f}{one.us_per_frame:18.1f}"
+        f"{one.core_share * 100:13.1f}",
+        flush=True,
+    )
+
+
+def _us_per_frame(server: Server, case: str, one: Load) -> Figure:
+    return Figure(_SCENARIO, f"{server.name}, {case}", one.us_per_frame, "us per frame")

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is measured: the gateway, or any other server of the rosbridge protocol."""
+
+import contextlib
+import shlex
+import socket
+import sys
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from benchmarks.errors import BenchmarkError
+from benchmarks.processes import Process, running, wait_until
+
+Limits = Mapping[str, int]
+
+# for scenarios that measure speed, not the limits that keep a robot's network safe
+NO_INBOUND_LIMITS: Final[Limits] = {"operations_per_s": 0, "frames_per_s": 0}
+
+
+@dataclass(frozen=True)
+class Server:
+    """How to start a server; without a command it is the gateway."""
+
+    name: str = "gateway"
+    command: tuple[str, ...] = ()
+    port: int = 0
+
+    @contextlib.contextmanager
+    def running(self, limits: Limits | None = None) -> Iterator[tuple[str, Process]]:
+        """Run it until the end; yield its URL and its process once it accepts connections.
+
+        *limits* are lifted as far as a scenario needs, by the names of the gateway's configuration;
+        another server is started as it is.
+        """
+        if not self.command:
+            with running(self.name, *gateway_command(0, limits)) as process:
+                yield process.line_with(r"ws://\S+"), process
+            return
+        require_free(self.port)
+        with running(self.name, *self.command) as process:
+            wait_until(
+                lambda: not process.is_running() or is_taken(self.port),
+                f"{self.name} accepts connections at port {self.port}",
+            )
+            if not process.is_running():
+                raise BenchmarkError(f"{self.name} has ended at once: {shlex.join(self.command)}")
+            yield f"ws://127.0.0.1:{self.port}", process
+
+
+def gateway_command(port: int, limits: Limits | None = None) -> list[str]:
+    """Return the command line of the gateway."""
+    options = [f"--set=limits.{key}={value}" for key, value in (limits or {}).items()]
+    return [
+        *(sys.executable, "-m", "gateway", "serve", "--port", str(port)),
+        *("--log-level", "warning", *options),
+    ]
+
+
+def require_free(port: int) -> None:
+    """Raise BenchmarkError if something listens there already: that would be measured."""
+    if is_taken(port):
+        raise BenchmarkError(f"port {port} is taken, by something that would be measured instead")
+
+
+def is_taken(port: int) -> bool:
+    """Tell whether something accepts connections there."""
+    with socket.socket() as probe:
+        probe.settimeout(1)
+        return probe.connect_ex(("127.0.0.1", port)) == 0
+
+
+def free_port() -> int:
+    """Return a port that nobody uses right now."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: Apache-2.0
+"""No two samples carry the same stamp, and exactly as many are sent as were asked for."""
+
+import itertools
+
+from benchmarks.actors.pace import Stamps, paced
+
+NOW_NS = 1_795_280_256_507_552_123
+
+
+def test_stamps_increase_strictly_while_the_clock_stands_still():
+    stamps = Stamps()
+    seen = [stamps.next(NOW_NS) for _ in range(100)]
+    assert all(later > earlier for earlier, later in itertools.pairwise(seen))
+
+
+def test_stamps_of_two_senders_never_meet():
+    first, second = Stamps(0, 2), Stamps(1, 2)
+    one = {first.next(NOW_NS + i * 700) for i in range(500)}
+    other = {second.next(NOW_NS + i * 700) for i in range(500)}
+    assert len(one) == len(other) == 500
+    assert not one & other
+
+
+def test_stamps_are_whole_microseconds_and_follow_the_clock():
+    for part in range(2):
+        stamp_ns = Stamps(part, 2).next(NOW_NS)
+        assert stamp_ns % 1000 == 0
+        assert abs(stamp_ns - NOW_NS) <= 2000
+
+
+def test_exactly_as_many_are_sent_as_were_asked_for():
+    for rate_hz, count in ((1e6, 2500), (3000.0, 7), (1e9, 1)):
+        sent = []
+        paced(lambda sent=sent: sent.append(1), rate_hz, count)
+        assert len(sent) == count
+
+
+def test_sending_ends_when_it_is_over():
+    sent = []
+    paced(lambda: sent.append(1), 1e6, 1e9, lambda: len(sent) >= 1000)
+    assert 1000 <= len(sent) < 3000
