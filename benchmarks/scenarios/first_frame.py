@@ -14,7 +14,7 @@ from benchmarks.figures import Figure
 from benchmarks.plan import Plan
 from benchmarks.processes import acting, wait_until
 from benchmarks.receivers import Client, Floor, Receiver, publishing
-from benchmarks.samples import topic
+from benchmarks.samples import SAMPLES, topic
 from benchmarks.servers import Server
 
 _SCENARIO: Final = "first-frame"
@@ -23,7 +23,7 @@ _RATE_HZ: Final = 50.0
 _SETTLED_S: Final = 3.0
 _SUBSCRIPTIONS: Final = 20
 _LATE_PUBLISHERS: Final = 5
-_PAUSE_S: Final = 0.307  # between subscriptions: no multiple of the period
+_PAUSE_S: Final = 0.3  # between subscriptions
 _TIMEOUT_S: Final = 20.0
 
 
@@ -49,28 +49,37 @@ def _floor_subscribes() -> list[float]:
     with acting("first_floor", _SAMPLE) as subscriber:
         subscriber.answer()
         time.sleep(_SETTLED_S)  # the participants know each other, as a server's do
-        for _ in range(_SUBSCRIPTIONS):
+        for number in range(_SUBSCRIPTIONS):
             subscriber.ask("subscribe")
             asked_ns, came_ns = subscriber.answer(_TIMEOUT_S)
             waits_ms.append((came_ns - asked_ns) / 1e6)
-            time.sleep(_PAUSE_S)
+            time.sleep(_pause_s(number))
     return waits_ms
 
 
 def _client_subscribes(server: Server) -> list[float]:
     waits_ms = []
+    pattern = SAMPLES[_SAMPLE].clockwork.pattern
     with server.running() as (url, _):
         time.sleep(_SETTLED_S)
-        for _ in range(_SUBSCRIPTIONS):
+        for number in range(_SUBSCRIPTIONS):
             with Connection(url) as connection:
                 connection.limit(_TIMEOUT_S)
                 asked_s = time.perf_counter()
                 connection.send({"op": "subscribe", "topic": topic(_SAMPLE)})
-                while not any(b'"msg":{' in bytes(one) for one in connection.receive()):
+                while not any(map(pattern.search, connection.receive())):
                     pass
                 waits_ms.append((time.perf_counter() - asked_s) * 1e3)
-            time.sleep(_PAUSE_S)
+            time.sleep(_pause_s(number))
     return waits_ms
+
+
+def _pause_s(number: int) -> float:
+    """Return a pause that spreads the subscriptions evenly over the period.
+
+    Each ends with a frame, so that after equal pauses all would begin at the same time before one.
+    """
+    return _PAUSE_S + number / _SUBSCRIPTIONS / _RATE_HZ
 
 
 def _late_publisher(receiver: Receiver) -> float:

@@ -7,8 +7,9 @@ import time
 from typing import Final
 
 from benchmarks.crowds import Load, crowd_of, load
-from benchmarks.figures import Figure
+from benchmarks.figures import Figure, ratio
 from benchmarks.plan import Plan
+from benchmarks.processes import Process, cpu_s, wait_until
 from benchmarks.receivers import publishing
 from benchmarks.servers import Server
 
@@ -20,6 +21,9 @@ _CLIENTS_HZ: Final = 50.0
 _BYSTANDERS: Final = 200  # topics that nobody subscribes to
 _STEADY_HZ: Final = 500.0
 _LATER_S: Final = 120.0
+Working = tuple[Process, Process]
+"""A server, and the crowd that it serves."""
+
 _ROOM: Final = {"max_clients": max(_CLIENTS), "max_clients_per_address": max(_CLIENTS)}
 
 
@@ -31,8 +35,8 @@ def measure(plan: Plan) -> list[Figure]:
     for server in plan.servers:
         figures += _by_rate(server, plan.seconds)
         figures += _by_clients(server, plan.seconds)
-        figures += _by_bystanders(server, plan.seconds)
-        figures += _by_uptime(server, plan.seconds)
+        figures += _by_bystanders(server, plan)
+        figures += _by_uptime(server, plan)
     return figures
 
 
@@ -60,33 +64,53 @@ def _by_clients(server: Server, seconds: float) -> list[Figure]:
     ]
 
 
-def _by_bystanders(server: Server, seconds: float) -> list[Figure]:
-    figures = [_bystander_figure(server, 0, seconds)]
-    with publishing("twist", topics=_BYSTANDERS):
-        figures.append(_bystander_figure(server, _BYSTANDERS, seconds))
-    return figures
+def _by_bystanders(server: Server, plan: Plan) -> list[Figure]:
+    """Measure in turns: a difference that is none is smaller than a machine's drift."""
+    rounds = []
+    for _ in range(plan.rounds):
+        without = _load(server, "0 idle topics beside", _STEADY_HZ, 1, plan.seconds)
+        with publishing("twist", topics=_BYSTANDERS):
+            case = f"{_BYSTANDERS} idle topics beside"
+            rounds.append((without, _load(server, case, _STEADY_HZ, 1, plan.seconds)))
+    beside = statistics.median(many.us_per_frame / none.us_per_frame for none, many in rounds)
+    print(f"  {server.name:16}{beside:.2f} times the cost with {_BYSTANDERS} idle topics beside")
+    return [ratio(_SCENARIO, f"{server.name}, CPU with idle topics beside that without", beside)]
 
 
-def _bystander_figure(server: Server, topics: int, seconds: float) -> Figure:
-    case = f"{topics} idle topics beside"
-    return _us_per_frame(server, case, _load(server, case, _STEADY_HZ, 1, seconds))
+def _by_uptime(server: Server, plan: Plan) -> list[Figure]:
+    """Measure a server that has been busy for a while beside one that has just been started.
 
-
-def _by_uptime(server: Server, seconds: float) -> list[Figure]:
+    Both at once, as minutes later the machine may be another one. A server with a port of its own
+    cannot run twice.
+    """
+    if server.command:
+        return []
     with contextlib.ExitStack() as stack:
         stack.enter_context(publishing(_SAMPLE, _STEADY_HZ))
-        url, process = stack.enter_context(server.running())
-        crowd = stack.enter_context(crowd_of(url, _SAMPLE, 1))
-        started_s = time.monotonic()
-        first = load(crowd, process, 1, seconds)
-        _print_row(server.name, "minute 0", first)
-        time.sleep(max(0.0, started_s + _LATER_S - time.monotonic()))
-        later = load(crowd, process, 1, seconds)
-        _print_row(server.name, "minute 2", later)
-    return [
-        _us_per_frame(server, "minute 0", first),
-        _us_per_frame(server, "minute 2", later),
+        url, old = stack.enter_context(server.running())
+        old_crowd = stack.enter_context(crowd_of(url, _SAMPLE, 1))
+        time.sleep(_LATER_S)
+        url, fresh = stack.enter_context(server.running())
+        fresh_crowd = stack.enter_context(crowd_of(url, _SAMPLE, 1))
+        wait_until(lambda: fresh_crowd.ask("count") > _STEADY_HZ, "the fresh one has warmed up")
+        beside = statistics.median(
+            _beside((old, old_crowd), (fresh, fresh_crowd), plan.seconds)
+            for _ in range(plan.rounds)
+        )
+    print(f"  {server.name:16}{beside:.2f} of a fresh one's cost after {_LATER_S:.0f} s")
+    return [ratio(_SCENARIO, f"{server.name}, CPU after a while beside a fresh one's", beside)]
+
+
+def _beside(one: Working, other: Working, seconds: float) -> float:
+    """Return the CPU time per frame of one server as a multiple of the other's, both at work."""
+    before = [(crowd.ask("count"), cpu_s(server.pid)) for server, crowd in (one, other)]
+    time.sleep(seconds)
+    after = [(crowd.ask("count"), cpu_s(server.pid)) for server, crowd in (one, other)]
+    costs: list[float] = [
+        (spent - spent_before) / (count - count_before)
+        for (count, spent), (count_before, spent_before) in zip(after, before, strict=True)
     ]
+    return costs[0] / costs[1]
 
 
 def _load(server: Server, case: str, rate_hz: float, clients: int, seconds: float) -> Load:
