@@ -110,7 +110,7 @@ class Outbox:
 
     def __init__(self, max_bytes: int) -> None:
         self.max_bytes = max_bytes
-        self.pass_by: Pass | None = None  # while the socket takes
+        self.pass_by: Pass | None = None  # of a connection, once there is one
         self.size = 0
         self.control_sent = 0
         self._control: deque[bytes] = deque()

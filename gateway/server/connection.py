@@ -151,15 +151,11 @@ class Connection(asyncio.BufferedProtocol):
         """Stop taking from the outbox: the socket is full."""
         self._paused = True
         self._progress_s = time.monotonic()
-        if self._session is not None:
-            self._session.outbox.pass_by = None
 
     def resume_writing(self) -> None:
         """Go on: the socket has taken most of what it had."""
         self._paused = False
         self._protocol_backlog = 0
-        if self._session is not None and self._protocol.state is OPEN:
-            self._session.outbox.pass_by = self._pass_by
         self.flush()
 
     # What the server calls
@@ -334,7 +330,7 @@ class Connection(asyncio.BufferedProtocol):
 
     def _pass_by(self, entry: Entry) -> bool:
         """Send what need not wait; see `gateway.protocol.outbox.Pass`."""
-        if self._flushing:
+        if self._flushing or self._paused or self._protocol.state is not OPEN:
             return False
         try:
             wire = entry.wire()
@@ -351,8 +347,6 @@ class Connection(asyncio.BufferedProtocol):
         output = self._protocol.data_to_send()
         if not output or self._transport.is_closing():
             return
-        if self._session is not None and self._protocol.state is not OPEN:
-            self._session.outbox.pass_by = None  # nothing goes behind a close frame
         backlog = self._transport.get_write_buffer_size()
         for data in output:
             if data:

@@ -10,6 +10,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.frames import Frame, Opcode
 
 from gateway.ports import Qos
+from gateway.router.rendition import Rendition
 from gateway.server.connection import Connection
 from tests.client import PATIENCE_S, Client, client, eventually
 from tests.server.conftest import Serve, Served
@@ -146,6 +147,24 @@ async def test_the_last_words_before_a_goodbye_are_heard(serve: Serve):
         words = masked(Opcode.TEXT, json.dumps(message).encode())
         writer.write(words + masked(Opcode.CLOSE, (1000).to_bytes(2, "big")))  # in one packet
         assert await listener.message("/chatter") == {"data": "stop"}
+        writer.close()
+
+
+async def test_nothing_goes_behind_a_close_frame(serve: Serve, caplog):
+    async with serve() as served:
+        publisher = served.ros.add_publisher("/chatter", STRING)
+        reader, writer = await handshake(served)
+        operation = {"op": "subscribe", "topic": "/chatter"}
+        writer.write(masked(Opcode.TEXT, json.dumps(operation).encode()))
+        await eventually(lambda: served.ros.entity_count() == 1)
+        (connection,) = served.server._connections
+        connection.close(1000, "enough")  # the peer has not answered: the session is still there
+        publisher.publish(served.cdr(STRING, data="too late"))
+        writer.write(masked(Opcode.CLOSE, (1000).to_bytes(2, "big")))
+        seen = await reader.read()
+        assert seen.endswith(b"enough")
+        assert b"too late" not in seen
+        assert not [record for record in caplog.records if record.levelname == "ERROR"]
         writer.close()
 
 
@@ -452,5 +471,22 @@ async def test_a_bug_in_the_core_closes_that_client_with_1011_and_no_other(
         async with client(served.url) as speaker:
             await speaker.send(op="boom")
             assert await closing(speaker) == (1011, "internal error")
+        assert await other.sync() == []
+        assert "ZeroDivisionError" in caplog.text
+
+
+async def test_a_bug_in_rendering_closes_those_who_want_it_with_1011_and_no_other(
+    serve: Serve, monkeypatch, caplog
+):
+    def fail(rendition, frame):
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(Rendition, "body", fail)
+    async with serve() as served, client(served.url) as other, client(served.url) as listener:
+        publisher = served.ros.add_publisher("/chatter", STRING)
+        await listener.send(op="subscribe", topic="/chatter")
+        await listener.sync()
+        publisher.publish(served.cdr(STRING, data="x"))
+        assert await closing(listener) == (1011, "internal error")
         assert await other.sync() == []
         assert "ZeroDivisionError" in caplog.text
