@@ -51,7 +51,7 @@ docs: $(READY_FOR_TESTS) ## write the generated parts of code and documentation 
 	    && sed -i '/^| key |/,$$d' docs/configuration.md \
 	    && printf '%s\n' "$$keys" >> docs/configuration.md
 
-bench: $(READY) ## measure speed, some 40 minutes (make bench WHAT=odometry, make bench COMPARE=ref)
+bench: $(READY) ## measure speed, some 50 minutes (make bench WHAT=odometry, make bench COMPARE=ref)
 	@$(BIN)/python -m benchmarks $(WHAT) $(if $(COMPARE),--compare $(COMPARE)) $(ARGS)
 
 clean: ## remove .venv and all caches

@@ -10,7 +10,7 @@ import os
 import shlex
 import signal
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -58,12 +58,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(options: argparse.Namespace, plan: Plan, stored: list[Figure] | None) -> int:
     names = options.what or (SCENARIOS if stored is None else COMPARED)
-    measured = _measure(names, plan)
-    if options.json is not None:
-        figures.write(options.json, measured)
-    if stored is None:
-        return 0
-    verdicts = figures.compare(stored, measured, lambda name: _measure([name], plan))
+    measured: list[Figure] = []
+    failed = False
+    try:
+        for name in dict.fromkeys(names):
+            try:
+                measured += _measure(name, plan)
+            except BenchmarkError as error:
+                print(f"{name}: {error}", file=sys.stderr)
+                failed = True
+    finally:  # also what stands at Ctrl-C
+        if options.json is not None and measured:
+            figures.write(options.json, measured)
+    if stored is None or failed:
+        return _FAILED if failed else 0
+    verdicts = figures.compare(stored, measured, lambda name: _measure(name, plan))
     if not verdicts:
         raise BenchmarkError(f"{options.compare} holds no ratio of what was measured")
     print(f"\nratios beside {options.compare}, worse from {figures.TOLERANCE:.0%} on")
@@ -71,12 +80,9 @@ def _run(options: argparse.Namespace, plan: Plan, stored: list[Figure] | None) -
     return _FAILED if any(one.word == "WORSE" for one in verdicts) else 0
 
 
-def _measure(names: Iterable[str], plan: Plan) -> list[Figure]:
-    measured: list[Figure] = []
-    for name in dict.fromkeys(names):
-        print(f"\nmeasuring {name} ...", flush=True)
-        measured += SCENARIOS[name].measure(plan)
-    return measured
+def _measure(name: str, plan: Plan) -> Sequence[Figure]:
+    print(f"\nmeasuring {name} ...", flush=True)
+    return SCENARIOS[name].measure(plan)
 
 
 def _plan(options: argparse.Namespace) -> Plan:

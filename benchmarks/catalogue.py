@@ -57,8 +57,8 @@ SCENARIOS: Final[dict[str, Scenario]] = {
     ),
     "start-up": Scenario("from start to the first handshake", "15 s", start_up.measure),
     "idle": Scenario("60 subscriptions to silent topics", "40 s", idle.measure),
-    "growth": Scenario("cost by rate, clients, idle topics and uptime", "4 min", growth.measure),
-    "steps": Scenario("where the time goes, for Odometry and Image", "5 min", steps.measure),
+    "growth": Scenario("cost by rate, clients, idle topics and uptime", "5 min", growth.measure),
+    "steps": Scenario("where the time goes, for Odometry and Image", "8 min", steps.measure),
     "codec": Scenario("CDR to JSON and to CBOR, without a network", "15 s", codec.measure),
     "unity": Scenario("the Unity client under Mono", "1 min", _unity),
 }

@@ -1,10 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A picture of the ratios: what a message costs as a multiple of what it costs the floor.
+"""A picture of the ratios: what a message costs as a multiple of what it costs the floor."""
 
-``python -m benchmarks.chart FIGURES.json PICTURE.svg``
-"""
-
-import sys
+import argparse
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
@@ -65,8 +62,17 @@ def _text(x: int, y: int, text: str, anchor: str) -> str:
     return f'<text x="{x}" y="{y}" text-anchor="{anchor}" fill="{_TEXT}">{escape(text)}</text>'
 
 
-if __name__ == "__main__":
+def main() -> None:
+    """Draw what the command line names."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.chart", description=__doc__)
+    parser.add_argument("figures", help="a file that --json wrote, or a name in reference/")
+    parser.add_argument("picture", type=Path, help="the SVG to write")
+    options = parser.parse_args()
     try:
-        Path(sys.argv[2]).write_text(draw(read(sys.argv[1])))
-    except (IndexError, BenchmarkError) as error:
-        sys.exit(f"usage: python -m benchmarks.chart FIGURES.json PICTURE.svg ({error})")
+        options.picture.write_text(draw(read(options.figures)))
+    except (BenchmarkError, OSError) as error:
+        parser.error(str(error))
+
+
+if __name__ == "__main__":
+    main()

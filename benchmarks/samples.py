@@ -53,22 +53,23 @@ class Sample:
         return bytearray(serialize_message(self.make()))
 
 
+def _nanoseconds(sec: int, nanosec: int) -> int:
+    return sec * 1_000_000_000 + nanosec
+
+
 _HEADER: Final = Clockwork(
     lambda sample, now_ns: struct.pack_into(
         "<iI", sample, _ENCAPSULATION, *divmod(now_ns, 1_000_000_000)
     ),
-    lambda message: message.header.stamp.sec * 1_000_000_000 + message.header.stamp.nanosec,
+    lambda message: _nanoseconds(message.header.stamp.sec, message.header.stamp.nanosec),
     re.compile(rb'"stamp": ?\{"sec": ?(\d+), ?"nanosec": ?(\d+)\}'),
-    lambda found: int(found[1]) * 1_000_000_000 + int(found[2]),
+    lambda found: _nanoseconds(int(found[1]), int(found[2])),
 )
 # the same in CDR within CBOR, where 0x5a and 4 bytes tell the length (RFC 8949, section 3)
 _RAW_HEADER: Final = replace(
     _HEADER,
     pattern=re.compile(rb"bytes\x5a.{4}\0\x01..(.{8})", re.DOTALL),
-    parse=lambda found: sum(
-        part * unit
-        for part, unit in zip(struct.unpack("<iI", found[1]), (1_000_000_000, 1), strict=True)
-    ),
+    parse=lambda found: _nanoseconds(*struct.unpack("<iI", found[1])),
 )
 _TEXT: Final = Clockwork(
     lambda sample, now_ns: struct.pack_into(

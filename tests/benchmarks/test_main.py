@@ -92,10 +92,24 @@ def test_a_comparison_with_nothing_in_common_fails(tmp_path, capsys):
     assert "no ratio of what was measured" in capsys.readouterr().err
 
 
-def test_a_measurement_that_fails_is_said_in_one_line(monkeypatch, capsys):
+def test_a_measurement_that_fails_is_said_in_one_line_and_costs_no_other(
+    monkeypatch, tmp_path, capsys
+):
     def fail(_):
         raise BenchmarkError("client has ended unexpectedly")
 
     monkeypatch.setitem(SCENARIOS, "codec", Scenario("", "", fail))
-    assert command.main(["codec"]) == 1
-    assert capsys.readouterr().err == "python -m benchmarks: client has ended unexpectedly\n"
+    file = tmp_path / "some.json"
+    assert command.main(["codec", "idle", "--json", str(file)]) == 1
+    assert capsys.readouterr().err == "codec: client has ended unexpectedly\n"
+    assert [one.scenario for one in figures.read(str(file))] == ["idle"]
+
+
+def test_what_stands_at_ctrl_c_is_written(monkeypatch, tmp_path):
+    def interrupt(_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setitem(SCENARIOS, "codec", Scenario("", "", interrupt))
+    file = tmp_path / "some.json"
+    assert command.main(["idle", "codec", "--json", str(file)]) == 130
+    assert [one.scenario for one in figures.read(str(file))] == ["idle"]
