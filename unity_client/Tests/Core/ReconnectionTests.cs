@@ -120,6 +120,8 @@ namespace Ros2Gateway.Tests
                 caller.Until(() => provider.Client.FramesReceived > frames, "for the call to arrive");
                 provider.Client.Request("cut", null, null);
                 caller.Until(() => error != null, "for the failure");
+                // The gateway may notice first; pumped before it notices too, the provider would rightly handle it.
+                caller.Until(() => provider.Client.PendingRequests == 0, "for the provider to notice");
                 provider.Until(() => provider.Heard("lost") && provider.Client.IsConnected, "to be connected again");
                 Assert.IsFalse(isHandled);
             }
