@@ -21,10 +21,10 @@ _CLIENTS_HZ: Final = 50.0
 _BYSTANDERS: Final = 200  # topics that nobody subscribes to
 _STEADY_HZ: Final = 500.0
 _LATER_S: Final = 120.0
-Working = tuple[Process, Process]
-"""A server, and the crowd that it serves."""
-
 _ROOM: Final = {"max_clients": max(_CLIENTS), "max_clients_per_address": max(_CLIENTS)}
+
+_Working = tuple[Process, Process]
+"""A server, and the crowd that it serves."""
 
 
 def measure(plan: Plan) -> list[Figure]:
@@ -101,7 +101,7 @@ def _by_uptime(server: Server, plan: Plan) -> list[Figure]:
     return [ratio(_SCENARIO, f"{server.name}, CPU after a while beside a fresh one's", beside)]
 
 
-def _beside(one: Working, other: Working, seconds: float) -> float:
+def _beside(one: _Working, other: _Working, seconds: float) -> float:
     """Return the CPU time per frame of one server as a multiple of the other's, both at work."""
     before = [(crowd.ask("count"), cpu_s(server.pid)) for server, crowd in (one, other)]
     time.sleep(seconds)
