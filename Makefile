@@ -28,7 +28,7 @@ demo: $(READY) ## start the simulated robot and the gateway (make demo ARGS='--p
 serve: $(READY) ## start the gateway alone (make serve ARGS='--domain-id 7')
 	@$(BIN)/ros2-gateway serve $(ARGS)
 
-test: lint $(CLIENTS) ## check and test everything (make test ARGS='tests/test_cli.py -x')
+test: lint $(CLIENTS) ## check and test everything (make test ARGS='tests/cli/test_main.py -x')
 	$(BIN)/python -m schemas.generate --check
 	@$(BIN)/python -m tests.interfaces
 	@sh tools/make-mono.sh
@@ -56,7 +56,7 @@ bench: $(READY) ## measure speed, some 50 minutes (make bench WHAT=odometry, mak
 
 clean: ## remove .venv and all caches
 	rm -rf $(VENV) dist build .cache .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
-	find gateway schemas tests benchmarks -name __pycache__ -type d -prune -exec rm -rf {} +
+	find gateway gateway_sim schemas tests benchmarks -name __pycache__ -type d -prune -exec rm -rf {} +
 
 $(BIN)/python:
 	@sh tools/make-venv.sh $(VENV)

@@ -13,7 +13,7 @@ from typing import Final
 
 from gateway.codec.image import confine_to_calling_thread
 from gateway.codec.types import Types
-from gateway.config import Config
+from gateway.config.model import Config
 from gateway.errors import BindError, ConfigError
 from gateway.memory import keep_large_blocks
 from gateway.ports import LogLevel, Ros, RosError

@@ -7,7 +7,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from gateway import app
-from gateway.config import Config, LimitsConfig, RosConfig
+from gateway.config.model import Config, LimitsConfig, RosConfig
 from gateway.protocol.limits import Limits
 from gateway.ros import RosOptions
 from gateway.server.timing import Timing

@@ -74,10 +74,10 @@ def requirements(name: str, found: dict[str, Distribution]) -> dict[str, Distrib
     return found
 
 
-def test_the_wheel_holds_every_file_of_both_packages(wheel):
+def test_the_wheel_holds_every_file_of_its_packages(wheel):
     expected = {
         str(path.relative_to(ROOT))
-        for package in ("gateway", "schemas")
+        for package in ("gateway", "gateway_sim", "schemas")
         for path in (ROOT / package).rglob("*")
         if path.is_file() and "__pycache__" not in path.parts
     }
@@ -85,14 +85,14 @@ def test_the_wheel_holds_every_file_of_both_packages(wheel):
     assert held == expected
     assert "schemas/messages.toml" in held
     assert "schemas/json/nav_msgs/Odometry.json" in held
-    assert "gateway/sim/fastdds_profile.xml" in held
+    assert "gateway_sim/fastdds_profile.xml" in held
 
 
 def test_the_wheel_has_licence_command_and_extra(wheel):
     archive = zipfile.ZipFile(wheel)
     held = {name.partition(".dist-info/")[2]: name for name in archive.namelist()}
     assert "Apache License" in archive.read(held["licenses/LICENSE"]).decode()
-    assert "ros2-gateway = gateway.cli:main" in archive.read(held["entry_points.txt"]).decode()
+    assert "ros2-gateway = gateway.cli.main:main" in archive.read(held["entry_points.txt"]).decode()
     required = [
         line
         for line in archive.read(held["METADATA"]).decode().splitlines()

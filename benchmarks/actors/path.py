@@ -25,8 +25,8 @@ from gateway.codec.picture import picture_renderer
 from gateway.codec.types import MessageType, Types
 from gateway.memory import keep_large_blocks
 from gateway.ports import Sample
-from gateway.protocol.envelope import JsonEnvelope
-from gateway.ros.arrivals import EventfdArrivals
+from gateway.protocol.publish_frames import JsonEnvelope
+from gateway.ros.ready_events import EventfdArrivals
 from gateway.ros.samples import EventfdSamples
 from schemas.installed import InstalledDefinitions
 

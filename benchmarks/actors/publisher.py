@@ -14,13 +14,13 @@ import time
 from pathlib import Path
 from typing import Any, Final
 
-import gateway.sim
+import gateway_sim
 from benchmarks.actors.pace import Stamps
 from benchmarks.actors.runs import do_runs
 
 # big samples need more than the 512 KB that Fast DDS shares by default
 os.environ.setdefault(
-    "FASTRTPS_DEFAULT_PROFILES_FILE", str(Path(gateway.sim.__path__[0]) / "fastdds_profile.xml")
+    "FASTRTPS_DEFAULT_PROFILES_FILE", str(Path(gateway_sim.__path__[0]) / "fastdds_profile.xml")
 )
 
 # A writer that keeps ten samples drops what a reader's process has not acknowledged after 10 ms at

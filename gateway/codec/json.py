@@ -14,8 +14,8 @@ from typing import Any, Final
 
 import orjson
 
+from gateway.codec.error_text import MAX_ECHO
 from gateway.codec.errors import CodecError
-from gateway.codec.words import MAX_ECHO
 
 # Deeper than any ROS type nests, and far from the recursion limits of what follows.
 MAX_DEPTH: Final = 32

@@ -19,8 +19,8 @@ from gateway.codec.cdr import (
     compile_transcoder,
 )
 from gateway.codec.cdr.selection import select
+from gateway.codec.error_text import cut
 from gateway.codec.validation import InvalidValueError, invalid_value
-from gateway.codec.words import cut
 from schemas.build import Models
 from schemas.definition import Definition
 from schemas.generate.json_schemas import Schema, interface_schema

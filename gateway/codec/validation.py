@@ -8,9 +8,9 @@ from typing import Final
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
+from gateway.codec.error_text import EXPECTED, MAX_ECHO, cut
+from gateway.codec.error_text import kind as kind_of
 from gateway.codec.errors import CodecError
-from gateway.codec.words import EXPECTED, MAX_ECHO, cut
-from gateway.codec.words import kind as kind_of
 from schemas.definition import FLOATS, INTEGER_RANGES, Definition, Field
 from schemas.installed import InstalledDefinitions
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What clients are told of a type that cannot be used."""
 
-from gateway.codec.words import cut
+from gateway.codec.error_text import cut
 from gateway.protocol.errors import ProtocolError
 from schemas.definition import DefinitionError
 from schemas.installed import InstalledDefinitions, UnknownTypeError

@@ -4,7 +4,7 @@
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from gateway.codec.words import EXPECTED, cut, kind
+from gateway.codec.error_text import EXPECTED, cut, kind
 
 
 def explain(error: ValidationError) -> str:

@@ -5,7 +5,7 @@ import re
 from functools import lru_cache
 from typing import Final, Literal, NewType
 
-from gateway.codec.words import cut
+from gateway.codec.error_text import cut
 from gateway.protocol.errors import ProtocolError
 
 # fully resolved: "/odom", never "odom"

@@ -8,18 +8,18 @@ from typing import Final, NamedTuple
 
 from pydantic import ValidationError
 
+from gateway.codec.error_text import cut
 from gateway.codec.json import JsonError, ascii_only, loads
-from gateway.codec.words import cut
-from gateway.protocol import frames
+from gateway.protocol import messages
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.explain import explain
-from gateway.protocol.fragments import Assembly, text_frames
 from gateway.protocol.limits import Limits
 from gateway.protocol.operations import OPERATIONS, ClientOperation
 from gateway.protocol.operations.base import MAX_ID_CHARACTERS, Operation
 from gateway.protocol.operations.fragment import Fragment
 from gateway.protocol.outbox import Outbox
-from gateway.protocol.rate import TokenBucket
+from gateway.protocol.rosbridge_fragments import Assembly, text_frames
+from gateway.protocol.token_bucket import TokenBucket
 
 ROS_SHARP_FRAGMENT_SIZE: Final = 2**31 - 1  # which only ROS# sends, with all that it asks for
 
@@ -42,7 +42,7 @@ class Session:
         self.refused = 0
         self.is_ros_sharp = False  # it reads frames as ASCII, and `values` as the type's only
         self.numbers = itertools.count(1)  # of the calls and goals that this client is passed
-        self._level: frames.Level = "warning"
+        self._level: messages.Level = "warning"
         self._operations = TokenBucket(limits.operations_per_s, limits.operations_burst, now_ns)
         self._assembly = Assembly(limits.message_bytes)
         self._fragmented = 0
@@ -79,7 +79,7 @@ class Session:
             asked = _Asked(operation.op, operation.id, name)
         self._refuse(error, asked)
 
-    def set_level(self, level: frames.Level) -> None:
+    def set_level(self, level: messages.Level) -> None:
         """Send only `status` frames of this severity and worse."""
         self._level = level
 
@@ -93,7 +93,7 @@ class Session:
 
     def answer(self, op: str, request_id: str | int | None, **members: object) -> None:
         """Send the answer to an operation."""
-        self.send(frames.answer(op, request_id, **members))
+        self.send(messages.answer(op, request_id, **members))
 
     def send(self, payload: bytes, fragment_size: int | None = None) -> None:
         """Send JSON ahead of everything that waits in lanes.
@@ -144,9 +144,9 @@ class Session:
         name = asked.name if isinstance(asked.name, str) else ""
         match asked:
             case _Asked("call_service", request_id):
-                self.send(frames.service_response(name, request_id, values, result=False))
+                self.send(messages.service_response(name, request_id, values, result=False))
             case _Asked("send_action_goal", request_id):
-                self.send(frames.action_result(name, request_id, values, status=0, result=False))
+                self.send(messages.action_result(name, request_id, values, status=0, result=False))
             case _:
                 self._say("error", text, error, asked.op, asked.id)
 
@@ -157,15 +157,15 @@ class Session:
 
     def _say(
         self,
-        level: frames.Level,
+        level: messages.Level,
         text: str,
         error: ProtocolError | None,
         op: str | None,
         request_id: str | int | None,
     ) -> None:
-        if frames.SEVERITY[level] <= frames.SEVERITY[self._level]:
+        if messages.SEVERITY[level] <= messages.SEVERITY[self._level]:
             code = error.code if error else None
-            self.send(frames.status(level, text, code=code, request=op, request_id=request_id))
+            self.send(messages.status(level, text, code=code, request=op, request_id=request_id))
 
 
 class _Asked(NamedTuple):

@@ -16,10 +16,10 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
 from gateway.ports import MAX_TAKES_PER_TURN, RosError
-from gateway.ros.arrivals import Arrivals
 from gateway.ros.errors import REFUSALS, losses, refusals, refused, remapped
 from gateway.ros.groups import group_of_one
 from gateway.ros.qos import MAX_DEPTH
+from gateway.ros.ready_events import Arrivals
 
 # How soon a server that appears gets what waits for it: the graph tells of a server before DDS
 # has matched both its topics, and nothing tells of that.

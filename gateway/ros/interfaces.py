@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from gateway.ports import RosError
-from gateway.ros.names import TypeKind, split_type
+from gateway.ros.name_checks import TypeKind, split_type
 
 
 def message_class(type_name: str) -> type:

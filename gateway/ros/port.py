@@ -13,13 +13,13 @@ from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from gateway import fast_dds
-from gateway.domain import MAX_DOMAIN_ID
+from gateway.config.domain_id import MAX_DOMAIN_ID
 from gateway.ports import GoalRequest, Graph, LogLevel, Provided, Qos, Request, RosError, Sample
+from gateway.ros import fast_dds
 from gateway.ros.action_client import RclpyActionClient
+from gateway.ros.action_entities import Actions
 from gateway.ros.action_server import RclpyActionServer
-from gateway.ros.actions import Actions
-from gateway.ros.arrivals import Arrivals, EventfdArrivals, PolledArrivals, UnsupportedError
+from gateway.ros.deferred_destruction import LastWords
 from gateway.ros.endpoints import Endpoints
 from gateway.ros.errors import REFUSALS, refused
 from gateway.ros.executor import ExecutorThread
@@ -30,12 +30,12 @@ from gateway.ros.graph import (
     read_graph,
     read_types,
 )
-from gateway.ros.last_words import LastWords
 from gateway.ros.options import RosOptions, Taking
 from gateway.ros.publishers import Publishers, RclpyPublisher
+from gateway.ros.raw_subscriptions import RclpySubscription, Subscriptions
+from gateway.ros.ready_events import Arrivals, EventfdArrivals, PolledArrivals, UnsupportedError
 from gateway.ros.samples import EventfdSamples, ExecutorSamples, Samples
-from gateway.ros.services import RclpyClient, RclpyService, Services
-from gateway.ros.subscriptions import RclpySubscription, Subscriptions
+from gateway.ros.service_entities import RclpyClient, RclpyService, Services
 from gateway.ros.watches import GraphWatch, GraphWatches
 
 _PROFILE: Final = Path(__file__).with_name("fastdds_profile.xml")

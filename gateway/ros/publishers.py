@@ -10,11 +10,11 @@ from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 
 from gateway.ports import Qos
+from gateway.ros.deferred_destruction import Kept, LastWords
 from gateway.ros.errors import REFUSALS, refused, remapped
 from gateway.ros.groups import group_of_one
 from gateway.ros.interfaces import message_class
-from gateway.ros.last_words import Kept, LastWords
-from gateway.ros.names import check_topic
+from gateway.ros.name_checks import check_topic
 from gateway.ros.profile import to_profile
 from gateway.ros.qos import complete_offer
 

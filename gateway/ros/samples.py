@@ -16,9 +16,9 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
 from gateway.ports import MAX_TAKES_PER_TURN, Sample
-from gateway.ros.arrivals import EventfdArrivals
 from gateway.ros.groups import group_of_one
 from gateway.ros.qos import MAX_DEPTH
+from gateway.ros.ready_events import EventfdArrivals
 
 OnSamples = Callable[[Sequence[Sample]], None]
 

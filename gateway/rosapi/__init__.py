@@ -2,7 +2,7 @@
 """The rosapi services of rosbridge, answered in-process: the graph, types, parameters, time."""
 
 from gateway.rosapi.interfaces import interfaces_prefix
-from gateway.rosapi.parameters import Parameters, SetResult
-from gateway.rosapi.service import Rosapi
+from gateway.rosapi.node_parameters import Parameters, SetResult
+from gateway.rosapi.service_table import Rosapi
 
 __all__ = ["Parameters", "Rosapi", "SetResult", "interfaces_prefix"]

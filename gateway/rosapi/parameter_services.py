@@ -6,11 +6,11 @@ What goes wrong stands in ``reason``: clients look there, and not all of them wa
 
 from collections.abc import Mapping
 
+from gateway.codec.error_text import cut
 from gateway.codec.errors import CodecError
 from gateway.codec.json import dumps, loads
-from gateway.codec.words import cut
 from gateway.protocol.errors import ProtocolError
-from gateway.rosapi.parameters import ALL_NODES_TIMEOUT_S, Parameters, SetResult, patience_s
+from gateway.rosapi.node_parameters import ALL_NODES_TIMEOUT_S, Parameters, SetResult, patience_s
 
 _Request = Mapping[str, str]
 _Answer = dict[str, object]

@@ -6,8 +6,8 @@ import difflib
 from collections.abc import Callable, Iterable
 from typing import Literal, TypeVar
 
+from gateway.codec.error_text import cut
 from gateway.codec.types import ActionType, ServiceType, Types
-from gateway.codec.words import cut
 from gateway.ports import Ros
 from gateway.protocol.bad_type import bad_type
 from gateway.protocol.errors import ProtocolError

@@ -8,9 +8,8 @@ from concurrent.futures import Executor
 from functools import partial
 from typing import Any, Protocol, assert_never
 
-from gateway.calls import Calls
+from gateway.codec.error_text import cut
 from gateway.codec.types import Types
-from gateway.codec.words import cut
 from gateway.ports import Ros, RosError
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.limits import Limits
@@ -46,19 +45,20 @@ from gateway.protocol.operations import (
 )
 from gateway.protocol.session import Session
 from gateway.rosapi import Parameters, Rosapi
-from gateway.router.goals import Goals
-from gateway.router.inquiries import Inquiries
+from gateway.router.actions.client_actions import ProvidedActions
+from gateway.router.actions.goals import Goals
 from gateway.router.interface_types import InterfaceTypes
-from gateway.router.parameters import ParameterOperations
-from gateway.router.provided_actions import ProvidedActions
-from gateway.router.provided_services import ProvidedServices
-from gateway.router.publications import Publications
-from gateway.router.renditions import Renditions
-from gateway.router.service_calls import ServiceCalls
-from gateway.router.subscriptions import Subscriptions
+from gateway.router.introspection.introspection import Inquiries
+from gateway.router.introspection.parameter_operations import ParameterOperations
+from gateway.router.services.client_services import ProvidedServices
+from gateway.router.services.service_calls import ServiceCalls
 from gateway.router.tasks import ASKING_S, Tasks
 from gateway.router.topic_types import TopicTypes
-from gateway.router.transforms import Transforms
+from gateway.router.topics.encodings import Renditions
+from gateway.router.topics.publications import Publications
+from gateway.router.topics.subscriptions import Subscriptions
+from gateway.router.transforms.lookups import Transforms
+from gateway.service_clients import Calls
 from schemas.table import Table
 
 

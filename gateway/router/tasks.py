@@ -7,7 +7,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 from typing import Final
 
-from gateway.codec.words import cut
+from gateway.codec.error_text import cut
 from gateway.ports import RosError
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.limits import MAX_WAITING_CALLS

@@ -20,12 +20,12 @@ from websockets.http11 import Request, Response
 from websockets.protocol import CONNECTING, OPEN, Event
 from websockets.server import ServerProtocol
 
-from gateway.protocol import frames
+from gateway.protocol import messages
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.limits import Limits
 from gateway.protocol.outbox import Entry
-from gateway.protocol.rate import TokenBucket
 from gateway.protocol.session import Session
+from gateway.protocol.token_bucket import TokenBucket
 from gateway.server.timing import Timing
 
 logger = logging.getLogger(__name__)
@@ -292,7 +292,7 @@ class Connection(asyncio.BufferedProtocol):
         if refusal is not None:
             # Also as a frame: .NET's WebSocket takes close codes that are younger than itself (1012
             # to 1014) for a fault, and tells its program neither code nor reason.
-            self._protocol.send_text(frames.status("error", refusal, code="limit_exceeded"))
+            self._protocol.send_text(messages.status("error", refusal, code="limit_exceeded"))
             self.close(OVER_CAPACITY, refusal)
             return
         self._session = self._reception.enter(self)

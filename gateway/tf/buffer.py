@@ -5,7 +5,6 @@ from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
-from gateway.protocol.operations.transforms import MAX_FRAME_CHARACTERS
 from gateway.tf.errors import (
     ExtrapolationError,
     InvalidTransformError,
@@ -19,6 +18,8 @@ from gateway.tf.rigid import IDENTITY, Rigid
 # Five humanoids with all their fingers; 67 MB if every one of them moves at 200 Hz. A tracker may
 # name frames anew for ever: those that have ceased make room.
 MAX_FRAMES: Final = 512
+# Of frames with namespaces, prefixes and numbers nobody has seen half of it.
+MAX_FRAME_CHARACTERS: Final = 256
 # To look for those that have ceased takes a millisecond. Where too many frames are alive, that
 # must not come with each of them.
 SWEEP_NS: Final = 1_000_000_000

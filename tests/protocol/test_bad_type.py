@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from gateway.codec.words import MAX_ECHO
+from gateway.codec.error_text import MAX_ECHO
 from gateway.protocol.bad_type import bad_type
 from schemas.definition import DefinitionError
 from schemas.installed import InstalledDefinitions, UnknownTypeError

@@ -4,9 +4,9 @@ import json
 import pytest
 
 from gateway.protocol.errors import ProtocolError
-from gateway.protocol.fragments import MAX_AGE_NS
 from gateway.protocol.limits import Limits
 from gateway.protocol.operations import CallService, Ping, SendActionGoal, Subscribe
+from gateway.protocol.rosbridge_fragments import MAX_AGE_NS
 from gateway.protocol.session import ROS_SHARP_FRAGMENT_SIZE, Session
 from tests.wire import unpacked, websocket_frames
 

@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 from websockets.frames import Frame, Opcode
 
 from gateway.protocol.errors import ProtocolError
-from gateway.protocol.framing import BINARY, header, text_frame
 from gateway.protocol.names import resolve_topic
-from gateway.protocol.rate import TokenBucket
+from gateway.protocol.token_bucket import TokenBucket
+from gateway.protocol.websocket_frames import BINARY, header, text_frame
 
 SECOND = 1_000_000_000
 

@@ -24,7 +24,7 @@ from gateway.ports import (
     Sample,
     Topic,
 )
-from gateway.ros.names import TypeKind, check_action, check_service, check_topic, split_type
+from gateway.ros.name_checks import TypeKind, check_action, check_service, check_topic, split_type
 from gateway.ros.qos import Offer, adopt, complete_offer, is_same_request, mismatches
 from schemas.installed import InstalledDefinitions, UnknownTypeError, parts_of
 from tests.ros.fake_actions import FakeActionClient, FakeActionServer

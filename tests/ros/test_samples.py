@@ -12,10 +12,10 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 
 from gateway.ports import MAX_TAKES_PER_TURN, Qos, Sample
-from gateway.ros.arrivals import EventfdArrivals
 from gateway.ros.interfaces import message_class
 from gateway.ros.profile import to_profile
 from gateway.ros.qos import MAX_DEPTH, adopt
+from gateway.ros.ready_events import EventfdArrivals
 from gateway.ros.samples import EventfdSamples, ExecutorSamples
 from tests.client import eventually
 from tests.ros.outside import Outside, OutsidePublisher

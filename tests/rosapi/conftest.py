@@ -5,11 +5,11 @@ from collections.abc import AsyncIterator, Iterator
 
 import pytest
 
-from gateway.calls import Calls
 from gateway.codec.types import Types
 from gateway.ports import Ros
 from gateway.ros import RosOptions, open_ros
 from gateway.rosapi import Parameters
+from gateway.service_clients import Calls
 from schemas.installed import InstalledDefinitions
 from tests.client import eventually
 from tests.rosapi.robot import NodeWithParameters, declare

@@ -4,9 +4,9 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from gateway.calls import Calls
 from gateway.codec.types import Types
 from gateway.ports import Request
+from gateway.service_clients import Calls
 from schemas.installed import InstalledDefinitions
 from tests.ros.fake import FakeRos
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from gateway.codec.words import MAX_ECHO
+from gateway.codec.error_text import MAX_ECHO
 from gateway.ports import Ros
 from gateway.rosapi import Parameters, Rosapi
 from schemas.installed import InstalledDefinitions
@@ -150,7 +150,7 @@ async def test_a_node_has_the_time_that_the_client_gives_it(
 async def test_names_of_all_nodes_come_within_the_time_that_the_client_gives(
     nodes: ScriptedNodes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("gateway.rosapi.parameters.NODE_TIMEOUT_S", 3600.0)
+    monkeypatch.setattr("gateway.rosapi.node_parameters.NODE_TIMEOUT_S", 3600.0)
     monkeypatch.setattr("gateway.rosapi.parameter_services.ALL_NODES_TIMEOUT_S", 3600.0)
     nodes.add("/robot", "speed")
     nodes.add_silent("/dead")

@@ -10,7 +10,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.frames import Frame, Opcode
 
 from gateway.ports import Qos
-from gateway.router.rendition import Rendition
+from gateway.router.topics.encoding import Rendition
 from gateway.server.connection import Connection
 from tests.client import PATIENCE_S, Client, client, eventually
 from tests.server.conftest import Serve, Served

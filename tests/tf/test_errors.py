@@ -5,7 +5,7 @@ import difflib
 
 import pytest
 
-from gateway.codec.words import MAX_ECHO
+from gateway.codec.error_text import MAX_ECHO
 from gateway.tf.errors import InvalidTransformError, UnknownFrameError
 
 LINKS = {f"robot_{robot}/arm/finger_{n}_link" for robot in range(5) for n in range(100)}

@@ -7,7 +7,7 @@ import pytest
 
 from gateway.codec.json import dumps, loads
 from gateway.codec.types import Types
-from gateway.sim.content import Inventor
+from gateway_sim.content import Inventor
 from schemas.generate.catalogue import Catalogue
 from schemas.generate.csharp_messages import CSHARP_FOLDER, write
 from schemas.installed import InstalledDefinitions, installed_prefixes

@@ -6,12 +6,11 @@ from typing import Annotated, Final
 from pydantic import Field
 
 from gateway.protocol.operations.base import Id, Operation, Part
+from gateway.tf.buffer import MAX_FRAME_CHARACTERS
 
 MAX_RATE_HZ: Final = 200  # what a headset draws, twice
 # A robot takes as long to start. Who waits longer asks again, or repeatedly.
 MAX_TIMEOUT_S: Final = 60
-# Of frames with namespaces, prefixes and numbers nobody has seen half of it.
-MAX_FRAME_CHARACTERS: Final = 256
 
 FrameId = Annotated[str, Field(max_length=MAX_FRAME_CHARACTERS)]
 

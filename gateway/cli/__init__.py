@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command line: arguments to configuration to exit code; the only room that prints."""

@@ -1,0 +1,302 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command line: argv to configuration to exit code, and the only place that prints.
+
+What a subcommand needs is imported when it runs, so that ``--help`` is instant and all that
+needs no ROS works without it.
+"""
+
+import argparse
+import os
+import signal
+import sys
+import threading
+import traceback
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from difflib import get_close_matches
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, NoReturn
+
+from gateway.cli.arguments import CONFIG_FLAGS, argument_parser
+from gateway.config.domain_id import DOMAIN_ID_EXPECTATION, is_domain_id
+from gateway.errors import (
+    BindError,
+    ConfigError,
+    GatewayError,
+    RobotDiedError,
+    RosMissingError,
+    UsageError,
+)
+
+if TYPE_CHECKING:
+    from gateway.config.settings import Given, Loaded
+    from schemas.installed import InstalledDefinitions
+
+EXIT_OK: Final = 0  # Ctrl-C and SIGTERM included
+EXIT_FAILURE: Final = 1
+EXIT_USAGE: Final = 2
+EXIT_NO_ROS: Final = 3
+EXIT_CANNOT_BIND: Final = 4
+
+_DEMO_HINT: Final = """\
+in another terminal, connect with  npx wscat -c URL  and paste:
+  {"op":"subscribe","topic":"/odom"}
+  {"op":"publish","topic":"/cmd_vel","type":"geometry_msgs/msg/Twist","msg":{"linear":{"x":0.2}}}
+Ctrl-C ends the gateway and the robot"""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run ``ros2-gateway`` with *argv* (default: this process's) and return its exit code."""
+    interrupted = threading.Event()
+
+    def interrupt(*_: object) -> NoReturn:
+        interrupted.set()
+        raise KeyboardInterrupt
+
+    # What comes before a subcommand handles signals itself must end just as quietly; and a
+    # shell that starts us in the background has set SIGINT to be ignored.
+    for signal_number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(signal_number, interrupt)
+    debug = False
+    try:
+        arguments = argument_parser().parse_args(argv)
+        debug = arguments.debug
+        code = _run(arguments)
+        sys.stdout.flush()
+    except KeyboardInterrupt:
+        return EXIT_OK
+    except BrokenPipeError:  # the reader of our output, such as head, has had enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return EXIT_OK
+    except Exception as error:  # noqa: BLE001  # the outermost frame reports all there is
+        # An extension module that is interrupted while it loads raises what it likes.
+        if interrupted.is_set() and not isinstance(error, RobotDiedError):
+            return EXIT_OK
+        if debug:
+            traceback.print_exc()
+        return _report(error)
+    return code
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    match arguments.command:
+        case "serve":
+            return _serve(arguments)
+        case "demo":
+            return _demo(arguments)
+        case "sim":
+            return _sim(arguments)
+        case "mock":
+            return _mock(arguments)
+        case "schema":
+            return _schema(arguments)
+        case "check-config":
+            return _check_config(arguments)
+    raise AssertionError(arguments.command)
+
+
+def _report(error: Exception) -> int:
+    """Say what went wrong, each mistake in one sentence; return the exit code for it."""
+    match error:
+        case ConfigError():
+            sentences, code = error.problems, EXIT_USAGE
+        case UsageError():
+            sentences, code = (str(error),), EXIT_USAGE
+        case RosMissingError():
+            sentences, code = (str(error),), EXIT_NO_ROS
+        case BindError():
+            sentences, code = (str(error),), EXIT_CANNOT_BIND
+        case GatewayError():
+            sentences, code = (str(error),), EXIT_FAILURE
+        case _:
+            bug = f"internal error, {type(error).__name__}: {error} (--debug shows where)"
+            sentences, code = (bug,), EXIT_FAILURE
+    for sentence in sentences:
+        print(f"ros2-gateway: {sentence}", file=sys.stderr)
+    return code
+
+
+def _announce(text: str) -> None:
+    print(text, flush=True)  # whoever started us may wait for it behind a pipe
+
+
+def _configuration(arguments: argparse.Namespace) -> "Loaded":
+    from gateway.config.settings import load
+
+    return load(_given(arguments), os.environ, arguments.config)
+
+
+def _given(arguments: argparse.Namespace) -> list["Given"]:
+    from gateway.config.settings import Given
+
+    flags = {key: flag for flag, (key, *_) in CONFIG_FLAGS.items()}
+    flags["ros.use_sim_time"] = "--use-sim-time"
+    given = []
+    for assignment in arguments.set:
+        key, equals, value = assignment.partition("=")
+        if not equals:
+            raise ConfigError(f"--set: got {assignment!r}, expected KEY=VALUE")
+        given.append(Given(key, value, f"--set {key}"))
+    for key, flag in flags.items():
+        value = getattr(arguments, key)
+        if value is not None:
+            given.append(Given(key, value, flag))
+    return given
+
+
+def _serve(arguments: argparse.Namespace) -> int:
+    loaded = _configuration(arguments)
+    if arguments.print_config:
+        return _print_config(loaded)
+    _use_domain(loaded.config.ros.domain_id)
+    return _run_gateway(loaded, lambda text, url: _announce(text))
+
+
+def _print_config(loaded: "Loaded") -> int:
+    from gateway.config.settings import to_toml
+
+    print(to_toml(loaded), end="")
+    return EXIT_OK
+
+
+def _run_gateway(loaded: "Loaded", announce: Callable[[str, str], None]) -> int:
+    _require_rclpy()
+    from gateway import app
+    from gateway.cli.logs import configure_logging
+
+    configure_logging(loaded.config.log.level, loaded.config.log.format)
+    return app.run(loaded.config, announce=announce)
+
+
+def _require_rclpy() -> None:
+    if find_spec("rclpy") is None:
+        raise RosMissingError
+
+
+def _demo(arguments: argparse.Namespace) -> int:
+    loaded = _configuration(arguments)
+    if arguments.print_config:
+        return _print_config(loaded)
+    _use_domain(loaded.config.ros.domain_id)  # the robot inherits it
+    _require_rclpy()
+    from gateway.cli import demo
+
+    # the robot on this desk is nobody else's business; read when the middleware starts
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+
+    def announce(text: str, url: str) -> None:
+        _announce(f"{text}\n{_DEMO_HINT.replace('URL', url)}")
+
+    return demo.run(lambda: _run_gateway(loaded, announce), demo.robot_command())
+
+
+def _sim(arguments: argparse.Namespace) -> int:
+    if arguments.until_stdin_closes:
+        from gateway.cli.demo import end_with_stdin
+
+        end_with_stdin()
+    _use_domain(arguments.domain_id)
+    with _ros_imports():
+        from gateway_sim import node
+    return node.run(
+        node.SimOptions(
+            namespace=arguments.namespace,
+            camera=not arguments.no_camera,
+            camera_hz=arguments.camera_hz,
+            seed=arguments.seed,
+        )
+    )
+
+
+def _use_domain(domain_id: int | None) -> None:
+    """Have ROS use this domain, or the environment's if that is one: others end the process."""
+    if domain_id is not None:
+        os.environ["ROS_DOMAIN_ID"] = str(domain_id)
+    given = os.environ.get("ROS_DOMAIN_ID")
+    if given and not is_domain_id(given):  # empty is unset, as to ROS
+        raise ConfigError(f"ROS_DOMAIN_ID: got {given!r}, expected {DOMAIN_ID_EXPECTATION}")
+
+
+@contextmanager
+def _ros_imports() -> Iterator[None]:
+    """Say what to do where an import of ROS fails."""
+    try:
+        yield
+    except ImportError as error:
+        raise RosMissingError(str(error)) from error
+
+
+def _mock(arguments: argparse.Namespace) -> int:
+    _use_domain(arguments.domain_id)
+    with _ros_imports():
+        from gateway_sim import mock
+    return mock.run(
+        mock.MockOptions(
+            rate_hz=arguments.rate,
+            types=tuple(arguments.type),
+            publish=not arguments.no_publish,
+            listen=not arguments.no_listen,
+            write=_announce,
+        )
+    )
+
+
+def _schema(arguments: argparse.Namespace) -> int:
+    from schemas.definition import DefinitionError
+    from schemas.installed import InstalledDefinitions, UnknownTypeError
+    from schemas.table import Table, TypeSpellingError, resolve_any
+
+    table = Table.load()
+    definitions = InstalledDefinitions()
+    known = {*table.by_name, *(row.name for row in table.interfaces), *definitions.all_names()}
+    try:
+        name = resolve_any(arguments.type, table, known)
+        if arguments.definition:
+            text = definitions.get_any(name).text.rstrip()
+        else:
+            text = _schema_text(name, definitions)
+    except UnknownTypeError as error:
+        # of a known one, something is missing that no other name mends
+        close = [] if name in known else get_close_matches(name, known, n=1)
+        hint = ""
+        if close:
+            hint = f", did you mean {close[0]}"
+        elif arguments.definition:
+            hint = ", --definition needs the message package installed"
+        raise UsageError(f"{error}{hint}") from error
+    except (TypeSpellingError, DefinitionError) as error:
+        raise UsageError(str(error)) from error
+    print(text)
+    return EXIT_OK
+
+
+def _schema_text(name: str, definitions: "InstalledDefinitions") -> str:
+    """Return the schema of the installed type or, without ROS, the one that comes with us."""
+    import json
+
+    import schemas
+    from schemas.build import json_schema
+    from schemas.generate.json_schemas import file_name
+    from schemas.installed import UnknownTypeError
+
+    try:
+        return json.dumps(json_schema(name, definitions), indent=2, ensure_ascii=False)
+    except UnknownTypeError:
+        shipped = Path(schemas.__file__).parent / "json" / file_name(name)
+        if not shipped.is_file():
+            raise
+        return shipped.read_text(encoding="utf-8").rstrip()
+
+
+def _check_config(arguments: argparse.Namespace) -> int:
+    from gateway.config.settings import load, reference
+
+    if arguments.keys:
+        print(reference(), end="")
+        return EXIT_OK
+    loaded = load(environment=os.environ, file=arguments.file)
+    given = sum(origin != "default" for origin in loaded.origins.values())
+    values = "1 value" if given == 1 else f"{given} values"
+    print(f"the configuration is right: {values} given, the others have their defaults")
+    return EXIT_OK

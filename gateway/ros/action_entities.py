@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The actions that are open through the port."""
+
+from collections.abc import Callable
+
+from gateway.ports import GoalRequest, RosError
+from gateway.ros.action_client import RclpyActionClient
+from gateway.ros.action_server import RclpyActionServer
+from gateway.ros.deferred_destruction import LastWords
+from gateway.ros.endpoints import Endpoints
+from gateway.ros.name_checks import check_action
+from gateway.ros.samples import Samples
+
+
+class Actions:
+    """The clients and the servers of one node; *samples* takes the feedback."""
+
+    def __init__(
+        self,
+        endpoints: Endpoints,
+        samples: Samples,
+        last_words: LastWords,
+        now_ns: Callable[[], int],
+        on_change: Callable[[], None],
+    ) -> None:
+        self._endpoints = endpoints
+        self._on_change = on_change
+        self._samples = samples
+        self._last_words = last_words
+        self._now_ns = now_ns
+        self._clients: set[RclpyActionClient] = set()
+        self._provided: dict[str, RclpyActionServer] = {}
+
+    def __len__(self) -> int:
+        """Count what is open."""
+        return len(self._clients) + len(self._provided)
+
+    def type_of(self, action: str) -> str | None:
+        """Return the type of an action that is open here, if there is one."""
+        if action in self._provided:
+            return self._provided[action].type_name
+        return next((c.type_name for c in self._clients if c.name == action), None)
+
+    def client(self, action: str, type_name: str) -> RclpyActionClient:
+        """Open a client; `gateway.ports.Ros.action_client` says how."""
+        check_action(action)
+        client = RclpyActionClient(
+            self._endpoints,
+            self._samples,
+            action,
+            type_name,
+            self._clients.discard,
+            # what is provided here keeps more, and is taken by this very loop
+            is_paced=lambda: action not in self._provided,
+        )
+        self._clients.add(client)
+        return client
+
+    def serve(
+        self,
+        action: str,
+        type_name: str,
+        on_goal: Callable[[GoalRequest], None],
+        on_cancel: Callable[[GoalRequest], None],
+    ) -> RclpyActionServer:
+        """Open a server; `gateway.ports.Ros.serve_action` says how."""
+        check_action(action)
+        if action in self._provided:
+            raise RosError("limit_exceeded", f"action {action} is provided here already")
+        self._last_words.end(f"action {action}")
+        server = RclpyActionServer(
+            self._endpoints, self._now_ns, action, type_name, on_goal, on_cancel, self._forget
+        )
+        self._provided[action] = server
+        self._on_change()
+        return server
+
+    def follow_graph(self) -> None:
+        """Let every client see whether its servers are still there."""
+        for client in list(self._clients):
+            client.follow_graph()
+
+    def close(self) -> None:
+        """Close what is still open, and wait for no answers."""
+        for client in list(self._clients):
+            client.withdraw()
+            self._last_words.keep(f"action {client.name}", client.type_name, client.destroy)
+        for server in list(self._provided.values()):
+            server.close()
+
+    def _forget(self, server: RclpyActionServer) -> None:
+        del self._provided[server.name]
+
+        def destroy() -> None:
+            server.destroy()
+            self._on_change()
+
+        if server.has_answered:
+            self._last_words.keep(f"action {server.name}", server.type_name, destroy)
+            self._on_change()
+        else:
+            destroy()

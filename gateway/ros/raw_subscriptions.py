@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Raw subscriptions that follow what their publishers offer."""
+
+import asyncio
+from collections.abc import Callable, Sequence
+
+from rclpy.node import Node
+
+from gateway.ports import Qos, RosError, Sample
+from gateway.ros.errors import REFUSALS, refused, remapped
+from gateway.ros.graph import read_offers
+from gateway.ros.interfaces import message_class
+from gateway.ros.name_checks import check_topic
+from gateway.ros.profile import to_profile
+from gateway.ros.qos import Offer, adopt, is_same_request, mismatches
+from gateway.ros.samples import Reader, Samples
+
+
+class Subscriptions:
+    """The subscriptions of one node."""
+
+    def __init__(
+        self,
+        node: Node,
+        samples: Samples,
+        loop: asyncio.AbstractEventLoop,
+        on_change: Callable[[], None],
+    ) -> None:
+        self._node = node
+        self._on_change = on_change
+        self._samples = samples
+        self._loop = loop
+        self._open: set[RclpySubscription] = set()
+
+    def __len__(self) -> int:
+        """Count the open subscriptions."""
+        return len(self._open)
+
+    def subscribe(
+        self,
+        topic: str,
+        type_name: str,
+        qos: Qos,
+        on_samples: Callable[[Sequence[Sample]], None],
+        on_incompatible: Callable[[str], None],
+    ) -> "RclpySubscription":
+        """Open a subscription; `gateway.ports.Ros.subscribe` says how."""
+        check_topic(topic)
+        subscription = RclpySubscription(
+            self, topic, type_name, qos, on_samples, on_incompatible, self.offers(topic)
+        )
+        self._open.add(subscription)
+        self._on_change()
+        # Not from within this call: the caller does not hold the subscription yet.
+        self._loop.call_soon(subscription.report)
+        return subscription
+
+    def type_of(self, topic: str) -> str | None:
+        """Return the type of an open subscription to a topic, if there is one."""
+        return next((s.type_name for s in self._open if s.topic == topic), None)
+
+    def follow_publishers(self) -> None:
+        """Let every subscription see what its publishers offer now."""
+        for subscription in list(self._open):
+            subscription.follow(self.offers(subscription.topic))
+
+    def offers(self, topic: str) -> list[Offer]:
+        """Return what the publishers of a topic offer now."""
+        return read_offers(self._node, topic)
+
+    def read(
+        self,
+        topic: str,
+        found: type,
+        qos: Qos,
+        on_samples: Callable[[Sequence[Sample]], None],
+    ) -> Reader:
+        """Create rclpy's subscription.
+
+        Raises:
+            RosError: ROS refuses it, or gives it another name.
+        """
+        try:
+            reader = self._samples.read(found, topic, to_profile(qos), on_samples)
+        except REFUSALS as error:
+            raise refused(f"topic {topic}", error) from error
+        given = reader.topic_name
+        if given != topic:
+            reader.close()
+            raise remapped(f"topic {topic}", given)
+        return reader
+
+    def forget(self, subscription: "RclpySubscription") -> None:
+        """Count a closed subscription no more."""
+        self._open.discard(subscription)
+        self._on_change()
+
+    def close(self) -> None:
+        """Close every subscription that is still open."""
+        for subscription in list(self._open):
+            subscription.close()
+
+
+class RclpySubscription:
+    """One handle; rclpy's subscription behind it is replaced when the offers ask for another.
+
+    A replacement loses nothing and may deliver something twice: what arrives while both exist,
+    and what a transient-local publisher has retained.
+    """
+
+    def __init__(
+        self,
+        subscriptions: Subscriptions,
+        topic: str,
+        type_name: str,
+        asked: Qos,
+        on_samples: Callable[[Sequence[Sample]], None],
+        on_incompatible: Callable[[str], None],
+        offers: Sequence[Offer],
+    ) -> None:
+        self.topic = topic
+        self.type_name = type_name
+        self._subscriptions = subscriptions
+        self._message_class = message_class(type_name)
+        self._asked = asked
+        self._on_samples = on_samples
+        self._on_incompatible = on_incompatible
+        self._offers = offers
+        self._refusals: list[str] = []  # why what the offers ask for is not in force
+        self._reported: list[str] = []
+        self.qos = adopt(asked, self._matching(offers))  # nothing in it is left to adopt
+        self._reader: Reader | None = self._read(self.qos)
+        self._retired: Reader | None = None  # while it delivers its last
+
+    @property
+    def publishers(self) -> int:
+        """How many publishers of its type the topic has; see the port."""
+        return len(self._matching(self._offers))
+
+    @property
+    def incompatible(self) -> tuple[str, ...]:
+        """What was reported and still holds."""
+        return tuple(self._reported)
+
+    def close(self) -> None:
+        """Destroy it; no callback comes after. Closing twice is harmless."""
+        self._subscriptions.forget(self)
+        readers = (self._retired, self._reader)
+        self._retired = self._reader = None
+        for reader in readers:
+            if reader is not None:
+                reader.close()
+
+    def follow(self, offers: Sequence[Offer]) -> None:
+        """Adopt what the publishers offer now, and tell of those that cannot be matched."""
+        if self._reader is None:
+            return
+        self._offers = offers
+        qos = adopt(self._asked, self._matching(offers), self.qos)
+        self._refusals.clear()
+        if not is_same_request(qos, self.qos):
+            self._replace(self._reader, qos)
+        self.report()
+
+    def report(self) -> None:
+        """Tell of each publisher that cannot be matched, once while it stands."""
+        known = self._reported
+        unmatched = mismatches(self.topic, self.type_name, self.qos, self._offers)
+        self._reported = [*self._refusals, *unmatched]
+        for reason in self._reported:
+            if reason not in known and self._reader is not None:  # a callback may close this
+                self._on_incompatible(reason)
+
+    def _replace(self, retired: Reader, qos: Qos) -> None:
+        try:
+            self._reader = self._read(qos)
+        except RosError as error:
+            self._refusals.append(f"{error}; keeping reliability {self.qos.reliability}")
+            return
+        self.qos = qos
+        self._retired = retired
+        try:
+            retired.flush()
+        finally:
+            self._retired = None
+            retired.close()
+
+    def _read(self, qos: Qos) -> Reader:
+        return self._subscriptions.read(self.topic, self._message_class, qos, self._on_samples)
+
+    def _matching(self, offers: Sequence[Offer]) -> list[Offer]:
+        return [offer for offer in offers if offer.type_name == self.type_name]

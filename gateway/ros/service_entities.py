@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Services, called and provided, with requests and responses as CDR."""
+
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.serialization import deserialize_message, serialize_message
+
+from gateway.ports import Request, RosError
+from gateway.ros.deferred_destruction import LastWords
+from gateway.ros.endpoints import Endpoints, Replier, Reply, Requester
+from gateway.ros.errors import refusals
+from gateway.ros.interfaces import service_class
+from gateway.ros.name_checks import check_service
+
+
+class Services:
+    """The clients and the servers of one node."""
+
+    def __init__(
+        self, endpoints: Endpoints, last_words: LastWords, on_change: Callable[[], None]
+    ) -> None:
+        self._endpoints = endpoints
+        self._last_words = last_words
+        self._on_change = on_change
+        self._clients: set[RclpyClient] = set()
+        self._provided: dict[str, RclpyService] = {}
+
+    def __len__(self) -> int:
+        """Count what is open."""
+        return len(self._clients) + len(self._provided)
+
+    def type_of(self, service: str) -> str | None:
+        """Return the type of a service that is open here, if there is one."""
+        if service in self._provided:
+            return self._provided[service].type_name
+        return next((c.type_name for c in self._clients if c.name == service), None)
+
+    def client(self, service: str, type_name: str) -> "RclpyClient":
+        """Open a client; `gateway.ports.Ros.client` says how."""
+        check_service(service)
+        client = RclpyClient(
+            self._endpoints,
+            service,
+            type_name,
+            self._clients.discard,
+            # what is provided here keeps more, and is taken by this very loop
+            is_paced=lambda: service not in self._provided,
+        )
+        self._clients.add(client)
+        return client
+
+    def serve(
+        self, service: str, type_name: str, on_request: Callable[[Request], None]
+    ) -> "RclpyService":
+        """Open a server; `gateway.ports.Ros.serve` says how."""
+        check_service(service)
+        if service in self._provided:
+            raise RosError("limit_exceeded", f"service {service} is provided here already")
+        self._last_words.end(f"service {service}")
+        server = RclpyService(self._endpoints, service, type_name, on_request, self._forget)
+        self._provided[service] = server
+        self._on_change()
+        return server
+
+    def follow_graph(self) -> None:
+        """Let every client see whether its servers are still there."""
+        for client in list(self._clients):
+            client.follow_graph()
+
+    def close(self) -> None:
+        """Close what is still open."""
+        for client in list(self._clients):
+            client.close()
+        for service in list(self._provided.values()):
+            service.close()
+
+    def _forget(self, service: "RclpyService") -> None:
+        del self._provided[service.name]
+
+        def destroy() -> None:
+            service.destroy()
+            self._on_change()
+
+        if service.has_answered:
+            self._last_words.keep(f"service {service.name}", service.type_name, destroy)
+            self._on_change()
+        else:
+            destroy()
+
+
+class RclpyClient:
+    """A client of a service."""
+
+    def __init__(
+        self,
+        endpoints: Endpoints,
+        name: str,
+        type_name: str,
+        on_close: Callable[["RclpyClient"], None],
+        *,
+        is_paced: Callable[[], bool],
+    ) -> None:
+        self.name = name
+        self.type_name = type_name
+        self._on_close = on_close
+        self._subject = f"service {name}"
+        found = service_class(type_name)
+        self._request_class = found.Request
+        self._requester = Requester(
+            endpoints, found, name, subject=self._subject, is_paced=is_paced
+        )
+
+    async def call(self, request: bytes) -> bytes:
+        """Wait for a server, send the request, wait for the response; see the port."""
+        with refusals(self._subject):
+            message = deserialize_message(request, self._request_class)
+        return serialize_message(await self._requester.send(message))
+
+    def follow_graph(self) -> None:
+        """See whether servers have come or gone."""
+        self._requester.follow_graph()
+
+    def close(self) -> None:
+        """Destroy it; what is under way fails. Closing twice is harmless."""
+        self._on_close(self)
+        self._requester.close()
+
+
+class RclpyRequest:
+    """A request that waits for its response."""
+
+    def __init__(self, subject: str, response_class: Any, message: Any, reply: Reply) -> None:
+        self._subject = subject
+        self._response_class = response_class
+        self._reply: Reply | None = reply
+        self.cdr = serialize_message(message)
+
+    def answer(self, response: bytes) -> None:
+        """Respond. At most once; nothing happens once the service is closed."""
+        with refusals(self._subject):
+            message = deserialize_message(response, self._response_class)
+        reply, self._reply = self._reply, None
+        if reply is not None:
+            reply(message)
+
+
+class RclpyService:
+    """A service that the gateway provides; who has a request keeps it, nothing here does."""
+
+    def __init__(
+        self,
+        endpoints: Endpoints,
+        name: str,
+        type_name: str,
+        on_request: Callable[[Request], None],
+        on_close: Callable[["RclpyService"], None],
+    ) -> None:
+        self.name = name
+        self.type_name = type_name
+        self._on_request = on_request
+        self._on_close = on_close
+        self._is_closed = False
+        self._subject = f"service {name}"
+        found = service_class(type_name)
+        self._response_class = found.Response
+        self._replier = Replier(endpoints, found, name, self._arrive, subject=self._subject)
+
+    @property
+    def has_answered(self) -> bool:
+        """Whether a response was ever sent."""
+        return self._replier.has_replied
+
+    def close(self) -> None:
+        """Deliver what has arrived and withdraw the service; see the port."""
+        if not self._is_closed:
+            self._is_closed = True
+            try:
+                self._replier.drain()
+            finally:
+                self._on_close(self)
+
+    def destroy(self) -> None:
+        """Destroy it, at the latest once its last response has been heard."""
+        self._replier.close()
+
+    def _arrive(self, message: Any, reply: Reply) -> None:
+        self._on_request(RclpyRequest(self._subject, self._response_class, message, reply))

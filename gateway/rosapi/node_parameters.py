@@ -1,0 +1,328 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The parameters of other nodes, over the standard parameter services."""
+
+import asyncio
+import contextlib
+import difflib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+from gateway.codec.error_text import MAX_ECHO, cut
+from gateway.ports import Ros, RosError
+from gateway.protocol.errors import ProtocolError
+from gateway.rosapi.graph_services import is_hidden
+from gateway.rosapi.parameter_values import (
+    ParameterType,
+    ParameterValueError,
+    message_of,
+    type_word,
+    value_of,
+)
+from gateway.rosapi.unresponsive_nodes import Silences
+from gateway.service_clients import Calls
+
+# A node that spins answers within milliseconds, after some tenths of a second for discovery.
+NODE_TIMEOUT_S: Final = 1.0
+# All nodes together, however many of them are dead: roslibpy gives rosapi 3 s.
+ALL_NODES_TIMEOUT_S: Final = 2.0
+# However long a client would wait: a node that is silent for longer has stopped to spin.
+MAX_TIMEOUT_S: Final = 60.0
+# Each takes a ROS client, of 256 entities in all; two rounds of dead nodes fit the above.
+NODES_AT_ONCE: Final = 32
+
+
+@dataclass(frozen=True, slots=True)
+class SetResult:
+    """Whether a node took a value; if not, why."""
+
+    successful: bool
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class _Service:
+    """A service that every node with parameters has."""
+
+    name: str
+    type_name: str
+    items: str  # the field of the response with one item for each thing asked
+
+
+_LIST: Final = _Service("list_parameters", "rcl_interfaces/srv/ListParameters", "result")
+_GET: Final = _Service("get_parameters", "rcl_interfaces/srv/GetParameters", "values")
+_SET: Final = _Service("set_parameters", "rcl_interfaces/srv/SetParameters", "results")
+_DESCRIBE: Final = _Service(
+    "describe_parameters", "rcl_interfaces/srv/DescribeParameters", "descriptors"
+)
+
+
+def patience_s(asked: float | None, default: float = NODE_TIMEOUT_S) -> float:
+    """Return how long nodes have where a client says *asked*; 0 is as long as it may take."""
+    return default if asked is None else min(asked or MAX_TIMEOUT_S, MAX_TIMEOUT_S)
+
+
+class Parameters:
+    """Reads and writes the parameters of any node.
+
+    Nodes may be named without the leading slash. *timeout_s* is for all that one method asks of
+    its node. Every method raises `ProtocolError`: ``not_found`` for an unknown node,
+    ``timeout`` for one that does not answer, or has just now left another question unanswered for
+    as long.
+    """
+
+    def __init__(self, ros: Ros, calls: Calls) -> None:
+        self._ros = ros
+        self._calls = calls
+        self._silences = Silences()
+
+    async def list_names(
+        self, node: str, prefixes: Sequence[str] = (), timeout_s: float = NODE_TIMEOUT_S
+    ) -> list[str]:
+        """Name the parameters of a node, sorted: all, or those that are or are below *prefixes*."""
+        return await self._conversation(node, timeout_s).names(prefixes)
+
+    async def get(
+        self, node: str, names: Sequence[str] | None = None, timeout_s: float = NODE_TIMEOUT_S
+    ) -> dict[str, object]:
+        """Return values, of all parameters without *names*; ``None`` for one without a value.
+
+        Values are what `gateway.codec.json.dumps` takes, bytes being base64.
+
+        Raises:
+            ProtocolError: also ``not_found`` where a parameter is not declared.
+        """
+        conversation = self._conversation(node, timeout_s)
+        asked = sorted(await conversation.declared()) if names is None else names
+        found = await conversation.ask_each(_GET, asked)
+        values = {name: value_of(found[name]) if name in found else None for name in asked}
+        # Nodes differ in what they answer for an undeclared parameter; none says it plainly.
+        await conversation.check_declared([name for name in names or () if values[name] is None])
+        return values
+
+    async def set(
+        self, node: str, values: Mapping[str, object], timeout_s: float = NODE_TIMEOUT_S
+    ) -> dict[str, SetResult]:
+        """Set values, each by itself; ``None`` undeclares a parameter.
+
+        A value is sent as of the type that the parameter has, else of its own.
+        """
+        conversation = self._conversation(node, timeout_s)
+        present = await conversation.ask_each(_DESCRIBE, list(values))
+        results: dict[str, SetResult] = {}
+        messages: dict[str, dict[str, object]] = {}
+        for name, value in values.items():
+            if "\0" in name:
+                results[name] = SetResult(successful=False, reason="expected a name without U+0000")
+                continue
+            try:
+                messages[name] = _fitted(value, present.get(name))
+            except ParameterValueError as error:
+                results[name] = SetResult(successful=False, reason=str(error))
+        for name, result in (await conversation.set(messages)).items():
+            is_undeclared = name not in present and not result.successful
+            results[name] = _undeclared(result) if is_undeclared else result
+        return {name: results[name] for name in values}
+
+    async def describe(
+        self, node: str, names: Sequence[str] | None = None, timeout_s: float = NODE_TIMEOUT_S
+    ) -> dict[str, dict[str, object]]:
+        """Tell types, words and limits, of all parameters without *names*.
+
+        Raises:
+            ProtocolError: also ``not_found`` where a parameter is not declared.
+        """
+        conversation = self._conversation(node, timeout_s)
+        asked = sorted(await conversation.declared()) if names is None else names
+        found = await conversation.ask_each(_DESCRIBE, asked)
+        await conversation.check_declared([name for name in names or () if name not in found])
+        return {name: _description(found[name]) for name in asked if name in found}
+
+    async def names_by_node(self, timeout_s: float = ALL_NODES_TIMEOUT_S) -> dict[str, list[str]]:
+        """Name the parameters of all nodes that answer in time, sorted; hidden nodes are not asked.
+
+        It takes no longer than *timeout_s*. Nodes that were silent before are asked last.
+        """
+        suffix = f"/{_LIST.name}"
+        nodes = [
+            service.name.removesuffix(suffix)
+            for service in self._ros.graph().services
+            if service.name.endswith(suffix)
+            and _LIST.type_name in service.types
+            and not is_hidden(service.name)
+        ]
+        found: dict[str, list[str]] = {}
+        places = asyncio.Semaphore(NODES_AT_ONCE)
+
+        async def look(node: str) -> None:
+            try:
+                found[node] = await self._with(node, NODE_TIMEOUT_S).names()
+            except ProtocolError:
+                pass  # it is left out
+            finally:
+                places.release()
+
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(timeout_s), asyncio.TaskGroup() as group:
+                for node in sorted(nodes, key=self._silences.noticed_s):
+                    await places.acquire()
+                    group.create_task(look(node))
+                    # opening a ROS client takes milliseconds of the loop: one at a turn
+                    await asyncio.sleep(0)
+        return dict(sorted(found.items()))
+
+    def _conversation(self, spelling: str, timeout_s: float) -> "_Conversation":
+        node = spelling if spelling.startswith("/") else f"/{spelling}"
+        nodes = self._ros.graph().nodes
+        if node not in nodes:
+            near = difflib.get_close_matches(node[:MAX_ECHO], nodes, n=1)
+            hint = f"; did you mean {near[0]}?" if near else ""
+            raise ProtocolError("not_found", f"node {cut(node)} does not exist{hint}")
+        return self._with(node, timeout_s)
+
+    def _with(self, node: str, timeout_s: float) -> "_Conversation":
+        return _Conversation(self._ros, self._calls, self._silences, node, timeout_s)
+
+
+class _Conversation:
+    """What is asked of one node within one deadline."""
+
+    def __init__(
+        self, ros: Ros, calls: Calls, silences: Silences, node: str, timeout_s: float
+    ) -> None:
+        self._ros = ros
+        self._calls = calls
+        self._silences = silences
+        self._node = node
+        self._timeout_s = timeout_s
+        self._end = asyncio.get_running_loop().time() + timeout_s
+        self._has_answered = False
+        self._declared: frozenset[str] | None = None
+
+    async def names(self, prefixes: Sequence[str] = ()) -> list[str]:
+        # without a depth all levels come
+        response = await self._ask(_LIST, {"prefixes": list(prefixes)})
+        return sorted(response["names"])
+
+    async def declared(self) -> frozenset[str]:
+        """Return the names of all parameters of the node, asked for once."""
+        if self._declared is None:
+            self._declared = frozenset(await self.names())
+        return self._declared
+
+    async def ask_each(self, service: _Service, names: Sequence[str]) -> dict[str, Any]:
+        """Ask something about parameters; what the node does not answer for is left out."""
+        names = [name for name in names if "\0" not in name]  # which no string in ROS can have
+        if not names:
+            return {}
+        items = await self._ask(service, {"names": names})
+        if len(items) == len(names):
+            return dict(zip(names, items, strict=True))
+        # A single undeclared or uninitialised parameter silences both rclcpp and rclpy.
+        if len(names) == 1:
+            return {}
+        declared = await self.declared()
+        if not declared.issuperset(names):
+            return await self.ask_each(service, [name for name in names if name in declared])
+        middle = len(names) // 2
+        found = await self.ask_each(service, names[:middle])
+        return found | await self.ask_each(service, names[middle:])
+
+    async def check_declared(self, names: Sequence[str]) -> None:
+        """Raise where the node has not declared a parameter."""
+        if not names:
+            return
+        declared = await self.declared()
+        undeclared = [name for name in names if name not in declared]
+        if undeclared:
+            first = undeclared[0]
+            reason = f"node {self._node} has not declared parameter {cut(first)}"
+            if len(undeclared) > 1:
+                reason += f" (nor {len(undeclared) - 1} more)"
+            near = difflib.get_close_matches(first[:MAX_ECHO], sorted(declared), n=1)
+            reason += f"; did you mean {near[0]}?" if near else ""
+            raise ProtocolError("not_found", reason)
+
+    async def set(self, messages: Mapping[str, object]) -> dict[str, SetResult]:
+        if not messages:
+            return {}
+        parameters = [{"name": name, "value": value} for name, value in messages.items()]
+        results = await self._ask(_SET, {"parameters": parameters})
+        if len(results) != len(messages):
+            raise ProtocolError(
+                "internal",
+                f"node {self._node} answered {len(results)} results for {len(messages)} parameters",
+            )
+        return {
+            name: SetResult(result["successful"], _reason(result))
+            for name, result in zip(messages, results, strict=True)
+        }
+
+    async def _ask(self, service: _Service, request: dict[str, object]) -> Any:
+        loop = asyncio.get_running_loop()
+        if not self._has_answered and self._silences.is_fresh(
+            self._node, self._timeout_s, loop.time()
+        ):
+            raise self._no_answer()
+        name = f"{self._node}/{service.name}"
+        left_s = max(0.0, self._end - loop.time())
+        try:
+            response = await self._calls.call(name, service.type_name, request, left_s)
+        except RosError as error:
+            raise ProtocolError(error.code, cut(str(error))) from error
+        except ProtocolError as error:
+            if error.code != "timeout":
+                raise
+            if not self._has_answered:
+                self._silences.note(self._node, self._timeout_s, loop.time())
+            raise self._no_answer() from None
+        self._has_answered = True
+        self._silences.end(self._node)
+        return response[service.items]
+
+    def _no_answer(self) -> ProtocolError:
+        if not self._ros.service_types(f"{self._node}/{_LIST.name}"):
+            return ProtocolError("not_found", f"node {self._node} offers no parameters")
+        return ProtocolError(
+            "timeout", f"node {self._node} has not answered within {self._timeout_s:g} s"
+        )
+
+
+def _fitted(value: object, descriptor: Mapping[str, Any] | None) -> dict[str, object]:
+    """Return the ParameterValue for a parameter that is described so, or not declared."""
+    if descriptor is None:
+        return message_of(value, ParameterType.NOT_SET)
+    try:
+        return message_of(value, ParameterType(descriptor["type"]))
+    except ParameterValueError:
+        if not descriptor["dynamic_typing"]:
+            raise
+        return message_of(value, ParameterType.NOT_SET)
+
+
+def _undeclared(result: SetResult) -> SetResult:
+    # what rclpy says by itself: "Invalid access to undeclared parameter(s): []"
+    return replace(result, reason=f"the node has not declared it: {result.reason}")
+
+
+def _reason(result: Mapping[str, Any]) -> str:
+    if result["successful"]:
+        return ""
+    return result["reason"] or "the node refuses it without a reason"
+
+
+def _description(descriptor: Mapping[str, Any]) -> dict[str, object]:
+    description: dict[str, object] = {
+        "type": type_word(descriptor["type"]),
+        "description": descriptor["description"],
+        "additional_constraints": descriptor["additional_constraints"],
+        "read_only": descriptor["read_only"],
+        "dynamic_typing": descriptor["dynamic_typing"],
+    }
+    for limits in (*descriptor["integer_range"], *descriptor["floating_point_range"]):
+        description["range"] = {
+            "from": limits["from_value"],
+            "to": limits["to_value"],
+            "step": limits["step"],
+        }
+    return description

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The values of parameters: rcl_interfaces/msg/ParameterValue to JSON and back."""
+
+import math
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from enum import IntEnum
+from typing import Any, Final
+
+import pybase64
+
+from gateway.codec.error_text import kind
+from schemas.definition import INTEGER_RANGES
+
+
+class ParameterType(IntEnum):
+    """The constants of rcl_interfaces/msg/ParameterType."""
+
+    NOT_SET = 0
+    BOOL = 1
+    INTEGER = 2
+    DOUBLE = 3
+    STRING = 4
+    BYTE_ARRAY = 5
+    BOOL_ARRAY = 6
+    INTEGER_ARRAY = 7
+    DOUBLE_ARRAY = 8
+    STRING_ARRAY = 9
+
+    @classmethod
+    def _missing_(cls, value: object) -> "ParameterType":
+        return cls.NOT_SET  # a type of a later ROS says as much to us as none
+
+
+_ELEMENTS: Final = {
+    ParameterType.BOOL_ARRAY: ParameterType.BOOL,
+    ParameterType.INTEGER_ARRAY: ParameterType.INTEGER,
+    ParameterType.DOUBLE_ARRAY: ParameterType.DOUBLE,
+    ParameterType.STRING_ARRAY: ParameterType.STRING,
+}
+_ARRAYS: Final = {element: array for array, element in _ELEMENTS.items()}
+_LOWEST, _HIGHEST = INTEGER_RANGES["int64"]
+
+
+class ParameterValueError(ValueError):
+    """A value is none of the kind that a parameter has; the text says what was expected."""
+
+
+def type_word(number: int) -> str:
+    """Return what a type of parameter is called: ``double_array``."""
+    return ParameterType(number).name.lower()
+
+
+def value_of(message: Mapping[str, Any]) -> object:
+    """Return the value in a decoded ParameterValue, ``None`` where there is none.
+
+    Bytes are base64; arrays are what `gateway.codec.json.dumps` takes.
+    """
+    return message.get(f"{type_word(message['type'])}_value")
+
+
+def message_of(value: object, wanted: ParameterType) -> dict[str, object]:
+    """Return a ParameterValue of type *wanted*, of the value's own where that is ``NOT_SET``.
+
+    ``None`` is the value that is none. Integers are taken for doubles, and doubles without a
+    fraction for integers: JSON, and JavaScript even more so, hardly tells them apart.
+
+    Raises:
+        ParameterValueError: it is no such value.
+    """
+    if value is None:
+        return {"type": int(ParameterType.NOT_SET)}
+    type_ = wanted if wanted is not ParameterType.NOT_SET else _own_type(value)
+    return {"type": int(type_), f"{type_word(type_)}_value": _converted(value, type_)}
+
+
+def _own_type(value: object) -> ParameterType:
+    match value:
+        case list():
+            return _own_array_type(value)
+        case bool():
+            return ParameterType.BOOL
+        case int():
+            return ParameterType.INTEGER
+        case float():
+            return ParameterType.DOUBLE
+        case str():
+            return ParameterType.STRING
+    raise ParameterValueError(
+        f"expected a boolean, a number, a string or an array of one of these, got {kind(value)}"
+    )
+
+
+def _own_array_type(values: list[object]) -> ParameterType:
+    types = {_own_type(value) for value in values}
+    if types == {ParameterType.INTEGER, ParameterType.DOUBLE}:
+        return ParameterType.DOUBLE_ARRAY
+    if len(types) == 1:
+        (only,) = types
+        if only in _ARRAYS:
+            return _ARRAYS[only]
+    if not types:
+        raise ParameterValueError("an empty array has no type, and the node states none")
+    raise ParameterValueError("expected an array of values of one kind")
+
+
+def _converted(value: object, type_: ParameterType) -> object:
+    if type_ is ParameterType.BYTE_ARRAY:
+        return _bytes(value)
+    if type_ not in _ELEMENTS:
+        return _scalar(value, type_)
+    if not isinstance(value, list):
+        raise ParameterValueError(f"expected an array, got {kind(value)}")
+    element_type = _ELEMENTS[type_]
+    return [_element(index, element, element_type) for index, element in enumerate(value)]
+
+
+def _element(index: int, value: object, type_: ParameterType) -> object:
+    if value is None and type_ is ParameterType.DOUBLE:
+        return None  # as everywhere, it stands for NaN
+    try:
+        return _scalar(value, type_)
+    except ParameterValueError as error:
+        raise ParameterValueError(f"[{index}]: {error}") from None
+
+
+def _scalar(value: object, type_: ParameterType) -> object:
+    convert, expected = _SCALARS[type_]
+    converted = convert(value)
+    if converted is None:
+        raise ParameterValueError(f"expected {expected}, got {kind(value)}")
+    return converted
+
+
+def _boolean(value: object) -> bool | None:
+    return value if isinstance(value, bool) else None
+
+
+def _integer(value: object) -> int | None:
+    if isinstance(value, float) and value.is_integer():
+        value = int(value)
+    if isinstance(value, bool) or not isinstance(value, int):
+        return None
+    return value if _LOWEST <= value <= _HIGHEST else None
+
+
+def _double(value: object) -> float | None:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return None
+    return float(value) if math.isfinite(value) else None  # orjson reads 1e999 as infinity
+
+
+def _text(value: object) -> str | None:
+    return value if isinstance(value, str) and "\0" not in value else None
+
+
+def _bytes(value: object) -> bytes:
+    with suppress(ValueError):
+        if isinstance(value, str):
+            return pybase64.b64decode(value, validate=True)
+        if isinstance(value, list) and set(map(type, value)) <= {int}:
+            return bytes(value)
+    raise ParameterValueError("expected bytes: base64 or an array of integers from 0 to 255")
+
+
+_SCALARS: Final[Mapping[ParameterType, tuple[Callable[[object], object], str]]] = {
+    ParameterType.BOOL: (_boolean, "true or false"),
+    ParameterType.INTEGER: (_integer, "an integer of 64 bits"),
+    ParameterType.DOUBLE: (_double, "a finite number"),
+    ParameterType.STRING: (_text, "a string without U+0000"),
+}

@@ -1,0 +1,219 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Actions that clients provide: goals from ROS on their way to a client, results back."""
+
+from dataclasses import dataclass, field
+
+from gateway.codec.errors import CodecError
+from gateway.codec.types import ActionType
+from gateway.ports import (
+    ABORTED,
+    CANCELED,
+    SUCCEEDED,
+    ActionServer,
+    GoalOutcome,
+    GoalRequest,
+    Ros,
+    RosError,
+)
+from gateway.protocol import messages
+from gateway.protocol.errors import ProtocolError
+from gateway.protocol.names import ActionName, resolve_action
+from gateway.protocol.operations.actions import (
+    ActionFeedback,
+    ActionResult,
+    AdvertiseAction,
+    UnadvertiseAction,
+)
+from gateway.protocol.session import Session
+from gateway.router.failure import failure
+from gateway.router.interface_types import InterfaceTypes
+from gateway.router.takeover import check_heir
+from gateway.service_clients import encode_values
+
+_OUTCOMES: dict[int, GoalOutcome] = {4: SUCCEEDED, 5: CANCELED, 6: ABORTED}
+
+
+@dataclass(slots=True)
+class Provided:
+    """One action of one client."""
+
+    session: Session
+    spelling: str
+    type_spelling: str
+    type: ActionType
+    server: ActionServer
+    goals: dict[str, GoalRequest] = field(default_factory=dict)
+    canceling: set[str] = field(default_factory=set)  # those that somebody wants cancelled
+
+
+class ProvidedActions:
+    """Opens and closes ROS action servers as clients come and go."""
+
+    def __init__(self, ros: Ros, types: InterfaceTypes) -> None:
+        self._ros = ros
+        self._types = types
+        self._provided: dict[ActionName, Provided] = {}
+
+    @property
+    def servers(self) -> int:
+        """How many ROS action servers are open."""
+        return len(self._provided)
+
+    @property
+    def pending(self) -> int:
+        """How many goals wait for a client to end them."""
+        return sum(len(provided.goals) for provided in self._provided.values())
+
+    def count(self, session: Session) -> int:
+        """Count what a client provides."""
+        return sum(provided.session is session for provided in self._provided.values())
+
+    def advertise(self, session: Session, request: AdvertiseAction) -> None:
+        """Open an action server. As with services, the newest provider wins.
+
+        Raises:
+            ProtocolError: the name or the type is not right.
+            RosError: ROS refuses it.
+        """
+        action = resolve_action(request.action, session.limits.name_characters)
+        action_type = self._types.action(request.type)
+        former = self._provided.get(action)
+        if former is None and self.count(session) >= session.limits.advertisements:
+            limit = session.limits.advertisements
+            raise ProtocolError("limit_exceeded", f"at most {limit} actions provided per client")
+        if former is not None:
+            check_heir(session, former.session, action, action_type.name, former.type.name)
+            self._close(action, former)
+        try:
+            self._open(session, action, request.action, request.type, action_type)
+        except RosError:
+            if former is not None:
+                names = former.spelling, former.type_spelling
+                self._open(former.session, action, *names, former.type)
+            raise
+        if former is not None and former.session is not session:
+            text = f"action {action} is provided by another client now"
+            former.session.warn(ProtocolError("not_found", text), request.op, None)
+        session.inform(f"providing {action} ({action_type.name})", request.op, request.id)
+
+    def unadvertise(self, session: Session, request: UnadvertiseAction) -> None:
+        """Close an action server; its goals are aborted.
+
+        Raises:
+            ProtocolError: this client does not provide it.
+        """
+        action = resolve_action(request.action, session.limits.name_characters)
+        self._close(action, self._own(session, action))
+
+    def feedback(self, session: Session, request: ActionFeedback) -> None:
+        """Publish a client's feedback on a goal.
+
+        Raises:
+            ProtocolError: there is no such goal, or the values do not fit the type.
+        """
+        provided, goal_id = self._find(session, request)
+        cdr = encode_values(provided.type.feedback, request.values, self._ros.now_ns, "values")
+        provided.goals[goal_id].feedback(cdr)
+
+    def finish(self, session: Session, request: ActionResult) -> None:
+        """End a goal with what the client says.
+
+        Raises:
+            ProtocolError: there is no such goal, the status is none that ends one, or the values
+                do not fit the type; in this last case the goal is aborted.
+        """
+        provided, goal_id = self._find(session, request)
+        # roslib 1 leaves the status out: then success or failure is all there is to say
+        status = _OUTCOMES.get(SUCCEEDED if request.status is None else request.status)
+        if not request.result:
+            status = ABORTED
+        if status is None:
+            expected = "4 (succeeded), 5 (canceled) or 6 (aborted)"
+            raise ProtocolError("bad_request", f"status: expected {expected}, got {request.status}")
+        result_type = provided.type.result
+        goal = provided.goals.pop(goal_id)
+        is_canceling = goal_id in provided.canceling
+        provided.canceling.discard(goal_id)
+        if request.status == CANCELED and (status == ABORTED or not is_canceling):
+            why = "nobody asked to cancel the goal" if not is_canceling else "result is false"
+            text = f"status: {why}, so it ends as aborted (6), not canceled (5)"
+            session.warn(ProtocolError("bad_request", text), request.op, request.id)
+        if status == ABORTED and isinstance(request.values, str | None):
+            words = request.values if isinstance(request.values, str) else "action failed"
+            goal.finish(ABORTED, failure(result_type, words))
+            return
+        try:
+            cdr = encode_values(result_type, request.values, self._ros.now_ns, "values")
+        except ProtocolError:
+            reason = "the action's client sent an invalid result"
+            goal.finish(ABORTED, failure(result_type, reason))
+            raise
+        goal.finish(status, cdr)
+
+    def leave(self, session: Session) -> None:
+        """Close everything that a client provides; its goals are aborted."""
+        for action, provided in list(self._provided.items()):
+            if provided.session is session:
+                self._close(action, provided)
+
+    def _own(self, session: Session, action: ActionName) -> Provided:
+        provided = self._provided.get(action)
+        if provided is None or provided.session is not session:
+            raise ProtocolError("not_found", f"action {action} is not provided by this client")
+        return provided
+
+    def _find(
+        self, session: Session, request: ActionFeedback | ActionResult
+    ) -> tuple[Provided, str]:
+        action = resolve_action(request.action, session.limits.name_characters)
+        provided = self._own(session, action)
+        goal_id = str(request.id)
+        if goal_id not in provided.goals:
+            raise ProtocolError("not_found", f"no goal of {action} with id {request.id!r}")
+        return provided, goal_id
+
+    def _open(
+        self,
+        session: Session,
+        action: ActionName,
+        spelling: str,
+        type_spelling: str,
+        action_type: ActionType,
+    ) -> None:
+        provided: Provided
+
+        def on_goal(goal: GoalRequest) -> None:
+            self._pass_on(action, provided, goal)
+
+        def on_cancel(goal: GoalRequest) -> None:
+            _pass_on_cancel(provided, goal)
+
+        server = self._ros.serve_action(action, action_type.name, on_goal, on_cancel)
+        provided = Provided(session, spelling, type_spelling, action_type, server)
+        self._provided[action] = provided
+
+    def _pass_on(self, action: ActionName, provided: Provided, goal: GoalRequest) -> None:
+        try:
+            args = provided.type.goal.decode(goal.cdr)
+        except CodecError as error:
+            goal.finish(ABORTED, failure(provided.type.result, f"goal cannot be read: {error}"))
+            return
+        # As rosbridge spells it: ROS# takes it apart.
+        goal_id = f"action_goal:{action}:{next(provided.session.numbers)}"
+        provided.goals[goal_id] = goal
+        provided.session.ask(
+            messages.send_action_goal(provided.spelling, goal_id, provided.type_spelling, args)
+        )
+
+    def _close(self, action: ActionName, provided: Provided) -> None:
+        del self._provided[action]
+        provided.goals.clear()
+        provided.canceling.clear()
+        provided.server.close()
+
+
+def _pass_on_cancel(provided: Provided, goal: GoalRequest) -> None:
+    for goal_id, known in provided.goals.items():
+        if known is goal:
+            provided.canceling.add(goal_id)
+            provided.session.ask(messages.cancel_action_goal(provided.spelling, goal_id))

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The operations on parameters."""
+
+from dataclasses import asdict
+from typing import Any
+
+from gateway.protocol.operations.parameters import (
+    DescribeParameters,
+    GetParameters,
+    ListParameters,
+    SetParameters,
+)
+from gateway.rosapi.node_parameters import Parameters, patience_s
+
+
+class ParameterOperations:
+    """Carries out the operations on parameters; each returns the members of its answer.
+
+    Each raises `ProtocolError` as `Parameters` does.
+    """
+
+    def __init__(self, parameters: Parameters) -> None:
+        self._parameters = parameters
+
+    async def list(self, request: ListParameters) -> dict[str, Any]:
+        """Name a node's parameters."""
+        timeout_s = patience_s(request.timeout)
+        names = await self._parameters.list_names(request.node, request.prefixes, timeout_s)
+        return {"node": request.node, "names": names}
+
+    async def get(self, request: GetParameters) -> dict[str, Any]:
+        """Return values."""
+        timeout_s = patience_s(request.timeout)
+        values = await self._parameters.get(request.node, request.names, timeout_s)
+        return {"node": request.node, "values": values}
+
+    async def set(self, request: SetParameters) -> dict[str, Any]:
+        """Set values; what the node refuses is told for each."""
+        timeout_s = patience_s(request.timeout)
+        results = await self._parameters.set(request.node, request.values, timeout_s)
+        return {
+            "node": request.node,
+            "results": {name: asdict(result) for name, result in results.items()},
+        }
+
+    async def describe(self, request: DescribeParameters) -> dict[str, Any]:
+        """Tell types, words and limits."""
+        timeout_s = patience_s(request.timeout)
+        described = await self._parameters.describe(request.node, request.names, timeout_s)
+        return {"node": request.node, "parameters": described}

@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Services that clients provide: calls from ROS on their way to a client, answers back."""
+
+import asyncio
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Final
+
+from gateway.codec.errors import CodecError
+from gateway.codec.types import ServiceType
+from gateway.ports import Request, Ros, RosError, Service
+from gateway.protocol import messages
+from gateway.protocol.errors import ProtocolError
+from gateway.protocol.names import ServiceName, resolve_service
+from gateway.protocol.operations.services import (
+    AdvertiseService,
+    ServiceResponse,
+    UnadvertiseService,
+)
+from gateway.protocol.session import Session
+from gateway.router.failure import failure
+from gateway.router.interface_types import InterfaceTypes
+from gateway.router.takeover import check_heir
+from gateway.service_clients import encode_values
+
+logger = logging.getLogger(__name__)
+
+# What waits for one client to answer; a client that is so far behind will not catch up.
+MAX_PENDING: Final = 64
+
+
+@dataclass(slots=True)
+class Pending:
+    """A call that a client has to answer."""
+
+    request: Request
+    deadline: asyncio.TimerHandle
+
+
+@dataclass(slots=True)
+class Provided:
+    """One service of one client."""
+
+    session: Session
+    spelling: str
+    type: ServiceType
+    service: Service
+    pending: dict[str, Pending] = field(default_factory=dict)
+    closed_because: str | None = None
+
+
+class ProvidedServices:
+    """Opens and closes ROS services as clients come and go; every call is answered."""
+
+    def __init__(
+        self, ros: Ros, types: InterfaceTypes, is_reserved: Callable[[ServiceName], bool]
+    ) -> None:
+        """*is_reserved* tells which services the gateway answers itself."""
+        self._ros = ros
+        self._types = types
+        self._is_reserved = is_reserved
+        self._provided: dict[ServiceName, Provided] = {}
+
+    @property
+    def services(self) -> int:
+        """How many ROS services are open."""
+        return len(self._provided)
+
+    @property
+    def pending(self) -> int:
+        """How many calls wait for a client's answer."""
+        return sum(len(provided.pending) for provided in self._provided.values())
+
+    def count(self, session: Session) -> int:
+        """Count what a client provides."""
+        return sum(provided.session is session for provided in self._provided.values())
+
+    def advertise(self, session: Session, request: AdvertiseService) -> None:
+        """Open a service. One that a client of the gateway provides already changes hands.
+
+        A client that has lost its connection and is back must not find its place taken by the
+        connection that it lost, so the newest wins, as in rosbridge.
+
+        Raises:
+            ProtocolError: the name or the type is not right.
+            RosError: ROS refuses it.
+        """
+        service = resolve_service(request.service, session.limits.name_characters)
+        if self._is_reserved(service):
+            text = f"service {service}: the gateway answers it itself, provide another name"
+            raise ProtocolError("bad_name", text)
+        service_type = self._types.service(request.type)
+        former = self._provided.get(service)
+        if former is None and self.count(session) >= session.limits.advertisements:
+            limit = session.limits.advertisements
+            raise ProtocolError("limit_exceeded", f"at most {limit} services provided per client")
+        if former is not None:
+            check_heir(session, former.session, service, service_type.name, former.type.name)
+            self._close(service, former, "service was provided anew")
+        try:
+            self._open(session, service, request.service, service_type)
+        except RosError:
+            if former is not None:
+                self._open(former.session, service, former.spelling, former.type)
+            raise
+        if former is not None and former.session is not session:
+            text = f"service {service} is provided by another client now"
+            former.session.warn(ProtocolError("not_found", text), request.op, None)
+        session.inform(f"providing {service} ({service_type.name})", request.op, request.id)
+
+    def unadvertise(self, session: Session, request: UnadvertiseService) -> None:
+        """Close a service; its callers are answered.
+
+        Raises:
+            ProtocolError: this client does not provide it.
+        """
+        service = resolve_service(request.service, session.limits.name_characters)
+        self._close(service, self._own(session, service), "service was withdrawn")
+
+    def respond(self, session: Session, response: ServiceResponse) -> None:
+        """Give a caller what the client answers.
+
+        Raises:
+            ProtocolError: nothing waits for this answer, or its values do not fit the type; in
+                that case the caller is told of a failure.
+        """
+        service = resolve_service(response.service, session.limits.name_characters)
+        provided = self._own(session, service)
+        pending = provided.pending.pop(str(response.id), None)
+        if pending is None:
+            text = f"no call of {service} with id {response.id!r} waits for a response"
+            raise ProtocolError("not_found", text)
+        pending.deadline.cancel()
+        response_type = provided.type.response
+        # roslib and roslibpy send an empty object with every failure
+        if not response.result and not (response.values and isinstance(response.values, dict)):
+            words = response.values if isinstance(response.values, str) else "service failed"
+            _fail(pending.request, provided.type, words)
+            return
+        try:
+            cdr = encode_values(response_type, response.values, self._ros.now_ns, "values")
+        except ProtocolError:
+            reason = "the service's client sent an invalid response"
+            _fail(pending.request, provided.type, reason)
+            raise
+        pending.request.answer(cdr)
+        if not response.result:
+            text = "a ROS service has no way to fail: the caller gets these values"
+            session.warn(ProtocolError("bad_request", text), response.op, response.id)
+
+    def leave(self, session: Session) -> None:
+        """Close everything that a client provides; its callers are answered."""
+        for service, provided in list(self._provided.items()):
+            if provided.session is session:
+                self._close(service, provided, "service's client has left")
+
+    def _own(self, session: Session, service: ServiceName) -> Provided:
+        provided = self._provided.get(service)
+        if provided is None or provided.session is not session:
+            raise ProtocolError("not_found", f"service {service} is not provided by this client")
+        return provided
+
+    def _open(
+        self, session: Session, service: ServiceName, spelling: str, service_type: ServiceType
+    ) -> None:
+        provided: Provided
+
+        def on_request(call: Request) -> None:
+            self._pass_on(service, provided, call)
+
+        opened = self._ros.serve(service, service_type.name, on_request)
+        provided = self._provided[service] = Provided(session, spelling, service_type, opened)
+
+    def _pass_on(self, service: ServiceName, provided: Provided, call: Request) -> None:
+        if provided.closed_because is not None:
+            _fail(call, provided.type, provided.closed_because)
+            return
+        if len(provided.pending) >= MAX_PENDING:
+            _fail(call, provided.type, "service's client is busy")
+            return
+        try:
+            args = provided.type.request.decode(call.cdr)
+        except CodecError as error:
+            _fail(call, provided.type, f"request cannot be read: {error}")
+            return
+        # As rosbridge spells it: ROS# takes it apart.
+        call_id = f"service_request:{service}:{next(provided.session.numbers)}"
+        deadline = asyncio.get_running_loop().call_later(
+            provided.session.limits.service_timeout_s, self._expire, provided, call_id
+        )
+        provided.pending[call_id] = Pending(call, deadline)
+        provided.session.ask(messages.call_service(provided.spelling, call_id, args))
+
+    def _expire(self, provided: Provided, call_id: str) -> None:
+        pending = provided.pending.pop(call_id)
+        _fail(pending.request, provided.type, "service's client did not answer")
+        text = f"service {provided.spelling}: no response in time, the caller was told of a failure"
+        provided.session.warn(ProtocolError("timeout", text), "call_service", call_id)
+
+    def _close(self, service: ServiceName, provided: Provided, reason: str) -> None:
+        del self._provided[service]
+        provided.closed_because = reason  # calls that have arrived come yet
+        for pending in provided.pending.values():
+            pending.deadline.cancel()
+            _fail(pending.request, provided.type, reason)
+        provided.pending.clear()
+        provided.service.close()
+
+
+def _fail(request: Request, service_type: ServiceType, reason: str) -> None:
+    """Answer a call that has failed; a caller that is gone needs no answer."""
+    try:
+        request.answer(failure(service_type.response, reason))
+    except RosError:
+        logger.info("a caller of %s has gone", service_type.name)

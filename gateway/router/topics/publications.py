@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What clients publish: their advertisements, and their messages on the way into ROS."""
+
+from dataclasses import dataclass, field
+
+from gateway.codec.errors import CodecError
+from gateway.codec.types import MessageType
+from gateway.ports import Publisher, Ros
+from gateway.protocol.errors import ProtocolError
+from gateway.protocol.names import TopicName, resolve_topic
+from gateway.protocol.operations import Advertise, Publish, Unadvertise
+from gateway.protocol.session import Session
+from gateway.router.topic_types import TopicTypes
+from gateway.router.topics.requested_qos import offered
+
+
+@dataclass(slots=True)
+class Advertised:
+    """One client's advertisements of one topic; they share a ROS publisher."""
+
+    message_type: MessageType
+    publisher: Publisher
+    ids: set[str | int | None] = field(default_factory=set)
+
+
+class Publications:
+    """Opens and closes ROS publishers as clients come and go, and publishes through them."""
+
+    def __init__(self, ros: Ros, types: TopicTypes) -> None:
+        self._ros = ros
+        self._types = types
+        self._advertised: dict[Session, dict[TopicName, Advertised]] = {}
+
+    @property
+    def publishers(self) -> int:
+        """How many ROS publishers are open."""
+        return sum(map(len, self._advertised.values()))
+
+    def advertise(self, session: Session, request: Advertise) -> None:
+        """Open a publisher, or add one more id to the one that the client has.
+
+        Raises:
+            ProtocolError: it is refused, and nothing has changed.
+            RosError: ROS refuses it, and nothing has changed.
+        """
+        topic = resolve_topic(request.topic, session.limits.name_characters)
+        known = self._advertised.get(session, {}).get(topic)
+        if known is None:
+            known = self._open(session, topic, request)
+            text = f"advertised {topic} ({known.message_type.name})"
+            session.inform(text, request.op, request.id)
+        else:
+            self._check_type(topic, known, request.type)
+        known.ids.add(request.id)
+
+    def unadvertise(self, session: Session, request: Unadvertise) -> None:
+        """Take one advertisement back, or without an id all of the client's on the topic.
+
+        Raises:
+            ProtocolError: there is none.
+        """
+        topic = resolve_topic(request.topic, session.limits.name_characters)
+        own = self._advertised.get(session, {})
+        known = own.get(topic)
+        if known is None or (request.id is not None and request.id not in known.ids):
+            with_id = "" if request.id is None else f" with id {request.id!r}"
+            raise ProtocolError("not_found", f"not advertised: {topic}{with_id}")
+        known.ids.discard(request.id)
+        if request.id is None or not known.ids:
+            known.publisher.close()
+            del own[topic]
+            if not own:
+                del self._advertised[session]
+
+    def publish(self, session: Session, request: Publish) -> None:
+        """Publish one message, advertising the topic first where the client did not.
+
+        Raises:
+            ProtocolError: the topic, its type or the message is not right.
+            RosError: ROS refuses to create the publisher.
+        """
+        topic = resolve_topic(request.topic, session.limits.name_characters)
+        known = self._advertised.get(session, {}).get(topic)
+        if known is None:
+            known = self._open(session, topic, request)
+            known.ids.add(None)
+        elif request.type is not None:
+            self._check_type(topic, known, request.type)
+        try:
+            message = known.message_type.validate(request.msg, self._ros.now_ns)
+            cdr = known.message_type.encode(message)
+        except CodecError as error:
+            raise ProtocolError("invalid_value", str(error)) from error
+        known.publisher.publish(cdr)
+
+    def leave(self, session: Session) -> None:
+        """Close everything that a client advertised."""
+        for known in self._advertised.pop(session, {}).values():
+            known.publisher.close()
+
+    def _open(self, session: Session, topic: TopicName, request: Advertise | Publish) -> Advertised:
+        limit = session.limits.advertisements
+        own = self._advertised.get(session, {})
+        if len(own) >= limit:
+            raise ProtocolError("limit_exceeded", f"at most {limit} advertisements per client")
+        message_type = self._types.on_topic(topic, request.type)
+        if message_type is None:
+            raise ProtocolError(
+                "not_found", f"topic {topic} is not known: name its type by `type`, or advertise it"
+            )
+        if isinstance(request, Publish):
+            request = Advertise(topic=request.topic, type=message_type.name, latch=request.latch)
+        publisher = self._ros.advertise(topic, message_type.name, offered(request))
+        known = Advertised(message_type, publisher)
+        self._advertised.setdefault(session, {})[topic] = known
+        return known
+
+    def _check_type(self, topic: TopicName, known: Advertised, spelling: str | int) -> None:
+        named = self._types.named(spelling)
+        if named.name != known.message_type.name:
+            raise ProtocolError(
+                "type_conflict",
+                f"topic {topic} is advertised as {known.message_type.name}, not {named.name}",
+            )

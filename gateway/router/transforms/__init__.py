@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Transforms: lookups, once or periodic, in the tf tree."""

@@ -1,0 +1,275 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where frames are in each other, for clients that keep no transform tree of their own."""
+
+import asyncio
+from dataclasses import dataclass
+from typing import Any, Final, NamedTuple
+
+import orjson
+
+from gateway.codec.error_text import cut
+from gateway.codec.json import dumps
+from gateway.ports import Ros
+from gateway.protocol import messages
+from gateway.protocol.errors import ProtocolError
+from gateway.protocol.operations.transforms import CancelTransform, LookupTransform
+from gateway.protocol.outbox import Lane
+from gateway.protocol.session import Session
+from gateway.router.topic_types import TopicTypes
+from gateway.router.transforms.tf_listener import RETRY_S, TfListener
+from gateway.tf.buffer import Buffer, Found
+from gateway.tf.errors import ExtrapolationError, TransformError
+
+DEFAULT_TIMEOUT_S: Final = 1.0  # a first lookup has to discover the publishers
+
+
+class Transforms:
+    """Listens to ``/tf`` and ``/tf_static`` while somebody looks transforms up, and answers.
+
+    Runs on the event loop's thread.
+    """
+
+    def __init__(self, ros: Ros, types: TopicTypes) -> None:
+        self._listener = TfListener(ros, types, self._on_change)
+        self._standing: dict[Session, dict[str | int | None, _Standing]] = {}
+        self._rounds: dict[_Pair, _Round] = {}
+
+    @property
+    def standing(self) -> int:
+        """How many standing lookups there are."""
+        return sum(map(len, self._standing.values()))
+
+    async def lookup(self, request: LookupTransform) -> dict[str, Any]:
+        """Wait until a transform is known; return the members of the answer.
+
+        Raises:
+            ProtocolError: ``not_found``: a frame is unknown, or they are not connected;
+                ``timeout``: the time asked for has not come; ``bad_type``: no tf here.
+            RosError: ROS refuses the subscriptions.
+        """
+        listener = self._listener
+        listener.acquire()
+        try:
+            deadline = asyncio.get_running_loop().time() + _timeout_s(request)
+            while True:
+                try:
+                    return {"transform": _look(listener.buffer, request)}
+                except TransformError as error:
+                    is_lost = isinstance(error, ExtrapolationError) and error.is_early
+                    if is_lost or not await listener.news(deadline):
+                        raise _refusal(error) from error
+        finally:
+            listener.release()
+
+    def watch(self, session: Session, request: LookupTransform) -> None:
+        """Send a transform again and again; replaces the standing lookup with the same id.
+
+        Raises:
+            ProtocolError: it is refused, and nothing has changed.
+            RosError: ROS refuses the subscriptions.
+        """
+        if request.time is not None:
+            raise ProtocolError("bad_request", "time: a repeated one takes the newest")
+        if request.rate is None:
+            raise ProtocolError("bad_request", "rate: missing; it makes a lookup a repeated one")
+        own = self._standing.get(session, {})
+        limit = session.limits.transforms
+        if request.id not in own and len(own) >= limit:
+            raise ProtocolError("limit_exceeded", f"at most {limit} repeated lookups per client")
+        self._listener.acquire()
+        if request.id in own:
+            self._end(session, request.id)
+        pair = _Pair(request.target_frame, request.source_frame, request.rate)
+        lane = session.outbox.open_lane(1, None)  # beside a new transform an old one is of no use
+        standing = _Standing(session, request, pair, lane)
+        self._standing.setdefault(session, {})[request.id] = standing
+        if pair not in self._rounds:
+            self._rounds[pair] = _Round(pair, self._listener.buffer)
+        self._rounds[pair].join(standing)
+
+    def cancel(self, session: Session, request: CancelTransform) -> None:
+        """End a standing lookup.
+
+        Raises:
+            ProtocolError: there is none with this id.
+        """
+        if request.id not in self._standing.get(session, {}):
+            raise ProtocolError("not_found", f"no repeated lookup with id {request.id!r}")
+        self._end(session, request.id)
+
+    def leave(self, session: Session) -> None:
+        """End everything that stands for a client."""
+        for request_id in list(self._standing.get(session, {})):
+            self._end(session, request_id)
+
+    def close(self) -> None:
+        """End all and the ROS subscriptions."""
+        for session in list(self._standing):
+            self.leave(session)
+        self._listener.close()
+
+    def _end(self, session: Session, request_id: str | int | None) -> None:
+        own = self._standing[session]
+        standing = own.pop(request_id)
+        if not own:
+            del self._standing[session]
+        if self._rounds[standing.pair].leave(standing):
+            del self._rounds[standing.pair]
+        session.outbox.close_lane(standing.lane)
+        self._listener.release()
+
+    def _on_change(self) -> None:
+        for each in self._rounds.values():
+            each.wake()
+
+
+class _Pair(NamedTuple):
+    """What standing lookups must have in common to be computed once."""
+
+    target: str
+    source: str
+    rate: float
+
+
+@dataclass(slots=True)
+class _Standing:
+    """One client's standing lookup."""
+
+    session: Session
+    request: LookupTransform
+    pair: _Pair
+    lane: Lane
+    patience: asyncio.TimerHandle | None = None  # since it is missing, whether it is over or not
+
+    def relax(self) -> None:
+        """Wait no longer for what is missing."""
+        if self.patience is not None:
+            self.patience.cancel()
+            self.patience = None
+
+
+class _Frame:
+    """A transform on its way to one client."""
+
+    __slots__ = ("_wire", "size")
+
+    def __init__(self, wire: bytes) -> None:
+        self._wire = wire
+        self.size = len(wire)
+
+    @property
+    def is_being_rendered(self) -> bool:
+        """Whether work on it is under way: never."""
+        return False
+
+    def wire(self) -> bytes:
+        """Return the bytes to send."""
+        return self._wire
+
+
+class _Round:
+    """Looks one pair up at one rate at most, for all who stand on it, when there is news."""
+
+    def __init__(self, pair: _Pair, buffer: Buffer) -> None:
+        self._pair = pair
+        self._buffer = buffer
+        self._members: list[_Standing] = []
+        self._sent: Found | None = None
+        self._body = b""  # of what was sent, as JSON
+        self._loop = asyncio.get_running_loop()
+        self._due = 0.0
+        self._timer: asyncio.TimerHandle | None = None
+        self.wake()
+
+    def join(self, standing: _Standing) -> None:
+        """Send to one more, at once what the others have."""
+        self._members.append(standing)
+        if self._sent is not None:
+            self._put(standing)
+        else:
+            self._miss(standing)
+
+    def leave(self, standing: _Standing) -> bool:
+        """Send to one less; return whether nobody is left."""
+        self._members.remove(standing)
+        standing.relax()
+        if not self._members and self._timer is not None:
+            self._timer.cancel()
+        return not self._members
+
+    def wake(self) -> None:
+        """Look again, when it is time to: the buffer has changed."""
+        if self._timer is None:
+            self._due = max(self._due, self._loop.time())
+            self._timer = self._loop.call_at(self._due, self._turn)
+
+    def _turn(self) -> None:
+        self._timer = None
+        now = self._loop.time()
+        # keep the beat; begin a new one where the loop has been busy for longer than that
+        self._due = max(self._due + 1 / self._pair.rate, now)
+        try:
+            found = self._buffer.lookup(self._pair.target, self._pair.source)
+        except TransformError:
+            self._due = min(self._due, now + RETRY_S)  # nothing is sent, so that is not too often
+            self._sent = None
+            for standing in self._members:
+                self._miss(standing)
+            return
+        if found == self._sent:
+            return
+        self._sent = found
+        self._body = dumps(_transform_stamped(self._pair.target, self._pair.source, found))
+        for standing in list(self._members):
+            self._put(standing)
+
+    def _put(self, standing: _Standing) -> None:
+        standing.relax()
+        request_id = standing.request.id
+        identity = b"" if request_id is None else b',"id":' + orjson.dumps(request_id)
+        payload = b'{"op":"lookup_transform"%b,"transform":%b}' % (identity, self._body)
+        standing.lane.put(_Frame(standing.session.framed(payload)))
+        standing.session.wake()
+
+    def _miss(self, standing: _Standing) -> None:
+        if standing.patience is None:
+            patience_s = _timeout_s(standing.request)
+            standing.patience = self._loop.call_later(patience_s, self._complain, standing)
+
+    def _complain(self, standing: _Standing) -> None:
+        """Tell a client what is missing; the next time only when it was there in between."""
+        try:
+            self._buffer.lookup(self._pair.target, self._pair.source)
+        except TransformError as error:
+            refusal = _refusal(error)
+            waiting = ProtocolError(refusal.code, f"{refusal}; waiting for it")
+            standing.session.warn(waiting, standing.request.op, standing.request.id)
+
+
+def _timeout_s(request: LookupTransform) -> float:
+    return DEFAULT_TIMEOUT_S if request.timeout is None else request.timeout
+
+
+def _look(buffer: Buffer, request: LookupTransform) -> dict[str, Any]:
+    target, source, asked = request.target_frame, request.source_frame, request.time
+    # a zero time is the newest one, as in tf2
+    stamp_ns = None if asked is None else asked.sec * 1_000_000_000 + asked.nanosec or None
+    return _transform_stamped(target, source, buffer.lookup(target, source, stamp_ns))
+
+
+def _refusal(error: TransformError) -> ProtocolError:
+    is_late = isinstance(error, ExtrapolationError)
+    return ProtocolError("timeout" if is_late else "not_found", cut(str(error)))
+
+
+def _transform_stamped(target: str, source: str, found: Found) -> dict[str, Any]:
+    """Return geometry_msgs/msg/TransformStamped: *source* in *target*, as they are spelt."""
+    x, y, z, qx, qy, qz, qw = found.transform
+    return {
+        "header": {"stamp": messages.time(found.stamp_ns), "frame_id": target},
+        "child_frame_id": source,
+        "transform": {
+            "translation": {"x": x, "y": y, "z": z},
+            "rotation": {"x": qx, "y": qy, "z": qz, "w": qw},
+        },
+    }

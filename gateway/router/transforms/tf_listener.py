@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What ``/tf`` and ``/tf_static`` say, for as long as somebody wants to know."""
+
+import asyncio
+import contextlib
+import time
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any, Final
+
+from gateway.codec.error_text import cut
+from gateway.codec.errors import CodecError
+from gateway.codec.types import MessageType
+from gateway.ports import Qos, Ros, RosError, Sample, Subscription
+from gateway.protocol.errors import ProtocolError
+from gateway.router.topic_types import TopicTypes
+from gateway.tf import TF_MESSAGE
+from gateway.tf.buffer import Buffer
+from gateway.tf.errors import InvalidTransformError
+from gateway.tf.history import JUMP_BACK_NS
+from gateway.tf.rigid import Rigid
+
+# After the last lookup. Who asks every few seconds, or reconnects, finds the buffer full; what
+# nobody needs then costs some percent of a core at the usual 50 Hz.
+LINGER_S: Final = 30.0
+_DEPTH: Final = 100  # as tf2's listeners have it
+RETRY_S: Final = 0.02  # between looks of one who waits: /tf may come in a thousand small messages
+_MAX_COMPLAINTS: Final = 8  # of so many frames each kind of fault is told on /rosout
+
+
+class TfListener:
+    """The two ROS subscriptions while they are needed, and the buffer that they fill.
+
+    *on_change* is called when an answer of the buffer may have changed.
+    """
+
+    def __init__(self, ros: Ros, types: TopicTypes, on_change: Callable[[], None]) -> None:
+        self.buffer = Buffer()
+        self._ros = ros
+        self._types = types
+        self._on_change = on_change
+        self._open: list[Subscription] = []
+        self._users = 0
+        self._end: asyncio.TimerHandle | None = None
+        self._newest_now_ns = 0
+        self._news: asyncio.Event | None = None  # while somebody waits for it
+        self._complaints: dict[str, set[str]] = {}  # by kind of fault, what it was told of
+
+    def acquire(self) -> None:
+        """Listen until released, and a while after.
+
+        Raises:
+            ProtocolError: there is no tf2_msgs here.
+            RosError: ROS refuses the subscriptions.
+        """
+        if not self._open:
+            self._subscribe()
+        if self._end is not None:
+            self._end.cancel()
+            self._end = None
+        self._users += 1
+
+    def release(self) -> None:
+        """Listen no longer than `LINGER_S`, unless others want to."""
+        self._users -= 1
+        if not self._users and self._open:
+            self._end = asyncio.get_running_loop().call_later(LINGER_S, self.close)
+
+    def close(self) -> None:
+        """End the subscriptions, and forget what they told."""
+        if self._end is not None:
+            self._end.cancel()
+            self._end = None
+        for subscription in self._open:
+            subscription.close()
+        self._open.clear()
+        self.buffer.forget()
+        self._complaints.clear()
+
+    async def news(self, deadline: float) -> bool:
+        """Wait for new transforms until *deadline*, in loop time; return whether it was ahead."""
+        if asyncio.get_running_loop().time() >= deadline:
+            return False
+        if self._news is None:
+            self._news = asyncio.Event()
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout_at(deadline):
+                await self._news.wait()
+                await asyncio.sleep(RETRY_S)
+        return True
+
+    def _subscribe(self) -> None:
+        try:
+            message_type = self._types.get(TF_MESSAGE)
+        except ProtocolError as error:
+            raise ProtocolError(error.code, f"transforms need package tf2_msgs: {error}") from error
+        # tf2's own listeners insist on transient local, too: what is fixed is said but once
+        latched = Qos(durability="transient_local", depth=_DEPTH)
+        for topic, qos, is_static in (
+            ("/tf", Qos(depth=_DEPTH), False),
+            ("/tf_static", latched, True),
+        ):
+            take = partial(self._on_samples, message_type, is_static)
+            try:
+                opened = self._ros.subscribe(topic, TF_MESSAGE, qos, take, self._on_incompatible)
+            except RosError:
+                self.close()
+                raise
+            self._open.append(opened)
+
+    def _on_samples(
+        self, message_type: MessageType, is_static: bool, samples: Sequence[Sample]
+    ) -> None:
+        before = self.buffer.revision
+        now_ns = self._ros.now_ns()
+        if now_ns < self._newest_now_ns - JUMP_BACK_NS:
+            self.buffer.clear()  # as tf2: a simulation or a recording has started over
+            self._newest_now_ns = now_ns
+        self._newest_now_ns = max(self._newest_now_ns, now_ns)
+        heard_ns = time.monotonic_ns()
+        for sample in samples:
+            try:
+                message: Any = message_type.decode(sample.cdr)
+            except CodecError as error:
+                self._complain("no message", "", f"{TF_MESSAGE}: {error}")
+                continue
+            for stamped in message["transforms"]:
+                self._insert(stamped, heard_ns, is_static)
+        if self.buffer.revision == before:
+            return
+        if self._news is not None:
+            self._news.set()
+            self._news = None
+        self._on_change()
+
+    def _insert(self, stamped: Mapping[str, Any], heard_ns: int, is_static: bool) -> None:
+        header, child = stamped["header"], stamped["child_frame_id"]
+        stamp = header["stamp"]
+        transform = stamped["transform"]
+        try:
+            agrees = self.buffer.insert(
+                child,
+                header["frame_id"],
+                stamp["sec"] * 1_000_000_000 + stamp["nanosec"],
+                Rigid(*transform["translation"].values(), *transform["rotation"].values()),
+                heard_ns=heard_ns,
+                is_static=is_static,
+            )
+        except InvalidTransformError as error:
+            self._complain(error.fault, error.frame, str(error))
+            return
+        if not agrees:
+            text = f"frame {child!r}: it is said to be fixed and to move, so it moves"
+            self._complain("contradiction", child, text)
+
+    def _on_incompatible(self, text: str) -> None:
+        self._complain("incompatible", text, text)
+
+    def _complain(self, fault: str, about: str, text: str) -> None:
+        """Tell of one *fault*, of which there are a few kinds, once for what it is *about*."""
+        told = self._complaints.setdefault(fault, set())
+        about = cut(about)
+        if about not in told and len(told) < _MAX_COMPLAINTS:
+            told.add(about)
+            self._ros.log("warning", f"tf: {text}")

@@ -1,0 +1,449 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command line from outside: real processes, their words and their exit codes."""
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import tomllib
+import urllib.request
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from gateway.cli import main as cli
+
+ROOT = Path(__file__).parents[2]
+TIMEOUT_S = 60  # generous: other tests share the machine
+
+
+def ros2_gateway(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "gateway", *arguments],
+        cwd=ROOT,
+        env=os.environ | environment,
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT_S,
+        check=False,
+    )
+
+
+def refusal(*arguments: str, **environment: str) -> tuple[int, str]:
+    """Return the exit code and the one sentence on standard error."""
+    finished = ros2_gateway(*arguments, **environment)
+    assert finished.stdout == ""
+    (line,) = finished.stderr.splitlines()
+    return finished.returncode, line.removeprefix("ros2-gateway: ")
+
+
+@contextmanager
+def running(*arguments: str, until: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """Run a command; yield it and what it printed up to the line that contains *until*."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "gateway", *arguments],
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout
+    try:
+        printed = ""
+        for line in process.stdout:  # ends when the process does
+            printed += line
+            if until in line:
+                break
+        yield process, printed
+    finally:
+        process.send_signal(signal.SIGINT)
+        try:
+            process.communicate(timeout=TIMEOUT_S)
+        finally:
+            process.kill()
+
+
+@pytest.mark.parametrize("command", ["serve", "demo", "sim", "mock", "schema", "check-config"])
+def test_every_command_has_help_with_examples(command):
+    finished = ros2_gateway(command, "--help")
+    assert finished.returncode == 0
+    assert f"ros2-gateway {command}" in finished.stdout.partition("examples:")[2]
+
+
+def test_help_lists_the_commands_and_exit_codes():
+    finished = ros2_gateway("--help")
+    assert finished.returncode == 0
+    assert "check-config" in finished.stdout
+    assert "4  cannot listen" in finished.stdout
+
+
+@pytest.mark.parametrize("arguments", [("--help",), ("serve", "--help"), ("check-config",)])
+def test_nothing_heavy_is_imported_before_it_is_needed(arguments):
+    heavy = ["rclpy", "cv2", "numpy", "websockets", "asyncio"]
+    if "--help" in arguments:
+        heavy.append("pydantic")
+    finished = subprocess.run(
+        [sys.executable, "-X", "importtime", "-m", "gateway", *arguments],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT_S,
+        check=True,
+    )
+    imported = {line.rpartition("|")[2].strip() for line in finished.stderr.splitlines()}
+    assert "argparse" in imported
+    assert imported.isdisjoint(heavy)
+
+
+def test_version_is_that_of_the_distribution():
+    finished = ros2_gateway("--version")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert finished.stdout == f"ros2-gateway {project['version']}\n"
+
+
+def test_a_wrong_command_is_one_sentence():
+    code, sentence = refusal("serv")
+    assert code == 2
+    assert "invalid choice: 'serv'" in sentence
+
+
+def test_a_wrong_flag_is_one_sentence():
+    code, sentence = refusal("serve", "--prot", "1")
+    assert (code, sentence) == (
+        2,
+        "unrecognized arguments: --prot 1; see ros2-gateway --help",
+    )
+
+
+def test_a_bad_value_is_one_sentence_with_its_flag():
+    assert refusal("serve", "--port", "70000") == (
+        2,
+        "--port: got '70000', expected an integer from 0 to 65535",
+    )
+
+
+@pytest.mark.parametrize("command", ["serve", "demo", "sim", "mock"])
+@pytest.mark.parametrize("value", ["500", "abc", "-1"])
+def test_a_domain_that_does_not_exist_is_one_sentence_with_its_variable(command, value):
+    assert refusal(command, ROS_DOMAIN_ID=value) == (
+        2,
+        f"ROS_DOMAIN_ID: got {value!r}, expected an integer from 0 to 232",
+    )
+
+
+@pytest.mark.parametrize("command", ["sim", "mock"])
+def test_a_domain_that_does_not_exist_is_one_sentence_with_its_flag(command):
+    code, sentence = refusal(command, "--domain-id", "233")
+    assert code == 2
+    assert "argument --domain-id: got '233', expected an integer from 0 to 232" in sentence
+
+
+@pytest.mark.parametrize(
+    ("arguments", "until"),
+    [
+        (("serve", "--port", "0"), "ws://"),
+        (("demo", "--port", "0"), "ready at the origin"),  # the robot's, which inherits it
+        (("mock", "--type", "0"), "1 types"),
+    ],
+)
+def test_a_flag_beats_a_domain_of_the_environment_that_does_not_exist(
+    arguments, until, monkeypatch
+):
+    domain_id = os.environ["ROS_DOMAIN_ID"]
+    monkeypatch.setenv("ROS_DOMAIN_ID", "500")
+    process = subprocess.Popen(
+        [sys.executable, "-m", "gateway", *arguments, "--domain-id", domain_id],
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    assert process.stdout
+    for line in process.stdout:
+        if until in line:
+            break
+    process.send_signal(signal.SIGINT)
+    process.stdout.read()
+    process.stdout.close()
+    assert process.wait(TIMEOUT_S) == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("sim", "--seed", "-5"), "seed -5 is below 0"),
+        (
+            ("mock", "--type", "foo/Bar"),
+            "foo/msg/Bar is not installed: No module named 'foo'",
+        ),
+    ],
+)
+def test_a_bad_option_of_the_nodes_is_one_sentence(arguments, sentence):
+    assert refusal(*arguments) == (2, sentence)
+
+
+def test_a_bad_value_is_one_sentence_with_its_variable():
+    assert refusal("serve", ROS2_GATEWAY_LIMITS__MAX_CLIENTS="many") == (
+        2,
+        "ROS2_GATEWAY_LIMITS__MAX_CLIENTS: got 'many', expected an integer of at least 1",
+    )
+
+
+def test_a_bad_value_is_one_sentence_with_its_file_and_key(tmp_path):
+    path = tmp_path / "gateway.toml"
+    path.write_text("[log]\nlevel = 3\n")
+    assert refusal("check-config", str(path)) == (
+        2,
+        f"{path}: log.level: got 3, expected debug, info, warning or error",
+    )
+
+
+def test_an_unknown_key_is_one_sentence_with_the_closest_one():
+    assert refusal("serve", "--set", "limits.max_cleints=3") == (
+        2,
+        "--set limits.max_cleints: unknown key limits.max_cleints, did you mean limits.max_clients",
+    )
+
+
+def test_a_set_without_value_is_one_sentence():
+    assert refusal("serve", "--set", "port") == (2, "--set: got 'port', expected KEY=VALUE")
+
+
+def test_an_unreadable_file_is_one_sentence(tmp_path):
+    missing = tmp_path / "none.toml"
+    sentence = f"cannot read {missing}, no such file or directory"
+    assert refusal("serve", "--config", str(missing)) == (2, sentence)
+    assert refusal("serve", ROS2_GATEWAY_CONFIG=str(missing)) == (2, sentence)
+    assert refusal("check-config", str(missing)) == (2, sentence)
+
+
+def test_check_config_accepts_a_right_file(tmp_path):
+    path = tmp_path / "gateway.toml"
+    path.write_text("port = 1\n")
+    finished = ros2_gateway("check-config", str(path))
+    assert (finished.returncode, finished.stderr) == (0, "")
+    assert "1 value given" in finished.stdout
+
+
+@pytest.mark.parametrize("command", ["serve", "demo"])
+def test_print_config_tells_each_value_and_its_origin_without_serving(command):
+    finished = ros2_gateway(
+        command, "--print-config", "--port", "1", "--set", "limits.max_clients=7", "--use-sim-time"
+    )
+    assert finished.returncode == 0
+    assert "port = 1  # --port\n" in finished.stdout
+    assert "max_clients = 7  # --set limits.max_clients\n" in finished.stdout
+    assert "use_sim_time = true  # --use-sim-time\n" in finished.stdout
+    assert tomllib.loads(finished.stdout)["path"] == "/"
+
+
+def test_schema_prints_a_json_schema_by_name_short_name_and_number():
+    outputs = {
+        ros2_gateway("schema", spelling).stdout
+        for spelling in ("geometry_msgs/msg/Twist", "geometry_msgs/Twist", "1")
+    }
+    (output,) = outputs
+    assert "linear" in json.loads(output)["properties"]
+
+
+@pytest.mark.parametrize(
+    ("spellings", "parts"),
+    [
+        (("std_srvs/srv/SetBool", "std_srvs/SetBool"), ["request", "response"]),
+        (
+            ("test_msgs/action/Fibonacci", "test_msgs/Fibonacci"),
+            ["goal", "result", "feedback"],
+        ),
+    ],
+)
+def test_schema_prints_that_of_a_service_and_of_an_action(spellings, parts):
+    (output,) = {ros2_gateway("schema", spelling).stdout for spelling in spellings}
+    schema = json.loads(output)
+    assert schema["title"] == spellings[0]
+    assert list(schema["properties"]) == parts
+
+
+def test_schema_prefers_the_message_where_a_service_has_its_name():
+    titles = [
+        json.loads(ros2_gateway("schema", spelling).stdout)["title"]
+        for spelling in ("test_msgs/BasicTypes", "test_msgs/srv/BasicTypes")
+    ]
+    assert titles == ["test_msgs/msg/BasicTypes", "test_msgs/srv/BasicTypes"]
+
+
+def test_schema_prints_the_definition():
+    assert "float64 x" in ros2_gateway("schema", "geometry_msgs/Vector3", "--definition").stdout
+    assert "\n---\n" in ros2_gateway("schema", "std_srvs/SetBool", "--definition").stdout
+
+
+@pytest.mark.parametrize(
+    ("spelling", "name", "close"),
+    [
+        ("std_msgs/msg/Strng", "std_msgs/msg/Strng", "std_msgs/msg/String"),
+        ("std_srvs/SetBol", "std_srvs/msg/SetBol", "std_srvs/srv/SetBool"),
+        ("std_srvs/srv/SetBol", "std_srvs/srv/SetBol", "std_srvs/srv/SetBool"),
+        ("test_msgs/action/Fibo", "test_msgs/action/Fibo", "test_msgs/action/Fibonacci"),
+    ],
+)
+def test_an_unknown_type_is_one_sentence_with_the_closest_one(spelling, name, close):
+    sentence = f"no definition of {name} is installed, did you mean {close}"
+    assert refusal("schema", spelling) == (2, sentence)
+
+
+@pytest.mark.parametrize(
+    ("spelling", "reason"),
+    [
+        ("twist", "'twist' is no message type: expected pkg/msg/Name, pkg/Name or a table number"),
+        ("std_srvs/srv/setbool", "'std_srvs/srv/setbool' is no service type: expected pkg/srv/"),
+        ("a/action/b", "'a/action/b' is no action type: expected pkg/action/Name"),
+    ],
+)
+def test_what_is_no_type_is_one_sentence(spelling, reason):
+    code, sentence = refusal("schema", spelling)
+    assert code == 2
+    assert sentence.startswith(reason)
+
+
+def test_a_reader_that_stops_reading_is_no_error():
+    process = subprocess.Popen(
+        [sys.executable, "-m", "gateway", "check-config", "--keys"],
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    assert process.stdout
+    process.stdout.close()
+    assert process.stderr
+    assert process.stderr.read() == b""
+    process.stderr.close()
+    assert process.wait(TIMEOUT_S) == 0
+
+
+@pytest.fixture
+def restored_signals() -> Iterator[None]:
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    yield
+    for number, handler in handlers.items():
+        signal.signal(number, handler)
+
+
+@pytest.mark.usefixtures("restored_signals")
+def test_without_ros_schema_prints_the_shipped_schema_of_a_service(monkeypatch, tmp_path, capsys):
+    monkeypatch.delenv("AMENT_PREFIX_PATH", raising=False)
+    monkeypatch.setattr(sys, "prefix", str(tmp_path))
+    shipped = (ROOT / "schemas" / "json" / "std_srvs" / "srv" / "SetBool.json").read_text("utf-8")
+    for spelling in ("std_srvs/srv/SetBool", "std_srvs/SetBool"):
+        assert cli.main(["schema", spelling]) == 0
+        assert capsys.readouterr().out == shipped
+    assert cli.main(["schema", "std_srvs/SetBool", "--definition"]) == 2
+    assert "needs the message package installed" in capsys.readouterr().err
+
+
+@pytest.mark.usefixtures("restored_signals")
+def test_a_bug_is_one_sentence_and_with_debug_a_traceback(monkeypatch, capsys):
+    def fail(_: object) -> Sequence[object]:
+        raise ZeroDivisionError("division by zero")
+
+    monkeypatch.setattr(cli, "_given", fail)
+    assert cli.main(["serve"]) == 1
+    assert capsys.readouterr().err == (
+        "ros2-gateway: internal error, ZeroDivisionError: division by zero (--debug shows where)\n"
+    )
+    assert cli.main(["serve", "--debug"]) == 1
+    assert "Traceback" in capsys.readouterr().err
+
+
+def test_a_port_in_use_is_one_sentence_and_exit_code_4():
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        assert refusal("serve", "--port", str(port), "--log-level", "error") == (
+            4,
+            f"cannot listen on 127.0.0.1:{port}, the port is in use",
+        )
+
+
+def test_an_address_of_another_machine_is_one_sentence_and_exit_code_4():
+    # RFC 5737: an address that no machine has
+    assert refusal("serve", "--host", "192.0.2.1", "--log-level", "error") == (
+        4,
+        "cannot listen on 192.0.2.1:9090, no interface of this machine has that address",
+    )
+
+
+@pytest.mark.parametrize("signal_number", [signal.SIGINT, signal.SIGTERM])
+def test_serve_announces_its_address_and_ends_with_0(signal_number):
+    with running("serve", "--port", "0", until="ws://") as (process, printed):
+        port = printed.rpartition(":")[2].strip().rstrip("/")
+        with urllib.request.urlopen(f"http://127.0.0.1:{port}/healthz", timeout=TIMEOUT_S) as page:
+            assert page.status == 200
+        process.send_signal(signal_number)
+        assert process.wait(TIMEOUT_S) == 0
+
+
+@pytest.mark.parametrize("signal_number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_during_the_start_ends_with_0(signal_number):
+    process = subprocess.Popen(
+        [sys.executable, "-X", "importtime", "-m", "gateway", "serve", "--port", "0"],
+        cwd=ROOT,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stderr
+    for line in process.stderr:  # in the middle of the imports
+        if line.split()[-1] == "gateway.config.settings":
+            break
+    process.send_signal(signal_number)
+    process.stderr.read()
+    process.stderr.close()
+    assert process.wait(TIMEOUT_S) == 0
+
+
+@pytest.mark.usefixtures("restored_signals")
+def test_an_extension_module_that_hides_an_interrupt_behind_another_error_changes_nothing(
+    monkeypatch, capsys
+):
+    def load(_: object) -> Sequence[object]:
+        try:
+            signal.raise_signal(signal.SIGTERM)
+        except KeyboardInterrupt as error:
+            raise ImportError("initialization failed") from error
+        return []
+
+    monkeypatch.setattr(cli, "_given", load)
+    assert cli.main(["serve"]) == 0
+    assert capsys.readouterr() == ("", "")
+
+
+def test_demo_shows_lines_to_paste_and_ctrl_c_ends_it_with_0():
+    with running("demo", "--port", "0", until="Ctrl-C") as (process, printed):
+        lines = [line.strip() for line in printed.splitlines() if line.strip().startswith("{")]
+        assert [json.loads(line)["op"] for line in lines] == ["subscribe", "publish"]
+        process.send_signal(signal.SIGINT)
+        assert process.wait(TIMEOUT_S) == 0
+
+
+def test_a_simulated_robot_that_dies_ends_the_demo_with_1():
+    with running("demo", "--port", "0", until="ws://") as (process, _):
+        (robot,) = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+        os.kill(int(robot), signal.SIGKILL)
+        assert process.wait(TIMEOUT_S) == 1
+
+
+def test_sim_ends_with_0_on_sigterm():
+    process = subprocess.Popen(
+        [sys.executable, "-m", "gateway", "sim", "--no-camera"],
+        cwd=ROOT,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stderr
+    for line in process.stderr:
+        if "ready" in line:
+            break
+    process.terminate()
+    process.stderr.read()
+    process.stderr.close()
+    assert process.wait(TIMEOUT_S) == 0

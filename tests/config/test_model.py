@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The model of the configuration and its reference page."""
+
+from pathlib import Path
+
+import pytest
+from pydantic import ValidationError
+
+from gateway.config.model import Config
+from gateway.config.settings import reference, settings
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_the_default_configuration_serves_this_machine_alone():
+    config = Config()
+    assert (config.host, config.port, config.path) == ("127.0.0.1", 9090, "/")
+
+
+def test_a_configuration_cannot_be_changed():
+    config = Config()
+    with pytest.raises(ValidationError, match="frozen"):
+        config.port = 1  # type: ignore[misc]  # what is tested
+    with pytest.raises(ValidationError, match="frozen"):
+        config.limits.max_clients = 1  # type: ignore[misc]  # what is tested
+
+
+def test_every_setting_says_what_it_means_and_expects():
+    for setting in settings():
+        assert setting.description, setting.key
+        assert setting.expectation, setting.key
+
+
+def test_every_duration_size_and_side_has_its_unit_in_its_name():
+    for setting in settings():
+        for word, suffix in {"seconds ": "_s", "bytes ": "_bytes"}.items():
+            if setting.description.startswith(word):
+                assert setting.key.endswith(suffix)
+
+
+def test_the_reference_page_has_the_table_of_the_model():
+    page = (ROOT / "docs/configuration.md").read_text(encoding="utf-8")
+    assert page.endswith(reference()), "run: make docs"

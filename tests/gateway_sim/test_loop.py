@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The loop calls tasks in time and ends when told; its contexts share memory for pictures."""
+
+import os
+import signal
+import threading
+import time
+import xml.etree.ElementTree as ET
+
+import pytest
+
+from gateway_sim.loop import PROFILE, Loop, ros_context, stopped_by_signals
+
+PICTURE_BYTES = 640 * 480 * 3
+
+
+@pytest.fixture
+def loop(monkeypatch):
+    monkeypatch.setenv("FASTRTPS_DEFAULT_PROFILES_FILE", str(PROFILE))
+    with ros_context(console=False) as context:
+        loop = Loop(context)
+        yield loop
+        loop.close()
+
+
+def test_periods_do_not_drift(loop):
+    stop = threading.Event()
+    times_ns = []
+
+    def task():
+        times_ns.append(time.monotonic_ns())
+        if len(times_ns) == 20:
+            stop.set()
+
+    loop.every(10_000_000, task)
+    loop.run(stop)
+    # each call is at or after its instant, however late those before it were
+    assert times_ns == sorted(times_ns)
+    assert times_ns[-1] - times_ns[0] >= 18.5 * 10_000_000
+
+
+def test_missed_periods_are_skipped(loop):
+    stop = threading.Event()
+    calls = []
+
+    def slow():
+        calls.append("slow")
+        until_ns = time.monotonic_ns() + 30_000_000
+        while time.monotonic_ns() < until_ns:
+            pass
+        if len(calls) >= 9:
+            stop.set()
+
+    loop.every(1_000_000, slow)
+    loop.every(1_000_000, lambda: calls.append("other"))
+    loop.run(stop)
+    assert calls.count("slow") <= 5, "the other task gets its turn each time"
+
+
+def test_a_stop_ends_a_loop_that_has_nothing_to_do(loop):
+    stop = threading.Event()
+    thread = threading.Thread(target=loop.run, args=(stop,))
+    thread.start()
+    stop.set()
+    thread.join(10)
+    assert not thread.is_alive()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_signals_set_the_stop_and_are_given_back(number):
+    before = signal.getsignal(number)
+    stop = threading.Event()
+    with stopped_by_signals(stop):
+        os.kill(os.getpid(), number)
+        assert stop.wait(10)
+    assert signal.getsignal(number) == before
+
+
+def test_in_another_thread_signals_are_left_alone():
+    before = signal.getsignal(signal.SIGINT)
+    seen = []
+
+    def body():
+        with stopped_by_signals(threading.Event()):
+            seen.append(signal.getsignal(signal.SIGINT))
+
+    thread = threading.Thread(target=body)
+    thread.start()
+    thread.join()
+    assert seen == [before]
+
+
+def test_fast_dds_finds_the_robots_profile(monkeypatch):
+    name = "FASTRTPS_DEFAULT_PROFILES_FILE"
+    monkeypatch.setenv(name, "")  # so that what follows is undone
+    monkeypatch.delenv(name)
+    with ros_context(console=False):
+        assert os.environ[name] == str(PROFILE)
+
+
+def test_the_profiles_segment_holds_many_pictures():
+    names = {"p": "http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles"}
+    root = ET.parse(PROFILE).getroot()  # noqa: S314  # our own file
+    segment = root.find(".//p:segment_size", names)
+    assert int(segment.text) > 30 * PICTURE_BYTES

@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is closed stays until its last words are heard, and is in nobody's way meanwhile."""
+
+import asyncio
+from collections.abc import AsyncIterator
+from typing import Any
+
+import pytest
+
+from gateway.ports import SUCCEEDED, Qos
+from gateway.ros import RosOptions
+from gateway.ros.deferred_destruction import MAX_KEPT, LastWords
+from gateway.ros.port import RclpyRos
+from tests.client import eventually
+from tests.ros.outside import Outside
+from tests.ros.test_contract_actions import FIBONACCI, goal, ignore, sequence
+from tests.ros.test_contract_services import SET_BOOL, TRIGGER, echo, request, soon
+
+INT32 = "std_msgs/msg/Int32"
+STRING = "std_msgs/msg/String"
+SEVEN = b"\0\1\0\0\7\0\0\0"
+
+
+@pytest.fixture
+async def ros() -> AsyncIterator[RclpyRos]:
+    ros = RclpyRos(RosOptions())
+    yield ros
+    ros.close()
+
+
+def publishers(ros: RclpyRos, topic: str) -> list[Any]:
+    return [each for each in ros._publishers._node.publishers if each.topic_name == topic]
+
+
+def services(ros: RclpyRos, name: str) -> list[Any]:
+    node = ros._services._endpoints.node
+    return [each for each in node.services if each.service_name == name]
+
+
+async def test_what_is_kept_is_destroyed_later() -> None:
+    last_words = LastWords(asyncio.get_running_loop())
+    destroyed: list[str] = []
+    last_words.keep("topic /a", INT32, lambda: destroyed.append("a"))
+    assert destroyed == []
+    await eventually(lambda: destroyed == ["a"])
+
+
+async def test_what_is_used_again_is_not_destroyed() -> None:
+    last_words = LastWords(asyncio.get_running_loop())
+    destroyed: list[str] = []
+    last_words.revive(last_words.keep("topic /a", INT32, lambda: destroyed.append("a")))
+    last_words.keep("topic /b", INT32, lambda: destroyed.append("b"))
+    await eventually(lambda: bool(destroyed))
+    last_words.close()
+    assert destroyed == ["b"]
+
+
+async def test_the_oldest_goes_where_too_much_is_kept() -> None:
+    last_words = LastWords(asyncio.get_running_loop())
+    destroyed: list[int] = []
+    for number in range(MAX_KEPT + 2):
+        last_words.keep("topic /a", INT32, lambda number=number: destroyed.append(number))
+    assert destroyed == [0, 1]
+    last_words.close()
+    assert destroyed == list(range(MAX_KEPT + 2))
+
+
+async def test_a_publisher_that_has_published_stays_for_a_moment(ros: RclpyRos) -> None:
+    publisher = ros.advertise("/a", INT32, Qos())
+    publisher.publish(SEVEN)
+    publisher.close()
+    assert ros.entity_count() == 0
+    assert len(publishers(ros, "/a")) == 1
+    await eventually(lambda: publishers(ros, "/a") == [])
+
+
+async def test_a_publisher_that_has_said_nothing_goes_at_once(ros: RclpyRos) -> None:
+    ros.advertise("/a", INT32, Qos()).close()
+    assert publishers(ros, "/a") == []
+
+
+async def test_advertising_again_goes_on_with_the_same_publisher(ros: RclpyRos) -> None:
+    publisher = ros.advertise("/a", INT32, Qos())
+    publisher.publish(SEVEN)
+    [before] = publishers(ros, "/a")
+    publisher.close()
+    again = ros.advertise("/a", INT32, Qos())
+    assert publishers(ros, "/a") == [before]
+    again.close()  # without a word of its own
+    assert publishers(ros, "/a") == [before]
+    await eventually(lambda: publishers(ros, "/a") == [])
+
+
+@pytest.mark.parametrize("is_read", [False, True])
+async def test_another_type_need_not_wait(ros: RclpyRos, is_read: bool) -> None:
+    publisher = ros.advertise("/a", INT32, Qos())
+    publisher.publish(SEVEN)
+    publisher.close()
+    if is_read:
+        ros.subscribe("/a", STRING, Qos(), lambda _: None, lambda _: None)
+    else:
+        ros.advertise("/a", STRING, Qos())
+    assert ros.entity_count() == 1
+
+
+async def test_a_service_answers_those_who_have_not_heard_of_its_end(ros: RclpyRos) -> None:
+    service = ros.serve("/s", SET_BOOL, echo)
+    client = ros.client("/s", SET_BOOL)
+    await soon(client.call(request(True)))
+    service.close()
+    assert await soon(client.call(request(True)))
+    await eventually(lambda: services(ros, "/s") == [])
+
+
+async def test_a_service_that_is_provided_anew_answers_alone(ros: RclpyRos) -> None:
+    service = ros.serve("/s", SET_BOOL, echo)
+    client = ros.client("/s", SET_BOOL)
+    await soon(client.call(request(True)))
+    service.close()
+    ros.serve("/s", SET_BOOL, echo)
+    assert len(services(ros, "/s")) == 1
+
+
+async def test_a_service_may_come_back_with_another_type_at_once(ros: RclpyRos) -> None:
+    service = ros.serve("/s", SET_BOOL, echo)
+    client = ros.client("/s", SET_BOOL)
+    await soon(client.call(request(True)))
+    service.close()
+    client.close()
+    ros.serve("/s", TRIGGER, echo)
+    assert len(services(ros, "/s")) == 1
+
+
+async def test_nothing_is_left_when_all_ends() -> None:
+    ros = RclpyRos(RosOptions())
+    publisher = ros.advertise("/a", INT32, Qos())
+    publisher.publish(SEVEN)
+    node = ros._publishers._node
+    ros.close()
+    assert list(node.publishers) == []
+
+
+async def test_who_looks_here_sees_the_end_at_once(ros: RclpyRos) -> None:
+    service = ros.serve("/s", SET_BOOL, echo)
+    await soon(ros.client("/s", SET_BOOL).call(request(True)))
+    action = ros.serve_action(
+        "/a", FIBONACCI, lambda goal: goal.finish(SUCCEEDED, sequence()), ignore
+    )
+    await soon(ros.action_client("/a", FIBONACCI).send_goal(goal(1), ignore))
+
+    def names() -> set[str]:
+        return {each.name for each in (*ros.graph().services, *ros.graph().actions)}
+
+    await eventually(lambda: names() >= {"/s", "/a"})
+    assert (ros.service_types("/s"), ros.action_types("/a")) == ((SET_BOOL,), (FIBONACCI,))
+    service.close()
+    action.close()
+    assert not names() & {"/s", "/a"}
+    assert ros.service_types("/s") == ros.action_types("/a") == ()
+    assert len(services(ros, "/s")) == 1
+
+
+async def test_somebody_elses_server_of_that_name_is_seen(ros: RclpyRos, outside: Outside) -> None:
+    service = ros.serve("/s", SET_BOOL, echo)
+    await soon(ros.client("/s", SET_BOOL).call(request(True)))
+    outside.add_service("/s", SET_BOOL, echo)
+    await eventually(lambda: [len(s.nodes) for s in ros.graph().services if s.name == "/s"] == [2])
+    service.close()
+    assert ros.service_types("/s") == (SET_BOOL,)

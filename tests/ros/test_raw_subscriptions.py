@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Following the publishers: what happens while one subscription replaces another."""
+
+import time
+from collections.abc import AsyncIterator, Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from gateway.ports import MAX_TAKES_PER_TURN, Qos, Sample
+from gateway.ros import RosOptions
+from gateway.ros.port import RclpyRos
+from gateway.ros.qos import Offer
+from gateway.ros.raw_subscriptions import RclpySubscription
+from tests.client import PATIENCE_S, eventually
+from tests.ros.outside import Outside
+
+INT32 = "std_msgs/msg/Int32"
+BEST_EFFORT = Offer("/scanner", INT32, "best_effort")
+RELIABLE = Offer("/driver", INT32)
+WAITING = 100
+
+
+@pytest.fixture(params=["eventfd", "executor"])
+async def ros(request: pytest.FixtureRequest) -> AsyncIterator[RclpyRos]:
+    ros = RclpyRos(RosOptions(taking=request.param))
+    yield ros
+    ros.close()
+
+
+class Fed:
+    """A subscription whose samples wait, because the loop has been kept from taking them."""
+
+    def __init__(self, ros: RclpyRos, outside: Outside) -> None:
+        self.received: list[int] = []
+        self.then: Callable[[], None] = lambda: None
+        self.subscription: RclpySubscription = ros.subscribe(
+            "/scan", INT32, Qos(depth=WAITING), self._on_samples, lambda _: None
+        )
+        self._publisher = outside.add_publisher("/scan", INT32, Qos(depth=WAITING))
+
+    def _on_samples(self, samples: Sequence[Sample]) -> None:
+        self.received += [int.from_bytes(sample.cdr[4:8], "little") for sample in samples]
+        self.then()
+
+    async def fill(self) -> None:
+        """Let `WAITING` samples wait; nobody may await before they are looked for."""
+
+        def flows() -> bool:
+            self._publish(WAITING)
+            return bool(self.received)
+
+        await eventually(flows)
+        self._publish(WAITING + 1)
+        await eventually(lambda: WAITING + 1 in self.received)
+        self.received.clear()
+        for value in range(WAITING):
+            self._publish(value)
+        until = time.monotonic() + PATIENCE_S
+        while waiting(self.subscription._reader) < WAITING and time.monotonic() < until:
+            time.sleep(0.001)  # noqa: ASYNC251  # the loop is to be kept busy
+
+    def _publish(self, value: int) -> None:
+        self._publisher.publish(b"\0\1\0\0" + value.to_bytes(4, "little"))
+
+
+def waiting(reader: Any) -> int:
+    """Count what has arrived and was not taken."""
+    if hasattr(reader, "_waiting"):
+        return len(reader._waiting)
+    lines = Path(f"/proc/self/fdinfo/{reader._inlet._fd}").read_text().splitlines()
+    return int(next(line for line in lines if line.startswith("eventfd-count:")).split()[1], 16)
+
+
+async def test_only_publishers_of_its_type_count(ros: RclpyRos) -> None:
+    subscription = ros.subscribe("/scan", INT32, Qos(), lambda _: None, lambda _: None)
+    subscription.follow([RELIABLE, Offer("/other", "std_msgs/msg/String"), BEST_EFFORT])
+    assert subscription.publishers == 2
+
+
+async def test_what_waits_while_the_profile_is_replaced_is_not_lost(
+    ros: RclpyRos, outside: Outside
+) -> None:
+    fed = Fed(ros, outside)
+    await fed.fill()
+    fed.subscription.follow([RELIABLE, BEST_EFFORT])
+    assert fed.subscription.qos.reliability == "best_effort"
+    assert fed.received == list(range(WAITING))
+
+
+async def test_closing_while_the_profile_is_replaced_ends_the_samples(
+    ros: RclpyRos, outside: Outside
+) -> None:
+    fed = Fed(ros, outside)
+    await fed.fill()
+    fed.then = fed.subscription.close
+    fed.subscription.follow([BEST_EFFORT])
+    assert fed.received == list(range(MAX_TAKES_PER_TURN))
+    assert ros.entity_count() == 0
+
+
+async def test_a_callback_that_raises_leaves_no_second_reader(
+    ros: RclpyRos, outside: Outside
+) -> None:
+    def fail() -> None:
+        raise LookupError
+
+    fed = Fed(ros, outside)
+    await fed.fill()
+    retired: Any = fed.subscription._reader
+    fed.then = fail
+    with pytest.raises(LookupError):
+        fed.subscription.follow([BEST_EFFORT])
+    assert retired._is_closed
+    assert not fed.subscription._reader._is_closed  # type: ignore[union-attr]
+
+
+async def test_a_refused_replacement_is_told_once_while_it_stands(
+    ros: RclpyRos, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object) -> None:
+        raise RuntimeError("no memory")
+
+    reasons: list[str] = []
+    subscription = ros.subscribe("/scan", INT32, Qos(), lambda _: None, reasons.append)
+    monkeypatch.setattr(ros._subscriptions._samples, "read", refuse)
+    refusal = "topic /scan: no memory; keeping reliability reliable"
+    for _ in range(3):
+        subscription.follow([BEST_EFFORT])
+    assert reasons.count(refusal) == 1
+    subscription.follow([RELIABLE])
+    subscription.follow([BEST_EFFORT])
+    assert reasons.count(refusal) == 2
+    assert subscription.qos.reliability == "reliable"

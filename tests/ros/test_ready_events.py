@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Word of arrivals: what it stands on, and what it leaves behind."""
+
+import asyncio
+import os
+
+import pytest
+
+from gateway.ros.ready_events import EventfdArrivals, PolledArrivals, UnsupportedError
+from tests.client import eventually
+
+
+class Entity:
+    """Stands in for one of rcl's; nothing is hooked."""
+
+
+async def test_without_a_function_of_rcl_it_is_unsupported(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def no_library(name: str) -> None:
+        raise OSError(f"{name}: cannot open shared object file")
+
+    monkeypatch.setattr("ctypes.CDLL", no_library)
+    with pytest.raises(UnsupportedError, match=r"librcl\.so"):
+        EventfdArrivals(asyncio.get_running_loop())
+
+
+async def test_without_readers_on_the_loop_it_is_unsupported(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    loop = asyncio.get_running_loop()
+
+    def no_readers(*_: object) -> None:
+        raise NotImplementedError
+
+    monkeypatch.setattr(loop, "add_reader", no_readers)
+    with pytest.raises(UnsupportedError, match="watches no file descriptors"):
+        EventfdArrivals(loop)
+
+
+async def test_an_entity_that_cannot_be_created_leaves_no_descriptor() -> None:
+    def refuse() -> None:
+        raise RuntimeError("no entities today")
+
+    loop = asyncio.get_running_loop()
+    free = os.eventfd(0)
+    os.close(free)
+    arrivals = EventfdArrivals(loop)
+    with pytest.raises(RuntimeError, match="no entities today"):
+        arrivals.open("client", refuse, lambda _: None, lambda: None)
+    again = os.eventfd(0)
+    os.close(again)
+    assert again == free
+
+
+async def test_looking_goes_on_until_closed() -> None:
+    looks: list[None] = []
+    destroyed: list[object] = []
+    entity = Entity()
+    inlet = PolledArrivals(asyncio.get_running_loop()).open(
+        "service", lambda: entity, destroyed.append, lambda: looks.append(None)
+    )
+    await eventually(lambda: len(looks) > 2)
+    inlet.close()
+    inlet.close()
+    assert destroyed == [entity]
+    seen = len(looks)
+    other: list[None] = []
+    witness = PolledArrivals(asyncio.get_running_loop()).open(
+        "service", Entity, lambda _: None, lambda: other.append(None)
+    )
+    await eventually(lambda: len(other) > 2)
+    witness.close()
+    assert len(looks) == seen
+
+
+async def test_another_look_comes_in_the_next_turn() -> None:
+    looks: list[None] = []
+
+    def look() -> None:
+        looks.append(None)
+        if len(looks) < 100:
+            inlet.again()
+
+    inlet = PolledArrivals(asyncio.get_running_loop()).open("service", Entity, lambda _: None, look)
+    turns = 0
+    while len(looks) < 100:
+        await asyncio.sleep(0)
+        turns += 1
+    inlet.close()
+    assert turns >= 100

@@ -1,0 +1,400 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Services over rclpy: what the contract cannot see."""
+
+import asyncio
+import logging
+from collections.abc import AsyncIterator, Iterator
+from typing import Any
+
+import pytest
+from rclpy.qos import DurabilityPolicy, QoSProfile
+
+from gateway.ports import Request, RosError
+from gateway.ros import RosOptions, endpoints
+from gateway.ros.endpoints import MAX_AHEAD, MAX_STALLS
+from gateway.ros.interfaces import service_class
+from gateway.ros.port import RclpyRos
+from gateway.ros.service_entities import RclpyClient
+from tests.client import eventually
+from tests.ros.outside import Outside
+from tests.ros.test_contract_services import SET_BOOL, echo, request, response, soon, text_of
+
+
+@pytest.fixture
+async def ros() -> AsyncIterator[RclpyRos]:
+    ros = RclpyRos(RosOptions())
+    yield ros
+    ros.close()
+
+
+@pytest.fixture
+def successor() -> Iterator[Outside]:
+    outside = Outside("successor")
+    yield outside
+    outside.close()
+
+
+def calls_of(client: RclpyClient) -> int:
+    return len(client._requester._waiting) + len(client._requester._under_way)
+
+
+async def test_calls_leave_nothing_behind(ros: RclpyRos, outside: Outside) -> None:
+    def answer_some(each: Request) -> None:
+        if each.cdr[4]:
+            echo(each)
+
+    outside.add_service("/arm", SET_BOOL, answer_some)
+    client = ros.client("/arm", SET_BOOL)
+    unanswered = [asyncio.ensure_future(client.call(request(False))) for _ in range(3)]
+    assert text_of(await soon(client.call(request(True)))) == "got True"
+    for calling in unanswered:
+        calling.cancel()
+    await eventually(lambda: calls_of(client) == 0)
+    waiting = asyncio.ensure_future(ros.client("/leg", SET_BOOL).call(request(True)))
+    await asyncio.sleep(0)
+    waiting.cancel()
+    await eventually(waiting.cancelled)
+
+
+async def test_a_call_that_is_cancelled_while_it_waits_is_never_sent(
+    ros: RclpyRos, outside: Outside
+) -> None:
+    requests: list[Request] = []
+    client = ros.client("/arm", SET_BOOL)
+    first = asyncio.ensure_future(client.call(request(False)))
+    second = asyncio.ensure_future(client.call(request(True)))
+    await asyncio.sleep(0)
+    first.cancel()
+    outside.add_service("/arm", SET_BOOL, requests.append)
+    await eventually(lambda: bool(requests))
+    requests[0].answer(response("done"))
+    assert text_of(await soon(second)) == "done"
+    assert [each.cdr[4] for each in requests] == [1]
+
+
+async def test_requests_beyond_what_a_server_keeps_wait_here(
+    ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(endpoints, "AHEAD_S", 1e6)
+    requests: list[Request] = []
+    outside.add_service("/arm", SET_BOOL, requests.append)
+    client = ros.client("/arm", SET_BOOL)
+    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(MAX_AHEAD)]
+    unsent = asyncio.ensure_future(client.call(request(False)))
+    calls += [asyncio.ensure_future(client.call(request(True))) for _ in range(20)]
+    await eventually(lambda: len(requests) == MAX_AHEAD)
+    assert len(client._requester._under_way) == MAX_AHEAD
+    for calling in [*calls[:MAX_AHEAD], unsent]:
+        calling.cancel()  # given up, which makes room
+    await eventually(lambda: len(requests) == 2 * MAX_AHEAD)
+    for each in requests:
+        each.answer(response("done"))
+    await eventually(lambda: len(requests) == 30)
+    for each in requests[2 * MAX_AHEAD :]:
+        each.answer(response("done"))
+    for calling in calls[MAX_AHEAD:]:
+        assert text_of(await soon(calling)) == "done"
+    assert all(each.cdr[4] for each in requests)
+
+
+async def test_a_server_that_never_answers_keeps_no_request_waiting(
+    ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(endpoints, "AHEAD_S", 0.01)
+    requests: list[Request] = []
+    outside.add_service("/arm", SET_BOOL, requests.append, depth=100)  # not as fast as that
+    client = ros.client("/arm", SET_BOOL)
+    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(2 * MAX_AHEAD)]
+    await eventually(lambda: len(requests) == len(calls))
+    last = asyncio.ensure_future(client.call(request(False)))
+    await eventually(lambda: requests[-1].cdr[4] == 0)
+    requests[-1].answer(response("done"))
+    assert text_of(await soon(last)) == "done"
+    assert not any(calling.done() for calling in calls)
+    await eventually(lambda: not client._requester._ahead)
+    for calling in calls:
+        calling.cancel()
+
+
+async def test_a_service_of_this_process_gets_its_requests_at_once(
+    ros: RclpyRos, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(endpoints, "AHEAD_S", 1e6)
+    requests: list[Request] = []
+    ros.serve("/arm", SET_BOOL, requests.append)
+    client = ros.client("/arm", SET_BOOL)
+    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(2 * MAX_AHEAD)]
+    await eventually(lambda: len(requests) == len(calls))
+    for each in requests:
+        each.answer(response("done"))
+    assert [text_of(await soon(calling)) for calling in calls] == ["done"] * len(calls)
+
+
+async def test_a_request_that_is_cancelled_in_the_turn_that_makes_room_is_never_sent(
+    ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(endpoints, "AHEAD_S", 1e6)
+    requests: list[Request] = []
+    outside.add_service("/arm", SET_BOOL, requests.append)
+    client = ros.client("/arm", SET_BOOL)
+    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(MAX_AHEAD)]
+    await eventually(lambda: len(requests) == MAX_AHEAD)
+    unsent = asyncio.ensure_future(client.call(request(False)))
+    calls.append(asyncio.ensure_future(client.call(request(True))))
+    await asyncio.sleep(0)
+    calls[0].cancel()
+    unsent.cancel()
+    await eventually(lambda: len(requests) > MAX_AHEAD)
+    assert all(each.cdr[4] for each in requests)
+    for calling in calls:
+        calling.cancel()
+
+
+async def test_an_answer_to_a_client_that_has_gone_is_lost(ros: RclpyRos, outside: Outside) -> None:
+    requests: list[Request] = []
+    ros.serve("/arm", SET_BOOL, requests.append)
+    client = outside.add_client("/arm", SET_BOOL)
+    await eventually(client._client.service_is_ready)
+    client._client.call_async(client._class.Request())
+    client.close()
+    await eventually(lambda: bool(requests))
+    requests[0].answer(response("late"))
+    assert text_of(await ask_anew(ros, requests)) == "better"
+
+
+async def ask_anew(ros: RclpyRos, requests: list[Request]) -> bytes:
+    calling = asyncio.ensure_future(ros.client("/arm", SET_BOOL).call(request(True)))
+    await eventually(lambda: len(requests) == 2)
+    requests[1].answer(response("better"))
+    answer: bytes = await soon(calling)
+    return answer
+
+
+async def test_a_call_fails_with_its_server_though_another_has_come(
+    ros: RclpyRos, outside: Outside, successor: Outside
+) -> None:
+    requests: list[Request] = []
+    server = outside.add_service("/arm", SET_BOOL, requests.append)
+    client = ros.client("/arm", SET_BOOL)
+    calling = asyncio.ensure_future(client.call(request(True)))
+    await eventually(lambda: len(requests) == 1)
+    successor.add_service("/arm", SET_BOOL, echo)
+    await eventually(lambda: len(client._requester._find_servers()) == 2)
+    assert not calling.done()
+    server.close()
+    with pytest.raises(RosError, match="service /arm has gone"):
+        await soon(calling)
+    assert text_of(await soon(client.call(request(True)))) == "got True"
+
+
+async def test_a_server_that_has_come_before_word_of_it_keeps_its_calls(
+    ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    requests: list[Request] = []
+    server = outside.add_service("/arm", SET_BOOL, echo)
+    client = ros.client("/arm", SET_BOOL)
+    await soon(client.call(request(True)))
+    with monkeypatch.context() as patch:
+        patch.setattr(ros._services, "follow_graph", lambda: None)
+        server.close()
+        await eventually(lambda: not client._requester.is_ready)
+        outside.add_service("/arm", SET_BOOL, requests.append)
+        calling = asyncio.ensure_future(client.call(request(True)))
+        await eventually(lambda: bool(requests))
+    client.follow_graph()
+    requests[0].answer(response("done"))
+    assert text_of(await soon(calling)) == "done"
+
+
+@pytest.mark.parametrize("cdr", [b"", b"\0\1\0\0", b"x"])
+async def test_what_is_no_cdr_of_the_type_is_refused(ros: RclpyRos, cdr: bytes) -> None:
+    requests: list[Request] = []
+    ros.serve("/arm", SET_BOOL, requests.append)
+    client = ros.client("/arm", SET_BOOL)
+    with pytest.raises(RosError, match="service /arm: failed to deserialize"):
+        await client.call(cdr)
+    calling = asyncio.ensure_future(client.call(request(True)))
+    await eventually(lambda: bool(requests))
+    with pytest.raises(RosError, match="service /arm: failed to deserialize"):
+        requests[0].answer(cdr)
+    requests[0].answer(response("better"))
+    assert text_of(await soon(calling)) == "better"
+
+
+async def test_what_a_callback_raises_keeps_no_other_request_waiting(ros: RclpyRos) -> None:
+    raised: list[object] = []
+    loop = asyncio.get_running_loop()
+    loop.set_exception_handler(lambda _, context: raised.append(context["exception"]))
+
+    def on_request(each: Request) -> None:
+        if not each.cdr[4]:
+            raise LookupError
+        echo(each)
+
+    ros.serve("/arm", SET_BOOL, on_request)
+    client = ros.client("/arm", SET_BOOL)
+    calls = [asyncio.ensure_future(client.call(request(index == 4))) for index in range(5)]
+    assert text_of(await soon(calls[4])) == "got True"
+    assert [type(each) for each in raised] == [LookupError] * 4
+    for calling in calls:
+        calling.cancel()
+
+
+async def test_a_service_may_be_closed_by_its_own_callback(ros: RclpyRos) -> None:
+    requests: list[Request] = []
+
+    def on_request(each: Request) -> None:
+        requests.append(each)
+        each.answer(response("last"))
+        service.close()
+
+    service = ros.serve("/arm", SET_BOOL, on_request)
+    client = ros.client("/arm", SET_BOOL)
+    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(3)]
+    assert [text_of(await soon(calling)) for calling in calls] == ["last"] * 3
+    assert len(requests) == 3
+
+
+class Unreadable:
+    """One of rclpy's entities whose first messages cannot be read.
+
+    rclpy says of them what it says where there is none.
+    """
+
+    def __init__(self, entity: Any, count: int) -> None:
+        self._entity = entity
+        self._count = count
+
+    @property
+    def handle(self) -> "Unreadable":
+        return self
+
+    def service_take_request(self, request_class: Any) -> Any:
+        return self._first_unread(self._entity.handle.service_take_request(request_class))
+
+    def take_response(self, response_class: Any) -> Any:
+        return self._first_unread(self._entity.handle.take_response(response_class))
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._entity, name, None) or getattr(self._entity.handle, name)
+
+    def _first_unread(self, taken: Any) -> Any:
+        if taken == (None, None) or not self._count:
+            return taken
+        self._count -= 1
+        return None, None
+
+
+async def test_requests_that_cannot_be_read_keep_no_other_waiting(ros: RclpyRos) -> None:
+    service: Any = ros.serve("/arm", SET_BOOL, echo)
+    service._replier._service = Unreadable(service._replier._service, 6)
+    client = ros.client("/arm", SET_BOOL)
+    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(9)]
+    for calling in calls[6:]:
+        assert text_of(await soon(calling)) == "got True"
+    for calling in calls[:6]:
+        calling.cancel()
+
+
+async def test_responses_that_cannot_be_read_keep_no_other_waiting(ros: RclpyRos) -> None:
+    requests: list[Request] = []
+    ros.serve("/arm", SET_BOOL, requests.append)
+    client: Any = ros.client("/arm", SET_BOOL)
+    client._requester._client = Unreadable(client._requester._client, 6)
+    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(9)]
+    await eventually(lambda: len(requests) == 9)
+    for each in requests:
+        each.answer(response("done"))
+    for calling in calls[6:]:
+        assert text_of(await soon(calling)) == "done"
+    for calling in calls[:6]:
+        calling.cancel()
+
+
+async def test_more_responses_at_once_than_are_taken_in_a_turn_all_arrive(ros: RclpyRos) -> None:
+    requests: list[Request] = []
+    ros.serve("/arm", SET_BOOL, requests.append)
+    client = ros.client("/arm", SET_BOOL)
+    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(100)]
+    await eventually(lambda: len(requests) == 100)
+    for each in requests:
+        each.answer(response("done"))
+    assert [text_of(await soon(calling)) for calling in calls] == ["done"] * 100
+
+
+async def test_an_answer_that_is_there_when_its_server_goes_counts(ros: RclpyRos) -> None:
+    requests: list[Request] = []
+    service = ros.serve("/arm", SET_BOOL, requests.append)
+    client: Any = ros.client("/arm", SET_BOOL)
+    calling = asyncio.ensure_future(client.call(request(True)))
+    await eventually(lambda: bool(requests))
+    client._requester._inlet._on_arrival = lambda: None  # it is slow
+    requests[0].answer(response("done"))
+    service.close()
+    await eventually(lambda: not client._requester.is_ready)
+    client.follow_graph()
+    assert text_of(await soon(calling)) == "done"
+
+
+async def test_a_server_is_found_though_nothing_tells_of_it(
+    ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(ros._services, "follow_graph", lambda: None)
+    calling = asyncio.ensure_future(ros.client("/arm", SET_BOOL).call(request(True)))
+    await asyncio.sleep(0)
+    outside.add_service("/arm", SET_BOOL, echo)
+    assert text_of(await soon(calling)) == "got True"
+
+
+async def test_a_client_that_no_response_can_reach_stops_the_loop_only_so_often(
+    ros: RclpyRos, outside: Outside, caplog: pytest.LogCaptureFixture
+) -> None:
+    requests: list[Request] = []
+    service = ros.serve("/arm", SET_BOOL, requests.append)
+    found = service_class(SET_BOOL)
+    profile = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    deaf = outside.node.create_client(found, "/arm", qos_profile=profile)
+    client = outside.add_client("/arm", SET_BOOL)
+    await eventually(client._client.service_is_ready)
+    for _ in range(2 * MAX_STALLS):
+        deaf.handle.send_request(found.Request())  # rclpy's own would see no server
+    await eventually(lambda: len(requests) == 2 * MAX_STALLS)
+    with caplog.at_level(logging.WARNING, "gateway.ros.endpoints"):
+        for each in requests:
+            each.answer(response("unheard"))
+    stalls = ["service /arm: a client's QoS does not let it get responses"] * MAX_STALLS
+    assert caplog.messages == [*stalls, "service /arm: no responses for 10 s"]
+    service._replier._silent_until = 0.0  # later
+    calling = asyncio.ensure_future(client.call(request(True)))
+    await eventually(lambda: len(requests) > 2 * MAX_STALLS)
+    requests[-1].answer(response("heard"))
+    assert text_of(await soon(calling)) == "heard"
+
+
+async def test_what_is_closed_leaves_the_callback_group_of_its_node(ros: RclpyRos) -> None:
+    group: Any = ros._services._endpoints.node.default_callback_group
+    before = len(group.entities)
+    for _ in range(3):
+        ros.client("/arm", SET_BOOL).close()
+        ros.serve("/arm", SET_BOOL, echo).close()
+    assert len(group.entities) == before
+
+
+async def test_a_silent_server_gets_one_more_request_at_a_time(
+    ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(endpoints, "AHEAD_S", 0.3)
+    requests: list[Request] = []
+    outside.add_service("/arm", SET_BOOL, requests.append, depth=100)
+    client = ros.client("/arm", SET_BOOL)
+    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(3 * MAX_AHEAD)]
+    sent: set[int] = set()
+
+    def is_one_more() -> bool:
+        sent.add(len(client._requester._under_way))
+        return max(sent) == MAX_AHEAD + 2
+
+    await eventually(is_one_more)
+    assert sent <= {0, MAX_AHEAD, MAX_AHEAD + 1, MAX_AHEAD + 2}
+    for calling in calls:
+        calling.cancel()

@@ -1,0 +1,377 @@
+# SPDX-License-Identifier: Apache-2.0
+import asyncio
+import base64
+import json
+
+import numpy as np
+import pytest
+
+from gateway.codec.json import dumps
+from gateway.ports import Ros
+from gateway.protocol.errors import ProtocolError
+from gateway.rosapi import Parameters, SetResult
+from gateway.rosapi.node_parameters import NODE_TIMEOUT_S, NODES_AT_ONCE
+from tests.client import eventually
+from tests.ros.fake_services import FakeClient
+from tests.rosapi.conftest import discovered
+from tests.rosapi.robot import NAMES, NodeWithParameters
+from tests.rosapi.scripted import ScriptedNodes
+
+OK = SetResult(successful=True)
+
+
+async def test_names_are_listed_sorted(parameters: Parameters) -> None:
+    names = await parameters.list_names("/robot")
+    assert names == sorted(names)
+    assert set(names) >= set(NAMES)
+
+
+async def test_names_below_a_prefix_are_listed(parameters: Parameters) -> None:
+    assert await parameters.list_names("robot", ["camera"]) == ["camera.fps", "camera.name"]
+
+
+async def test_values_of_every_kind_are_read(parameters: Parameters) -> None:
+    values = json.loads(dumps(await parameters.get("/robot")))
+    assert {name: values[name] for name in NAMES} == {
+        "anything": 1,
+        "calibration": base64.b64encode(b"\x00\xff").decode(),
+        "camera.fps": 30,
+        "camera.name": "front",
+        "firmware": "1.2",
+        "flags": [True, False],
+        "gains": [0.1, None],
+        "labels": ["a", "b"],
+        "later": None,
+        "speed": 0.5,
+        "steps": [1, 2],
+        "use_sim_time": False,
+        "verbose": False,
+    }
+
+
+async def test_a_parameter_without_a_value_does_not_hide_the_others(
+    parameters: Parameters,
+) -> None:
+    values = await parameters.get("/robot", ["speed", "later", "verbose"])
+    assert values == {"speed": 0.5, "later": None, "verbose": False}
+
+
+async def test_an_undeclared_parameter_is_not_found_but_guessed(parameters: Parameters) -> None:
+    with pytest.raises(ProtocolError) as caught:
+        await parameters.get("/robot", ["verbose", "sped"])
+    assert caught.value.code == "not_found"
+    assert str(caught.value) == ("node /robot has not declared parameter sped; did you mean speed?")
+
+
+async def test_an_unknown_node_is_not_found_but_guessed(parameters: Parameters) -> None:
+    with pytest.raises(ProtocolError, match="node /robbot does not exist; did you mean /robot") as (
+        caught
+    ):
+        await parameters.get("/robbot", ["speed"])
+    assert caught.value.code == "not_found"
+
+
+async def test_a_silent_node_is_a_timeout(
+    parameters: Parameters, ros: Ros, silent: NodeWithParameters
+) -> None:
+    await discovered(ros, silent)
+    with pytest.raises(ProtocolError, match=r"node /silent has not answered within 0\.2 s") as (
+        caught
+    ):
+        await parameters.get("/silent", timeout_s=0.2)
+    assert caught.value.code == "timeout"
+
+
+async def test_a_node_without_parameters_is_told_apart_from_a_silent_one(
+    parameters: Parameters, ros: Ros
+) -> None:
+    bare = NodeWithParameters("bare", start_parameter_services=False)
+    try:
+        await eventually(lambda: "/bare" in ros.graph().nodes)
+        with pytest.raises(ProtocolError, match="node /bare offers no parameters") as caught:
+            await parameters.get("/bare", timeout_s=0.2)
+    finally:
+        bare.close()
+    assert caught.value.code == "not_found"
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "held"),
+    [
+        ("verbose", True, True),
+        ("speed", 2, 2.0),
+        ("camera.fps", 25.0, 25),
+        ("camera.name", "rear", "rear"),
+        ("gains", [1, 2.5], [1.0, 2.5]),
+        ("gains", [], []),
+        ("steps", [3], [3]),
+        ("flags", [], []),
+        ("labels", ["c"], ["c"]),
+        ("calibration", "AQI=", [b"\x01", b"\x02"]),
+        ("calibration", [3, 4], [b"\x03", b"\x04"]),
+        ("later", 7, 7.0),
+        ("anything", 5, 5),
+        ("anything", "now a string", "now a string"),
+        ("anything", [1, 2.5], [1.0, 2.5]),
+    ],
+)
+async def test_a_value_takes_the_type_of_its_parameter(
+    parameters: Parameters, robot: NodeWithParameters, name: str, value: object, held: object
+) -> None:
+    assert await parameters.set("/robot", {name: value}) == {name: OK}
+    now = robot.value(name)
+    assert list(now) == held if isinstance(held, list) else now == held
+    assert type(now) is type(held) or isinstance(held, list)
+
+
+async def test_null_in_an_array_of_doubles_is_nan(
+    parameters: Parameters, robot: NodeWithParameters
+) -> None:
+    assert await parameters.set("/robot", {"gains": [None, 1]}) == {"gains": OK}
+    np.testing.assert_array_equal(robot.value("gains"), [np.nan, 1.0])
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "reason"),
+    [
+        ("verbose", 1, "expected true or false, got 1"),
+        ("speed", "fast", "expected a finite number, got a string"),
+        ("speed", True, "expected a finite number, got true"),
+        ("camera.fps", 2.5, "expected an integer of 64 bits, got 2.5"),
+        ("camera.name", 5, "expected a string without U+0000, got 5"),
+        ("gains", 1.0, "expected an array, got 1.0"),
+        ("steps", [1, "2"], "[1]: expected an integer of 64 bits, got a string"),
+        ("anything", {"a": 1}, "got an object"),
+        ("anything", [], "an empty array has no type"),
+        ("speed", 3.0, "speed"),
+        ("firmware", "2.0", "firmware"),
+        ("nowhere", 1, "the node has not declared it: "),
+    ],
+)
+async def test_what_does_not_fit_is_refused_with_a_reason_and_harms_no_other(
+    parameters: Parameters, robot: NodeWithParameters, name: str, value: object, reason: str
+) -> None:
+    results = await parameters.set("/robot", {name: value, "labels": ["set"]})
+    assert not results[name].successful
+    assert reason in results[name].reason
+    assert results["labels"] == OK
+    assert list(robot.value("labels")) == ["set"]
+
+
+async def test_null_undeclares_a_parameter_that_may_change_its_type(
+    parameters: Parameters, robot: NodeWithParameters
+) -> None:
+    assert await parameters.set("/robot", {"anything": None}) == {"anything": OK}
+    assert not robot.node.has_parameter("anything")
+
+
+async def test_null_for_a_parameter_of_fixed_type_is_refused(parameters: Parameters) -> None:
+    results = await parameters.set("/robot", {"speed": None, "nowhere": None})
+    assert not results["speed"].successful
+    assert results["speed"].reason
+    assert not results["nowhere"].successful
+    assert results["nowhere"].reason
+
+
+async def test_an_undeclared_parameter_takes_the_type_of_its_value(
+    parameters: Parameters, ros: Ros
+) -> None:
+    liberal = NodeWithParameters("liberal", allow_undeclared_parameters=True)
+    try:
+        await discovered(ros, liberal)
+        values = {"a": 1, "b": 1.5, "c": "x", "d": True, "e": [1, 2.5], "f": [False]}
+        results = await parameters.set("/liberal", dict(values))
+        assert all(result.successful for result in results.values())
+        assert json.loads(dumps(await parameters.get("/liberal", list(values)))) == values
+    finally:
+        liberal.close()
+
+
+async def test_parameters_are_described(parameters: Parameters) -> None:
+    described = await parameters.describe("/robot", ["speed", "camera.fps", "firmware"])
+    assert described["speed"] == {
+        "type": "double",
+        "description": "metres a second",
+        "additional_constraints": "",
+        "read_only": False,
+        "dynamic_typing": False,
+        "range": {"from": 0.0, "to": 2.0, "step": 0.0},
+    }
+    assert described["camera.fps"]["range"] == {"from": 1, "to": 60, "step": 1}
+    assert described["firmware"]["read_only"]
+    assert "range" not in described["firmware"]
+
+
+async def test_all_parameters_are_described_without_names(parameters: Parameters) -> None:
+    assert set(await parameters.describe("/robot")) >= set(NAMES)
+
+
+async def test_describing_an_undeclared_parameter_is_not_found(parameters: Parameters) -> None:
+    with pytest.raises(ProtocolError, match="node /robot has not declared parameter fps"):
+        await parameters.describe("/robot", ["fps", "speed"])
+
+
+async def test_a_dead_node_is_left_out_of_the_names_of_all(
+    parameters: Parameters, ros: Ros, silent: NodeWithParameters
+) -> None:
+    await discovered(ros, silent)
+    found = await parameters.names_by_node()
+    assert set(found["/robot"]) >= set(NAMES)
+    assert "/silent" not in found
+
+
+async def test_a_node_that_loses_answers_is_told_of(nodes: ScriptedNodes) -> None:
+    for service in ("list_parameters", "describe_parameters", "set_parameters"):
+        nodes.offer("/broken", service, lambda _: {})
+    with pytest.raises(ProtocolError, match="node /broken answered 0 results for 2 parameters"):
+        await Parameters(nodes.ros, nodes.calls).set("/broken", {"a": 1, "b": 2})
+
+
+async def test_many_undeclared_parameters_take_no_more_questions_than_one(
+    nodes: ScriptedNodes,
+) -> None:
+    nodes.add("/robot", "speed", "height")
+    wrong = [f"wrong{number}" for number in range(256)]
+    with pytest.raises(ProtocolError, match="parameter wrong0 ") as caught:
+        await Parameters(nodes.ros, nodes.calls).get("/robot", ["speed", *wrong, "height"])
+    assert caught.value.code == "not_found"
+    assert len(nodes.calls.asked) == 3
+
+
+async def test_many_undeclared_parameters_do_not_keep_others_from_being_set(
+    nodes: ScriptedNodes,
+) -> None:
+    nodes.add("/robot", "speed", "height")
+    values = {"speed": 1, **{f"wrong{number}": 1 for number in range(256)}, "height": 2}
+    results = await Parameters(nodes.ros, nodes.calls).set("/robot", values)
+    assert [name for name, result in results.items() if result.successful] == ["speed", "height"]
+    assert len(nodes.calls.asked) == 4
+
+
+async def test_a_name_that_no_string_in_ros_can_have_harms_no_other(nodes: ScriptedNodes) -> None:
+    nodes.add("/robot", "speed")
+    parameters = Parameters(nodes.ros, nodes.calls)
+    results = await parameters.set("/robot", {"sp\0eed": 1, "speed": 1})
+    assert results == {
+        "sp\0eed": SetResult(successful=False, reason="expected a name without U+0000"),
+        "speed": OK,
+    }
+    for ask in (parameters.get, parameters.describe):
+        with pytest.raises(ProtocolError) as caught:
+            await ask("/robot", ["sp\0eed", "speed"])
+        assert caught.value.code == "not_found"
+
+
+async def test_the_deadline_is_for_all_questions_together(nodes: ScriptedNodes) -> None:
+    nodes.add("/late", "speed")
+    await Parameters(nodes.ros, nodes.calls).get("/late")
+    first, second = nodes.calls.timeouts_s
+    assert second < first <= NODE_TIMEOUT_S
+
+
+async def test_hidden_nodes_are_not_asked_for_their_names(nodes: ScriptedNodes) -> None:
+    for node in ("/robot", "/_ros2cli_1", "/_hidden/robot"):
+        nodes.add(node, "speed")
+    assert await Parameters(nodes.ros, nodes.calls).names_by_node() == {"/robot": ["speed"]}
+    assert nodes.calls.asked == ["/robot/list_parameters"]
+
+
+async def test_more_dead_nodes_than_are_asked_at_once_do_not_hide_a_living_one(
+    nodes: ScriptedNodes,
+) -> None:
+    for number in range(NODES_AT_ONCE + 1):
+        nodes.add_silent(f"/dead{number}")
+    nodes.add("/living", "speed")
+    assert await Parameters(nodes.ros, nodes.calls).names_by_node() == {"/living": ["speed"]}
+    assert nodes.calls.most_at_once == NODES_AT_ONCE
+
+
+async def test_looking_at_all_nodes_ends_however_many_are_dead(
+    nodes: ScriptedNodes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("gateway.rosapi.node_parameters.NODE_TIMEOUT_S", 3600.0)
+    for number in range(2 * NODES_AT_ONCE + 1):
+        nodes.add_silent(f"/dead{number:02}")
+    nodes.add("/alive", "speed")
+    async with asyncio.timeout(30):
+        found = await Parameters(nodes.ros, nodes.calls).names_by_node(timeout_s=0.1)
+    assert found == {"/alive": ["speed"]}
+
+
+async def test_nodes_that_were_silent_before_are_asked_last(
+    nodes: ScriptedNodes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("gateway.rosapi.node_parameters.NODE_TIMEOUT_S", 0.05)
+    monkeypatch.setattr("gateway.rosapi.unresponsive_nodes.FRESH_S", -1.0)
+    nodes.add_silent("/dead")
+    nodes.add("/living", "speed")
+    parameters = Parameters(nodes.ros, nodes.calls)
+    for _ in range(2):
+        assert await parameters.names_by_node() == {"/living": ["speed"]}
+    dead, living = "/dead/list_parameters", "/living/list_parameters"
+    assert nodes.calls.asked == [dead, living, living, dead]
+
+
+async def test_looking_at_all_nodes_opens_one_client_in_a_turn_of_the_loop(
+    nodes: ScriptedNodes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    turn = 0
+    opened_in: list[int] = []
+    open_client = nodes.ros.client
+
+    async def count() -> None:
+        nonlocal turn
+        while True:
+            turn += 1
+            await asyncio.sleep(0)
+
+    def noted(service: str, type_name: str) -> FakeClient:
+        opened_in.append(turn)
+        return open_client(service, type_name)
+
+    monkeypatch.setattr(nodes.ros, "client", noted)
+    for number in range(NODES_AT_ONCE):
+        nodes.add(f"/robot{number}", "speed")
+    counting = asyncio.create_task(count())
+    await Parameters(nodes.ros, nodes.calls).names_by_node()
+    counting.cancel()
+    assert len(opened_in) == len(set(opened_in)) == NODES_AT_ONCE
+
+
+async def test_a_row_of_questions_to_a_dead_node_waits_for_it_once(nodes: ScriptedNodes) -> None:
+    nodes.add_silent("/dead")
+    parameters = Parameters(nodes.ros, nodes.calls)
+    for _ in range(8):
+        with pytest.raises(ProtocolError, match=r"/dead has not answered within 0\.1 s") as caught:
+            await parameters.get("/dead", ["speed"], timeout_s=0.1)
+        assert caught.value.code == "timeout"
+    assert len(nodes.calls.asked) == 1
+    with pytest.raises(ProtocolError, match=r"within 0\.2 s"):
+        await parameters.get("/dead", ["speed"], timeout_s=0.2)
+    assert len(nodes.calls.asked) == 2
+
+
+async def test_a_node_that_answers_again_is_no_longer_taken_for_dead(nodes: ScriptedNodes) -> None:
+    nodes.add_silent("/robot")
+    parameters = Parameters(nodes.ros, nodes.calls)
+    with pytest.raises(ProtocolError, match="has not answered"):
+        await parameters.list_names("/robot", timeout_s=0.2)
+    for service in list(nodes.ros.services):
+        service.close()
+    nodes.add("/robot", "speed")
+    assert await parameters.list_names("/robot", timeout_s=5.0) == ["speed"]
+    assert await parameters.list_names("/robot", timeout_s=0.2) == ["speed"]
+
+
+async def test_a_node_that_answers_some_questions_is_not_taken_for_dead(
+    nodes: ScriptedNodes,
+) -> None:
+    nodes.add("/robot", "speed")
+    nodes.ros.services = [
+        service for service in nodes.ros.services if service.name != "/robot/get_parameters"
+    ]
+    nodes.offer("/robot", "get_parameters", lambda _: None)
+    parameters = Parameters(nodes.ros, nodes.calls)
+    with pytest.raises(ProtocolError, match="has not answered"):
+        await parameters.get("/robot", timeout_s=0.2)
+    assert await parameters.list_names("/robot", timeout_s=0.2) == ["speed"]

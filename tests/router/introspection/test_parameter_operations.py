@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: Apache-2.0
+from collections.abc import Sequence
+from typing import Any, cast
+
+import pytest
+
+from gateway.protocol.errors import ProtocolError
+from gateway.protocol.operations.parameters import (
+    DescribeParameters,
+    GetParameters,
+    ListParameters,
+    SetParameters,
+)
+from gateway.rosapi import Parameters, SetResult
+from gateway.rosapi.node_parameters import MAX_TIMEOUT_S
+from gateway.router.introspection.parameter_operations import ParameterOperations
+
+
+class Scripted:
+    """Parameters that answer what they are told to, and keep what they were asked."""
+
+    def __init__(self, answer: Any) -> None:
+        self.answer = answer
+        self.asked: tuple[Any, ...] = ()
+
+    async def _answer(self, *asked: Any) -> Any:
+        self.asked = asked
+        if isinstance(self.answer, Exception):
+            raise self.answer
+        return self.answer
+
+    list_names = get = set = describe = _answer
+
+
+def build(answer: Any) -> tuple[ParameterOperations, Scripted]:
+    scripted = Scripted(answer)
+    return ParameterOperations(cast("Parameters", scripted)), scripted
+
+
+async def test_names_are_listed() -> None:
+    operations, scripted = build(["a.b"])
+    request = ListParameters(node="robot", prefixes=("a",), timeout=3)
+    assert await operations.list(request) == {"node": "robot", "names": ["a.b"]}
+    assert scripted.asked == ("robot", ("a",), 3.0)
+
+
+@pytest.mark.parametrize("names", [None, ("speed",)])
+async def test_values_are_read(names: Sequence[str] | None) -> None:
+    operations, scripted = build({"speed": 0.5})
+    request = GetParameters.model_validate({"node": "/robot", "names": names})
+    assert await operations.get(request) == {"node": "/robot", "values": {"speed": 0.5}}
+    assert scripted.asked == ("/robot", names, 1.0)
+
+
+async def test_what_became_of_each_value_is_told() -> None:
+    operations, _ = build({"a": SetResult(successful=True), "b": SetResult(False, "too fast")})
+    request = SetParameters(node="/robot", values={"a": 1, "b": 2})
+    assert await operations.set(request) == {
+        "node": "/robot",
+        "results": {
+            "a": {"successful": True, "reason": ""},
+            "b": {"successful": False, "reason": "too fast"},
+        },
+    }
+
+
+async def test_parameters_are_described() -> None:
+    operations, _ = build({"speed": {"type": "double"}})
+    assert await operations.describe(DescribeParameters(node="/robot")) == {
+        "node": "/robot",
+        "parameters": {"speed": {"type": "double"}},
+    }
+
+
+@pytest.mark.parametrize("asked", [1e9, 0])
+async def test_nobody_waits_for_a_node_for_ever(asked: float) -> None:
+    operations, scripted = build({})
+    await operations.get(GetParameters(node="/robot", timeout=asked))
+    assert scripted.asked[-1] == MAX_TIMEOUT_S
+
+
+async def test_what_goes_wrong_comes_through() -> None:
+    operations, _ = build(ProtocolError("timeout", "node /robot has not answered within 1 s"))
+    with pytest.raises(ProtocolError, match="has not answered"):
+        await operations.get(GetParameters(node="/robot"))

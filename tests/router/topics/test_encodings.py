@@ -1,0 +1,227 @@
+# SPDX-License-Identifier: Apache-2.0
+import base64
+import json
+
+import cbor2
+import cv2
+import numpy as np
+import pytest
+
+from gateway.router.topics.encoding import Frame, TailoredFrame
+from tests.router.conftest import Bench
+from tests.wire import untagged, websocket_frames
+
+STRING = "std_msgs/msg/String"
+SCAN = "sensor_msgs/msg/LaserScan"
+IMAGE = "sensor_msgs/msg/Image"
+ROS_SHARP = 2**31 - 1
+PIXELS = {"height": 48, "width": 64, "encoding": "mono8", "step": 64, "data": [128] * 48 * 64}
+
+
+def text_in(picture: str) -> str:
+    pixels = cv2.imdecode(np.frombuffer(base64.b64decode(picture), np.uint8), cv2.IMREAD_COLOR)
+    assert pixels is not None
+    return cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB).tobytes().decode()
+
+
+async def received(bench: Bench, cdr: bytes, type_name: str, **wish):
+    bench.ros.add_publisher("/t", type_name)
+    client = bench.client()
+    client.send(op="subscribe", topic="/t", **wish)
+    bench.ros.publish("/t", cdr)
+    (frame,) = await client.sees(1)
+    return frame, client
+
+
+async def test_cbor_has_typed_arrays_and_byte_strings(bench: Bench):
+    cdr = bench.cdr(SCAN, ranges=[1.0, 2.5], angle_min=0.1)
+    frame, _ = await received(bench, cdr, SCAN, compression="cbor")
+    assert (frame["op"], frame["topic"]) == ("publish", "/t")
+    assert frame["msg"]["ranges"] == cbor2.CBORTag(85, np.array([1.0, 2.5], "<f4").tobytes())
+    assert frame["msg"]["intensities"] == cbor2.CBORTag(85, b"")
+
+
+async def test_cbor_has_the_fields_that_were_asked_for(bench: Bench):
+    cdr = bench.cdr(SCAN, ranges=[1.0])
+    frame, _ = await received(bench, cdr, SCAN, compression="cbor", fields=["ranges"], meta=True)
+    assert untagged(frame["msg"]) == {"ranges": [1.0]}
+    assert (frame["seq"], frame["dropped"]) == (1, 0)
+
+
+async def test_cbor_raw_is_the_sample_untouched_with_the_time(bench: Bench):
+    cdr = bench.cdr(STRING, data="hello")
+    frame, _ = await received(bench, cdr, STRING, compression="cbor-raw")
+    now_s = bench.ros.now_ns() // 10**9
+    assert frame["msg"]["bytes"] == cdr
+    assert set(frame["msg"]) == {"secs", "nsecs", "bytes"}
+    assert abs(frame["msg"]["secs"] - now_s) < 60
+    assert 0 <= frame["msg"]["nsecs"] < 10**9
+
+
+async def test_an_image_as_cbor_is_a_jpeg_without_base64(bench: Bench):
+    cdr = bench.cdr(IMAGE, **PIXELS)
+    frame, _ = await received(
+        bench, cdr, IMAGE, compression="cbor", image={"max_width": 32, "quality": 50}
+    )
+    message = frame["msg"]
+    assert (message["format"], message["width"], message["height"]) == ("jpeg", 32, 24)
+    assert message["data"].startswith(b"\xff\xd8")
+    assert message["header"]["frame_id"] == ""
+
+
+async def test_an_image_as_cbor_can_be_plain(bench: Bench):
+    cdr = bench.cdr(IMAGE, **PIXELS)
+    frame, _ = await received(bench, cdr, IMAGE, compression="cbor", image={"format": "raw"})
+    assert frame["msg"]["data"] == bytes([128]) * 48 * 64
+
+
+async def test_an_image_as_cbor_raw_is_no_picture(bench: Bench):
+    cdr = bench.cdr(IMAGE, **PIXELS)
+    frame, _ = await received(bench, cdr, IMAGE, compression="cbor-raw")
+    assert frame["msg"]["bytes"] == cdr
+
+
+async def test_png_hides_a_publish_frame_in_ascii(bench: Bench):
+    bench.ros.add_publisher("/t", STRING)
+    client = bench.client()
+    client.send(op="subscribe", topic="/t", compression="png", meta=True)
+    bench.ros.publish("/t", bench.cdr(STRING, data="größe"))
+    (frame,) = await client.sees(1, "png")
+    text = text_in(frame["data"])
+    assert text.isascii()
+    assert json.loads(text) == {"op": "publish", "topic": "/t", "msg": {"data": "größe"}}
+    assert (frame["seq"], frame["dropped"]) == (1, 0)
+
+
+async def test_png_holds_pictures_as_json_does(bench: Bench):
+    bench.ros.add_publisher("/t", IMAGE)
+    client = bench.client()
+    client.send(op="subscribe", topic="/t", compression="png")
+    bench.ros.publish("/t", bench.cdr(IMAGE, **PIXELS))
+    (frame,) = await client.sees(1, "png")
+    assert json.loads(text_in(frame["data"]))["msg"]["format"] == "jpeg"
+
+
+async def test_fields_of_cbor_compile_nothing_for_json(bench: Bench):
+    bench.ros.add_publisher("/t", SCAN)
+    bench.client().send(op="subscribe", topic="/t", compression="cbor", fields=["ranges"])
+    message_type = bench.types.get(SCAN)
+    assert message_type._transcoders
+    assert not message_type._decoders
+
+
+async def test_fields_of_cbor_raw_are_refused(bench: Bench):
+    bench.ros.add_publisher("/t", STRING)
+    client = bench.client()
+    client.send(op="subscribe", topic="/t", compression="cbor-raw", fields=["data"])
+    assert client.statuses == [
+        ("bad_request", "fields: cbor-raw is CDR untouched; choose cbor for some fields of it")
+    ]
+    assert bench.ros.entity_count() == 0
+
+
+async def test_clients_with_the_same_compression_share_bytes(bench: Bench):
+    bench.ros.add_publisher("/t", STRING)
+    wishes = ("cbor", "cbor", "none", None, "cbor-raw")
+    clients = [bench.client() for _ in wishes]
+    for client, wish in zip(clients, wishes, strict=True):
+        client.send(op="subscribe", topic="/t", compression=wish)
+    bench.ros.publish("/t", bench.cdr(STRING, data="x"))
+    for client in clients:
+        await client.sees(1)
+    cbor, same_cbor, plain, same_plain, raw = (client.wires[-1] for client in clients)
+    assert cbor is same_cbor
+    assert plain is same_plain
+    assert len({cbor, plain, raw}) == 3
+
+
+@pytest.mark.parametrize("compression", ["none", "png", "cbor"])
+@pytest.mark.parametrize("plain_first", [True, False])
+async def test_a_frame_is_rendered_once_for_shared_and_tailored_streams(
+    bench: Bench, compression, plain_first
+):
+    bench.ros.add_publisher("/t", STRING)
+    clients = [bench.client() for _ in range(4)]
+    metas = [False, True, False, True] if plain_first else [True, False, True, False]
+    for client, meta in zip(clients, metas, strict=True):
+        client.send(op="subscribe", topic="/t", compression=compression, meta=meta)
+        client.is_paused = True
+    bench.ros.publish("/t", bench.cdr(STRING, data="x"))
+    await bench.settle()
+    (lane,) = clients[0].session.outbox._lanes
+    entry = lane.waiting[0]
+    frame = entry._frame if isinstance(entry, TailoredFrame) else entry
+    assert isinstance(frame, Frame)
+    renders = []
+    render = frame.rendition._render
+
+    def counting(cdr: bytes) -> bytes:
+        renders.append(cdr)
+        return render(cdr)
+
+    frame.rendition._render = counting
+    op = "png" if compression == "png" else "publish"
+    for client in clients:
+        client.is_paused = False
+        client.flush()
+        (seen,) = await client.sees(1, op)
+        assert ("seq" in seen) == metas[clients.index(client)]
+        # what it is now, it is instead of what it was
+        assert sum(map(bool, (frame.cdr, frame._body, frame._wire))) == 1
+    assert len(renders) == 1
+
+
+async def test_a_subscription_gets_fragments_that_asked_and_the_others_do_not(bench: Bench):
+    bench.ros.add_publisher("/t", STRING)
+    cut, whole = bench.client(), bench.client()
+    cut.send(op="subscribe", topic="/t", fragment_size=100)
+    whole.send(op="subscribe", topic="/t")
+    for text in ("short", "ü" * 150, "x" * 150):
+        bench.ros.publish("/t", bench.cdr(STRING, data=text))
+    await whole.sees(3)
+    assert await cut.sees(1) == [{"op": "publish", "topic": "/t", "msg": {"data": "short"}}]
+    pieces = await cut.sees(4, "fragment")
+    texts: dict[str, str] = {}
+    for piece in pieces:
+        assert len(piece["data"]) <= 100
+        assert piece["total"] == 2
+        texts[piece["id"]] = texts.get(piece["id"], "") + piece["data"]
+    assert [json.loads(text)["msg"]["data"][:2] for text in texts.values()] == ["üü", "xx"]
+
+
+async def test_ros_sharp_gets_escapes_and_the_others_utf_8(bench: Bench):
+    bench.ros.add_publisher("/t", STRING)
+    ros_sharp, other = bench.client(), bench.client()
+    other.send(op="subscribe", topic="/t")
+    ros_sharp.send(
+        op="subscribe", topic="/t", compression="none", fragment_size=ROS_SHARP, queue_length=0
+    )
+    bench.ros.publish("/t", bench.cdr(STRING, data="größe \U0001f916" + "x" * 100_000))
+    for client in (ros_sharp, other):
+        assert (await client.sees(1))[0]["msg"]["data"].startswith("größe \U0001f916")
+    (frame,) = websocket_frames(ros_sharp.wires[-1])
+    assert bytes(frame.data).isascii()
+    assert not other.wires[-1][10:].isascii()
+
+
+async def test_a_subscription_from_before_the_fingerprint_is_escaped_too(bench: Bench):
+    bench.ros.add_publisher("/t", STRING)
+    client = bench.client()
+    client.send(op="subscribe", topic="/t")
+    client.send(op="ping", fragment_size=ROS_SHARP)
+    bench.ros.publish("/t", bench.cdr(STRING, data="größe"))
+    await client.sees(1)
+    (frame,) = websocket_frames(client.wires[-1])
+    assert bytes(frame.data).isascii()
+
+
+@pytest.mark.parametrize("compression", ["none", "png", "cbor"])
+async def test_what_cannot_be_decoded_is_reported_once(bench: Bench, compression):
+    bench.ros.add_publisher("/t", STRING)
+    client = bench.client()
+    client.send(op="subscribe", topic="/t", compression=compression)
+    for _ in range(3):
+        bench.ros.publish("/t", b"\0\1\0\0\xff\0\0\0")
+    await client.sees(1, "status")
+    await bench.settle()
+    assert [code for code, _ in client.statuses] == ["invalid_value"]
