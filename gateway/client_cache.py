@@ -9,7 +9,7 @@ from typing import Final, Generic, Protocol, TypeVar
 
 # DDS takes some tenths of a second until a new client is heard by its server, so who calls once
 # a second must not pay that each time. Nor must what nobody uses any more be seen for long.
-LINGER_S: Final = 5.0
+IDLE_S: Final = 5.0
 MAX_IDLE: Final = 128  # of 256 ROS entities in all; a robot of Navigation 2 has some 70 nodes
 
 
@@ -30,8 +30,8 @@ class _Entry(Generic[T]):
     end: asyncio.TimerHandle | None = None
 
 
-class Lingering(Generic[T]):
-    """Opens each thing once for all who use it, and closes it `LINGER_S` after the last."""
+class ClientCache(Generic[T]):
+    """Opens each thing once for all who use it, and closes it `IDLE_S` after the last."""
 
     def __init__(self) -> None:
         self._entries: dict[Hashable, _Entry[T]] = {}
@@ -57,7 +57,7 @@ class Lingering(Generic[T]):
             if not entry.users and self._entries.get(key) is entry:
                 self._entries[key] = self._entries.pop(key)  # the longest idle comes first
                 loop = asyncio.get_running_loop()
-                entry.end = loop.call_later(LINGER_S, self._close, key)
+                entry.end = loop.call_later(IDLE_S, self._close, key)
                 self._shed()
 
     def close(self) -> None:

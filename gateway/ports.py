@@ -59,7 +59,7 @@ class Qos:
 
 
 @dataclass(frozen=True, slots=True)
-class Topic:
+class TopicInfo:
     """A topic of the graph: its types (more than one is a conflict) and who is on it."""
 
     name: str
@@ -69,7 +69,7 @@ class Topic:
 
 
 @dataclass(frozen=True, slots=True)
-class Provided:
+class ServerInfo:
     """A service or an action of the graph: its types, and the nodes that provide it."""
 
     name: str
@@ -81,10 +81,10 @@ class Provided:
 class Graph:
     """One picture of the ROS graph, sorted by name."""
 
-    topics: tuple[Topic, ...]
+    topics: tuple[TopicInfo, ...]
     nodes: tuple[str, ...]  # full names
-    services: tuple[Provided, ...] = ()  # those behind actions are not listed
-    actions: tuple[Provided, ...] = ()
+    services: tuple[ServerInfo, ...] = ()  # those behind actions are not listed
+    actions: tuple[ServerInfo, ...] = ()
 
 
 class Subscription(Protocol):

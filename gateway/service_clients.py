@@ -3,8 +3,8 @@
 
 import asyncio
 
-from gateway.client_cache import Lingering
-from gateway.codec.error_text import cut
+from gateway.client_cache import ClientCache
+from gateway.codec.error_text import truncate
 from gateway.codec.errors import CodecError
 from gateway.codec.types import MessageType, ServiceType, Types
 from gateway.ports import Client, Ros
@@ -14,13 +14,13 @@ from schemas.installed import UnknownTypeError
 from schemas.message import Clock
 
 
-class Calls:
-    """Calls any service; the ROS clients for it linger for the next call."""
+class ServiceClients:
+    """Calls any service; its ROS client stays open for the next call."""
 
     def __init__(self, ros: Ros, types: Types) -> None:
         self._ros = ros
         self._types = types
-        self._clients: Lingering[Client] = Lingering()
+        self._clients: ClientCache[Client] = ClientCache()
 
     @property
     def clients(self) -> int:
@@ -64,7 +64,7 @@ class Calls:
         try:
             return self._types.service(type_name)
         except (UnknownTypeError, DefinitionError) as error:
-            raise ProtocolError("bad_type", f"type: {cut(str(error))}") from error
+            raise ProtocolError("bad_type", f"type: {truncate(str(error))}") from error
 
 
 def encode_values(message_type: MessageType, values: object, now_ns: Clock, root: str) -> bytes:

@@ -20,7 +20,7 @@ from gateway_sim.content import Inventor
 from gateway_sim.instances import Builder, message_class, one_line
 from gateway_sim.loop import Loop, ros_context, stopped_by_signals
 from schemas.installed import InstalledDefinitions
-from schemas.table import Table, TypeSpellingError, resolve_type
+from schemas.table import Table, TypeNameError, resolve_type
 
 MAX_RATE_HZ: Final = 1000.0  # far above what 180 types reach; it ends typing errors
 _TICK_NS: Final = 10_000_000  # publishing in bursts of 10 ms saves wake-ups and delays nobody
@@ -55,7 +55,7 @@ class MockOptions:
             return tuple(row.name for row in table.rows)
         try:
             return tuple(dict.fromkeys(resolve_type(spelling, table) for spelling in self.types))
-        except TypeSpellingError as error:
+        except TypeNameError as error:
             raise ConfigError(str(error)) from error
 
 

@@ -29,7 +29,7 @@ from gateway_sim.battery import Battery
 from gateway_sim.camera_topics import CameraTopics
 from gateway_sim.loop import Loop, ros_context, stopped_by_signals
 from gateway_sim.robot import MAX_LINEAR, DismissedError, Event, Robot
-from gateway_sim.robot_frames import Transforms
+from gateway_sim.robot_frames import RobotFrames
 from gateway_sim.world import Pose, furnished_room
 
 _STATE_NS: Final = 1_000_000_000 // 30  # odometry and what belongs to it: 30 Hz
@@ -131,7 +131,7 @@ class SimulatedRobot:
         latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self._map = self._node.create_publisher(OccupancyGrid, "map", latched)
         self._map.publish(robot_messages.occupancy_grid(self._header("map"), self._world))
-        self._transforms = Transforms(self._node, self._frames)
+        self._transforms = RobotFrames(self._node, self._frames)
 
     def _listen(self) -> None:
         node = self._node

@@ -46,7 +46,7 @@ _MOUNTS: Final = (
 )
 
 
-class Transforms:
+class RobotFrames:
     """The publishers of ``/tf`` and ``/tf_static``, or nothing where their type is missing."""
 
     def __init__(self, node: Node, frame_prefix: str) -> None:

@@ -34,7 +34,7 @@ class TableError(ValueError):
     """A message table cannot be used; the text names the file and the reason."""
 
 
-class TypeSpellingError(ValueError):
+class TypeNameError(ValueError):
     """What a client wrote as a type names none; the text says what was expected."""
 
 
@@ -121,59 +121,59 @@ def _rows(adapter: TypeAdapter[list[_R]], key: str, value: object) -> list[_R]:
         raise TableError(f"{key}{where}: {first['msg']}") from error
 
 
-def resolve_type(spelling: str | int, table: Table) -> str:
+def resolve_type(requested: str | int, table: Table) -> str:
     """Return ``pkg/msg/Name`` for what clients write as a type.
 
     That is ``pkg/Name``, ``pkg/msg/Name``, or a number of *table*, as a number or as text.
     Whether the type is installed is not looked at.
 
     Raises:
-        TypeSpellingError: it is none of these, or the table has no such number.
+        TypeNameError: it is none of these, or the table has no such number.
     """
-    match spelling:
+    match requested:
         case bool():  # JSON true is no number, though Python says so
             pass
         case int():
-            return _numbered(spelling, table)
-        case str() if _NUMBER.fullmatch(spelling):
-            return _numbered(int(spelling), table)
-        case str() if match := _TYPE_SPELLING.fullmatch(spelling):
+            return _numbered(requested, table)
+        case str() if _NUMBER.fullmatch(requested):
+            return _numbered(int(requested), table)
+        case str() if match := _TYPE_SPELLING.fullmatch(requested):
             return f"{match['package']}/msg/{match['name']}"
-    raise TypeSpellingError(
-        f"{spelling!r} is no message type: expected pkg/msg/Name, pkg/Name or a table number"
+    raise TypeNameError(
+        f"{requested!r} is no message type: expected pkg/msg/Name, pkg/Name or a table number"
     )
 
 
-def resolve_interface(spelling: str, kind: InterfaceKind) -> str:
+def resolve_interface(requested: str, kind: InterfaceKind) -> str:
     """Return ``pkg/srv/Name`` for what clients write as the type of a service; so for actions.
 
     That is ``pkg/Name`` or ``pkg/srv/Name``. Whether the type is installed is not looked at.
 
     Raises:
-        TypeSpellingError: it is neither.
+        TypeNameError: it is neither.
     """
-    match = _INTERFACE_SPELLING.fullmatch(spelling)
+    match = _INTERFACE_SPELLING.fullmatch(requested)
     if match is None or match["kind"] not in {None, kind}:
         called = "service" if kind == "srv" else "action"
-        raise TypeSpellingError(
-            f"{spelling!r} is no {called} type: expected pkg/{kind}/Name or pkg/Name"
+        raise TypeNameError(
+            f"{requested!r} is no {called} type: expected pkg/{kind}/Name or pkg/Name"
         )
     return f"{match['package']}/{kind}/{match['name']}"
 
 
-def resolve_any(spelling: str | int, table: Table, known: Container[str]) -> str:
-    """Return the full name of the message, the service or the action that *spelling* means.
+def resolve_any(requested: str | int, table: Table, known: Container[str]) -> str:
+    """Return the full name of the message, the service or the action that *requested* means.
 
     ``pkg/Name`` is the first of the three that is *known*, or a message if none is.
 
     Raises:
-        TypeSpellingError: it is no type, or the table has no such number.
+        TypeNameError: it is no type, or the table has no such number.
     """
-    text = str(spelling)
+    text = str(requested)
     for kind in get_args(InterfaceKind):
         if f"/{kind}/" in text:
             return resolve_interface(text, kind)
-    message = resolve_type(spelling, table)
+    message = resolve_type(requested, table)
     if message in known or not _INTERFACE_SPELLING.fullmatch(text):
         return message
     interfaces = (resolve_interface(text, kind) for kind in get_args(InterfaceKind))
@@ -183,5 +183,5 @@ def resolve_any(spelling: str | int, table: Table, known: Container[str]) -> str
 def _numbered(number: int, table: Table) -> str:
     row = table.by_number.get(number)
     if row is None:
-        raise TypeSpellingError(f"the message table has no number {number}")
+        raise TypeNameError(f"the message table has no number {number}")
     return row.name

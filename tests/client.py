@@ -9,7 +9,7 @@ from typing import Any
 
 from websockets.asyncio.client import ClientConnection, connect
 
-PATIENCE_S = 30  # a busy machine may take its time; nothing here measures it
+TIMEOUT_S = 30  # a busy machine may take its time; nothing here measures it
 
 Frame = dict[str, Any]
 
@@ -26,7 +26,7 @@ class Client:
         await self.socket.send(json.dumps(operation))
 
     async def receive(
-        self, wanted: Callable[[Frame], bool] = lambda frame: True, within_s: float = PATIENCE_S
+        self, wanted: Callable[[Frame], bool] = lambda frame: True, within_s: float = TIMEOUT_S
     ) -> Frame:
         """Return the next frame that is wanted; the others are kept in `seen`."""
         async with asyncio.timeout(within_s):
@@ -63,7 +63,7 @@ async def client(url: str, **options: Any) -> AsyncIterator[Client]:
         yield Client(socket)
 
 
-async def eventually(condition: Callable[[], bool], within_s: float = PATIENCE_S) -> None:
+async def eventually(condition: Callable[[], bool], within_s: float = TIMEOUT_S) -> None:
     """Wait until something holds."""
     async with asyncio.timeout(within_s):
         while not condition():  # noqa: ASYNC110  # of anything, without its cooperation

@@ -4,7 +4,7 @@
 import pytest
 
 from gateway import client_cache
-from gateway.client_cache import MAX_IDLE, Lingering
+from gateway.client_cache import MAX_IDLE, ClientCache
 from tests.client import eventually
 
 
@@ -17,7 +17,7 @@ class Thing:
 
 
 async def test_users_of_one_key_share_one_thing() -> None:
-    things: Lingering[Thing] = Lingering()
+    things: ClientCache[Thing] = ClientCache()
     with things.use("a", Thing) as first, things.use("a", Thing) as second:
         assert first is second
     with things.use("a", Thing) as third, things.use("b", Thing) as other:
@@ -31,8 +31,8 @@ async def test_users_of_one_key_share_one_thing() -> None:
 async def test_a_thing_is_closed_a_while_after_its_last_use(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(client_cache, "LINGER_S", 0.01)
-    things: Lingering[Thing] = Lingering()
+    monkeypatch.setattr(client_cache, "IDLE_S", 0.01)
+    things: ClientCache[Thing] = ClientCache()
     with things.use("a", Thing) as thing:
         with things.use("a", Thing):
             pass
@@ -43,8 +43,8 @@ async def test_a_thing_is_closed_a_while_after_its_last_use(
 
 
 async def test_what_is_used_again_stays(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(client_cache, "LINGER_S", 0.01)
-    things: Lingering[Thing] = Lingering()
+    monkeypatch.setattr(client_cache, "IDLE_S", 0.01)
+    things: ClientCache[Thing] = ClientCache()
     with things.use("a", Thing) as thing:
         pass
     with things.use("a", Thing):
@@ -56,7 +56,7 @@ async def test_what_is_used_again_stays(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 async def test_only_so_many_linger_and_the_longest_idle_goes_first() -> None:
-    things: Lingering[Thing] = Lingering()
+    things: ClientCache[Thing] = ClientCache()
     opened = []
     for number in range(MAX_IDLE + 2):
         with things.use(number, Thing) as thing:
@@ -66,7 +66,7 @@ async def test_only_so_many_linger_and_the_longest_idle_goes_first() -> None:
 
 
 async def test_what_was_used_until_just_now_is_not_the_longest_idle() -> None:
-    things: Lingering[Thing] = Lingering()
+    things: ClientCache[Thing] = ClientCache()
     with things.use("long", Thing) as long_used:
         with things.use("before", Thing) as before:
             pass
@@ -79,7 +79,7 @@ async def test_what_was_used_until_just_now_is_not_the_longest_idle() -> None:
 
 
 async def test_closing_while_in_use_closes_at_once_and_only_once() -> None:
-    things: Lingering[Thing] = Lingering()
+    things: ClientCache[Thing] = ClientCache()
     with things.use("a", Thing) as thing:
         things.close()
         assert thing.is_closed

@@ -10,7 +10,7 @@ import pytest
 from gateway.codec.types import Types
 from gateway.ports import Request, RosError
 from gateway.protocol.errors import ProtocolError
-from gateway.service_clients import Calls, encode_values
+from gateway.service_clients import ServiceClients, encode_values
 from schemas.installed import InstalledDefinitions
 from tests.client import eventually
 from tests.ros.fake import FakeRos
@@ -25,10 +25,10 @@ async def ros() -> FakeRos:
 
 
 @pytest.fixture
-async def calls(ros: FakeRos) -> AsyncIterator[Calls]:
-    calls = Calls(ros, TYPES)
-    yield calls
-    calls.close()
+async def service_clients(ros: FakeRos) -> AsyncIterator[ServiceClients]:
+    service_clients = ServiceClients(ros, TYPES)
+    yield service_clients
+    service_clients.close()
     assert ros.entity_count() == 0
 
 
@@ -38,33 +38,39 @@ def answer(request: Request) -> None:
     request.answer(response.encode(response.validate({"success": data}, now_ns=0)))
 
 
-async def test_a_response_comes_decoded(ros: FakeRos, calls: Calls) -> None:
+async def test_a_response_comes_decoded(ros: FakeRos, service_clients: ServiceClients) -> None:
     ros.add_service("/arm", SET_BOOL, answer)
-    response = await calls.call("/arm", SET_BOOL, {"data": True}, 5)
+    response = await service_clients.call("/arm", SET_BOOL, {"data": True}, 5)
     assert response == {"success": True, "message": ""}
 
 
-async def test_calls_of_one_service_share_a_ros_client(ros: FakeRos, calls: Calls) -> None:
+async def test_calls_of_one_service_share_a_ros_client(
+    ros: FakeRos, service_clients: ServiceClients
+) -> None:
     ros.add_service("/arm", SET_BOOL, answer)
-    await asyncio.gather(*(calls.call("/arm", SET_BOOL, [True], 5) for _ in range(5)))
-    await calls.call("/arm", SET_BOOL, None, 5)
-    assert calls.clients == ros.entity_count() == 1
+    await asyncio.gather(*(service_clients.call("/arm", SET_BOOL, [True], 5) for _ in range(5)))
+    await service_clients.call("/arm", SET_BOOL, None, 5)
+    assert service_clients.clients == ros.entity_count() == 1
 
 
-async def test_a_call_waits_for_its_server_as_long_as_it_may(ros: FakeRos, calls: Calls) -> None:
-    calling = asyncio.ensure_future(calls.call("/arm", SET_BOOL, {}, 30))
-    await eventually(lambda: calls.clients == 1)
+async def test_a_call_waits_for_its_server_as_long_as_it_may(
+    ros: FakeRos, service_clients: ServiceClients
+) -> None:
+    calling = asyncio.ensure_future(service_clients.call("/arm", SET_BOOL, {}, 30))
+    await eventually(lambda: service_clients.clients == 1)
     ros.add_service("/arm", SET_BOOL, answer)
     assert (await calling)["success"] is False
     with pytest.raises(ProtocolError, match=r"has not answered within 0\.02 s") as refused:
-        await calls.call("/nobody", SET_BOOL, {}, 0.02)
+        await service_clients.call("/nobody", SET_BOOL, {}, 0.02)
     assert refused.value.code == "timeout"
 
 
-async def test_a_cancelled_call_leaves_nothing_under_way(ros: FakeRos, calls: Calls) -> None:
+async def test_a_cancelled_call_leaves_nothing_under_way(
+    ros: FakeRos, service_clients: ServiceClients
+) -> None:
     requests: list[Request] = []
     ros.add_service("/arm", SET_BOOL, requests.append)
-    calling = asyncio.ensure_future(calls.call("/arm", SET_BOOL, {}, 30))
+    calling = asyncio.ensure_future(service_clients.call("/arm", SET_BOOL, {}, 30))
     await eventually(lambda: bool(requests))
     calling.cancel()
     with pytest.raises(asyncio.CancelledError):
@@ -74,11 +80,13 @@ async def test_a_cancelled_call_leaves_nothing_under_way(ros: FakeRos, calls: Ca
     answer(requests[0])  # too late, and harmless
 
 
-async def test_closing_fails_what_is_under_way(ros: FakeRos, calls: Calls) -> None:
+async def test_closing_fails_what_is_under_way(
+    ros: FakeRos, service_clients: ServiceClients
+) -> None:
     ros.add_service("/arm", SET_BOOL, lambda request: None)
-    calling = asyncio.ensure_future(calls.call("/arm", SET_BOOL, {}, 30))
-    await eventually(lambda: calls.clients == 1)
-    calls.close()
+    calling = asyncio.ensure_future(service_clients.call("/arm", SET_BOOL, {}, 30))
+    await eventually(lambda: service_clients.clients == 1)
+    service_clients.close()
     with pytest.raises(RosError, match="closed"):
         await calling
 
@@ -94,20 +102,20 @@ async def test_closing_fails_what_is_under_way(ros: FakeRos, calls: Calls) -> No
     ],
 )
 async def test_what_cannot_be_called_is_refused_before_ros_hears_of_it(
-    ros: FakeRos, calls: Calls, type_name: str, values: Any, code: str
+    ros: FakeRos, service_clients: ServiceClients, type_name: str, values: Any, code: str
 ) -> None:
     with pytest.raises(ProtocolError) as refused:
-        await calls.call("/arm", type_name, values, 5)
+        await service_clients.call("/arm", type_name, values, 5)
     assert refused.value.code == code
     assert ros.entity_count() == 0
 
 
 async def test_a_response_that_is_no_such_message_is_a_fault_of_its_server(
-    ros: FakeRos, calls: Calls
+    ros: FakeRos, service_clients: ServiceClients
 ) -> None:
     ros.add_service("/arm", SET_BOOL, lambda request: request.answer(b"\0\1\0\0\1"))
     with pytest.raises(ProtocolError, match="response of /arm: need"):
-        await calls.call("/arm", SET_BOOL, {}, 5)
+        await service_clients.call("/arm", SET_BOOL, {}, 5)
 
 
 def test_values_come_by_name_in_order_or_not_at_all() -> None:

@@ -26,7 +26,7 @@ from gateway.codec.types import MessageType, Types
 from gateway.memory import keep_large_blocks
 from gateway.ports import Sample
 from gateway.protocol.publish_frames import JsonEnvelope
-from gateway.ros.ready_events import EventfdArrivals
+from gateway.ros.ready_events import EventfdReadyEvents
 from gateway.ros.samples import EventfdSamples
 from schemas.installed import InstalledDefinitions
 
@@ -76,7 +76,7 @@ def _receive(
     if count == 1:
         create()
         return _nothing
-    arrivals = EventfdArrivals(loop)
+    arrivals = EventfdReadyEvents(loop)
     if count < len(_RECEIVING):
         return arrivals.open("subscription", create, node.destroy_subscription, _nothing).close
     work = works[count - len(_RECEIVING)]

@@ -245,7 +245,7 @@ def _mock(arguments: argparse.Namespace) -> int:
 def _schema(arguments: argparse.Namespace) -> int:
     from schemas.definition import DefinitionError
     from schemas.installed import InstalledDefinitions, UnknownTypeError
-    from schemas.table import Table, TypeSpellingError, resolve_any
+    from schemas.table import Table, TypeNameError, resolve_any
 
     table = Table.load()
     definitions = InstalledDefinitions()
@@ -265,7 +265,7 @@ def _schema(arguments: argparse.Namespace) -> int:
         elif arguments.definition:
             hint = ", --definition needs the message package installed"
         raise UsageError(f"{error}{hint}") from error
-    except (TypeSpellingError, DefinitionError) as error:
+    except (TypeNameError, DefinitionError) as error:
         raise UsageError(str(error)) from error
     print(text)
     return EXIT_OK

@@ -30,7 +30,7 @@ def kind(value: object) -> str:
         case bool():
             return "true" if value else "false"
         case int() | float():
-            return cut(json.dumps(value))
+            return truncate(json.dumps(value))
         case str():
             return "a string"
         case list() | tuple():
@@ -40,6 +40,6 @@ def kind(value: object) -> str:
     return type(value).__name__
 
 
-def cut(text: str) -> str:
+def truncate(text: str) -> str:
     """Shorten a client's own text for its way back."""
     return text if len(text) <= MAX_ECHO else f"{text[: MAX_ECHO - 3]}..."

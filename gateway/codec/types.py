@@ -19,7 +19,7 @@ from gateway.codec.cdr import (
     compile_transcoder,
 )
 from gateway.codec.cdr.selection import select
-from gateway.codec.error_text import cut
+from gateway.codec.error_text import truncate
 from gateway.codec.validation import InvalidValueError, invalid_value
 from schemas.build import Models
 from schemas.definition import Definition
@@ -126,7 +126,7 @@ class MessageType:
         if not names:
             return f"expected no elements, got {count}: {title} is empty"
         limit = "1 element" if len(names) == 1 else f"{len(names)} elements"
-        return f"expected at most {limit}, got {count}: {title} has {cut(', '.join(names))}"
+        return f"expected at most {limit}, got {count}: {title} has {truncate(', '.join(names))}"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,7 +8,7 @@ from typing import Final
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from gateway.codec.error_text import EXPECTED, MAX_ECHO, cut
+from gateway.codec.error_text import EXPECTED, MAX_ECHO, truncate
 from gateway.codec.error_text import kind as kind_of
 from gateway.codec.errors import CodecError
 from schemas.definition import FLOATS, INTEGER_RANGES, Definition, Field
@@ -56,7 +56,7 @@ class _Words:
     def path(self, detail: ErrorDetails) -> str:
         """Return the path to the value, such as ``msg.poses[3].position.x``."""
         parts = [f"[{part}]" if isinstance(part, int) else f".{part}" for part in detail["loc"]]
-        return self._root + cut("".join(parts))
+        return self._root + truncate("".join(parts))
 
     def problem(self, detail: ErrorDetails) -> str:
         return f"{self.path(detail)}: {self._reason(detail)}"
@@ -80,7 +80,7 @@ class _Words:
         if kind == "string_unicode":
             return "a string cannot hold a lone surrogate"
         # The models' own checks already speak our language.
-        return cut(detail["msg"][:1].lower() + detail["msg"][1:])
+        return truncate(detail["msg"][:1].lower() + detail["msg"][1:])
 
     def _field(self, detail: ErrorDetails) -> tuple[Definition, Field | None]:
         """Return the last message on the way to the value, and which of its fields it is in."""
@@ -104,14 +104,18 @@ def _unknown(name: str, definition: Definition) -> str:
     close = difflib.get_close_matches(name[:MAX_ECHO], names, n=1)
     if close:
         return f"{reason}; did you mean {close[0]}?"
-    return f"{reason}, which has {cut(', '.join(names))}" if names else f"{reason}, which is empty"
+    return (
+        f"{reason}, which has {truncate(', '.join(names))}"
+        if names
+        else f"{reason}, which is empty"
+    )
 
 
 def _out_of_range(value: object, base: str, kind: str, limits: Mapping[str, object]) -> str:
-    reason = f"{cut(str(value))} is out of range for {base}"
+    reason = f"{truncate(str(value))} is out of range for {base}"
     if base in FLOATS:
         return reason
     low, high = INTEGER_RANGES[base]
     if {low, high}.isdisjoint(limits.values()):  # narrower than the type
-        return f"{cut(str(value))} is out of range, {_OUT_OF_RANGE[kind].format(**limits)}"
+        return f"{truncate(str(value))} is out of range, {_OUT_OF_RANGE[kind].format(**limits)}"
     return f"{reason} ({low} to {high})"

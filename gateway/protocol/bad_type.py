@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """What clients are told of a type that cannot be used."""
 
-from gateway.codec.error_text import cut
+from gateway.codec.error_text import truncate
 from gateway.protocol.errors import ProtocolError
 from schemas.definition import DefinitionError
 from schemas.installed import InstalledDefinitions, UnknownTypeError
-from schemas.table import TypeSpellingError
+from schemas.table import TypeNameError
 
 
 def bad_type(
-    error: UnknownTypeError | DefinitionError | TypeSpellingError,
+    error: UnknownTypeError | DefinitionError | TypeNameError,
     definitions: InstalledDefinitions,
 ) -> ProtocolError:
     """Return ``bad_type``, with a guess what was meant where something is not installed."""
     near = definitions.nearest(error.name) if isinstance(error, UnknownTypeError) else None
     hint = f"; did you mean {near}?" if near else ""
-    return ProtocolError("bad_type", f"type: {cut(str(error))}{hint}")
+    return ProtocolError("bad_type", f"type: {truncate(str(error))}{hint}")

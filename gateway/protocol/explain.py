@@ -4,7 +4,7 @@
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from gateway.codec.error_text import EXPECTED, cut, kind
+from gateway.codec.error_text import EXPECTED, kind, truncate
 
 
 def explain(error: ValidationError) -> str:
@@ -13,8 +13,8 @@ def explain(error: ValidationError) -> str:
     first = details[0]
     name = _name(first)
     # A field that may be of several kinds has one complaint for each.
-    complaints = [detail for detail in details if _name(detail) == name]
-    expected = list(dict.fromkeys(_expected(detail) for detail in complaints))
+    same_field = [detail for detail in details if _name(detail) == name]
+    expected = list(dict.fromkeys(_expected(detail) for detail in same_field))
     if first["type"] == "missing":
         return f"{name}: missing"
     if first["type"] == "extra_forbidden":
@@ -31,7 +31,7 @@ def _name(detail: ErrorDetails) -> str:
     first, *rest = detail["loc"]
     parts = [first, *(rest[:1] if first in _OBJECTS else ())]
     parts += [part for part in rest if isinstance(part, int)]  # which element
-    return cut(".".join(map(str, parts)))
+    return truncate(".".join(map(str, parts)))
 
 
 _OBJECTS = frozenset({"qos", "image"})  # operations nest no deeper
@@ -67,5 +67,5 @@ def _value(detail: ErrorDetails) -> str:
     if detail["type"] in {"too_short", "too_long"}:
         return str(len(value))
     if isinstance(value, str) and detail["type"] != "string_too_long":
-        return f"{cut(value)!r}"
+        return f"{truncate(value)!r}"
     return kind(value)

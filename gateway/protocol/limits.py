@@ -29,4 +29,4 @@ class Limits:
 MAX_WAITING_CALLS = 256  # a page that asks for all parameters of a robot when it starts
 
 DEFAULT_QUEUE_LENGTH = 100  # 1 s at 100 Hz: rides out a WiFi hiccup without losing odometry
-DEFAULT_LANE_BYTES = 256 * 1024  # but of big messages only the newest few: pictures stay fresh
+DEFAULT_QUEUE_BYTES = 256 * 1024  # but of big messages only the newest few: pictures stay fresh

@@ -5,7 +5,7 @@ import re
 from functools import lru_cache
 from typing import Final, Literal, NewType
 
-from gateway.codec.error_text import cut
+from gateway.codec.error_text import truncate
 from gateway.protocol.errors import ProtocolError
 
 # fully resolved: "/odom", never "odom"
@@ -47,7 +47,7 @@ def _resolve(kind: Literal["topic", "service", "action"], name: str, max_charact
     if not _RESOLVED.fullmatch(resolved):
         raise ProtocolError(
             "bad_name",
-            f"{kind}: {cut(name)!r} is no {kind} name: expected letters, digits and _ between"
+            f"{kind}: {truncate(name)!r} is no {kind} name: expected letters, digits and _ between"
             " slashes, no part starting with a digit",
         )
     return resolved

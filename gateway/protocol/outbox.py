@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What waits for one client: a control lane that overtakes, and a bounded lane per topic.
+"""What waits for one client: a control queue that overtakes, and a bounded queue per topic.
 
 Nothing here is rendered before its turn to be sent: a sample that is dropped was never decoded.
-What comes while nothing waits and the socket takes has its turn at once, and passes by the lanes.
+What comes while nothing waits and the socket takes has its turn at once, and passes by the queues.
 """
 
 from collections import deque
@@ -25,11 +25,11 @@ class Entry(Protocol):
         """Return the bytes to send; ``None``: not ready yet; empty: nothing to send after all."""
 
 
-Pass = Callable[[Entry], bool]
+WriteDirectly = Callable[[Entry], bool]
 """Write an entry to the socket; false where it is not ready, or where the socket is busy."""
 
 
-class Lane:
+class Queue:
     """The entries of one stream that wait, oldest first; the oldest is dropped when full.
 
     ``depth`` bounds their number and ``max_bytes`` their size, but one entry always fits.
@@ -53,7 +53,11 @@ class Lane:
         *more* says that others follow at once, to be written together.
         """
         outbox = self._outbox
-        if outbox.pass_by is not None and not (more or outbox.size) and outbox.pass_by(entry):
+        if (
+            outbox.write_directly is not None
+            and not (more or outbox.size)
+            and outbox.write_directly(entry)
+        ):
             self.sent += 1
             return
         self.waiting.append(entry)
@@ -102,7 +106,7 @@ class Lane:
 class Outbox:
     """Everything that waits for one client, within one budget of bytes.
 
-    Over the budget the lane that holds most loses its oldest entry: a camera cannot push out
+    Over the budget the queue that holds most loses its oldest entry: a camera cannot push out
     odometry. Control frames are never dropped, and one of them always fits, as large as it is: a
     client that reads gets it. `overflowed` says when those behind it alone exceed the budget, and
     then the client is beyond help.
@@ -110,12 +114,12 @@ class Outbox:
 
     def __init__(self, max_bytes: int) -> None:
         self.max_bytes = max_bytes
-        self.pass_by: Pass | None = None  # of a connection, once there is one
+        self.write_directly: WriteDirectly | None = None  # of a connection, once there is one
         self.size = 0
         self.control_sent = 0
         self._control: deque[bytes] = deque()
         self._control_size = 0
-        self._lanes: deque[Lane] = deque()  # the first is served next
+        self._queues: deque[Queue] = deque()  # the first is served next
         self._retired_dropped = 0
         self._retired_sent = 0
 
@@ -136,36 +140,36 @@ class Outbox:
 
     @property
     def dropped(self) -> int:
-        """How many entries were dropped, in all lanes there ever were."""
-        return self._retired_dropped + sum(lane.dropped for lane in self._lanes)
+        """How many entries were dropped, in all queues there ever were."""
+        return self._retired_dropped + sum(queue.dropped for queue in self._queues)
 
     @property
     def sent(self) -> int:
         """How many frames were taken, control frames included."""
-        return self.control_sent + self._retired_sent + sum(lane.sent for lane in self._lanes)
+        return self.control_sent + self._retired_sent + sum(queue.sent for queue in self._queues)
 
-    def open_lane(self, depth: int, max_bytes: int | None) -> Lane:
-        """Add a lane for one stream."""
-        lane = Lane(self, depth, max_bytes)
-        self._lanes.append(lane)
-        return lane
+    def open_queue(self, depth: int, max_bytes: int | None) -> Queue:
+        """Add a queue for one stream."""
+        queue = Queue(self, depth, max_bytes)
+        self._queues.append(queue)
+        return queue
 
-    def close_lane(self, lane: Lane) -> None:
-        """Remove a lane with all that waits in it."""
-        lane.clear()
-        self._lanes.remove(lane)
-        self._retired_dropped += lane.dropped
-        self._retired_sent += lane.sent
+    def close_queue(self, queue: Queue) -> None:
+        """Remove a queue with all that waits in it."""
+        queue.clear()
+        self._queues.remove(queue)
+        self._retired_dropped += queue.dropped
+        self._retired_sent += queue.sent
 
     def put_control(self, wire: bytes) -> None:
-        """Append a response or a status; it overtakes every lane."""
+        """Append a response or a status; it overtakes every queue."""
         self._control.append(wire)
         self._control_size += len(wire)
         self.grow(len(wire))
         self.shed()
 
     def take(self, max_bytes: int) -> list[bytes]:
-        """Take what is ready: control frames first, then one frame per lane in turn.
+        """Take what is ready: control frames first, then one frame per queue in turn.
 
         Stops once *max_bytes* are reached, so it exceeds them by one frame at most.
         """
@@ -178,11 +182,11 @@ class Outbox:
             self.control_sent += 1
             taken.append(wire)
             left -= len(wire)
-        lanes = self._lanes if self.size else ()
+        queues = self._queues if self.size else ()
         idle = 0
-        while left > 0 and idle < len(lanes):
-            ready = self._lanes[0].next()
-            self._lanes.rotate(-1)
+        while left > 0 and idle < len(queues):
+            ready = self._queues[0].next()
+            self._queues.rotate(-1)
             if ready is None:
                 idle += 1
             else:
@@ -203,8 +207,8 @@ class Outbox:
         """Drop until the budget holds, or until one last entry is left to send."""
         if self.size <= self.max_bytes:
             return
-        waiting = sum(len(lane.waiting) for lane in self._lanes)
+        waiting = sum(len(queue.waiting) for queue in self._queues)
         while self.size > self.max_bytes and waiting > 1:
-            filled = (lane for lane in self._lanes if lane.waiting)
-            max(filled, key=lambda lane: lane.size).drop_oldest()
+            filled = (queue for queue in self._queues if queue.waiting)
+            max(filled, key=lambda queue: queue.size).drop_oldest()
             waiting -= 1

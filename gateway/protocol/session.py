@@ -8,7 +8,7 @@ from typing import Final, NamedTuple
 
 from pydantic import ValidationError
 
-from gateway.codec.error_text import cut
+from gateway.codec.error_text import truncate
 from gateway.codec.json import JsonError, ascii_only, loads
 from gateway.protocol import messages
 from gateway.protocol.errors import ProtocolError
@@ -96,7 +96,7 @@ class Session:
         self.send(messages.answer(op, request_id, **members))
 
     def send(self, payload: bytes, fragment_size: int | None = None) -> None:
-        """Send JSON ahead of everything that waits in lanes.
+        """Send JSON ahead of everything that waits in queues.
 
         What has more characters than *fragment_size* goes in pieces of so many.
         """
@@ -198,7 +198,7 @@ def _readable(values: dict[str, object]) -> _Asked:
     op = values.get("op")
     if not isinstance(op, str):
         return _Asked(id=_readable_id(values.get("id")))
-    return _Asked(cut(op), _readable_id(values.get("id")), values.get(_NAMED_BY.get(op, "")))
+    return _Asked(truncate(op), _readable_id(values.get("id")), values.get(_NAMED_BY.get(op, "")))
 
 
 def _readable_op(values: dict[str, object]) -> str:
@@ -207,7 +207,7 @@ def _readable_op(values: dict[str, object]) -> str:
         raise ProtocolError("bad_request", "op: missing; it names the operation")
     if not isinstance(op, str):
         raise ProtocolError("bad_request", "op: expected a string")
-    return cut(op)
+    return truncate(op)
 
 
 def _operation(op: str, values: dict[str, object]) -> ClientOperation | Fragment:

@@ -5,9 +5,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final, TypeVar, get_args
 
-from gateway.protocol.limits import DEFAULT_LANE_BYTES, DEFAULT_QUEUE_LENGTH
+from gateway.protocol.limits import DEFAULT_QUEUE_BYTES, DEFAULT_QUEUE_LENGTH
 from gateway.protocol.operations.topics import ImageRequest, QosRequest, Subscribe
-from gateway.protocol.outbox import Entry, Lane, Outbox
+from gateway.protocol.outbox import Entry, Outbox, Queue
 from gateway.protocol.publish_frames import Compression
 
 T = TypeVar("T")
@@ -77,17 +77,17 @@ def _newest(values: Iterable[T | None]) -> T | None:
 class Stream:
     """A topic on its way to one client.
 
-    Without a throttle every sample goes to the lane. With one, at most one sample per
+    Without a throttle every sample goes to the queue. With one, at most one sample per
     interval does: the first at once, then the newest at the end of each interval, the last
     one included.
     """
 
-    __slots__ = ("_held", "_next_ns", "coalesced", "lane", "topic", "wish")
+    __slots__ = ("_held", "_next_ns", "coalesced", "queue", "topic", "wish")
 
     def __init__(self, topic: str, wish: Wish, outbox: Outbox) -> None:
         self.topic = topic  # as the client spells it
         self.wish = wish
-        self.lane: Lane = outbox.open_lane(*_bounds(wish))
+        self.queue: Queue = outbox.open_queue(*_bounds(wish))
         self.coalesced = 0
         self._held: Entry | None = None
         self._next_ns = 0
@@ -102,17 +102,17 @@ class Stream:
             self._next_ns = 0
             held, self._held = self._held, None
             if held is not None:
-                self.lane.put(held)
+                self.queue.put(held)
         self.wish = wish
-        self.lane.depth, self.lane.max_bytes = _bounds(wish)
+        self.queue.depth, self.queue.max_bytes = _bounds(wish)
 
     def offer(self, entry: Entry, now_ns: int, *, more: bool = False) -> int | None:
         """Take a new sample; return when to call `release`, if this sample has to wait.
 
-        *more* says that others follow at once; see `Lane.put`.
+        *more* says that others follow at once; see `Queue.put`.
         """
         if not self.wish.throttle_ns:
-            self.lane.put(entry, more=more)
+            self.queue.put(entry, more=more)
             return None
         if self._held is not None:
             self.coalesced += 1
@@ -133,18 +133,18 @@ class Stream:
     def withdraw(self) -> None:
         """Forget what waits or is held."""
         self._held = None
-        self.lane.clear()
+        self.queue.clear()
 
     def _pass(self, entry: Entry, now_ns: int) -> None:
         # Keep the beat while samples come in time; start a new one after a pause.
         throttle_ns = self.wish.throttle_ns
         late_ns = now_ns - self._next_ns
         self._next_ns = (self._next_ns if late_ns < throttle_ns else now_ns) + throttle_ns
-        self.lane.put(entry)
+        self.queue.put(entry)
 
 
 def _bounds(wish: Wish) -> tuple[int, int | None]:
-    """Return depth and bytes of a lane: what was asked for, else a second or a quarter MiB."""
+    """Return depth and bytes of a queue: what was asked for, else a second or a quarter MiB."""
     if wish.queue_length is None:
-        return DEFAULT_QUEUE_LENGTH, DEFAULT_LANE_BYTES
+        return DEFAULT_QUEUE_LENGTH, DEFAULT_QUEUE_BYTES
     return wish.queue_length, None

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from gateway.ports import GoalRequest, RosError
 from gateway.ros.action_client import RclpyActionClient
 from gateway.ros.action_server import RclpyActionServer
-from gateway.ros.deferred_destruction import LastWords
+from gateway.ros.deferred_destruction import DeferredDestruction
 from gateway.ros.endpoints import Endpoints
 from gateway.ros.name_checks import check_action
 from gateway.ros.samples import Samples
@@ -19,14 +19,14 @@ class Actions:
         self,
         endpoints: Endpoints,
         samples: Samples,
-        last_words: LastWords,
+        deferred: DeferredDestruction,
         now_ns: Callable[[], int],
         on_change: Callable[[], None],
     ) -> None:
         self._endpoints = endpoints
         self._on_change = on_change
         self._samples = samples
-        self._last_words = last_words
+        self._deferred = deferred
         self._now_ns = now_ns
         self._clients: set[RclpyActionClient] = set()
         self._provided: dict[str, RclpyActionServer] = {}
@@ -67,7 +67,7 @@ class Actions:
         check_action(action)
         if action in self._provided:
             raise RosError("limit_exceeded", f"action {action} is provided here already")
-        self._last_words.end(f"action {action}")
+        self._deferred.destroy_now(f"action {action}")
         server = RclpyActionServer(
             self._endpoints, self._now_ns, action, type_name, on_goal, on_cancel, self._forget
         )
@@ -84,7 +84,7 @@ class Actions:
         """Close what is still open, and wait for no answers."""
         for client in list(self._clients):
             client.withdraw()
-            self._last_words.keep(f"action {client.name}", client.type_name, client.destroy)
+            self._deferred.defer(f"action {client.name}", client.type_name, client.destroy)
         for server in list(self._provided.values()):
             server.close()
 
@@ -96,7 +96,7 @@ class Actions:
             self._on_change()
 
         if server.has_answered:
-            self._last_words.keep(f"action {server.name}", server.type_name, destroy)
+            self._deferred.defer(f"action {server.name}", server.type_name, destroy)
             self._on_change()
         else:
             destroy()

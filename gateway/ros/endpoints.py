@@ -19,7 +19,7 @@ from gateway.ports import MAX_TAKES_PER_TURN, RosError
 from gateway.ros.errors import REFUSALS, losses, refusals, refused, remapped
 from gateway.ros.groups import group_of_one
 from gateway.ros.qos import MAX_DEPTH
-from gateway.ros.ready_events import Arrivals
+from gateway.ros.ready_events import ReadyEvents
 
 # How soon a server that appears gets what waits for it: the graph tells of a server before DDS
 # has matched both its topics, and nothing tells of that.
@@ -27,8 +27,8 @@ LOOK_S: Final = 0.02
 # Servers keep 10 requests that they have not taken, the default of ROS, and DDS drops what comes
 # beyond without a word. So many are sent ahead of their answers. While nothing is answered, one
 # more goes each second: what answers late, or never, has most likely taken the oldest by then.
-MAX_AHEAD: Final = 10
-AHEAD_S: Final = 1.0
+MAX_IN_FLIGHT: Final = 10
+PACING_S: Final = 1.0
 # A client whose reader does not match, such as one that asks for transient_local, gets no response,
 # but rmw waits for it for 0.1 s each time, and the event loop with it. Nothing tells beforehand
 # whose request it is: after so many such waits the service responds to nobody for a while, which
@@ -48,7 +48,7 @@ class Endpoints:
     """Where clients and servers are created: on a node that nothing spins."""
 
     node: Node
-    arrivals: Arrivals
+    ready_events: ReadyEvents
     loop: asyncio.AbstractEventLoop
 
 
@@ -73,7 +73,7 @@ class Requester:
         """Create it; *subject*, such as ``service /reset``, is what its errors are about.
 
         *is_ready* may hold requests back though the server is there. While *is_paced* those
-        beyond `MAX_AHEAD` wait as well.
+        beyond `MAX_IN_FLIGHT` wait as well.
 
         Raises:
             RosError: ROS refuses it, or gives it another name.
@@ -88,12 +88,12 @@ class Requester:
         self._response_class = service_class.Response
         self._waiting: dict[asyncio.Future[Any], Any] = {}
         self._under_way: dict[int, _UnderWay] = {}
-        self._ahead: dict[int, None] = {}  # those of them that count as not taken, oldest first
-        self._relief: asyncio.TimerHandle | None = None
+        self._in_flight: dict[int, None] = {}  # those of them that count as not taken, oldest first
+        self._pacing: asyncio.TimerHandle | None = None
         self._next_look: asyncio.TimerHandle | None = None
         self._is_closed = False
         with refusals(subject):
-            self._inlet = endpoints.arrivals.open(
+            self._source = endpoints.ready_events.open(
                 "client",
                 lambda: node.create_client(
                     service_class, name, qos_profile=_profile(), callback_group=group_of_one()
@@ -101,7 +101,7 @@ class Requester:
                 node.destroy_client,
                 self._take,
             )
-        self._client = self._inlet.entity
+        self._client = self._source.entity
         given = self._client.service_name
         if given != name:
             self.close()
@@ -153,7 +153,7 @@ class Requester:
         self._is_closed = True
         if self._next_look is not None:
             self._next_look.cancel()
-        self._inlet.close()
+        self._source.close()
         self.fail_all()
 
     def fail_all(self, *, but: Collection["asyncio.Future[Any]"] = ()) -> None:
@@ -189,7 +189,9 @@ class Requester:
         self._send_waiting()
 
     def _send_waiting(self, *, is_flush: bool = False) -> None:
-        while self._waiting and (is_flush or len(self._ahead) < MAX_AHEAD or not self._is_paced()):
+        while self._waiting and (
+            is_flush or len(self._in_flight) < MAX_IN_FLIGHT or not self._is_paced()
+        ):
             if not self.is_ready:
                 self._look_again()
                 break
@@ -206,42 +208,44 @@ class Requester:
             return
         # Looked up each time: word of a change of the graph comes later than the server.
         self._under_way[number] = _UnderWay(response, self._find_servers())
-        self._ahead[number] = None
-        if self._relief is None:
-            self._await_relief()
+        self._in_flight[number] = None
+        if self._pacing is None:
+            self._restart_pacing()
         response.add_done_callback(lambda _: self._end(number))
 
     def _end(self, number: int) -> None:
         del self._under_way[number]
-        if number in self._ahead:
+        if number in self._in_flight:
             self._make_room(number)
 
     def _make_room(self, number: int) -> None:
-        del self._ahead[number]
-        self._await_relief()
+        del self._in_flight[number]
+        self._restart_pacing()
         if not self._is_closed:
             self._send_waiting()
 
-    def _await_relief(self) -> None:
-        """Let the oldest give its place up once nothing has made room for `AHEAD_S`."""
-        if self._relief is not None:
-            self._relief.cancel()
-            self._relief = None
-        if self._ahead and not self._is_closed:
-            self._relief = self._loop.call_later(AHEAD_S, self._make_room, next(iter(self._ahead)))
+    def _restart_pacing(self) -> None:
+        """Let the oldest give its place up once nothing has made room for `PACING_S`."""
+        if self._pacing is not None:
+            self._pacing.cancel()
+            self._pacing = None
+        if self._in_flight and not self._is_closed:
+            self._pacing = self._loop.call_later(
+                PACING_S, self._make_room, next(iter(self._in_flight))
+            )
 
     def _take(self) -> None:
         for _ in range(MAX_TAKES_PER_TURN):
             info, message = self._client.handle.take_response(self._response_class)
-            is_owed = self._inlet.count_take()
+            is_pending = self._source.count_take()
             if info is None:
-                if is_owed:
+                if is_pending:
                     continue  # it could not be read
                 return
             request = self._under_way.get(info.request_id.sequence_number)
             if request is not None and not request.response.done():
                 request.response.set_result(message)
-        self._inlet.again()  # there may be more
+        self._source.notify_again()  # there may be more
 
     def _forget(self, response: "asyncio.Future[Any]") -> None:
         self._waiting.pop(response, None)
@@ -286,7 +290,7 @@ class Replier:
         self._stalls: deque[float] = deque(maxlen=MAX_STALLS)  # when the last ones were
         self._silent_until = self._loop.time()
         with refusals(subject):
-            self._inlet = endpoints.arrivals.open(
+            self._source = endpoints.ready_events.open(
                 "service",
                 lambda: node.create_service(
                     service_class,
@@ -298,10 +302,10 @@ class Replier:
                 node.destroy_service,
                 self._take,
             )
-        self._service = self._inlet.entity
+        self._service = self._source.entity
         given = self._service.service_name
         if given != name:
-            self._inlet.close()
+            self._source.close()
             raise remapped(subject, given)
 
     def drain(self) -> None:
@@ -327,7 +331,7 @@ class Replier:
             self.drain()
         finally:
             self._is_closed = True
-            self._inlet.close()
+            self._source.close()
 
     def _take(self) -> None:
         if not self._is_draining:
@@ -336,10 +340,10 @@ class Replier:
     def _take_one(self) -> bool:
         """Take one request; tell whether there may be more."""
         request, info = self._service.handle.service_take_request(self._request_class)
-        if not self._inlet.count_take() and request is None:
+        if not self._source.count_take() and request is None:
             return False
         # One a turn, and before the callback: what that raises keeps no other waiting.
-        self._inlet.again()
+        self._source.notify_again()
         if request is not None:  # it could be read
             self._on_request(request, lambda response: self._reply(response, info.request_id))
         return True

@@ -21,7 +21,7 @@ from rclpy.guard_condition import GuardCondition
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 
-from gateway.ports import Graph, Provided, Topic
+from gateway.ports import Graph, ServerInfo, TopicInfo
 from gateway.ros.errors import REFUSALS
 from gateway.ros.profile import endpoint_node, full_name, to_offer
 from gateway.ros.qos import Offer
@@ -45,7 +45,7 @@ _logger = logging.getLogger(__name__)
 def read_graph(node: Node) -> Graph:
     """Return the whole graph; 40 us a topic and direction, so keep it until it changes."""
     topics = tuple(
-        Topic(
+        TopicInfo(
             name,
             tuple(sorted(types)),
             publishers=_nodes(node.get_publishers_info_by_topic(name)),
@@ -58,7 +58,7 @@ def read_graph(node: Node) -> Graph:
     return Graph(topics, tuple(sorted(nodes)), read_services(node), read_actions(node))
 
 
-def read_services(node: Node) -> tuple[Provided, ...]:
+def read_services(node: Node) -> tuple[ServerInfo, ...]:
     """Return the services that nodes provide, those behind actions left out; 7 us a node.
 
     The list without nodes has those as well that only a client has named.
@@ -66,12 +66,12 @@ def read_services(node: Node) -> tuple[Provided, ...]:
     return tuple(each for each in read_all_services(node) if _BEHIND_ACTION not in each.name)
 
 
-def read_all_services(node: Node) -> tuple[Provided, ...]:
+def read_all_services(node: Node) -> tuple[ServerInfo, ...]:
     """Return the services that nodes provide, those behind actions as well."""
     return _provided(node, lambda *each: node.get_service_names_and_types_by_node(*each))
 
 
-def read_actions(node: Node) -> tuple[Provided, ...]:
+def read_actions(node: Node) -> tuple[ServerInfo, ...]:
     """Return the actions that nodes provide; 3 us a node."""
     return _provided(node, lambda *each: get_action_server_names_and_types_by_node(node, *each))
 
@@ -229,7 +229,7 @@ def _nodes(endpoints: list[Any]) -> tuple[str, ...]:
 
 def _provided(
     node: Node, read: Callable[[str, str], Iterable[tuple[str, list[str]]]]
-) -> tuple[Provided, ...]:
+) -> tuple[ServerInfo, ...]:
     types: dict[str, set[str]] = defaultdict(set)
     nodes: dict[str, list[str]] = defaultdict(list)
     for name, namespace in node.get_node_names_and_namespaces():
@@ -238,7 +238,7 @@ def _provided(
                 types[each].update(its_types)
                 nodes[each].append(full_name(namespace, name))
     return tuple(
-        Provided(each, tuple(sorted(types[each])), tuple(sorted(nodes[each])))
+        ServerInfo(each, tuple(sorted(types[each])), tuple(sorted(nodes[each])))
         for each in sorted(types)
     )
 

@@ -14,12 +14,12 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from gateway.config.domain_id import MAX_DOMAIN_ID
-from gateway.ports import GoalRequest, Graph, LogLevel, Provided, Qos, Request, RosError, Sample
+from gateway.ports import GoalRequest, Graph, LogLevel, Qos, Request, RosError, Sample, ServerInfo
 from gateway.ros import fast_dds
 from gateway.ros.action_client import RclpyActionClient
 from gateway.ros.action_entities import Actions
 from gateway.ros.action_server import RclpyActionServer
-from gateway.ros.deferred_destruction import LastWords
+from gateway.ros.deferred_destruction import DeferredDestruction
 from gateway.ros.endpoints import Endpoints
 from gateway.ros.errors import REFUSALS, refused
 from gateway.ros.executor import ExecutorThread
@@ -32,8 +32,13 @@ from gateway.ros.graph import (
 )
 from gateway.ros.options import RosOptions, Taking
 from gateway.ros.publishers import Publishers, RclpyPublisher
-from gateway.ros.raw_subscriptions import RclpySubscription, Subscriptions
-from gateway.ros.ready_events import Arrivals, EventfdArrivals, PolledArrivals, UnsupportedError
+from gateway.ros.raw_subscriptions import RawSubscription, RawSubscriptions
+from gateway.ros.ready_events import (
+    EventfdReadyEvents,
+    PolledReadyEvents,
+    ReadyEvents,
+    UnsupportedError,
+)
 from gateway.ros.samples import EventfdSamples, ExecutorSamples, Samples
 from gateway.ros.service_entities import RclpyClient, RclpyService, Services
 from gateway.ros.watches import GraphWatch, GraphWatches
@@ -81,19 +86,19 @@ class RclpyRos:
                 node.get_fully_qualified_name()
                 for node in (subscribing, publishing, serving, self._debug)
             )
-            arrivals = _open_arrivals(options.taking, loop)
-            samples = _open_samples(arrivals, subscribing, loop, undo)
-            self._subscriptions = Subscriptions(subscribing, samples, loop, self._topics_changed)
+            ready_events = _open_ready_events(options.taking, loop)
+            samples = _open_samples(ready_events, subscribing, loop, undo)
+            self._subscriptions = RawSubscriptions(subscribing, samples, loop, self._topics_changed)
             undo.callback(self._subscriptions.close)
-            self._last_words = LastWords(loop)
-            undo.callback(self._last_words.close)
-            self._publishers = Publishers(publishing, self._last_words, self._topics_changed)
+            self._deferred = DeferredDestruction(loop)
+            undo.callback(self._deferred.close)
+            self._publishers = Publishers(publishing, self._deferred, self._topics_changed)
             undo.callback(self._publishers.close)
-            endpoints = Endpoints(serving, arrivals, loop)
-            self._services = Services(endpoints, self._last_words, self._services_changed)
+            endpoints = Endpoints(serving, ready_events, loop)
+            self._services = Services(endpoints, self._deferred, self._services_changed)
             undo.callback(self._services.close)
             self._actions = Actions(
-                endpoints, samples, self._last_words, self.now_ns, self._actions_changed
+                endpoints, samples, self._deferred, self.now_ns, self._actions_changed
             )
             undo.callback(self._actions.close)
             self._watches = GraphWatches(loop)
@@ -126,7 +131,7 @@ class RclpyRos:
         qos: Qos,
         on_samples: Callable[[Sequence[Sample]], None],
         on_incompatible: Callable[[str], None],
-    ) -> RclpySubscription:
+    ) -> RawSubscription:
         """Subscribe to a fully resolved topic name; see the port."""
         self._check_topic(topic, type_name)
         return self._subscriptions.subscribe(topic, type_name, qos, on_samples, on_incompatible)
@@ -242,17 +247,17 @@ class RclpyRos:
         # One DDS participant cannot have both, and rcl loses rmw's reason for saying so.
         if known not in {None, type_name}:
             raise RosError("type_conflict", f"{subject} is open here as {known}, not {type_name}")
-        self._last_words.end(subject, but=type_name)
+        self._deferred.destroy_now(subject, except_type=type_name)
 
     # What is opened and closed here is in the graph at once: no change is waited for.
 
-    def _without_ended(self, kind: str, found: Iterable[Provided]) -> tuple[Provided, ...]:
+    def _without_ended(self, kind: str, found: Iterable[ServerInfo]) -> tuple[ServerInfo, ...]:
         """Leave out what is only kept for its last words."""
         return tuple(
             each
             for each in found
             if not (set(each.nodes) <= self._own_nodes)
-            or not self._last_words.keeps(f"{kind} {each.name}")
+            or not self._deferred.is_deferred(f"{kind} {each.name}")
         )
 
     def _topics_changed(self) -> None:
@@ -315,21 +320,24 @@ def _open_node(
     return node
 
 
-def _open_arrivals(taking: Taking, loop: asyncio.AbstractEventLoop) -> Arrivals:
+def _open_ready_events(taking: Taking, loop: asyncio.AbstractEventLoop) -> ReadyEvents:
     if taking != "executor":
         try:
-            return EventfdArrivals(loop)
+            return EventfdReadyEvents(loop)
         except UnsupportedError:
             if taking == "eventfd":
                 raise
-    return PolledArrivals(loop)
+    return PolledReadyEvents(loop)
 
 
 def _open_samples(
-    arrivals: Arrivals, node: Node, loop: asyncio.AbstractEventLoop, undo: contextlib.ExitStack
+    ready_events: ReadyEvents,
+    node: Node,
+    loop: asyncio.AbstractEventLoop,
+    undo: contextlib.ExitStack,
 ) -> Samples:
-    if isinstance(arrivals, EventfdArrivals):
-        return EventfdSamples(node, arrivals)
+    if isinstance(ready_events, EventfdReadyEvents):
+        return EventfdSamples(node, ready_events)
     # The standard one: the EventsExecutor of rclpy 7.1 fails to hand over a message's info.
     executor = ExecutorThread(node.context, standard=True)
     undo.callback(executor.close)

@@ -10,7 +10,7 @@ from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 
 from gateway.ports import Qos
-from gateway.ros.deferred_destruction import Kept, LastWords
+from gateway.ros.deferred_destruction import Deferred, DeferredDestruction
 from gateway.ros.errors import REFUSALS, refused, remapped
 from gateway.ros.groups import group_of_one
 from gateway.ros.interfaces import message_class
@@ -32,15 +32,17 @@ class _Shared:
     publisher: Any
     users: int = 0
     has_published: bool = False
-    kept: Kept | None = None  # while nobody uses it
+    deferred: Deferred | None = None  # while nobody uses it
 
 
 class Publishers:
     """The publishers of one node."""
 
-    def __init__(self, node: Node, last_words: LastWords, on_change: Callable[[], None]) -> None:
+    def __init__(
+        self, node: Node, deferred: DeferredDestruction, on_change: Callable[[], None]
+    ) -> None:
         self._node = node
-        self._last_words = last_words
+        self._deferred = deferred
         self._on_change = on_change
         self._shared: dict[_Key, _Shared] = {}
         self._handles: set[RclpyPublisher] = set()
@@ -65,9 +67,9 @@ class Publishers:
         shared = self._shared.get(key)
         if shared is None:
             shared = self._shared[key] = _Shared(self._create(key))
-        elif shared.kept is not None:
-            self._last_words.revive(shared.kept)
-            shared.kept = None
+        elif shared.deferred is not None:
+            self._deferred.cancel(shared.deferred)
+            shared.deferred = None
         shared.users += 1
         handle = RclpyPublisher(self, key, shared.publisher.handle.publish_raw)
         self._handles.add(handle)
@@ -90,7 +92,7 @@ class Publishers:
             self._on_change()
 
         if shared.has_published:
-            shared.kept = self._last_words.keep(f"topic {key.topic}", key.type_name, destroy)
+            shared.deferred = self._deferred.defer(f"topic {key.topic}", key.type_name, destroy)
         else:
             destroy()
 

@@ -16,7 +16,7 @@ from gateway.ros.qos import Offer, adopt, is_same_request, mismatches
 from gateway.ros.samples import Reader, Samples
 
 
-class Subscriptions:
+class RawSubscriptions:
     """The subscriptions of one node."""
 
     def __init__(
@@ -30,7 +30,7 @@ class Subscriptions:
         self._on_change = on_change
         self._samples = samples
         self._loop = loop
-        self._open: set[RclpySubscription] = set()
+        self._open: set[RawSubscription] = set()
 
     def __len__(self) -> int:
         """Count the open subscriptions."""
@@ -43,10 +43,10 @@ class Subscriptions:
         qos: Qos,
         on_samples: Callable[[Sequence[Sample]], None],
         on_incompatible: Callable[[str], None],
-    ) -> "RclpySubscription":
+    ) -> "RawSubscription":
         """Open a subscription; `gateway.ports.Ros.subscribe` says how."""
         check_topic(topic)
-        subscription = RclpySubscription(
+        subscription = RawSubscription(
             self, topic, type_name, qos, on_samples, on_incompatible, self.offers(topic)
         )
         self._open.add(subscription)
@@ -90,7 +90,7 @@ class Subscriptions:
             raise remapped(f"topic {topic}", given)
         return reader
 
-    def forget(self, subscription: "RclpySubscription") -> None:
+    def forget(self, subscription: "RawSubscription") -> None:
         """Count a closed subscription no more."""
         self._open.discard(subscription)
         self._on_change()
@@ -101,7 +101,7 @@ class Subscriptions:
             subscription.close()
 
 
-class RclpySubscription:
+class RawSubscription:
     """One handle; rclpy's subscription behind it is replaced when the offers ask for another.
 
     A replacement loses nothing and may deliver something twice: what arrives while both exist,
@@ -110,7 +110,7 @@ class RclpySubscription:
 
     def __init__(
         self,
-        subscriptions: Subscriptions,
+        subscriptions: RawSubscriptions,
         topic: str,
         type_name: str,
         asked: Qos,

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Word from DDS to the event loop that something has arrived at an entity of rcl's.
 
-`EventfdArrivals` is the fast way. The listener thread of DDS writes an eventfd, in C and without
+`EventfdReadyEvents` is the fast way. The listener thread of DDS writes an eventfd, in C and without
 the GIL, and the loop takes what has arrived itself. It stands on rcl's functions such as
 ``rcl_service_set_on_new_request_callback``, whose callback ``(user_data, count)`` fits libc's
-``eventfd_write(fd, count)``. `PolledArrivals` stands on nothing but the loop's clock.
+``eventfd_write(fd, count)``. `PolledReadyEvents` stands on nothing but the loop's clock.
 """
 
 import asyncio
@@ -29,18 +29,18 @@ _FUNCTIONS: Final[dict[Kind, str]] = {
 
 
 class UnsupportedError(Exception):
-    """Raised when this platform or this ROS lacks what `EventfdArrivals` stands on."""
+    """Raised when this platform or this ROS lacks what `EventfdReadyEvents` stands on."""
 
 
-class Inlet(Protocol):
+class EventSource(Protocol):
     """One entity of rcl's that the event loop takes from."""
 
     @property
     def entity(self) -> Any:
         """What rclpy made for it."""
 
-    def again(self) -> None:
-        """Call *on_arrival* once more, after the others' turn."""
+    def notify_again(self) -> None:
+        """Call *on_ready* once more, after the others' turn."""
 
     def count_take(self) -> bool:
         """Count one take, whatever it gave; tell whether anything is known to have been there.
@@ -52,7 +52,7 @@ class Inlet(Protocol):
         """Call nothing any more and destroy the entity. Closing twice is harmless."""
 
 
-class Arrivals(Protocol):
+class ReadyEvents(Protocol):
     """A way to tell the event loop of arrivals; no executor may spin the entities' node."""
 
     def open(
@@ -60,15 +60,15 @@ class Arrivals(Protocol):
         kind: Kind,
         create: Callable[[], Any],
         destroy: Callable[[Any], object],
-        on_arrival: Callable[[], None],
-    ) -> Inlet:
-        """Create an entity; *on_arrival* is called on the loop's thread when it has something.
+        on_ready: Callable[[], None],
+    ) -> EventSource:
+        """Create an entity; *on_ready* is called on the loop's thread when it has something.
 
-        One call may stand for many arrivals, or for none. Raises what *create* raises.
+        One call may stand for many events, or for none. Raises what *create* raises.
         """
 
 
-class EventfdArrivals:
+class EventfdReadyEvents:
     """Tells by an eventfd for each entity."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
@@ -86,13 +86,13 @@ class EventfdArrivals:
         kind: Kind,
         create: Callable[[], Any],
         destroy: Callable[[Any], object],
-        on_arrival: Callable[[], None],
-    ) -> "EventfdInlet":
-        """Create an entity; see `Arrivals`."""
-        return EventfdInlet(self._loop, self._hooks, kind, create, destroy, on_arrival)
+        on_ready: Callable[[], None],
+    ) -> "EventfdSource":
+        """Create an entity; see `ReadyEvents`."""
+        return EventfdSource(self._loop, self._hooks, kind, create, destroy, on_ready)
 
 
-class EventfdInlet:
+class EventfdSource:
     """One entity and the eventfd that counts what arrives at it."""
 
     def __init__(
@@ -102,10 +102,10 @@ class EventfdInlet:
         kind: Kind,
         create: Callable[[], Any],
         destroy: Callable[[Any], object],
-        on_arrival: Callable[[], None],
+        on_ready: Callable[[], None],
     ) -> None:
-        self._on_arrival = on_arrival
-        self._owed = 0  # arrivals that were counted and not taken yet
+        self._on_ready = on_ready
+        self._pending = 0  # arrivals that were counted and not taken yet
         self._repeats = 0  # what the eventfd counts of ours
         with contextlib.ExitStack() as undo:
             # non-blocking: the thread of DDS must not wait when the loop does not read
@@ -119,18 +119,18 @@ class EventfdInlet:
             undo.callback(hooks.stop, kind, self.entity)
             self._undo = undo.pop_all()
 
-    def again(self) -> None:
-        """Call *on_arrival* once more, after the others' turn."""
+    def notify_again(self) -> None:
+        """Call *on_ready* once more, after the others' turn."""
         self._repeats += 1
         os.eventfd_write(self._fd, 1)
 
     def count_take(self) -> bool:
-        """Count one take; see `Inlet`."""
-        if not self._owed:
+        """Count one take; see `EventSource`."""
+        if not self._pending:
             self._count()
-        is_owed = self._owed > 0
-        self._owed -= is_owed
-        return is_owed
+        is_pending = self._pending > 0
+        self._pending -= is_pending
+        return is_pending
 
     def close(self) -> None:
         """Unhook, then destroy, then close: the steps of opening, backwards.
@@ -141,7 +141,7 @@ class EventfdInlet:
 
     def _arrive(self) -> None:
         self._count()
-        self._on_arrival()
+        self._on_ready()
 
     def _count(self) -> None:
         try:
@@ -149,10 +149,10 @@ class EventfdInlet:
         except BlockingIOError:  # it has counted nothing, or a take has read it meanwhile
             return
         self._repeats = 0
-        self._owed = min(self._owed + arrived, MAX_DEPTH)  # DDS has dropped what is beyond
+        self._pending = min(self._pending + arrived, MAX_DEPTH)  # DDS has dropped what is beyond
 
 
-class PolledArrivals:
+class PolledReadyEvents:
     """Tells of nothing: the loop looks every `POLL_S`."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
@@ -163,13 +163,13 @@ class PolledArrivals:
         kind: Kind,  # all are looked at in the same way
         create: Callable[[], Any],
         destroy: Callable[[Any], object],
-        on_arrival: Callable[[], None],
-    ) -> "PolledInlet":
-        """Create an entity; see `Arrivals`."""
-        return PolledInlet(self._loop, create, destroy, on_arrival)
+        on_ready: Callable[[], None],
+    ) -> "PolledSource":
+        """Create an entity; see `ReadyEvents`."""
+        return PolledSource(self._loop, create, destroy, on_ready)
 
 
-class PolledInlet:
+class PolledSource:
     """One entity and the timer for the next look at it."""
 
     def __init__(
@@ -177,17 +177,17 @@ class PolledInlet:
         loop: asyncio.AbstractEventLoop,
         create: Callable[[], Any],
         destroy: Callable[[Any], object],
-        on_arrival: Callable[[], None],
+        on_ready: Callable[[], None],
     ) -> None:
         self._loop = loop
-        self._on_arrival = on_arrival
+        self._on_ready = on_ready
         self._destroy = destroy
         self.entity = create()
         self._is_closed = False
         self._next: asyncio.Handle = loop.call_soon(self._look)
 
-    def again(self) -> None:
-        """Call *on_arrival* once more, after the others' turn."""
+    def notify_again(self) -> None:
+        """Call *on_ready* once more, after the others' turn."""
         self._next.cancel()
         self._next = self._loop.call_soon(self._look)
 
@@ -204,7 +204,7 @@ class PolledInlet:
 
     def _look(self) -> None:
         self._next = self._loop.call_later(POLL_S, self._look)
-        self._on_arrival()
+        self._on_ready()
 
 
 class _Hooks:

@@ -18,7 +18,7 @@ from rclpy.qos import QoSProfile
 from gateway.ports import MAX_TAKES_PER_TURN, Sample
 from gateway.ros.groups import group_of_one
 from gateway.ros.qos import MAX_DEPTH
-from gateway.ros.ready_events import EventfdArrivals
+from gateway.ros.ready_events import EventfdReadyEvents
 
 OnSamples = Callable[[Sequence[Sample]], None]
 
@@ -52,22 +52,24 @@ class Samples(Protocol):
 class EventfdSamples:
     """Readers whose samples the event loop takes by itself; no executor may spin their node."""
 
-    def __init__(self, node: Node, arrivals: EventfdArrivals) -> None:
+    def __init__(self, node: Node, ready_events: EventfdReadyEvents) -> None:
         self._node = node
-        self._arrivals = arrivals
+        self._ready_events = ready_events
 
     def read(
         self, message_class: type, topic: str, profile: QoSProfile, on_samples: OnSamples
     ) -> Reader:
         """Create a subscription; raises what rclpy raises."""
-        return _EventfdReader(self._node, self._arrivals, message_class, topic, profile, on_samples)
+        return _EventfdReader(
+            self._node, self._ready_events, message_class, topic, profile, on_samples
+        )
 
 
 class _EventfdReader:
     def __init__(
         self,
         node: Node,
-        arrivals: EventfdArrivals,
+        ready_events: EventfdReadyEvents,
         message_class: type,
         topic: str,
         profile: QoSProfile,
@@ -87,10 +89,10 @@ class _EventfdReader:
         self._message_class = message_class
         self._on_samples = on_samples
         self._is_closed = False
-        self._inlet = arrivals.open(
+        self._source = ready_events.open(
             "subscription", create, node.destroy_subscription, self._deliver
         )
-        self._subscription = self._inlet.entity
+        self._subscription = self._source.entity
         self._take_message = self._subscription.handle.take_message
 
     @property
@@ -99,7 +101,7 @@ class _EventfdReader:
 
     def close(self) -> None:
         self._is_closed = True
-        self._inlet.close()
+        self._source.close()
 
     def flush(self) -> None:
         for _ in range(_TURNS_PER_FLUSH):
@@ -110,7 +112,7 @@ class _EventfdReader:
     def _deliver(self) -> None:
         samples = self._take()
         if len(samples) == MAX_TAKES_PER_TURN:
-            self._inlet.again()  # there may be more
+            self._source.notify_again()  # there may be more
         if samples:
             self._on_samples(samples)
 

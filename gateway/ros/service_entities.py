@@ -7,7 +7,7 @@ from typing import Any
 from rclpy.serialization import deserialize_message, serialize_message
 
 from gateway.ports import Request, RosError
-from gateway.ros.deferred_destruction import LastWords
+from gateway.ros.deferred_destruction import DeferredDestruction
 from gateway.ros.endpoints import Endpoints, Replier, Reply, Requester
 from gateway.ros.errors import refusals
 from gateway.ros.interfaces import service_class
@@ -18,10 +18,10 @@ class Services:
     """The clients and the servers of one node."""
 
     def __init__(
-        self, endpoints: Endpoints, last_words: LastWords, on_change: Callable[[], None]
+        self, endpoints: Endpoints, deferred: DeferredDestruction, on_change: Callable[[], None]
     ) -> None:
         self._endpoints = endpoints
-        self._last_words = last_words
+        self._deferred = deferred
         self._on_change = on_change
         self._clients: set[RclpyClient] = set()
         self._provided: dict[str, RclpyService] = {}
@@ -57,7 +57,7 @@ class Services:
         check_service(service)
         if service in self._provided:
             raise RosError("limit_exceeded", f"service {service} is provided here already")
-        self._last_words.end(f"service {service}")
+        self._deferred.destroy_now(f"service {service}")
         server = RclpyService(self._endpoints, service, type_name, on_request, self._forget)
         self._provided[service] = server
         self._on_change()
@@ -83,7 +83,7 @@ class Services:
             self._on_change()
 
         if service.has_answered:
-            self._last_words.keep(f"service {service.name}", service.type_name, destroy)
+            self._deferred.defer(f"service {service.name}", service.type_name, destroy)
             self._on_change()
         else:
             destroy()

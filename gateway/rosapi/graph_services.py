@@ -8,12 +8,12 @@ part that begins with ``_``, are not listed, but can be asked for.
 from collections.abc import Callable, Iterable, Mapping
 from typing import Final, TypeVar
 
-from gateway.ports import Provided, Ros, Topic
+from gateway.ports import Ros, ServerInfo, TopicInfo
 from schemas.installed import Kind
 
 ROSAPI_NODE: Final = "/rosapi"
 
-_Entry = TypeVar("_Entry", Topic, Provided)
+_Entry = TypeVar("_Entry", TopicInfo, ServerInfo)
 _Answer = dict[str, object]
 
 
@@ -101,17 +101,17 @@ class GraphServices:
         """Return the first type of each topic that is not hidden."""
         return {each.name: _first_type(each) for each in _visible(self._ros.graph().topics)}
 
-    def _services(self) -> list[Provided]:
-        own = [Provided(name, (type_,), (ROSAPI_NODE,)) for name, type_ in self._own().items()]
+    def _services(self) -> list[ServerInfo]:
+        own = [ServerInfo(name, (type_,), (ROSAPI_NODE,)) for name, type_ in self._own().items()]
         names = {each.name for each in own}
         others = [each for each in self._ros.graph().services if each.name not in names]
         return sorted([*others, *own], key=lambda service: service.name)
 
 
-def full_type(spelling: str, kind: Kind) -> str:
+def full_type(requested: str, kind: Kind) -> str:
     """Return ``pkg/KIND/Name`` for ``pkg/Name``, and whatever else as it is."""
-    package, slash, name = spelling.partition("/")
-    return f"{package}/{kind}/{name}" if slash and "/" not in name else spelling
+    package, slash, name = requested.partition("/")
+    return f"{package}/{kind}/{name}" if slash and "/" not in name else requested
 
 
 def is_hidden(name: str) -> bool:
@@ -132,12 +132,12 @@ def _full_name(name: str) -> str:
     return name if name.startswith("/") else f"/{name}"
 
 
-def _first_type(entry: Topic | Provided | None) -> str:
+def _first_type(entry: TopicInfo | ServerInfo | None) -> str:
     return entry.types[0] if entry and entry.types else ""
 
 
-def _of_type(entries: Iterable[_Entry], spelling: str, kind: Kind) -> list[str]:
-    type_name = full_type(spelling, kind)
+def _of_type(entries: Iterable[_Entry], requested: str, kind: Kind) -> list[str]:
+    type_name = full_type(requested, kind)
     return [entry.name for entry in _visible(entries) if type_name in entry.types]
 
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from gateway.codec.error_text import MAX_ECHO, cut
+from gateway.codec.error_text import MAX_ECHO, truncate
 from gateway.ports import Ros, RosError
 from gateway.protocol.errors import ProtocolError
 from gateway.rosapi.graph_services import is_hidden
@@ -19,8 +19,8 @@ from gateway.rosapi.parameter_values import (
     type_word,
     value_of,
 )
-from gateway.rosapi.unresponsive_nodes import Silences
-from gateway.service_clients import Calls
+from gateway.rosapi.unresponsive_nodes import UnresponsiveNodes
+from gateway.service_clients import ServiceClients
 
 # A node that spins answers within milliseconds, after some tenths of a second for discovery.
 NODE_TIMEOUT_S: Final = 1.0
@@ -57,7 +57,7 @@ _DESCRIBE: Final = _Service(
 )
 
 
-def patience_s(asked: float | None, default: float = NODE_TIMEOUT_S) -> float:
+def node_timeout_s(asked: float | None, default: float = NODE_TIMEOUT_S) -> float:
     """Return how long nodes have where a client says *asked*; 0 is as long as it may take."""
     return default if asked is None else min(asked or MAX_TIMEOUT_S, MAX_TIMEOUT_S)
 
@@ -71,10 +71,10 @@ class Parameters:
     as long.
     """
 
-    def __init__(self, ros: Ros, calls: Calls) -> None:
+    def __init__(self, ros: Ros, service_clients: ServiceClients) -> None:
         self._ros = ros
-        self._calls = calls
-        self._silences = Silences()
+        self._service_clients = service_clients
+        self._unresponsive = UnresponsiveNodes()
 
     async def list_names(
         self, node: str, prefixes: Sequence[str] = (), timeout_s: float = NODE_TIMEOUT_S
@@ -164,35 +164,40 @@ class Parameters:
 
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(timeout_s), asyncio.TaskGroup() as group:
-                for node in sorted(nodes, key=self._silences.noticed_s):
+                for node in sorted(nodes, key=self._unresponsive.noticed_s):
                     await places.acquire()
                     group.create_task(look(node))
                     # opening a ROS client takes milliseconds of the loop: one at a turn
                     await asyncio.sleep(0)
         return dict(sorted(found.items()))
 
-    def _conversation(self, spelling: str, timeout_s: float) -> "_Conversation":
-        node = spelling if spelling.startswith("/") else f"/{spelling}"
+    def _conversation(self, requested: str, timeout_s: float) -> "_Conversation":
+        node = requested if requested.startswith("/") else f"/{requested}"
         nodes = self._ros.graph().nodes
         if node not in nodes:
             near = difflib.get_close_matches(node[:MAX_ECHO], nodes, n=1)
             hint = f"; did you mean {near[0]}?" if near else ""
-            raise ProtocolError("not_found", f"node {cut(node)} does not exist{hint}")
+            raise ProtocolError("not_found", f"node {truncate(node)} does not exist{hint}")
         return self._with(node, timeout_s)
 
     def _with(self, node: str, timeout_s: float) -> "_Conversation":
-        return _Conversation(self._ros, self._calls, self._silences, node, timeout_s)
+        return _Conversation(self._ros, self._service_clients, self._unresponsive, node, timeout_s)
 
 
 class _Conversation:
     """What is asked of one node within one deadline."""
 
     def __init__(
-        self, ros: Ros, calls: Calls, silences: Silences, node: str, timeout_s: float
+        self,
+        ros: Ros,
+        service_clients: ServiceClients,
+        unresponsive: UnresponsiveNodes,
+        node: str,
+        timeout_s: float,
     ) -> None:
         self._ros = ros
-        self._calls = calls
-        self._silences = silences
+        self._service_clients = service_clients
+        self._unresponsive = unresponsive
         self._node = node
         self._timeout_s = timeout_s
         self._end = asyncio.get_running_loop().time() + timeout_s
@@ -236,7 +241,7 @@ class _Conversation:
         undeclared = [name for name in names if name not in declared]
         if undeclared:
             first = undeclared[0]
-            reason = f"node {self._node} has not declared parameter {cut(first)}"
+            reason = f"node {self._node} has not declared parameter {truncate(first)}"
             if len(undeclared) > 1:
                 reason += f" (nor {len(undeclared) - 1} more)"
             near = difflib.get_close_matches(first[:MAX_ECHO], sorted(declared), n=1)
@@ -260,24 +265,24 @@ class _Conversation:
 
     async def _ask(self, service: _Service, request: dict[str, object]) -> Any:
         loop = asyncio.get_running_loop()
-        if not self._has_answered and self._silences.is_fresh(
+        if not self._has_answered and self._unresponsive.has_just_timed_out(
             self._node, self._timeout_s, loop.time()
         ):
             raise self._no_answer()
         name = f"{self._node}/{service.name}"
         left_s = max(0.0, self._end - loop.time())
         try:
-            response = await self._calls.call(name, service.type_name, request, left_s)
+            response = await self._service_clients.call(name, service.type_name, request, left_s)
         except RosError as error:
-            raise ProtocolError(error.code, cut(str(error))) from error
+            raise ProtocolError(error.code, truncate(str(error))) from error
         except ProtocolError as error:
             if error.code != "timeout":
                 raise
             if not self._has_answered:
-                self._silences.note(self._node, self._timeout_s, loop.time())
+                self._unresponsive.add(self._node, self._timeout_s, loop.time())
             raise self._no_answer() from None
         self._has_answered = True
-        self._silences.end(self._node)
+        self._unresponsive.remove(self._node)
         return response[service.items]
 
     def _no_answer(self) -> ProtocolError:

@@ -6,11 +6,16 @@ What goes wrong stands in ``reason``: clients look there, and not all of them wa
 
 from collections.abc import Mapping
 
-from gateway.codec.error_text import cut
+from gateway.codec.error_text import truncate
 from gateway.codec.errors import CodecError
 from gateway.codec.json import dumps, loads
 from gateway.protocol.errors import ProtocolError
-from gateway.rosapi.node_parameters import ALL_NODES_TIMEOUT_S, Parameters, SetResult, patience_s
+from gateway.rosapi.node_parameters import (
+    ALL_NODES_TIMEOUT_S,
+    Parameters,
+    SetResult,
+    node_timeout_s,
+)
 
 _Request = Mapping[str, str]
 _Answer = dict[str, object]
@@ -22,7 +27,7 @@ _NO_VALUE = "null"
 class ParameterServices:
     """The services about parameters.
 
-    *timeout_s* is what the client says, ``None`` if it says nothing; see `patience_s`.
+    *timeout_s* is what the client says, ``None`` if it says nothing; see `node_timeout_s`.
     """
 
     def __init__(self, parameters: Parameters) -> None:
@@ -43,7 +48,7 @@ class ParameterServices:
         try:
             value = loads(request["value"])
         except CodecError:
-            reason = f"value: expected JSON, got {cut(request['value'])!r}"
+            reason = f"value: expected JSON, got {truncate(request['value'])!r}"
             return _told(SetResult(successful=False, reason=reason))
         return await self._set(request["name"], value, timeout_s)
 
@@ -60,26 +65,28 @@ class ParameterServices:
 
     async def get_param_names(self, _: _Request, timeout_s: float | None) -> _Answer:
         """Name the parameters of all nodes that answer in time."""
-        found = await self._parameters.names_by_node(patience_s(timeout_s, ALL_NODES_TIMEOUT_S))
+        found = await self._parameters.names_by_node(node_timeout_s(timeout_s, ALL_NODES_TIMEOUT_S))
         return {"names": [f"{node}:{name}" for node, names in found.items() for name in names]}
 
-    async def _value(self, spelling: str, timeout_s: float | None) -> object:
-        node, name = _split(spelling)
-        return (await self._parameters.get(node, [name], patience_s(timeout_s)))[name]
+    async def _value(self, requested: str, timeout_s: float | None) -> object:
+        node, name = _split(requested)
+        return (await self._parameters.get(node, [name], node_timeout_s(timeout_s)))[name]
 
-    async def _set(self, spelling: str, value: object, timeout_s: float | None) -> _Answer:
+    async def _set(self, requested: str, value: object, timeout_s: float | None) -> _Answer:
         try:
-            node, name = _split(spelling)
-            results = await self._parameters.set(node, {name: value}, patience_s(timeout_s))
+            node, name = _split(requested)
+            results = await self._parameters.set(node, {name: value}, node_timeout_s(timeout_s))
         except ProtocolError as error:
             return _told(SetResult(successful=False, reason=str(error)))
         return _told(results[name])
 
 
-def _split(spelling: str) -> tuple[str, str]:
-    node, _, name = spelling.partition(":")
+def _split(requested: str) -> tuple[str, str]:
+    node, _, name = requested.partition(":")
     if not node or not name:
-        raise ProtocolError("bad_name", f"name: expected node:parameter, got {cut(spelling)!r}")
+        raise ProtocolError(
+            "bad_name", f"name: expected node:parameter, got {truncate(requested)!r}"
+        )
     return node, name
 
 

@@ -10,7 +10,7 @@ from gateway.rosapi.typedefs import full_text, typedefs
 from schemas.definition import DefinitionError
 from schemas.installed import InstalledDefinitions, UnknownTypeError
 from schemas.interface import InterfaceKind, Role, part_name
-from schemas.table import TypeSpellingError, resolve_interface
+from schemas.table import TypeNameError, resolve_interface
 
 _Request = Mapping[str, str]
 _Answer = dict[str, object]
@@ -58,7 +58,7 @@ class TypeServices:
     def _details(self, kind: InterfaceKind, role: Role, request: _Request) -> _Answer:
         try:
             name = resolve_interface(request["type"], kind)
-        except TypeSpellingError as error:
+        except TypeNameError as error:
             raise bad_type(error, self._definitions) from error
         return self._typedefs(part_name(name, role))
 

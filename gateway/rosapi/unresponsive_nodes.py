@@ -11,35 +11,35 @@ MAX_NODES: Final = 256  # names only; a graph with more dead nodes has other tro
 
 
 @dataclass(frozen=True, slots=True)
-class _Silence:
+class _NodeTimeout:
     noticed_s: float
     waited_s: float
 
 
-class Silences:
+class UnresponsiveNodes:
     """Remembers silent nodes until they answer. Times are seconds of any one clock."""
 
     def __init__(self) -> None:
-        self._known: dict[str, _Silence] = {}
+        self._known: dict[str, _NodeTimeout] = {}
 
-    def note(self, node: str, waited_s: float, now_s: float) -> None:
+    def add(self, node: str, waited_s: float, now_s: float) -> None:
         """Note that a node was asked, and said nothing for *waited_s*."""
         self._known.pop(node, None)
-        self._known[node] = _Silence(now_s, waited_s)  # last in the order: the oldest goes first
+        self._known[node] = _NodeTimeout(
+            now_s, waited_s
+        )  # last in the order: the oldest goes first
         if len(self._known) > MAX_NODES:
             del self._known[next(iter(self._known))]
 
-    def end(self, node: str) -> None:
+    def remove(self, node: str) -> None:
         """Note that a node answered."""
         self._known.pop(node, None)
 
-    def is_fresh(self, node: str, patience_s: float, now_s: float) -> bool:
+    def has_just_timed_out(self, node: str, timeout_s: float, now_s: float) -> bool:
         """Whether somebody with as much patience has waited in vain just now."""
         known = self._known.get(node)
         return (
-            known is not None
-            and patience_s <= known.waited_s
-            and now_s - known.noticed_s <= FRESH_S
+            known is not None and timeout_s <= known.waited_s and now_s - known.noticed_s <= FRESH_S
         )
 
     def noticed_s(self, node: str) -> float:

@@ -6,7 +6,7 @@ import difflib
 from collections.abc import Callable, Iterable
 from typing import Literal, TypeVar
 
-from gateway.codec.error_text import cut
+from gateway.codec.error_text import truncate
 from gateway.codec.types import ActionType, ServiceType, Types
 from gateway.ports import Ros
 from gateway.protocol.bad_type import bad_type
@@ -15,7 +15,7 @@ from gateway.protocol.names import ActionName, ServiceName
 from schemas.definition import DefinitionError
 from schemas.installed import UnknownTypeError
 from schemas.interface import InterfaceKind
-from schemas.table import TypeSpellingError, resolve_interface
+from schemas.table import TypeNameError, resolve_interface
 
 T = TypeVar("T", ServiceType, ActionType)
 
@@ -27,42 +27,42 @@ class InterfaceTypes:
         self._ros = ros
         self._types = types
 
-    def service(self, spelling: str) -> ServiceType:
+    def service(self, requested: str) -> ServiceType:
         """Return the service type that a client names.
 
         Raises:
             ProtocolError: it is none, or none that is installed here.
         """
-        return self._known(self._types.service, spelling, "srv")
+        return self._known(self._types.service, requested, "srv")
 
-    def action(self, spelling: str) -> ActionType:
+    def action(self, requested: str) -> ActionType:
         """Return the action type that a client names.
 
         Raises:
             ProtocolError: it is none, or none that is installed here.
         """
-        return self._known(self._types.action, spelling, "action")
+        return self._known(self._types.action, requested, "action")
 
-    def described(self, spelling: str | int) -> ServiceType | ActionType | None:
+    def described(self, requested: str | int) -> ServiceType | ActionType | None:
         """Return the service or action type that a name means which is no message's.
 
         Raises:
             ProtocolError: it says that it is one, and there is none.
         """
-        if not isinstance(spelling, str):
+        if not isinstance(requested, str):
             return None
-        match spelling.split("/"):
+        match requested.split("/"):
             case [_, "srv", _]:
-                return self.service(spelling)
+                return self.service(requested)
             case [_, "action", _]:
-                return self.action(spelling)
+                return self.action(requested)
             case [_, _]:
                 for named in (self.service, self.action):
                     with contextlib.suppress(ProtocolError):
-                        return named(spelling)
+                        return named(requested)
         return None
 
-    def of_service(self, service: ServiceName, spelling: str | None) -> ServiceType:
+    def of_service(self, service: ServiceName, requested: str | None) -> ServiceType:
         """Return the type to call a service with; *spelling* is what the client says, if it does.
 
         Raises:
@@ -70,10 +70,10 @@ class InterfaceTypes:
         """
         found = self._ros.service_types(service)
         known = (each.name for each in self._ros.graph().services) if not found else ()
-        name = _one("service", service, spelling, found, known)
+        name = _one("service", service, requested, found, known)
         return self.service(name)
 
-    def of_action(self, action: ActionName, spelling: str | None) -> ActionType:
+    def of_action(self, action: ActionName, requested: str | None) -> ActionType:
         """Return the type to send goals to an action with; see `of_service`.
 
         Raises:
@@ -81,11 +81,11 @@ class InterfaceTypes:
         """
         found = self._ros.action_types(action)
         known = (each.name for each in self._ros.graph().actions) if not found else ()
-        name = _one("action", action, spelling, found, known)
+        name = _one("action", action, requested, found, known)
         return self.action(name)
 
-    def _known(self, get: Callable[[str], T], spelling: str, kind: InterfaceKind) -> T:
-        name = _resolved(spelling, kind)
+    def _known(self, get: Callable[[str], T], requested: str, kind: InterfaceKind) -> T:
+        name = _resolved(requested, kind)
         try:
             return get(name)
         except (UnknownTypeError, DefinitionError) as error:
@@ -95,7 +95,7 @@ class InterfaceTypes:
 def _one(
     kind: Literal["service", "action"],
     name: str,
-    spelling: str | None,
+    requested: str | None,
     found: tuple[str, ...],
     known: Iterable[str],
 ) -> str:
@@ -105,20 +105,20 @@ def _one(
         near = difflib.get_close_matches(name, others, n=1)
         hint = f"; did you mean {near[0]}?" if near else ""
         raise ProtocolError("not_found", f"{kind} {name} does not exist{hint}")
-    if spelling is None:
+    if requested is None:
         if len(found) > 1:
             types = " and ".join(found)
             raise ProtocolError("type_conflict", f"{kind} {name} has types {types}: choose one")
         return found[0]
-    named = _resolved(spelling, "srv" if kind == "service" else "action")
+    named = _resolved(requested, "srv" if kind == "service" else "action")
     if named not in found:
         types = " and ".join(found)
         raise ProtocolError("type_conflict", f"{kind} {name} has type {types}, not {named}")
     return named
 
 
-def _resolved(spelling: str, kind: InterfaceKind) -> str:
+def _resolved(requested: str, kind: InterfaceKind) -> str:
     try:
-        return resolve_interface(spelling, kind)
-    except TypeSpellingError as error:
-        raise ProtocolError("bad_type", f"type: {cut(str(error))}") from error
+        return resolve_interface(requested, kind)
+    except TypeNameError as error:
+        raise ProtocolError("bad_type", f"type: {truncate(str(error))}") from error

@@ -8,7 +8,7 @@ from concurrent.futures import Executor
 from functools import partial
 from typing import Any, Protocol, assert_never
 
-from gateway.codec.error_text import cut
+from gateway.codec.error_text import truncate
 from gateway.codec.types import Types
 from gateway.ports import Ros, RosError
 from gateway.protocol.errors import ProtocolError
@@ -45,24 +45,24 @@ from gateway.protocol.operations import (
 )
 from gateway.protocol.session import Session
 from gateway.rosapi import Parameters, Rosapi
-from gateway.router.actions.client_actions import ProvidedActions
+from gateway.router.actions.client_actions import ClientActions
 from gateway.router.actions.goals import Goals
 from gateway.router.interface_types import InterfaceTypes
-from gateway.router.introspection.introspection import Inquiries
+from gateway.router.introspection.introspection import Introspection
 from gateway.router.introspection.parameter_operations import ParameterOperations
-from gateway.router.services.client_services import ProvidedServices
+from gateway.router.services.client_services import ClientServices
 from gateway.router.services.service_calls import ServiceCalls
 from gateway.router.tasks import ASKING_S, Tasks
 from gateway.router.topic_types import TopicTypes
 from gateway.router.topics.encodings import Renditions
 from gateway.router.topics.publications import Publications
 from gateway.router.topics.subscriptions import Subscriptions
-from gateway.router.transforms.lookups import Transforms
-from gateway.service_clients import Calls
+from gateway.router.transforms.lookups import TransformLookups
+from gateway.service_clients import ServiceClients
 from schemas.table import Table
 
 
-class Part(Protocol):
+class SessionOwner(Protocol):
     """A part of the router that keeps something for each session."""
 
     def leave(self, session: Session) -> None:
@@ -95,28 +95,32 @@ class Router:
         # apart from each other: a call may take an hour, a lookup a minute
         self._asking = Tasks()
         self._looking = Tasks()
-        self._calls = Calls(ros, types)
-        parameters = Parameters(ros, self._calls)
+        self._service_clients = ServiceClients(ros, types)
+        parameters = Parameters(ros, self._service_clients)
         rosapi = Rosapi(ros, types.definitions, parameters)
         renditions = Renditions(ros, topic_types, workers)
         self._subscriptions = Subscriptions(ros, topic_types, renditions)
         self._publications = Publications(ros, topic_types)
         self._service_calls = ServiceCalls(
-            interface_types, self._calls, rosapi, calling=self._calling, asking=self._asking
+            interface_types,
+            self._service_clients,
+            rosapi,
+            calling=self._calling,
+            asking=self._asking,
         )
-        self._services = ProvidedServices(ros, interface_types, rosapi.has)
+        self._services = ClientServices(ros, interface_types, rosapi.has)
         self._goals = Goals(ros, interface_types)
-        self._actions = ProvidedActions(ros, interface_types)
+        self._actions = ClientActions(ros, interface_types)
         self._parameters = ParameterOperations(parameters)
-        self._transforms = Transforms(ros, topic_types)
-        self._inquiries = Inquiries(
+        self._transforms = TransformLookups(ros, topic_types)
+        self._introspection = Introspection(
             ros, topic_types, interface_types, self._subscriptions, limits=limits, version=version
         )
-        self._parts: tuple[Part, ...] = (
+        self._parts: tuple[SessionOwner, ...] = (
             self._calling,
             self._asking,
             self._looking,
-            self._inquiries,
+            self._introspection,
             self._transforms,
             self._subscriptions,
             self._publications,
@@ -142,7 +146,7 @@ class Router:
         except ProtocolError as error:
             session.refuse(error, operation)
         except RosError as error:
-            session.refuse(ProtocolError(error.code, cut(str(error))), operation)
+            session.refuse(ProtocolError(error.code, truncate(str(error))), operation)
 
     def leave(self, session: Session) -> None:
         """Close every ROS entity that was open for a client, and forget it."""
@@ -158,7 +162,7 @@ class Router:
             self.leave(session)
         self._transforms.close()
         self._goals.close()
-        self._calls.close()
+        self._service_clients.close()
 
     def counts(self) -> dict[str, int]:
         """Count what is open, for health reports."""
@@ -169,11 +173,11 @@ class Router:
             "publishers": self._publications.publishers,
             "services": self._services.services,
             "action_servers": self._actions.servers,
-            "service_clients": self._calls.clients,
+            "service_clients": self._service_clients.clients,
             "action_clients": self._goals.clients,
             "calls": sum(map(len, (self._calling, self._asking, self._looking)))
             + self._services.pending,
-            "goals": self._goals.pursued + self._actions.pending,
+            "goals": self._goals.under_way + self._actions.pending,
         }
 
     def _carry_out(self, session: Session, operation: ClientOperation) -> None:
@@ -228,13 +232,13 @@ class Router:
             case CancelTransform():
                 self._transforms.cancel(session, operation)
             case Ping():
-                self._inquiries.ping(session, operation)
+                self._introspection.ping(session, operation)
             case Hello():
-                self._inquiries.hello(session, operation)
+                self._introspection.hello(session, operation)
             case Describe():
-                self._inquiries.describe(session, operation)
+                self._introspection.describe(session, operation)
             case GraphRequest():
-                self._inquiries.graph(session, operation)
+                self._introspection.graph(session, operation)
             case SetLevel():
                 session.set_level(operation.level)
             case Auth():
@@ -256,4 +260,4 @@ class Router:
 
     def _on_graph_change(self) -> None:
         self._subscriptions.refresh()
-        self._inquiries.on_graph_change()
+        self._introspection.on_graph_change()

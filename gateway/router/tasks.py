@@ -7,7 +7,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 from typing import Final
 
-from gateway.codec.error_text import cut
+from gateway.codec.error_text import truncate
 from gateway.ports import RosError
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.limits import MAX_WAITING_CALLS
@@ -41,12 +41,12 @@ class Tasks:
         session: Session,
         operation: ClientOperation,
         work: Callable[[], Awaitable[None]],
-        patience_s: float,
+        timeout_s: float,
     ) -> None:
         """Do *work*, and answer the operation if it fails.
 
         As many operations of a session as its limits allow are under way at once, the others
-        wait for their turn, for *patience_s*.
+        wait for their turn, for *timeout_s*.
 
         Raises:
             ProtocolError: too many of them wait.
@@ -58,7 +58,7 @@ class Tasks:
         if len(own.tasks) >= limit:
             raise ProtocolError("limit_exceeded", f"at most {limit} calls under way per client")
         loop = asyncio.get_running_loop()
-        task = loop.create_task(_run(own.slots, session, operation, work, patience_s))
+        task = loop.create_task(_run(own.slots, session, operation, work, timeout_s))
         own.tasks.add(task)
         task.add_done_callback(own.tasks.discard)
 
@@ -79,7 +79,7 @@ async def answered(
     except ProtocolError as error:
         session.refuse(error, operation)
     except RosError as error:
-        session.refuse(ProtocolError(error.code, cut(str(error))), operation)
+        session.refuse(ProtocolError(error.code, truncate(str(error))), operation)
     except Exception:  # our bug: this client is told, the others are unharmed
         logger.exception("%s failed", operation.op)
         session.refuse(ProtocolError("internal", "a fault of the gateway; see its log"), operation)
@@ -90,10 +90,10 @@ async def _run(
     session: Session,
     operation: ClientOperation,
     work: Callable[[], Awaitable[None]],
-    patience_s: float,
+    timeout_s: float,
 ) -> None:
     try:
-        async with asyncio.timeout(patience_s):
+        async with asyncio.timeout(timeout_s):
             await slots.acquire()
     except TimeoutError:
         text = f"{session.limits.pending_calls} other calls of this client are still under way"

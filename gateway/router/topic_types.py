@@ -8,7 +8,7 @@ from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import TopicName
 from schemas.definition import DefinitionError
 from schemas.installed import UnknownTypeError
-from schemas.table import Table, TypeSpellingError, resolve_type
+from schemas.table import Table, TypeNameError, resolve_type
 
 
 class TopicTypes:
@@ -19,15 +19,15 @@ class TopicTypes:
         self._types = types
         self._table = table
 
-    def named(self, spelling: str | int) -> MessageType:
+    def named(self, requested: str | int) -> MessageType:
         """Return the type that a client names, as a name or a number of the table.
 
         Raises:
             ProtocolError: it is no type, or none that is installed here.
         """
         try:
-            return self.get(resolve_type(spelling, self._table))
-        except TypeSpellingError as error:
+            return self.get(resolve_type(requested, self._table))
+        except TypeNameError as error:
             raise bad_type(error, self._types.definitions) from error
 
     def get(self, type_name: str) -> MessageType:
@@ -41,15 +41,15 @@ class TopicTypes:
         except (UnknownTypeError, DefinitionError) as error:
             raise bad_type(error, self._types.definitions) from error
 
-    def on_topic(self, topic: TopicName, spelling: str | int | None) -> MessageType | None:
+    def on_topic(self, topic: TopicName, requested: str | int | None) -> MessageType | None:
         """Return the type to use on a topic; ``None`` while neither client nor ROS names one.
 
         Raises:
             ProtocolError: the type is none, contradicts the topic's, or must be chosen.
         """
         known = self._ros.topic_types(topic)
-        if spelling is not None:
-            named = self.named(spelling)
+        if requested is not None:
+            named = self.named(requested)
             if known and named.name not in known:
                 raise ProtocolError(
                     "type_conflict",

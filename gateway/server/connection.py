@@ -296,7 +296,7 @@ class Connection(asyncio.BufferedProtocol):
             self.close(OVER_CAPACITY, refusal)
             return
         self._session = self._reception.enter(self)
-        self._session.outbox.pass_by = self._pass_by
+        self._session.outbox.write_directly = self._write_directly
         logger.info("client %s connected", self.address)
 
     def _receive(self, message: bytes, *, is_text: bool) -> None:
@@ -328,8 +328,8 @@ class Connection(asyncio.BufferedProtocol):
 
     # Outgoing
 
-    def _pass_by(self, entry: Entry) -> bool:
-        """Send what need not wait; see `gateway.protocol.outbox.Pass`."""
+    def _write_directly(self, entry: Entry) -> bool:
+        """Send what need not wait; see `gateway.protocol.outbox.WriteDirectly`."""
         if self._flushing or self._paused or self._protocol.state is not OPEN:
             return False
         try:

@@ -68,7 +68,7 @@ class Server:
         finally:
             listener.close()
             ticking.cancel()
-            await self._send_home()
+            await self._close_all()
 
     def health(self) -> Mapping[str, Any]:
         """Return what /healthz reports."""
@@ -137,7 +137,7 @@ class Server:
                     logger.exception("keeping the times of %s failed", connection.address)
                     connection.abort()
 
-    async def _send_home(self) -> None:
+    async def _close_all(self) -> None:
         for connection in list(self._connections):
             connection.close(GOING_AWAY, "the gateway is shutting down")
         with contextlib.suppress(TimeoutError):

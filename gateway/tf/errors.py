@@ -6,7 +6,7 @@ import heapq
 from collections.abc import Collection, Sequence
 from typing import Final
 
-from gateway.codec.error_text import MAX_ECHO, cut
+from gateway.codec.error_text import MAX_ECHO, truncate
 
 # difflib takes up to 0.1 ms for two names of links that differ in a number, and a robot may have
 # hundreds: so for those alone that begin and end like the one that is unknown.
@@ -74,7 +74,7 @@ class InvalidTransformError(ValueError):
     """
 
     def __init__(self, frame: str, fault: str) -> None:
-        super().__init__(f"frame {cut(frame)!r}: {fault}")
+        super().__init__(f"frame {truncate(frame)!r}: {fault}")
         self.frame = frame
         self.fault = fault
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from tests.client import PATIENCE_S
+from tests.client import TIMEOUT_S
 from tests.gateway_process import GatewayProcess
 
 INSTALLED = Path(sys.prefix) / "clients"  # by tools/make-clients.sh
@@ -111,13 +111,13 @@ class Driver:
         line = {"n": number, "do": command, "connection": connection, **arguments}
         assert self.process.stdin is not None
         self.process.stdin.write(json.dumps(line).encode() + b"\n")
-        async with asyncio.timeout(PATIENCE_S):
+        async with asyncio.timeout(TIMEOUT_S):
             return await answer
 
     async def event(self, wanted: Callable[[Event], bool]) -> Event:
         """Wait for the first event that is wanted, and take it."""
         try:
-            async with asyncio.timeout(PATIENCE_S):
+            async with asyncio.timeout(TIMEOUT_S):
                 while True:
                     for event in self.events:
                         if wanted(event):
@@ -237,7 +237,7 @@ async def driver(library: Library) -> AsyncIterator[Driver]:
             assert process.stdin is not None
             process.stdin.close()
             try:
-                async with asyncio.timeout(PATIENCE_S):
+                async with asyncio.timeout(TIMEOUT_S):
                     await process.wait()
             except TimeoutError:
                 process.kill()

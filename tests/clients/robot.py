@@ -13,7 +13,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.task import Future
 from test_msgs.action import Fibonacci
 
-from tests.client import PATIENCE_S, eventually
+from tests.client import TIMEOUT_S, eventually
 from tests.ros.outside import Outside
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -103,7 +103,7 @@ class Robot:
 
 async def until(holds: Callable[[], Awaitable[bool]]) -> None:
     """Ask until the answer is yes: what is in the graph gets about in its own time."""
-    async with asyncio.timeout(PATIENCE_S):
+    async with asyncio.timeout(TIMEOUT_S):
         while not await holds():  # noqa: ASYNC110  # nobody tells
             await asyncio.sleep(POLL_S)
 

@@ -8,7 +8,7 @@ from sensor_msgs.msg import BatteryState
 from std_msgs.msg import String
 from std_srvs.srv import SetBool
 
-from tests.client import PATIENCE_S
+from tests.client import TIMEOUT_S
 from tests.clients.driver import (
     ROSLIB_1,
     ROSLIB_2,
@@ -157,7 +157,7 @@ async def test_a_topic_names_its_publishers(client: Connection, robot: Robot):
 @in_python
 async def test_the_time_is_that_of_ros(client: Connection):
     found = await client.ask("get_time")
-    assert found["secs"] == pytest.approx(time.time(), abs=PATIENCE_S)
+    assert found["secs"] == pytest.approx(time.time(), abs=TIMEOUT_S)
 
 
 async def test_the_version_of_ros_is_told(client: Connection):

@@ -12,7 +12,7 @@ from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Int32, String
 
-from tests.client import PATIENCE_S, Client, Frame, client, eventually
+from tests.client import TIMEOUT_S, Client, Frame, client, eventually
 from tests.gateway_process import GatewayProcess, gateway_process
 from tests.ros.outside import Outside
 
@@ -260,7 +260,7 @@ async def test_a_message_beyond_its_lifespan_is_not_kept_for_later(
     await speaker.send(op="advertise", topic=topic, type=STRING, qos=qos)
     await speaker.send(op="publish", topic=topic, msg={"data": "old"})
     heard = ["old"]
-    async with asyncio.timeout(PATIENCE_S):
+    async with asyncio.timeout(TIMEOUT_S):
         while heard[0] == "old":
             heard = robot.listen(QoSProfile(depth=9, durability=LATCHED))
             while not heard:

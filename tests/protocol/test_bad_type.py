@@ -7,7 +7,7 @@ from gateway.codec.error_text import MAX_ECHO
 from gateway.protocol.bad_type import bad_type
 from schemas.definition import DefinitionError
 from schemas.installed import InstalledDefinitions, UnknownTypeError
-from schemas.table import TypeSpellingError
+from schemas.table import TypeNameError
 
 
 def test_what_is_not_installed_comes_with_the_nearest_name() -> None:
@@ -34,9 +34,9 @@ def test_the_guess_is_for_what_is_missing_not_for_what_nests_it(tmp_path: Path) 
     )
 
 
-@pytest.mark.parametrize("kind", [DefinitionError, TypeSpellingError])
+@pytest.mark.parametrize("kind", [DefinitionError, TypeNameError])
 def test_other_faults_are_told_as_they_are_but_shortened(
-    kind: type[DefinitionError] | type[TypeSpellingError],
+    kind: type[DefinitionError] | type[TypeNameError],
 ) -> None:
     definitions = InstalledDefinitions()
     assert str(bad_type(kind("A nests itself"), definitions)) == "type: A nests itself"

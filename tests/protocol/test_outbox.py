@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gateway.protocol.outbox import Lane, Outbox
+from gateway.protocol.outbox import Outbox, Queue
 
 
 @dataclass
@@ -32,49 +32,49 @@ EVERYTHING = 1 << 30
 
 def test_control_frames_overtake_what_waits_in_lanes():
     outbox = Outbox(1000)
-    outbox.open_lane(10, None).put(Item(b"sample"))
+    outbox.open_queue(10, None).put(Item(b"sample"))
     outbox.put_control(b"status")
     assert outbox.take(EVERYTHING) == [b"status", b"sample"]
 
 
 def test_a_full_lane_drops_its_oldest_entry_and_counts_it():
     outbox = Outbox(1000)
-    lane = outbox.open_lane(2, None)
+    queue = outbox.open_queue(2, None)
     for text in (b"1", b"2", b"3"):
-        lane.put(Item(text))
+        queue.put(Item(text))
     assert outbox.take(EVERYTHING) == [b"2", b"3"]
-    assert lane.dropped == outbox.dropped == 1
+    assert queue.dropped == outbox.dropped == 1
 
 
 def test_what_is_dropped_was_never_rendered():
-    lane = Outbox(1000).open_lane(1, None)
+    queue = Outbox(1000).open_queue(1, None)
     old = Item(b"old")
-    lane.put(old)
-    lane.put(Item(b"new"))
+    queue.put(old)
+    queue.put(Item(b"new"))
     assert old.renders == 0
 
 
 def test_a_lane_holds_at_most_its_bytes_but_always_one_entry():
     outbox = Outbox(10_000)
-    lane = outbox.open_lane(100, 10)
+    queue = outbox.open_queue(100, 10)
     for size in (6, 6, 500):
-        lane.put(Item(bytes(size)))
+        queue.put(Item(bytes(size)))
     assert [len(wire) for wire in outbox.take(EVERYTHING)] == [500]
-    assert lane.dropped == 2
+    assert queue.dropped == 2
 
 
 def test_lanes_take_turns():
     outbox = Outbox(1000)
-    one, two = outbox.open_lane(10, None), outbox.open_lane(10, None)
-    for lane, texts in ((one, (b"a1", b"a2")), (two, (b"b1", b"b2"))):
+    one, two = outbox.open_queue(10, None), outbox.open_queue(10, None)
+    for queue, texts in ((one, (b"a1", b"a2")), (two, (b"b1", b"b2"))):
         for text in texts:
-            lane.put(Item(text))
+            queue.put(Item(text))
     assert outbox.take(EVERYTHING) == [b"a1", b"b1", b"a2", b"b2"]
 
 
 def test_over_the_budget_the_heaviest_lane_loses_its_oldest():
     outbox = Outbox(100)
-    camera, odometry = outbox.open_lane(100, None), outbox.open_lane(100, None)
+    camera, odometry = outbox.open_queue(100, None), outbox.open_queue(100, None)
     odometry.put(Item(b"odometry"))
     for _ in range(3):
         camera.put(Item(bytes(45)))
@@ -85,15 +85,15 @@ def test_over_the_budget_the_heaviest_lane_loses_its_oldest():
 
 def test_one_entry_over_the_budget_is_sent_if_it_is_alone():
     outbox = Outbox(100)
-    outbox.open_lane(10, None).put(Item(bytes(500)))
+    outbox.open_queue(10, None).put(Item(bytes(500)))
     assert [len(wire) for wire in outbox.take(EVERYTHING)] == [500]
 
 
 def test_take_stops_after_its_bytes():
     outbox = Outbox(1000)
-    lane = outbox.open_lane(10, None)
+    queue = outbox.open_queue(10, None)
     for _ in range(3):
-        lane.put(Item(bytes(10)))
+        queue.put(Item(bytes(10)))
     assert len(outbox.take(11)) == 2
     assert len(outbox.take(11)) == 1
 
@@ -101,7 +101,7 @@ def test_take_stops_after_its_bytes():
 def test_an_entry_that_is_not_ready_waits_without_holding_up_other_lanes():
     outbox = Outbox(1000)
     picture = Item(b"picture", ready=False, is_being_rendered=True)
-    pictures, odometry = outbox.open_lane(1, None), outbox.open_lane(1, None)
+    pictures, odometry = outbox.open_queue(1, None), outbox.open_queue(1, None)
     pictures.put(picture)
     odometry.put(Item(b"odometry"))
     assert outbox.take(EVERYTHING) == [b"odometry"]
@@ -114,23 +114,23 @@ def test_an_entry_that_is_not_ready_waits_without_holding_up_other_lanes():
 
 def test_an_entry_that_nobody_renders_yet_gives_way_to_a_newer_one():
     outbox = Outbox(1000)
-    lane = outbox.open_lane(1, None)
+    queue = outbox.open_queue(1, None)
     declined = Item(b"old", ready=False)
-    lane.put(declined)
+    queue.put(declined)
     assert outbox.take(EVERYTHING) == []
-    lane.put(Item(b"new"))
+    queue.put(Item(b"new"))
     declined.ready = True
     assert outbox.take(EVERYTHING) == [b"new"]
-    assert lane.dropped == 1
+    assert queue.dropped == 1
 
 
 def test_an_entry_with_nothing_to_send_is_passed_over():
     outbox = Outbox(1000)
-    lane = outbox.open_lane(10, None)
-    lane.put(Item(b""))
-    lane.put(Item(b"good"))
+    queue = outbox.open_queue(10, None)
+    queue.put(Item(b""))
+    queue.put(Item(b"good"))
     assert outbox.take(EVERYTHING) == [b"good"]
-    assert lane.sent == 1
+    assert queue.sent == 1
 
 
 def test_control_frames_beyond_the_budget_are_reported_not_dropped():
@@ -156,19 +156,19 @@ def test_one_control_frame_may_be_as_large_as_it_is():
 
 def test_a_control_frame_beyond_the_budget_leaves_room_for_one_sample():
     outbox = Outbox(10)
-    lane = outbox.open_lane(10, None)
+    queue = outbox.open_queue(10, None)
     outbox.put_control(bytes(500))
     for text in (b"old", b"new"):
-        lane.put(Item(text))
+        queue.put(Item(text))
     assert outbox.take(EVERYTHING)[1:] == [b"new"]
 
 
 def test_closing_a_lane_forgets_what_waits_and_keeps_its_counts():
     outbox = Outbox(1000)
-    lane = outbox.open_lane(1, None)
-    lane.put(Item(b"1"))
-    lane.put(Item(b"2"))
-    outbox.close_lane(lane)
+    queue = outbox.open_queue(1, None)
+    queue.put(Item(b"1"))
+    queue.put(Item(b"2"))
+    outbox.close_queue(queue)
     assert outbox.take(EVERYTHING) == []
     assert (outbox.size, outbox.dropped) == (0, 1)
 
@@ -179,9 +179,9 @@ class Socket:
     def __init__(self, outbox: Outbox) -> None:
         self.written: list[bytes] = []
         self.is_busy = False
-        outbox.pass_by = self._pass_by
+        outbox.write_directly = self._write_directly
 
-    def _pass_by(self, entry: Item) -> bool:
+    def _write_directly(self, entry: Item) -> bool:
         wire = None if self.is_busy else entry.wire()
         if wire:
             self.written.append(wire)
@@ -191,40 +191,40 @@ class Socket:
 def test_what_comes_while_nothing_waits_goes_at_once_and_counts_as_sent():
     outbox = Outbox(1000)
     socket = Socket(outbox)
-    lane = outbox.open_lane(10, None)
-    lane.put(Item(b"1"))
-    assert (socket.written, outbox.size, lane.sent) == ([b"1"], 0, 1)
+    queue = outbox.open_queue(10, None)
+    queue.put(Item(b"1"))
+    assert (socket.written, outbox.size, queue.sent) == ([b"1"], 0, 1)
 
 
 def test_nothing_passes_by_what_waits():
     outbox = Outbox(1000)
     socket = Socket(outbox)
-    lane, other = outbox.open_lane(10, None), outbox.open_lane(10, None)
+    queue, other = outbox.open_queue(10, None), outbox.open_queue(10, None)
     socket.is_busy = True
-    lane.put(Item(b"1"))
+    queue.put(Item(b"1"))
     socket.is_busy = False
-    lane.put(Item(b"2"))
+    queue.put(Item(b"2"))
     other.put(Item(b"3"))
     assert (socket.written, outbox.take(EVERYTHING)) == ([], [b"1", b"3", b"2"])
-    lane.put(Item(b"4"))
+    queue.put(Item(b"4"))
     assert socket.written == [b"4"]
 
 
 def test_what_others_follow_waits_for_them():
     outbox = Outbox(1000)
     socket = Socket(outbox)
-    lane = outbox.open_lane(10, None)
+    queue = outbox.open_queue(10, None)
     for text in (b"1", b"2"):
-        lane.put(Item(text), more=True)
+        queue.put(Item(text), more=True)
     assert (socket.written, outbox.take(EVERYTHING)) == ([], [b"1", b"2"])
 
 
 def test_what_is_not_ready_waits_in_its_lane():
     outbox = Outbox(1000)
     socket = Socket(outbox)
-    lane = outbox.open_lane(1, None)
+    queue = outbox.open_queue(1, None)
     item = Item(b"1", ready=False)
-    lane.put(item)
+    queue.put(item)
     item.ready = True
     assert (socket.written, outbox.take(EVERYTHING)) == ([], [b"1"])
 
@@ -243,14 +243,14 @@ actions = st.lists(
 @given(actions)
 def test_every_entry_is_sent_dropped_or_waiting_and_the_budget_holds(steps):
     outbox = Outbox(100)
-    lanes = [outbox.open_lane(1, None), outbox.open_lane(3, 50), outbox.open_lane(5, None)]
+    queues = [outbox.open_queue(1, None), outbox.open_queue(3, 50), outbox.open_queue(5, None)]
     socket = Socket(outbox)
     taken = socket.written
     put = control_put = 0
     for step in steps:
         match step:
-            case ("put", lane, size, more):
-                lanes[lane].put(Item(b"%d:%d " % (lane, put) + bytes(size)), more=more)
+            case ("put", queue, size, more):
+                queues[queue].put(Item(b"%d:%d " % (queue, put) + bytes(size)), more=more)
                 put += 1
             case ("busy", is_busy):
                 socket.is_busy = is_busy
@@ -259,30 +259,30 @@ def test_every_entry_is_sent_dropped_or_waiting_and_the_budget_holds(steps):
                 control_put += 1
             case ("take", size):
                 taken += outbox.take(size)
-        waiting = [len(lane.waiting) for lane in lanes]
+        waiting = [len(queue.waiting) for queue in queues]
         assert len(taken) == outbox.sent
         assert put == outbox.sent - outbox.control_sent + outbox.dropped + sum(waiting)
         assert outbox.size <= 100 or sum(waiting) <= 1 or outbox.overflowed
-        assert all(count <= lane.depth for count, lane in zip(waiting, lanes, strict=True))
-        held = sum(_held(lane) for lane in lanes)
+        assert all(count <= queue.depth for count, queue in zip(waiting, queues, strict=True))
+        held = sum(_held(queue) for queue in queues)
         assert outbox.size >= held
     taken += outbox.take(EVERYTHING)
     assert outbox.size == 0
     assert outbox.control_sent == control_put
-    for lane in range(len(lanes)):
-        prefix = b"%d:" % lane
+    for queue in range(len(queues)):
+        prefix = b"%d:" % queue
         order = [int(wire[2:].split()[0]) for wire in taken if wire.startswith(prefix)]
         assert order == sorted(order)
 
 
-def _held(lane: Lane) -> int:
-    return sum(entry.size for entry in lane.waiting)
+def _held(queue: Queue) -> int:
+    return sum(entry.size for entry in queue.waiting)
 
 
 @pytest.mark.parametrize("depth", [1, 2, 7])
 def test_a_lane_keeps_the_newest(depth):
     outbox = Outbox(1000)
-    lane = outbox.open_lane(depth, None)
+    queue = outbox.open_queue(depth, None)
     for number in range(20):
-        lane.put(Item(b"%d" % number))
+        queue.put(Item(b"%d" % number))
     assert outbox.take(EVERYTHING) == [b"%d" % number for number in range(20 - depth, 20)]

@@ -17,12 +17,12 @@ from gateway.ports import (
     GoalRequest,
     Graph,
     LogLevel,
-    Provided,
     Qos,
     Request,
     RosError,
     Sample,
-    Topic,
+    ServerInfo,
+    TopicInfo,
 )
 from gateway.ros.name_checks import TypeKind, check_action, check_service, check_topic, split_type
 from gateway.ros.qos import Offer, adopt, complete_offer, is_same_request, mismatches
@@ -260,7 +260,7 @@ class FakeRos:
     def graph(self) -> Graph:
         endpoints: list[Endpoint] = [*self.publishers, *self.subscriptions]
         topics = (
-            Topic(
+            TopicInfo(
                 name,
                 tuple(sorted({e.type_name for e in endpoints if e.topic == name})),
                 tuple(sorted(p.node for p in self.publishers if p.topic == name)),
@@ -456,9 +456,9 @@ def _name(each: Endpoint | Caller | Server) -> str:
     return each.topic if isinstance(each, FakePublisher | FakeSubscription) else each.name
 
 
-def _provided(servers: Sequence[Server]) -> tuple[Provided, ...]:
+def _provided(servers: Sequence[Server]) -> tuple[ServerInfo, ...]:
     return tuple(
-        Provided(
+        ServerInfo(
             name,
             tuple(sorted({s.type_name for s in servers if s.name == name})),
             tuple(sorted(s.node for s in servers if s.name == name)),

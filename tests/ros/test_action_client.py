@@ -78,7 +78,7 @@ async def test_feedback_that_came_before_the_result_is_heard_before_it(ros: Rclp
     provider = Provider()
     ros.serve_action("/dock", FIBONACCI, *provider.callbacks)
     client = ros.action_client("/dock", FIBONACCI)
-    client._feedback._inlet._on_arrival = lambda: None  # type: ignore[attr-defined]  # it is slow
+    client._feedback._source._on_ready = lambda: None  # type: ignore[attr-defined]  # it is slow
     heard: list[bytes] = []
     accepted = await soon(client.send_goal(goal(3), heard.append))
     provider.goals[-1].feedback(sequence(1))
@@ -258,7 +258,7 @@ async def test_a_goal_waits_until_its_feedback_can_be_heard(
 async def test_an_action_of_this_process_gets_its_goals_at_once(
     ros: RclpyRos, slow: Slow, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(endpoints, "AHEAD_S", 1e6)
+    monkeypatch.setattr(endpoints, "PACING_S", 1e6)
     client = ros.action_client("/dock", FIBONACCI)
     sends = [asyncio.ensure_future(client.send_goal(goal(3), ignore)) for _ in range(15)]
     await eventually(lambda: len(slow.requests) == len(sends))
@@ -304,7 +304,7 @@ async def test_a_client_that_closes_stays_until_all_its_cancels_are_answered(
     outside.add_action_server("/dock", FIBONACCI, *provider.callbacks)
     client = ros.action_client("/dock", FIBONACCI)
     goals = await accepted_goals(client, provider, 16)
-    monkeypatch.setattr(endpoints, "AHEAD_S", 1e6)
+    monkeypatch.setattr(endpoints, "PACING_S", 1e6)
     for accepted in goals:
         accepted.cancel()
     client.close()
@@ -360,7 +360,7 @@ async def test_a_goal_that_has_ended_waits_for_no_answer_to_its_cancel(
 async def test_the_last_of_many_goals_may_end_first(
     ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(endpoints, "AHEAD_S", 1e6)
+    monkeypatch.setattr(endpoints, "PACING_S", 1e6)
     provider = Provider()
     outside.add_action_server("/dock", FIBONACCI, *provider.callbacks)
     client = ros.action_client("/dock", FIBONACCI)

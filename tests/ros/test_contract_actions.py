@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from gateway.ports import ABORTED, CANCELED, SUCCEEDED, GoalRequest, RosError
-from tests.client import PATIENCE_S, eventually
+from tests.client import TIMEOUT_S, eventually
 from tests.ros.conftest import Robot
 from tests.ros.test_contract import BAD_NAMES
 
@@ -59,12 +59,12 @@ class Provider:
 
 
 async def soon(awaiting: Any) -> Any:
-    async with asyncio.timeout(PATIENCE_S):
+    async with asyncio.timeout(TIMEOUT_S):
         return await awaiting
 
 
 async def eventually_within_a_turn(condition: Callable[[], bool]) -> None:
-    async with asyncio.timeout(PATIENCE_S):
+    async with asyncio.timeout(TIMEOUT_S):
         while not condition():  # noqa: ASYNC110  # sooner than anything can be answered
             await asyncio.sleep(0)
 

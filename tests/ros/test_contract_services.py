@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from gateway.ports import Client, Request, RosError
-from tests.client import PATIENCE_S, eventually
+from tests.client import TIMEOUT_S, eventually
 from tests.ros.conftest import Robot
 from tests.ros.test_contract import BAD_NAMES
 
@@ -43,7 +43,7 @@ def echo(request: Request) -> None:
 
 
 async def soon(calling: Any) -> Any:
-    async with asyncio.timeout(PATIENCE_S):
+    async with asyncio.timeout(TIMEOUT_S):
         return await calling
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from gateway.ports import SUCCEEDED, Qos
 from gateway.ros import RosOptions
-from gateway.ros.deferred_destruction import MAX_KEPT, LastWords
+from gateway.ros.deferred_destruction import MAX_DEFERRED, DeferredDestruction
 from gateway.ros.port import RclpyRos
 from tests.client import eventually
 from tests.ros.outside import Outside
@@ -38,31 +38,31 @@ def services(ros: RclpyRos, name: str) -> list[Any]:
 
 
 async def test_what_is_kept_is_destroyed_later() -> None:
-    last_words = LastWords(asyncio.get_running_loop())
+    deferred = DeferredDestruction(asyncio.get_running_loop())
     destroyed: list[str] = []
-    last_words.keep("topic /a", INT32, lambda: destroyed.append("a"))
+    deferred.defer("topic /a", INT32, lambda: destroyed.append("a"))
     assert destroyed == []
     await eventually(lambda: destroyed == ["a"])
 
 
 async def test_what_is_used_again_is_not_destroyed() -> None:
-    last_words = LastWords(asyncio.get_running_loop())
+    deferred = DeferredDestruction(asyncio.get_running_loop())
     destroyed: list[str] = []
-    last_words.revive(last_words.keep("topic /a", INT32, lambda: destroyed.append("a")))
-    last_words.keep("topic /b", INT32, lambda: destroyed.append("b"))
+    deferred.cancel(deferred.defer("topic /a", INT32, lambda: destroyed.append("a")))
+    deferred.defer("topic /b", INT32, lambda: destroyed.append("b"))
     await eventually(lambda: bool(destroyed))
-    last_words.close()
+    deferred.close()
     assert destroyed == ["b"]
 
 
 async def test_the_oldest_goes_where_too_much_is_kept() -> None:
-    last_words = LastWords(asyncio.get_running_loop())
+    deferred = DeferredDestruction(asyncio.get_running_loop())
     destroyed: list[int] = []
-    for number in range(MAX_KEPT + 2):
-        last_words.keep("topic /a", INT32, lambda number=number: destroyed.append(number))
+    for number in range(MAX_DEFERRED + 2):
+        deferred.defer("topic /a", INT32, lambda number=number: destroyed.append(number))
     assert destroyed == [0, 1]
-    last_words.close()
-    assert destroyed == list(range(MAX_KEPT + 2))
+    deferred.close()
+    assert destroyed == list(range(MAX_DEFERRED + 2))
 
 
 async def test_a_publisher_that_has_published_stays_for_a_moment(ros: RclpyRos) -> None:

@@ -20,7 +20,7 @@ from gateway.ros import RosOptions, open_ros
 from gateway.ros.graph import read_actions, read_all_services
 from gateway.ros.options import Taking
 from gateway.ros.port import RclpyRos
-from tests.client import PATIENCE_S, eventually
+from tests.client import TIMEOUT_S, eventually
 from tests.ros.outside import Outside
 from tests.ros.test_samples import CDR, Flood
 
@@ -417,7 +417,7 @@ async def test_what_has_just_come_is_known_before_the_graphs_thread_tells(
         assert ros.service_types("/new") == ros.action_types("/new") == ()
         outside.add_service("/new", SET_BOOL, ignore)
         outside.add_action_server("/new", FIBONACCI, ignore, ignore)
-        deadline = time.monotonic() + PATIENCE_S
+        deadline = time.monotonic() + TIMEOUT_S
         # without giving the loop a turn, in which it might hear of the change
         while not (
             {each.name for each in read_actions(ros._debug)} >= {"/new"}

@@ -12,8 +12,8 @@ from gateway.ports import MAX_TAKES_PER_TURN, Qos, Sample
 from gateway.ros import RosOptions
 from gateway.ros.port import RclpyRos
 from gateway.ros.qos import Offer
-from gateway.ros.raw_subscriptions import RclpySubscription
-from tests.client import PATIENCE_S, eventually
+from gateway.ros.raw_subscriptions import RawSubscription
+from tests.client import TIMEOUT_S, eventually
 from tests.ros.outside import Outside
 
 INT32 = "std_msgs/msg/Int32"
@@ -35,7 +35,7 @@ class Fed:
     def __init__(self, ros: RclpyRos, outside: Outside) -> None:
         self.received: list[int] = []
         self.then: Callable[[], None] = lambda: None
-        self.subscription: RclpySubscription = ros.subscribe(
+        self.subscription: RawSubscription = ros.subscribe(
             "/scan", INT32, Qos(depth=WAITING), self._on_samples, lambda _: None
         )
         self._publisher = outside.add_publisher("/scan", INT32, Qos(depth=WAITING))
@@ -57,7 +57,7 @@ class Fed:
         self.received.clear()
         for value in range(WAITING):
             self._publish(value)
-        until = time.monotonic() + PATIENCE_S
+        until = time.monotonic() + TIMEOUT_S
         while waiting(self.subscription._reader) < WAITING and time.monotonic() < until:
             time.sleep(0.001)  # noqa: ASYNC251  # the loop is to be kept busy
 
@@ -69,7 +69,7 @@ def waiting(reader: Any) -> int:
     """Count what has arrived and was not taken."""
     if hasattr(reader, "_waiting"):
         return len(reader._waiting)
-    lines = Path(f"/proc/self/fdinfo/{reader._inlet._fd}").read_text().splitlines()
+    lines = Path(f"/proc/self/fdinfo/{reader._source._fd}").read_text().splitlines()
     return int(next(line for line in lines if line.startswith("eventfd-count:")).split()[1], 16)
 
 

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Word of arrivals: what it stands on, and what it leaves behind."""
+"""Ready events: what it stands on, and what it leaves behind."""
 
 import asyncio
 import os
 
 import pytest
 
-from gateway.ros.ready_events import EventfdArrivals, PolledArrivals, UnsupportedError
+from gateway.ros.ready_events import EventfdReadyEvents, PolledReadyEvents, UnsupportedError
 from tests.client import eventually
 
 
@@ -22,7 +22,7 @@ async def test_without_a_function_of_rcl_it_is_unsupported(
 
     monkeypatch.setattr("ctypes.CDLL", no_library)
     with pytest.raises(UnsupportedError, match=r"librcl\.so"):
-        EventfdArrivals(asyncio.get_running_loop())
+        EventfdReadyEvents(asyncio.get_running_loop())
 
 
 async def test_without_readers_on_the_loop_it_is_unsupported(
@@ -35,7 +35,7 @@ async def test_without_readers_on_the_loop_it_is_unsupported(
 
     monkeypatch.setattr(loop, "add_reader", no_readers)
     with pytest.raises(UnsupportedError, match="watches no file descriptors"):
-        EventfdArrivals(loop)
+        EventfdReadyEvents(loop)
 
 
 async def test_an_entity_that_cannot_be_created_leaves_no_descriptor() -> None:
@@ -45,9 +45,9 @@ async def test_an_entity_that_cannot_be_created_leaves_no_descriptor() -> None:
     loop = asyncio.get_running_loop()
     free = os.eventfd(0)
     os.close(free)
-    arrivals = EventfdArrivals(loop)
+    ready_events = EventfdReadyEvents(loop)
     with pytest.raises(RuntimeError, match="no entities today"):
-        arrivals.open("client", refuse, lambda _: None, lambda: None)
+        ready_events.open("client", refuse, lambda _: None, lambda: None)
     again = os.eventfd(0)
     os.close(again)
     assert again == free
@@ -57,16 +57,16 @@ async def test_looking_goes_on_until_closed() -> None:
     looks: list[None] = []
     destroyed: list[object] = []
     entity = Entity()
-    inlet = PolledArrivals(asyncio.get_running_loop()).open(
+    source = PolledReadyEvents(asyncio.get_running_loop()).open(
         "service", lambda: entity, destroyed.append, lambda: looks.append(None)
     )
     await eventually(lambda: len(looks) > 2)
-    inlet.close()
-    inlet.close()
+    source.close()
+    source.close()
     assert destroyed == [entity]
     seen = len(looks)
     other: list[None] = []
-    witness = PolledArrivals(asyncio.get_running_loop()).open(
+    witness = PolledReadyEvents(asyncio.get_running_loop()).open(
         "service", Entity, lambda _: None, lambda: other.append(None)
     )
     await eventually(lambda: len(other) > 2)
@@ -80,12 +80,14 @@ async def test_another_look_comes_in_the_next_turn() -> None:
     def look() -> None:
         looks.append(None)
         if len(looks) < 100:
-            inlet.again()
+            source.notify_again()
 
-    inlet = PolledArrivals(asyncio.get_running_loop()).open("service", Entity, lambda _: None, look)
+    source = PolledReadyEvents(asyncio.get_running_loop()).open(
+        "service", Entity, lambda _: None, look
+    )
     turns = 0
     while len(looks) < 100:
         await asyncio.sleep(0)
         turns += 1
-    inlet.close()
+    source.close()
     assert turns >= 100

@@ -15,7 +15,7 @@ from gateway.ports import MAX_TAKES_PER_TURN, Qos, Sample
 from gateway.ros.interfaces import message_class
 from gateway.ros.profile import to_profile
 from gateway.ros.qos import MAX_DEPTH, adopt
-from gateway.ros.ready_events import EventfdArrivals
+from gateway.ros.ready_events import EventfdReadyEvents
 from gateway.ros.samples import EventfdSamples, ExecutorSamples
 from tests.client import eventually
 from tests.ros.outside import Outside, OutsidePublisher
@@ -37,7 +37,7 @@ def node() -> Iterator[Node]:
 
 
 def samples_of(node: Node) -> EventfdSamples:
-    return EventfdSamples(node, EventfdArrivals(asyncio.get_running_loop()))
+    return EventfdSamples(node, EventfdReadyEvents(asyncio.get_running_loop()))
 
 
 class Flood:
@@ -103,7 +103,7 @@ async def test_no_stale_callback_writes_into_a_descriptor_that_reuses_the_number
         received: list[Sample] = []
         reader = samples.read(CLASS, "/flood", profile, received.extend)
         await eventually(lambda: bool(received))  # noqa: B023  # awaited before the next round
-        fd = reader._inlet._fd  # type: ignore[attr-defined]
+        fd = reader._source._fd  # type: ignore[attr-defined]
         witness: list[Sample] = []
         other = samples.read(CLASS, "/flood", profile, witness.extend)
         reader.close()
@@ -134,11 +134,11 @@ async def test_a_reader_unhooks_then_destroys_then_closes(
 
         monkeypatch.setattr(owner, name, recorded)
 
-    record(samples._arrivals._hooks, "stop")
+    record(samples._ready_events._hooks, "stop")
     record(node, "destroy_subscription")
     record(os, "close")
     reader = samples.read(CLASS, "/count", to_profile(adopt(Qos(), ())), lambda _: None)
-    fd = reader._inlet._fd  # type: ignore[attr-defined]
+    fd = reader._source._fd  # type: ignore[attr-defined]
     subscription = reader._subscription  # type: ignore[attr-defined]
     reader.close()
     assert [step for step in steps if step[1] in (fd, subscription)] == [
@@ -161,7 +161,7 @@ async def test_a_reader_that_cannot_be_hooked_leaves_nothing(
     samples = samples_of(node)
     free = os.eventfd(0)
     os.close(free)
-    monkeypatch.setattr(samples._arrivals._hooks, "count", refuse)
+    monkeypatch.setattr(samples._ready_events._hooks, "count", refuse)
     with pytest.raises(RuntimeError, match="no callbacks today"):
         samples.read(CLASS, "/count", to_profile(adopt(Qos(), ())), lambda _: None)
     assert list(node.subscriptions) == []

@@ -11,7 +11,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from gateway.ports import Request, RosError
 from gateway.ros import RosOptions, endpoints
-from gateway.ros.endpoints import MAX_AHEAD, MAX_STALLS
+from gateway.ros.endpoints import MAX_IN_FLIGHT, MAX_STALLS
 from gateway.ros.interfaces import service_class
 from gateway.ros.port import RclpyRos
 from gateway.ros.service_entities import RclpyClient
@@ -75,24 +75,24 @@ async def test_a_call_that_is_cancelled_while_it_waits_is_never_sent(
 async def test_requests_beyond_what_a_server_keeps_wait_here(
     ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(endpoints, "AHEAD_S", 1e6)
+    monkeypatch.setattr(endpoints, "PACING_S", 1e6)
     requests: list[Request] = []
     outside.add_service("/arm", SET_BOOL, requests.append)
     client = ros.client("/arm", SET_BOOL)
-    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(MAX_AHEAD)]
+    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(MAX_IN_FLIGHT)]
     unsent = asyncio.ensure_future(client.call(request(False)))
     calls += [asyncio.ensure_future(client.call(request(True))) for _ in range(20)]
-    await eventually(lambda: len(requests) == MAX_AHEAD)
-    assert len(client._requester._under_way) == MAX_AHEAD
-    for calling in [*calls[:MAX_AHEAD], unsent]:
+    await eventually(lambda: len(requests) == MAX_IN_FLIGHT)
+    assert len(client._requester._under_way) == MAX_IN_FLIGHT
+    for calling in [*calls[:MAX_IN_FLIGHT], unsent]:
         calling.cancel()  # given up, which makes room
-    await eventually(lambda: len(requests) == 2 * MAX_AHEAD)
+    await eventually(lambda: len(requests) == 2 * MAX_IN_FLIGHT)
     for each in requests:
         each.answer(response("done"))
     await eventually(lambda: len(requests) == 30)
-    for each in requests[2 * MAX_AHEAD :]:
+    for each in requests[2 * MAX_IN_FLIGHT :]:
         each.answer(response("done"))
-    for calling in calls[MAX_AHEAD:]:
+    for calling in calls[MAX_IN_FLIGHT:]:
         assert text_of(await soon(calling)) == "done"
     assert all(each.cdr[4] for each in requests)
 
@@ -100,18 +100,18 @@ async def test_requests_beyond_what_a_server_keeps_wait_here(
 async def test_a_server_that_never_answers_keeps_no_request_waiting(
     ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(endpoints, "AHEAD_S", 0.01)
+    monkeypatch.setattr(endpoints, "PACING_S", 0.01)
     requests: list[Request] = []
     outside.add_service("/arm", SET_BOOL, requests.append, depth=100)  # not as fast as that
     client = ros.client("/arm", SET_BOOL)
-    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(2 * MAX_AHEAD)]
+    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(2 * MAX_IN_FLIGHT)]
     await eventually(lambda: len(requests) == len(calls))
     last = asyncio.ensure_future(client.call(request(False)))
     await eventually(lambda: requests[-1].cdr[4] == 0)
     requests[-1].answer(response("done"))
     assert text_of(await soon(last)) == "done"
     assert not any(calling.done() for calling in calls)
-    await eventually(lambda: not client._requester._ahead)
+    await eventually(lambda: not client._requester._in_flight)
     for calling in calls:
         calling.cancel()
 
@@ -119,11 +119,11 @@ async def test_a_server_that_never_answers_keeps_no_request_waiting(
 async def test_a_service_of_this_process_gets_its_requests_at_once(
     ros: RclpyRos, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(endpoints, "AHEAD_S", 1e6)
+    monkeypatch.setattr(endpoints, "PACING_S", 1e6)
     requests: list[Request] = []
     ros.serve("/arm", SET_BOOL, requests.append)
     client = ros.client("/arm", SET_BOOL)
-    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(2 * MAX_AHEAD)]
+    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(2 * MAX_IN_FLIGHT)]
     await eventually(lambda: len(requests) == len(calls))
     for each in requests:
         each.answer(response("done"))
@@ -133,18 +133,18 @@ async def test_a_service_of_this_process_gets_its_requests_at_once(
 async def test_a_request_that_is_cancelled_in_the_turn_that_makes_room_is_never_sent(
     ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(endpoints, "AHEAD_S", 1e6)
+    monkeypatch.setattr(endpoints, "PACING_S", 1e6)
     requests: list[Request] = []
     outside.add_service("/arm", SET_BOOL, requests.append)
     client = ros.client("/arm", SET_BOOL)
-    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(MAX_AHEAD)]
-    await eventually(lambda: len(requests) == MAX_AHEAD)
+    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(MAX_IN_FLIGHT)]
+    await eventually(lambda: len(requests) == MAX_IN_FLIGHT)
     unsent = asyncio.ensure_future(client.call(request(False)))
     calls.append(asyncio.ensure_future(client.call(request(True))))
     await asyncio.sleep(0)
     calls[0].cancel()
     unsent.cancel()
-    await eventually(lambda: len(requests) > MAX_AHEAD)
+    await eventually(lambda: len(requests) > MAX_IN_FLIGHT)
     assert all(each.cdr[4] for each in requests)
     for calling in calls:
         calling.cancel()
@@ -328,7 +328,7 @@ async def test_an_answer_that_is_there_when_its_server_goes_counts(ros: RclpyRos
     client: Any = ros.client("/arm", SET_BOOL)
     calling = asyncio.ensure_future(client.call(request(True)))
     await eventually(lambda: bool(requests))
-    client._requester._inlet._on_arrival = lambda: None  # it is slow
+    client._requester._source._on_ready = lambda: None  # it is slow
     requests[0].answer(response("done"))
     service.close()
     await eventually(lambda: not client._requester.is_ready)
@@ -383,18 +383,18 @@ async def test_what_is_closed_leaves_the_callback_group_of_its_node(ros: RclpyRo
 async def test_a_silent_server_gets_one_more_request_at_a_time(
     ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(endpoints, "AHEAD_S", 0.3)
+    monkeypatch.setattr(endpoints, "PACING_S", 0.3)
     requests: list[Request] = []
     outside.add_service("/arm", SET_BOOL, requests.append, depth=100)
     client = ros.client("/arm", SET_BOOL)
-    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(3 * MAX_AHEAD)]
+    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(3 * MAX_IN_FLIGHT)]
     sent: set[int] = set()
 
     def is_one_more() -> bool:
         sent.add(len(client._requester._under_way))
-        return max(sent) == MAX_AHEAD + 2
+        return max(sent) == MAX_IN_FLIGHT + 2
 
     await eventually(is_one_more)
-    assert sent <= {0, MAX_AHEAD, MAX_AHEAD + 1, MAX_AHEAD + 2}
+    assert sent <= {0, MAX_IN_FLIGHT, MAX_IN_FLIGHT + 1, MAX_IN_FLIGHT + 2}
     for calling in calls:
         calling.cancel()

@@ -9,7 +9,7 @@ from gateway.codec.types import Types
 from gateway.ports import Ros
 from gateway.ros import RosOptions, open_ros
 from gateway.rosapi import Parameters
-from gateway.service_clients import Calls
+from gateway.service_clients import ServiceClients
 from schemas.installed import InstalledDefinitions
 from tests.client import eventually
 from tests.rosapi.robot import NodeWithParameters, declare
@@ -40,7 +40,7 @@ async def ros() -> AsyncIterator[Ros]:
 @pytest.fixture
 async def parameters(ros: Ros, robot: NodeWithParameters) -> AsyncIterator[Parameters]:
     await discovered(ros, robot)
-    calls = Calls(ros, Types(InstalledDefinitions()))
+    calls = ServiceClients(ros, Types(InstalledDefinitions()))
     yield Parameters(ros, calls)
     calls.close()
 

@@ -6,15 +6,15 @@ from typing import Any
 
 from gateway.codec.types import Types
 from gateway.ports import Request
-from gateway.service_clients import Calls
+from gateway.service_clients import ServiceClients
 from schemas.installed import InstalledDefinitions
 from tests.ros.fake import FakeRos
 
 Reply = Callable[[Mapping[str, Any]], Mapping[str, Any] | None]
 
 
-class CountedCalls(Calls):
-    """Calls that are counted: which, with how much time, and how many at once."""
+class CountedCalls(ServiceClients):
+    """ServiceClients that are counted: which, with how much time, and how many at once."""
 
     def __init__(self, ros: FakeRos, types: Types) -> None:
         super().__init__(ros, types)

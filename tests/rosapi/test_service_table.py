@@ -7,7 +7,7 @@ import pytest
 from gateway.codec.types import Types
 from gateway.protocol.errors import ProtocolError
 from gateway.rosapi import Parameters, Rosapi, interfaces_prefix
-from gateway.service_clients import Calls
+from gateway.service_clients import ServiceClients
 from schemas.installed import InstalledDefinitions, installed_prefixes
 from tests.ros.fake import FakeRos
 
@@ -48,7 +48,7 @@ LOCAL = [name for name in ARGUMENTS if "param" not in name]
 
 def build(ros: FakeRos) -> Rosapi:
     definitions = InstalledDefinitions([*installed_prefixes(), interfaces_prefix()])
-    return Rosapi(ros, definitions, Parameters(ros, Calls(ros, Types(definitions))))
+    return Rosapi(ros, definitions, Parameters(ros, ServiceClients(ros, Types(definitions))))
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ from schemas.installed import InstalledDefinitions
 from schemas.table import (
     Table,
     TableError,
-    TypeSpellingError,
+    TypeNameError,
     resolve_any,
     resolve_interface,
     resolve_type,
@@ -140,7 +140,7 @@ def test_a_type_outside_the_table_is_resolved_too(table):
     ],
 )
 def test_what_is_no_type_is_refused_with_the_spellings_that_are(table, spelling):
-    with pytest.raises(TypeSpellingError, match="expected pkg/msg/Name, pkg/Name or a table"):
+    with pytest.raises(TypeNameError, match="expected pkg/msg/Name, pkg/Name or a table"):
         resolve_type(spelling, table)
 
 
@@ -164,12 +164,12 @@ def test_a_service_or_an_action_is_resolved_in_every_spelling(kind):
     ],
 )
 def test_what_is_no_service_type_is_refused_with_the_spellings_that_are(spelling):
-    with pytest.raises(TypeSpellingError, match="no service type: expected pkg/srv/Name or pkg/"):
+    with pytest.raises(TypeNameError, match="no service type: expected pkg/srv/Name or pkg/"):
         resolve_interface(spelling, "srv")
 
 
 def test_what_is_no_action_type_is_refused_with_the_spellings_that_are():
-    with pytest.raises(TypeSpellingError, match="no action type: expected pkg/action/Name or pkg/"):
+    with pytest.raises(TypeNameError, match="no action type: expected pkg/action/Name or pkg/"):
         resolve_interface("std_srvs/srv/SetBool", "action")
 
 
@@ -197,13 +197,13 @@ def test_a_name_without_kind_is_a_message_unless_only_a_service_or_an_action_has
 
 @pytest.mark.parametrize("spelling", ["", "a", "a/srv/b", "a/foo/B", 99999, "a/srv/action/B"])
 def test_what_is_no_type_of_any_kind_is_refused(table, spelling):
-    with pytest.raises(TypeSpellingError):
+    with pytest.raises(TypeNameError):
         resolve_any(spelling, table, {})
 
 
 @pytest.mark.parametrize("number", [99999, "99999", -1])
 def test_a_number_without_row_is_refused_by_name(table, number):
-    with pytest.raises(TypeSpellingError, match=f"the message table has no number {number}"):
+    with pytest.raises(TypeNameError, match=f"the message table has no number {number}"):
         resolve_type(number, table)
 
 

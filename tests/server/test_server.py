@@ -12,7 +12,7 @@ from websockets.frames import Frame, Opcode
 from gateway.ports import Qos
 from gateway.router.topics.encoding import Rendition
 from gateway.server.connection import Connection
-from tests.client import PATIENCE_S, Client, client, eventually
+from tests.client import TIMEOUT_S, Client, client, eventually
 from tests.server.conftest import Serve, Served
 
 STRING = "std_msgs/msg/String"
@@ -20,7 +20,7 @@ STRING = "std_msgs/msg/String"
 
 async def closing(speaker: Client) -> tuple[int, str]:
     """Wait for the server to close; return the code and the reason."""
-    async with asyncio.timeout(PATIENCE_S):
+    async with asyncio.timeout(TIMEOUT_S):
         with contextlib.suppress(ConnectionClosed):
             async for frame in speaker.socket:
                 speaker.seen.append(json.loads(frame))
@@ -224,9 +224,9 @@ async def test_a_client_that_answers_no_ping_is_closed_with_4408(serve: Serve):
 
 
 async def test_a_client_that_answers_pings_stays(serve: Serve):
-    async with serve(timing={"ping_interval_s": 0.05, "ping_timeout_s": PATIENCE_S}) as served:
+    async with serve(timing={"ping_interval_s": 0.05, "ping_timeout_s": TIMEOUT_S}) as served:
         reader, writer = await handshake(served)
-        async with asyncio.timeout(PATIENCE_S):
+        async with asyncio.timeout(TIMEOUT_S):
             for _ in range(3):
                 assert await reader.readexactly(2) == bytes((0x80 | Opcode.PING, 0))
                 writer.write(masked(Opcode.PONG, b""))
@@ -252,7 +252,7 @@ async def test_a_client_that_takes_nothing_is_cut_off_and_harms_nobody(serve: Se
         await good.sync()
         sample = served.cdr(STRING, data="x" * 200_000)
         count = 0
-        async with asyncio.timeout(PATIENCE_S):
+        async with asyncio.timeout(TIMEOUT_S):
             while served.clients == 2:  # never read from `reader`: its buffers fill
                 publisher.publish(sample)
                 count += 1
@@ -274,7 +274,7 @@ async def test_what_waits_for_a_slow_client_is_bounded_and_the_newest_arrives(se
             await asyncio.sleep(0)
         await eventually(lambda: served.server.health()["dropped"] > 0)
         seen = b""
-        async with asyncio.timeout(PATIENCE_S):
+        async with asyncio.timeout(TIMEOUT_S):
             while b'"199 ' not in seen:
                 seen = seen[-50:] + await reader.read(1 << 20)
         writer.close()
@@ -283,7 +283,7 @@ async def test_what_waits_for_a_slow_client_is_bounded_and_the_newest_arrives(se
 def get(served: Served, path: str, method: str = "GET") -> tuple[int, str, str]:
     request = urllib.request.Request(f"http://127.0.0.1:{served.port}{path}", method=method)
     try:
-        with urllib.request.urlopen(request, timeout=PATIENCE_S) as response:  # noqa: S310  # ours
+        with urllib.request.urlopen(request, timeout=TIMEOUT_S) as response:  # noqa: S310  # ours
             return response.status, response.headers["Content-Type"], response.read().decode()
     except urllib.error.HTTPError as error:
         with error:
@@ -405,10 +405,10 @@ async def test_what_comes_behind_the_handshake_is_read_after_it(
 async def test_a_client_that_asks_and_never_reads_is_closed_as_slow(serve: Serve, caplog):
     caplog.set_level("INFO")
     limits = {"send_queue_bytes": 100_000, "operations_per_s": 0, "frames_per_s": 0}
-    async with serve(limits, {"send_deadline_s": PATIENCE_S}) as served:
+    async with serve(limits, {"send_deadline_s": TIMEOUT_S}) as served:
         reader, writer = await handshake(served)
         question = masked(Opcode.TEXT, b'{"op":"describe","type":"visualization_msgs/msg/Marker"}')
-        async with asyncio.timeout(PATIENCE_S):
+        async with asyncio.timeout(TIMEOUT_S):
             while served.clients or "connected" not in caplog.text:
                 if not writer.transport.is_closing():
                     writer.write(question * 10)
@@ -435,7 +435,7 @@ async def test_one_answer_beyond_the_send_queue_reaches_a_client_that_reads(
         reader, writer = await handshake(served)
         writer.write(masked(Opcode.TEXT, b'{"op":"subscribe","topic":"/big","queue_length":1}'))
         await eventually(lambda: served.ros.entity_count() == 1)
-        async with asyncio.timeout(PATIENCE_S):
+        async with asyncio.timeout(TIMEOUT_S):
             while not served.server.health()["dropped"]:  # the socket is full
                 publisher.publish(served.cdr(STRING, data="x" * 20_000))
                 await asyncio.sleep(0)
@@ -448,7 +448,7 @@ async def test_one_answer_beyond_the_send_queue_reaches_a_client_that_reads(
         ticks = 0
         await eventually(lambda: ticks > 3)
         seen = b""
-        async with asyncio.timeout(PATIENCE_S):
+        async with asyncio.timeout(TIMEOUT_S):
             while b'"id":"large"' not in seen:
                 some = await reader.read(1 << 16)
                 assert some, "closed"

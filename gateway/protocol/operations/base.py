@@ -21,7 +21,7 @@ def _without_zero(value: Any) -> Any:
 FragmentSize = Annotated[Annotated[int, Field(ge=64)] | None, BeforeValidator(_without_zero)]
 
 
-class Part(BaseModel):
+class OperationPart(BaseModel):
     """An object within an operation; it has no keys but those it knows.
 
     A key whose value is null counts as absent, as serialisers such as System.Text.Json write out
@@ -45,7 +45,7 @@ class Part(BaseModel):
         return field is not None and field.annotation is Any
 
 
-class Operation(Part):
+class Operation(OperationPart):
     """What every operation has: a name, and an id that answers carry back."""
 
     model_config = ConfigDict(extra="ignore")

@@ -5,12 +5,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from gateway.protocol.operations.base import FragmentSize, Operation, Part, Seconds
+from gateway.protocol.operations.base import FragmentSize, Operation, OperationPart, Seconds
 
 Milliseconds = Annotated[float, Field(ge=0, le=3_600_000)]
 
 
-class SecsNsecs(Part):
+class SecsNsecs(OperationPart):
     """A duration as ROS 1 spells it."""
 
     secs: Annotated[int, Field(ge=0, le=1_000_000_000)] = 0
@@ -20,7 +20,7 @@ class SecsNsecs(Part):
 Duration = Seconds | SecsNsecs | Literal["infinite"] | None
 
 
-class QosRequest(Part):
+class QosRequest(OperationPart):
     """The quality of service that a client asks for; what it leaves out is adopted.
 
     Durations are seconds, ``{secs, nsecs}`` or ``"infinite"``, as rosbridge has them.
@@ -34,7 +34,7 @@ class QosRequest(Part):
     lifespan: Duration = None
 
 
-class ImageRequest(Part):
+class ImageRequest(OperationPart):
     """How a subscription to ``sensor_msgs/msg/Image`` wants its pictures."""
 
     format: Literal["jpeg", "png", "raw"] = "jpeg"

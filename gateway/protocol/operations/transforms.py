@@ -5,7 +5,7 @@ from typing import Annotated, Final
 
 from pydantic import Field
 
-from gateway.protocol.operations.base import Id, Operation, Part
+from gateway.protocol.operations.base import Id, Operation, OperationPart
 from gateway.tf.buffer import MAX_FRAME_CHARACTERS
 
 MAX_RATE_HZ: Final = 200  # what a headset draws, twice
@@ -15,7 +15,7 @@ MAX_TIMEOUT_S: Final = 60
 FrameId = Annotated[str, Field(max_length=MAX_FRAME_CHARACTERS)]
 
 
-class StampRequest(Part):
+class StampRequest(OperationPart):
     """A ROS time."""
 
     sec: Annotated[int, Field(ge=0, lt=2**31)]

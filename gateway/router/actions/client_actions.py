@@ -27,32 +27,32 @@ from gateway.protocol.operations.actions import (
 from gateway.protocol.session import Session
 from gateway.router.failure import failure
 from gateway.router.interface_types import InterfaceTypes
-from gateway.router.takeover import check_heir
+from gateway.router.takeover import check_takeover
 from gateway.service_clients import encode_values
 
 _OUTCOMES: dict[int, GoalOutcome] = {4: SUCCEEDED, 5: CANCELED, 6: ABORTED}
 
 
 @dataclass(slots=True)
-class Provided:
+class ClientAction:
     """One action of one client."""
 
     session: Session
-    spelling: str
-    type_spelling: str
+    requested_name: str
+    requested_type: str
     type: ActionType
     server: ActionServer
     goals: dict[str, GoalRequest] = field(default_factory=dict)
     canceling: set[str] = field(default_factory=set)  # those that somebody wants cancelled
 
 
-class ProvidedActions:
+class ClientActions:
     """Opens and closes ROS action servers as clients come and go."""
 
     def __init__(self, ros: Ros, types: InterfaceTypes) -> None:
         self._ros = ros
         self._types = types
-        self._provided: dict[ActionName, Provided] = {}
+        self._provided: dict[ActionName, ClientAction] = {}
 
     @property
     def servers(self) -> int:
@@ -82,13 +82,13 @@ class ProvidedActions:
             limit = session.limits.advertisements
             raise ProtocolError("limit_exceeded", f"at most {limit} actions provided per client")
         if former is not None:
-            check_heir(session, former.session, action, action_type.name, former.type.name)
+            check_takeover(session, former.session, action, action_type.name, former.type.name)
             self._close(action, former)
         try:
             self._open(session, action, request.action, request.type, action_type)
         except RosError:
             if former is not None:
-                names = former.spelling, former.type_spelling
+                names = former.requested_name, former.requested_type
                 self._open(former.session, action, *names, former.type)
             raise
         if former is not None and former.session is not session:
@@ -156,7 +156,7 @@ class ProvidedActions:
             if provided.session is session:
                 self._close(action, provided)
 
-    def _own(self, session: Session, action: ActionName) -> Provided:
+    def _own(self, session: Session, action: ActionName) -> ClientAction:
         provided = self._provided.get(action)
         if provided is None or provided.session is not session:
             raise ProtocolError("not_found", f"action {action} is not provided by this client")
@@ -164,7 +164,7 @@ class ProvidedActions:
 
     def _find(
         self, session: Session, request: ActionFeedback | ActionResult
-    ) -> tuple[Provided, str]:
+    ) -> tuple[ClientAction, str]:
         action = resolve_action(request.action, session.limits.name_characters)
         provided = self._own(session, action)
         goal_id = str(request.id)
@@ -176,11 +176,11 @@ class ProvidedActions:
         self,
         session: Session,
         action: ActionName,
-        spelling: str,
-        type_spelling: str,
+        requested_name: str,
+        requested_type: str,
         action_type: ActionType,
     ) -> None:
-        provided: Provided
+        provided: ClientAction
 
         def on_goal(goal: GoalRequest) -> None:
             self._pass_on(action, provided, goal)
@@ -189,10 +189,10 @@ class ProvidedActions:
             _pass_on_cancel(provided, goal)
 
         server = self._ros.serve_action(action, action_type.name, on_goal, on_cancel)
-        provided = Provided(session, spelling, type_spelling, action_type, server)
+        provided = ClientAction(session, requested_name, requested_type, action_type, server)
         self._provided[action] = provided
 
-    def _pass_on(self, action: ActionName, provided: Provided, goal: GoalRequest) -> None:
+    def _pass_on(self, action: ActionName, provided: ClientAction, goal: GoalRequest) -> None:
         try:
             args = provided.type.goal.decode(goal.cdr)
         except CodecError as error:
@@ -202,18 +202,20 @@ class ProvidedActions:
         goal_id = f"action_goal:{action}:{next(provided.session.numbers)}"
         provided.goals[goal_id] = goal
         provided.session.ask(
-            messages.send_action_goal(provided.spelling, goal_id, provided.type_spelling, args)
+            messages.send_action_goal(
+                provided.requested_name, goal_id, provided.requested_type, args
+            )
         )
 
-    def _close(self, action: ActionName, provided: Provided) -> None:
+    def _close(self, action: ActionName, provided: ClientAction) -> None:
         del self._provided[action]
         provided.goals.clear()
         provided.canceling.clear()
         provided.server.close()
 
 
-def _pass_on_cancel(provided: Provided, goal: GoalRequest) -> None:
+def _pass_on_cancel(provided: ClientAction, goal: GoalRequest) -> None:
     for goal_id, known in provided.goals.items():
         if known is goal:
             provided.canceling.add(goal_id)
-            provided.session.ask(messages.cancel_action_goal(provided.spelling, goal_id))
+            provided.session.ask(messages.cancel_action_goal(provided.requested_name, goal_id))

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Final
 
-from gateway.client_cache import Lingering
+from gateway.client_cache import ClientCache
 from gateway.codec.errors import CodecError
 from gateway.codec.types import ActionType
 from gateway.ports import ActionClient, Goal, Ros
@@ -14,7 +14,7 @@ from gateway.protocol import messages
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import ActionName, resolve_action
 from gateway.protocol.operations.actions import CancelActionGoal, SendActionGoal
-from gateway.protocol.outbox import Lane
+from gateway.protocol.outbox import Queue
 from gateway.protocol.session import Session
 from gateway.router.interface_types import InterfaceTypes
 from gateway.router.tasks import answered
@@ -23,18 +23,18 @@ from gateway.service_clients import encode_values
 # An action server says at once whether it takes a goal; what it does then may take hours.
 ACCEPT_S: Final = 5.0
 # Feedback is news, not a record: who reads slowly gets the newest.
-FEEDBACK_LANE: Final = (16, 256 * 1024)  # messages, bytes
+FEEDBACK_QUEUE: Final = (16, 256 * 1024)  # messages, bytes
 
 
 @dataclass(slots=True, eq=False)
-class Pursuit:
+class SentGoal:
     """One goal on its way: from the client's wish to the result."""
 
     session: Session
     request: SendActionGoal
     action: ActionName
     type: ActionType
-    lane: Lane  # for its feedback
+    queue: Queue  # for its feedback
     goal: Goal | None = None  # once a server has accepted it
     is_cancelled: bool = False
     is_abandoned: bool = False  # its client has left
@@ -48,13 +48,13 @@ class Pursuit:
 
     def flush_feedback(self) -> None:
         """Have what waits sent before the result, which would overtake it."""
-        while wire := self.lane.next():
+        while wire := self.queue.next():
             self.session.outbox.put_control(wire)
 
     def on_feedback(self, cdr: bytes) -> None:
         """Pass the server's feedback on, if the client wants it and is still there."""
         if self.request.feedback and not self.is_abandoned:
-            self.lane.put(_Feedback(self, cdr))
+            self.queue.put(_Feedback(self, cdr))
             self.session.wake()
 
 
@@ -64,8 +64,8 @@ class Goals:
     def __init__(self, ros: Ros, types: InterfaceTypes) -> None:
         self._ros = ros
         self._types = types
-        self._clients: Lingering[ActionClient] = Lingering()
-        self._pursuits: dict[Session, set[Pursuit]] = {}
+        self._clients: ClientCache[ActionClient] = ClientCache()
+        self._sent: dict[Session, set[SentGoal]] = {}
 
     @property
     def clients(self) -> int:
@@ -73,9 +73,9 @@ class Goals:
         return len(self._clients)
 
     @property
-    def pursued(self) -> int:
+    def under_way(self) -> int:
         """How many goals are on their way."""
-        return sum(map(len, self._pursuits.values()))
+        return sum(map(len, self._sent.values()))
 
     def send(self, session: Session, request: SendActionGoal) -> None:
         """Send a goal; feedback and the result, or why there is none, come when they come.
@@ -86,20 +86,20 @@ class Goals:
         """
         action = resolve_action(request.action, session.limits.name_characters)
         action_type = self._types.of_action(action, request.action_type)
-        own = self._pursuits.get(session, set())
+        own = self._sent.get(session, set())
         if len(own) >= session.limits.goals:
             limit = session.limits.goals
             raise ProtocolError("limit_exceeded", f"at most {limit} goals under way per client")
         if request.id is not None and any(other.request.id == request.id for other in own):
             raise ProtocolError("bad_request", f"id: {request.id!r} is a goal under way already")
         goal = encode_values(action_type.goal, request.args, self._ros.now_ns, "args")
-        lane = session.outbox.open_lane(*FEEDBACK_LANE)
-        pursuit = Pursuit(session, request, action, action_type, lane)
-        self._pursuits.setdefault(session, own).add(pursuit)
-        work = partial(self._pursue, pursuit, goal)
+        queue = session.outbox.open_queue(*FEEDBACK_QUEUE)
+        sent = SentGoal(session, request, action, action_type, queue)
+        self._sent.setdefault(session, own).add(sent)
+        work = partial(self._follow, sent, goal)
         loop = asyncio.get_running_loop()
-        pursuit.task = loop.create_task(answered(session, request, work))
-        pursuit.task.add_done_callback(lambda _: self._forget(pursuit))
+        sent.task = loop.create_task(answered(session, request, work))
+        sent.task.add_done_callback(lambda _: self._forget(sent))
 
     def cancel(self, session: Session, request: CancelActionGoal) -> None:
         """Ask for a goal to be cancelled; its result tells whether it was.
@@ -108,69 +108,69 @@ class Goals:
             ProtocolError: the client has no such goal under way.
         """
         action = resolve_action(request.action, session.limits.name_characters)
-        for pursuit in self._pursuits.get(session, set()):
-            if pursuit.request.id == request.id and pursuit.action == action:
-                pursuit.cancel()
+        for sent in self._sent.get(session, set()):
+            if sent.request.id == request.id and sent.action == action:
+                sent.cancel()
                 return
         text = f"no goal of {action} with id {request.id!r} is under way"
         raise ProtocolError("not_found", text)
 
     def leave(self, session: Session) -> None:
         """Cancel a client's goals, except for those that it wants to be kept."""
-        for pursuit in list(self._pursuits.get(session, ())):
-            pursuit.is_abandoned = True
-            if not pursuit.request.keep:
-                pursuit.cancel()
-            elif pursuit.goal is None:
+        for sent in list(self._sent.get(session, ())):
+            sent.is_abandoned = True
+            if not sent.request.keep:
+                sent.cancel()
+            elif sent.goal is None:
                 continue  # its task ends as soon as the server has accepted
-            if pursuit.task is not None:
-                pursuit.task.cancel()  # which takes back what the server has not accepted yet
+            if sent.task is not None:
+                sent.task.cancel()  # which takes back what the server has not accepted yet
 
     def close(self) -> None:
         """Forget every goal and close every action client."""
-        for own in list(self._pursuits.values()):
-            for pursuit in own:
-                if pursuit.task is not None:
-                    pursuit.task.cancel()
+        for own in list(self._sent.values()):
+            for sent in own:
+                if sent.task is not None:
+                    sent.task.cancel()
         self._clients.close()
 
-    async def _pursue(self, pursuit: Pursuit, goal_cdr: bytes) -> None:
-        action, type_name = pursuit.action, pursuit.type.name
+    async def _follow(self, sent: SentGoal, goal_cdr: bytes) -> None:
+        action, type_name = sent.action, sent.type.name
         opened = self._clients.use(
             (action, type_name), lambda: self._ros.action_client(action, type_name)
         )
         with opened as client:
             try:
                 async with asyncio.timeout(ACCEPT_S):
-                    goal = await client.send_goal(goal_cdr, pursuit.on_feedback)
+                    goal = await client.send_goal(goal_cdr, sent.on_feedback)
             except TimeoutError:
                 text = f"action {action} has not answered the goal within {ACCEPT_S:g} s"
                 raise ProtocolError("timeout", text) from None
             if goal is None:
                 raise ProtocolError("bad_request", f"action {action} has rejected the goal")
-            pursuit.goal = goal
-            if pursuit.is_cancelled:
+            sent.goal = goal
+            if sent.is_cancelled:
                 goal.cancel()
-            if pursuit.is_abandoned:
+            if sent.is_abandoned:
                 return
             status, cdr = await goal.result()
-        request = pursuit.request
+        request = sent.request
         try:
-            values = pursuit.type.result.decode(cdr)
+            values = sent.type.result.decode(cdr)
         except CodecError as error:
             raise ProtocolError("internal", f"result of {action}: {error}") from error
         frame = messages.action_result(
             request.action, request.id, values, status=status, result=True
         )
-        pursuit.flush_feedback()
-        pursuit.session.send(frame, request.fragment_size)
+        sent.flush_feedback()
+        sent.session.send(frame, request.fragment_size)
 
-    def _forget(self, pursuit: Pursuit) -> None:
-        pursuit.session.outbox.close_lane(pursuit.lane)
-        own = self._pursuits[pursuit.session]
-        own.discard(pursuit)
+    def _forget(self, sent: SentGoal) -> None:
+        sent.session.outbox.close_queue(sent.queue)
+        own = self._sent[sent.session]
+        own.discard(sent)
         if not own:
-            del self._pursuits[pursuit.session]
+            del self._sent[sent.session]
 
 
 class _Feedback:
@@ -180,18 +180,18 @@ class _Feedback:
 
     is_being_rendered = False
 
-    def __init__(self, pursuit: Pursuit, cdr: bytes) -> None:
-        self._pursuit = pursuit
+    def __init__(self, sent: SentGoal, cdr: bytes) -> None:
+        self._pursuit = sent
         self._cdr = cdr
         self.size = len(cdr)
 
     def wire(self) -> bytes:
         """Return the frame, or nothing where the feedback is no such message."""
-        pursuit = self._pursuit
+        sent = self._pursuit
         try:
-            values = pursuit.type.feedback.decode(self._cdr)
+            values = sent.type.feedback.decode(self._cdr)
         except CodecError:
             return b""
-        request = pursuit.request
+        request = sent.request
         frame = messages.action_feedback(request.action, request.id, values)
-        return pursuit.session.framed(frame, request.fragment_size)
+        return sent.session.framed(frame, request.fragment_size)

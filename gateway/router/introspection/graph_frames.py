@@ -4,7 +4,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Any, TypeVar
 
-from gateway.ports import Graph, Provided, Topic
+from gateway.ports import Graph, ServerInfo, TopicInfo
 
 
 def picture(graph: Graph, rates_hz: Mapping[str, float]) -> dict[str, Any]:
@@ -39,7 +39,7 @@ def changes(before: Graph, after: Graph) -> dict[str, Any]:
     return {name: value for name, value in members.items() if value}
 
 
-T = TypeVar("T", Topic, Provided)
+T = TypeVar("T", TopicInfo, ServerInfo)
 
 
 def _difference(before: Iterable[T], after: Iterable[T]) -> tuple[list[T], list[str]]:
@@ -50,7 +50,7 @@ def _difference(before: Iterable[T], after: Iterable[T]) -> tuple[list[T], list[
     return new, [name for name in known if name not in now]
 
 
-def _provided(provided: Provided) -> dict[str, Any]:
+def _provided(provided: ServerInfo) -> dict[str, Any]:
     return {
         "name": provided.name,
         "types": list(provided.types),
@@ -58,7 +58,7 @@ def _provided(provided: Provided) -> dict[str, Any]:
     }
 
 
-def _topic(topic: Topic, rates_hz: Mapping[str, float]) -> dict[str, Any]:
+def _topic(topic: TopicInfo, rates_hz: Mapping[str, float]) -> dict[str, Any]:
     members: dict[str, Any] = {
         "name": topic.name,
         "types": list(topic.types),

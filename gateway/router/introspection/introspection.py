@@ -21,7 +21,7 @@ SERVER_NAME = "ros2-json-gateway"
 PROTOCOL = "rosbridge 2.0"
 
 
-class Inquiries:
+class Introspection:
     """Answers them, and tells the watchers of the graph what changes."""
 
     def __init__(

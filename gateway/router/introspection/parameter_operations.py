@@ -10,7 +10,7 @@ from gateway.protocol.operations.parameters import (
     ListParameters,
     SetParameters,
 )
-from gateway.rosapi.node_parameters import Parameters, patience_s
+from gateway.rosapi.node_parameters import Parameters, node_timeout_s
 
 
 class ParameterOperations:
@@ -24,19 +24,19 @@ class ParameterOperations:
 
     async def list(self, request: ListParameters) -> dict[str, Any]:
         """Name a node's parameters."""
-        timeout_s = patience_s(request.timeout)
+        timeout_s = node_timeout_s(request.timeout)
         names = await self._parameters.list_names(request.node, request.prefixes, timeout_s)
         return {"node": request.node, "names": names}
 
     async def get(self, request: GetParameters) -> dict[str, Any]:
         """Return values."""
-        timeout_s = patience_s(request.timeout)
+        timeout_s = node_timeout_s(request.timeout)
         values = await self._parameters.get(request.node, request.names, timeout_s)
         return {"node": request.node, "values": values}
 
     async def set(self, request: SetParameters) -> dict[str, Any]:
         """Set values; what the node refuses is told for each."""
-        timeout_s = patience_s(request.timeout)
+        timeout_s = node_timeout_s(request.timeout)
         results = await self._parameters.set(request.node, request.values, timeout_s)
         return {
             "node": request.node,
@@ -45,6 +45,6 @@ class ParameterOperations:
 
     async def describe(self, request: DescribeParameters) -> dict[str, Any]:
         """Tell types, words and limits."""
-        timeout_s = patience_s(request.timeout)
+        timeout_s = node_timeout_s(request.timeout)
         described = await self._parameters.describe(request.node, request.names, timeout_s)
         return {"node": request.node, "parameters": described}

@@ -21,7 +21,7 @@ from gateway.protocol.operations.services import (
 from gateway.protocol.session import Session
 from gateway.router.failure import failure
 from gateway.router.interface_types import InterfaceTypes
-from gateway.router.takeover import check_heir
+from gateway.router.takeover import check_takeover
 from gateway.service_clients import encode_values
 
 logger = logging.getLogger(__name__)
@@ -31,7 +31,7 @@ MAX_PENDING: Final = 64
 
 
 @dataclass(slots=True)
-class Pending:
+class PendingCall:
     """A call that a client has to answer."""
 
     request: Request
@@ -39,18 +39,18 @@ class Pending:
 
 
 @dataclass(slots=True)
-class Provided:
+class ClientService:
     """One service of one client."""
 
     session: Session
-    spelling: str
+    requested_name: str
     type: ServiceType
     service: Service
-    pending: dict[str, Pending] = field(default_factory=dict)
+    pending: dict[str, PendingCall] = field(default_factory=dict)
     closed_because: str | None = None
 
 
-class ProvidedServices:
+class ClientServices:
     """Opens and closes ROS services as clients come and go; every call is answered."""
 
     def __init__(
@@ -60,7 +60,7 @@ class ProvidedServices:
         self._ros = ros
         self._types = types
         self._is_reserved = is_reserved
-        self._provided: dict[ServiceName, Provided] = {}
+        self._provided: dict[ServiceName, ClientService] = {}
 
     @property
     def services(self) -> int:
@@ -96,13 +96,13 @@ class ProvidedServices:
             limit = session.limits.advertisements
             raise ProtocolError("limit_exceeded", f"at most {limit} services provided per client")
         if former is not None:
-            check_heir(session, former.session, service, service_type.name, former.type.name)
+            check_takeover(session, former.session, service, service_type.name, former.type.name)
             self._close(service, former, "service was provided anew")
         try:
             self._open(session, service, request.service, service_type)
         except RosError:
             if former is not None:
-                self._open(former.session, service, former.spelling, former.type)
+                self._open(former.session, service, former.requested_name, former.type)
             raise
         if former is not None and former.session is not session:
             text = f"service {service} is provided by another client now"
@@ -155,24 +155,26 @@ class ProvidedServices:
             if provided.session is session:
                 self._close(service, provided, "service's client has left")
 
-    def _own(self, session: Session, service: ServiceName) -> Provided:
+    def _own(self, session: Session, service: ServiceName) -> ClientService:
         provided = self._provided.get(service)
         if provided is None or provided.session is not session:
             raise ProtocolError("not_found", f"service {service} is not provided by this client")
         return provided
 
     def _open(
-        self, session: Session, service: ServiceName, spelling: str, service_type: ServiceType
+        self, session: Session, service: ServiceName, requested_name: str, service_type: ServiceType
     ) -> None:
-        provided: Provided
+        provided: ClientService
 
         def on_request(call: Request) -> None:
             self._pass_on(service, provided, call)
 
         opened = self._ros.serve(service, service_type.name, on_request)
-        provided = self._provided[service] = Provided(session, spelling, service_type, opened)
+        provided = self._provided[service] = ClientService(
+            session, requested_name, service_type, opened
+        )
 
-    def _pass_on(self, service: ServiceName, provided: Provided, call: Request) -> None:
+    def _pass_on(self, service: ServiceName, provided: ClientService, call: Request) -> None:
         if provided.closed_because is not None:
             _fail(call, provided.type, provided.closed_because)
             return
@@ -189,16 +191,17 @@ class ProvidedServices:
         deadline = asyncio.get_running_loop().call_later(
             provided.session.limits.service_timeout_s, self._expire, provided, call_id
         )
-        provided.pending[call_id] = Pending(call, deadline)
-        provided.session.ask(messages.call_service(provided.spelling, call_id, args))
+        provided.pending[call_id] = PendingCall(call, deadline)
+        provided.session.ask(messages.call_service(provided.requested_name, call_id, args))
 
-    def _expire(self, provided: Provided, call_id: str) -> None:
+    def _expire(self, provided: ClientService, call_id: str) -> None:
         pending = provided.pending.pop(call_id)
         _fail(pending.request, provided.type, "service's client did not answer")
-        text = f"service {provided.spelling}: no response in time, the caller was told of a failure"
+        name = provided.requested_name
+        text = f"service {name}: no response in time, the caller was told of a failure"
         provided.session.warn(ProtocolError("timeout", text), "call_service", call_id)
 
-    def _close(self, service: ServiceName, provided: Provided, reason: str) -> None:
+    def _close(self, service: ServiceName, provided: ClientService, reason: str) -> None:
         del self._provided[service]
         provided.closed_because = reason  # calls that have arrived come yet
         for pending in provided.pending.values():

@@ -12,7 +12,7 @@ from gateway.protocol.session import Session
 from gateway.rosapi import Rosapi
 from gateway.router.interface_types import InterfaceTypes
 from gateway.router.tasks import Tasks
-from gateway.service_clients import Calls
+from gateway.service_clients import ServiceClients
 
 MAX_TIMEOUT_S: Final = 3600.0  # also where a client says for ever, by 0
 
@@ -23,7 +23,7 @@ class ServiceCalls:
     def __init__(
         self,
         types: InterfaceTypes,
-        calls: Calls,
+        service_clients: ServiceClients,
         rosapi: Rosapi,
         *,
         calling: Tasks,
@@ -31,7 +31,7 @@ class ServiceCalls:
     ) -> None:
         """*calling* is for services of ROS, *asking* for rosapi's."""
         self._types = types
-        self._calls = calls
+        self._service_clients = service_clients
         self._rosapi = rosapi
         self._calling = calling
         self._asking = asking
@@ -64,7 +64,7 @@ class ServiceCalls:
         async def call() -> None:
             left_s = deadline - loop.time()
             try:
-                values = await self._calls.call(service, type_name, request.args, left_s)
+                values = await self._service_clients.call(service, type_name, request.args, left_s)
             except ProtocolError as error:
                 if error.code != "timeout":
                     raise

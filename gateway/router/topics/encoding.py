@@ -190,7 +190,7 @@ class TailoredFrame:
         wish = self._stream.wish
         meta = None
         if wish.meta:
-            meta = Meta(frame.seq, self._ros_time_ns, self._stream.lane.dropped)
+            meta = Meta(frame.seq, self._ros_time_ns, self._stream.queue.dropped)
         return frame.rendition.envelope.tailored(
             body, Tailoring(frame.seq, meta, wish.fragment_size, self._session.is_ros_sharp)
         )

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
-from gateway.codec.error_text import cut
+from gateway.codec.error_text import truncate
 from gateway.codec.errors import FieldError
 from gateway.codec.image import ImageOptions
 from gateway.codec.types import MessageType
@@ -102,7 +102,7 @@ class Subscriptions:
         self._attach(entry, requests, wish, source)
         self._subscribed.setdefault(session, {})[request.topic] = entry
         if compression(request) == "none" and request.compression not in _NO_COMPRESSION:
-            asked = cut(request.compression or "")
+            asked = truncate(request.compression or "")
             text = f"compression: {asked!r} is not available; sending plain JSON"
             session.warn(ProtocolError("bad_request", text), request.op, request.id)
         if source is None:
@@ -257,7 +257,7 @@ class Subscriptions:
             del self._subscribed[entry.session]
         self._detach(entry)
         if entry.member is not None:
-            entry.session.outbox.close_lane(entry.member.stream.lane)
+            entry.session.outbox.close_queue(entry.member.stream.queue)
 
 
 def _check_fields(
@@ -267,7 +267,7 @@ def _check_fields(
     try:
         message_type.check_fields(fields)
     except FieldError as error:
-        raise ProtocolError("bad_request", f"fields: {cut(str(error))}") from error
+        raise ProtocolError("bad_request", f"fields: {truncate(str(error))}") from error
     if fields is not None and asked == "cbor-raw":
         text = "fields: cbor-raw is CDR untouched; choose cbor for some fields of it"
         raise ProtocolError("bad_request", text)

@@ -7,13 +7,13 @@ from typing import Any, Final, NamedTuple
 
 import orjson
 
-from gateway.codec.error_text import cut
+from gateway.codec.error_text import truncate
 from gateway.codec.json import dumps
 from gateway.ports import Ros
 from gateway.protocol import messages
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.operations.transforms import CancelTransform, LookupTransform
-from gateway.protocol.outbox import Lane
+from gateway.protocol.outbox import Queue
 from gateway.protocol.session import Session
 from gateway.router.topic_types import TopicTypes
 from gateway.router.transforms.tf_listener import RETRY_S, TfListener
@@ -23,7 +23,7 @@ from gateway.tf.errors import ExtrapolationError, TransformError
 DEFAULT_TIMEOUT_S: Final = 1.0  # a first lookup has to discover the publishers
 
 
-class Transforms:
+class TransformLookups:
     """Listens to ``/tf`` and ``/tf_static`` while somebody looks transforms up, and answers.
 
     Runs on the event loop's thread.
@@ -31,13 +31,13 @@ class Transforms:
 
     def __init__(self, ros: Ros, types: TopicTypes) -> None:
         self._listener = TfListener(ros, types, self._on_change)
-        self._standing: dict[Session, dict[str | int | None, _Standing]] = {}
-        self._rounds: dict[_Pair, _Round] = {}
+        self._periodic: dict[Session, dict[str | int | None, _PeriodicLookup]] = {}
+        self._shared: dict[_Pair, _SharedLookup] = {}
 
     @property
-    def standing(self) -> int:
-        """How many standing lookups there are."""
-        return sum(map(len, self._standing.values()))
+    def periodic(self) -> int:
+        """How many periodic lookups there are."""
+        return sum(map(len, self._periodic.values()))
 
     async def lookup(self, request: LookupTransform) -> dict[str, Any]:
         """Wait until a transform is known; return the members of the answer.
@@ -62,7 +62,7 @@ class Transforms:
             listener.release()
 
     def watch(self, session: Session, request: LookupTransform) -> None:
-        """Send a transform again and again; replaces the standing lookup with the same id.
+        """Send a transform again and again; replaces the periodic lookup with the same id.
 
         Raises:
             ProtocolError: it is refused, and nothing has changed.
@@ -72,7 +72,7 @@ class Transforms:
             raise ProtocolError("bad_request", "time: a repeated one takes the newest")
         if request.rate is None:
             raise ProtocolError("bad_request", "rate: missing; it makes a lookup a repeated one")
-        own = self._standing.get(session, {})
+        own = self._periodic.get(session, {})
         limit = session.limits.transforms
         if request.id not in own and len(own) >= limit:
             raise ProtocolError("limit_exceeded", f"at most {limit} repeated lookups per client")
@@ -80,51 +80,51 @@ class Transforms:
         if request.id in own:
             self._end(session, request.id)
         pair = _Pair(request.target_frame, request.source_frame, request.rate)
-        lane = session.outbox.open_lane(1, None)  # beside a new transform an old one is of no use
-        standing = _Standing(session, request, pair, lane)
-        self._standing.setdefault(session, {})[request.id] = standing
-        if pair not in self._rounds:
-            self._rounds[pair] = _Round(pair, self._listener.buffer)
-        self._rounds[pair].join(standing)
+        queue = session.outbox.open_queue(1, None)  # beside a new transform an old one is of no use
+        periodic = _PeriodicLookup(session, request, pair, queue)
+        self._periodic.setdefault(session, {})[request.id] = periodic
+        if pair not in self._shared:
+            self._shared[pair] = _SharedLookup(pair, self._listener.buffer)
+        self._shared[pair].join(periodic)
 
     def cancel(self, session: Session, request: CancelTransform) -> None:
-        """End a standing lookup.
+        """End a periodic lookup.
 
         Raises:
             ProtocolError: there is none with this id.
         """
-        if request.id not in self._standing.get(session, {}):
+        if request.id not in self._periodic.get(session, {}):
             raise ProtocolError("not_found", f"no repeated lookup with id {request.id!r}")
         self._end(session, request.id)
 
     def leave(self, session: Session) -> None:
         """End everything that stands for a client."""
-        for request_id in list(self._standing.get(session, {})):
+        for request_id in list(self._periodic.get(session, {})):
             self._end(session, request_id)
 
     def close(self) -> None:
         """End all and the ROS subscriptions."""
-        for session in list(self._standing):
+        for session in list(self._periodic):
             self.leave(session)
         self._listener.close()
 
     def _end(self, session: Session, request_id: str | int | None) -> None:
-        own = self._standing[session]
-        standing = own.pop(request_id)
+        own = self._periodic[session]
+        periodic = own.pop(request_id)
         if not own:
-            del self._standing[session]
-        if self._rounds[standing.pair].leave(standing):
-            del self._rounds[standing.pair]
-        session.outbox.close_lane(standing.lane)
+            del self._periodic[session]
+        if self._shared[periodic.pair].leave(periodic):
+            del self._shared[periodic.pair]
+        session.outbox.close_queue(periodic.queue)
         self._listener.release()
 
     def _on_change(self) -> None:
-        for each in self._rounds.values():
+        for each in self._shared.values():
             each.wake()
 
 
 class _Pair(NamedTuple):
-    """What standing lookups must have in common to be computed once."""
+    """What periodic lookups must have in common to be computed once."""
 
     target: str
     source: str
@@ -132,23 +132,25 @@ class _Pair(NamedTuple):
 
 
 @dataclass(slots=True)
-class _Standing:
-    """One client's standing lookup."""
+class _PeriodicLookup:
+    """One client's periodic lookup."""
 
     session: Session
     request: LookupTransform
     pair: _Pair
-    lane: Lane
-    patience: asyncio.TimerHandle | None = None  # since it is missing, whether it is over or not
+    queue: Queue
+    warning_timer: asyncio.TimerHandle | None = (
+        None  # since it is missing, whether it is over or not
+    )
 
-    def relax(self) -> None:
+    def stop_waiting(self) -> None:
         """Wait no longer for what is missing."""
-        if self.patience is not None:
-            self.patience.cancel()
-            self.patience = None
+        if self.warning_timer is not None:
+            self.warning_timer.cancel()
+            self.warning_timer = None
 
 
-class _Frame:
+class _TransformFrame:
     """A transform on its way to one client."""
 
     __slots__ = ("_wire", "size")
@@ -167,13 +169,13 @@ class _Frame:
         return self._wire
 
 
-class _Round:
+class _SharedLookup:
     """Looks one pair up at one rate at most, for all who stand on it, when there is news."""
 
     def __init__(self, pair: _Pair, buffer: Buffer) -> None:
         self._pair = pair
         self._buffer = buffer
-        self._members: list[_Standing] = []
+        self._lookups: list[_PeriodicLookup] = []
         self._sent: Found | None = None
         self._body = b""  # of what was sent, as JSON
         self._loop = asyncio.get_running_loop()
@@ -181,21 +183,21 @@ class _Round:
         self._timer: asyncio.TimerHandle | None = None
         self.wake()
 
-    def join(self, standing: _Standing) -> None:
+    def join(self, periodic: _PeriodicLookup) -> None:
         """Send to one more, at once what the others have."""
-        self._members.append(standing)
+        self._lookups.append(periodic)
         if self._sent is not None:
-            self._put(standing)
+            self._put(periodic)
         else:
-            self._miss(standing)
+            self._miss(periodic)
 
-    def leave(self, standing: _Standing) -> bool:
+    def leave(self, periodic: _PeriodicLookup) -> bool:
         """Send to one less; return whether nobody is left."""
-        self._members.remove(standing)
-        standing.relax()
-        if not self._members and self._timer is not None:
+        self._lookups.remove(periodic)
+        periodic.stop_waiting()
+        if not self._lookups and self._timer is not None:
             self._timer.cancel()
-        return not self._members
+        return not self._lookups
 
     def wake(self) -> None:
         """Look again, when it is time to: the buffer has changed."""
@@ -213,37 +215,37 @@ class _Round:
         except TransformError:
             self._due = min(self._due, now + RETRY_S)  # nothing is sent, so that is not too often
             self._sent = None
-            for standing in self._members:
-                self._miss(standing)
+            for periodic in self._lookups:
+                self._miss(periodic)
             return
         if found == self._sent:
             return
         self._sent = found
         self._body = dumps(_transform_stamped(self._pair.target, self._pair.source, found))
-        for standing in list(self._members):
-            self._put(standing)
+        for periodic in list(self._lookups):
+            self._put(periodic)
 
-    def _put(self, standing: _Standing) -> None:
-        standing.relax()
-        request_id = standing.request.id
+    def _put(self, periodic: _PeriodicLookup) -> None:
+        periodic.stop_waiting()
+        request_id = periodic.request.id
         identity = b"" if request_id is None else b',"id":' + orjson.dumps(request_id)
         payload = b'{"op":"lookup_transform"%b,"transform":%b}' % (identity, self._body)
-        standing.lane.put(_Frame(standing.session.framed(payload)))
-        standing.session.wake()
+        periodic.queue.put(_TransformFrame(periodic.session.framed(payload)))
+        periodic.session.wake()
 
-    def _miss(self, standing: _Standing) -> None:
-        if standing.patience is None:
-            patience_s = _timeout_s(standing.request)
-            standing.patience = self._loop.call_later(patience_s, self._complain, standing)
+    def _miss(self, periodic: _PeriodicLookup) -> None:
+        if periodic.warning_timer is None:
+            timeout_s = _timeout_s(periodic.request)
+            periodic.warning_timer = self._loop.call_later(timeout_s, self._warn, periodic)
 
-    def _complain(self, standing: _Standing) -> None:
+    def _warn(self, periodic: _PeriodicLookup) -> None:
         """Tell a client what is missing; the next time only when it was there in between."""
         try:
             self._buffer.lookup(self._pair.target, self._pair.source)
         except TransformError as error:
             refusal = _refusal(error)
             waiting = ProtocolError(refusal.code, f"{refusal}; waiting for it")
-            standing.session.warn(waiting, standing.request.op, standing.request.id)
+            periodic.session.warn(waiting, periodic.request.op, periodic.request.id)
 
 
 def _timeout_s(request: LookupTransform) -> float:
@@ -259,7 +261,7 @@ def _look(buffer: Buffer, request: LookupTransform) -> dict[str, Any]:
 
 def _refusal(error: TransformError) -> ProtocolError:
     is_late = isinstance(error, ExtrapolationError)
-    return ProtocolError("timeout" if is_late else "not_found", cut(str(error)))
+    return ProtocolError("timeout" if is_late else "not_found", truncate(str(error)))
 
 
 def _transform_stamped(target: str, source: str, found: Found) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, Final
 
-from gateway.codec.error_text import cut
+from gateway.codec.error_text import truncate
 from gateway.codec.errors import CodecError
 from gateway.codec.types import MessageType
 from gateway.ports import Qos, Ros, RosError, Sample, Subscription
@@ -25,7 +25,7 @@ from gateway.tf.rigid import Rigid
 LINGER_S: Final = 30.0
 _DEPTH: Final = 100  # as tf2's listeners have it
 RETRY_S: Final = 0.02  # between looks of one who waits: /tf may come in a thousand small messages
-_MAX_COMPLAINTS: Final = 8  # of so many frames each kind of fault is told on /rosout
+_MAX_WARNINGS: Final = 8  # of so many frames each kind of fault is told on /rosout
 
 
 class TfListener:
@@ -44,7 +44,7 @@ class TfListener:
         self._end: asyncio.TimerHandle | None = None
         self._newest_now_ns = 0
         self._news: asyncio.Event | None = None  # while somebody waits for it
-        self._complaints: dict[str, set[str]] = {}  # by kind of fault, what it was told of
+        self._warned: dict[str, set[str]] = {}  # by kind of fault, what it was told of
 
     def acquire(self) -> None:
         """Listen until released, and a while after.
@@ -75,7 +75,7 @@ class TfListener:
             subscription.close()
         self._open.clear()
         self.buffer.forget()
-        self._complaints.clear()
+        self._warned.clear()
 
     async def news(self, deadline: float) -> bool:
         """Wait for new transforms until *deadline*, in loop time; return whether it was ahead."""
@@ -122,7 +122,7 @@ class TfListener:
             try:
                 message: Any = message_type.decode(sample.cdr)
             except CodecError as error:
-                self._complain("no message", "", f"{TF_MESSAGE}: {error}")
+                self._warn("no message", "", f"{TF_MESSAGE}: {error}")
                 continue
             for stamped in message["transforms"]:
                 self._insert(stamped, heard_ns, is_static)
@@ -147,19 +147,19 @@ class TfListener:
                 is_static=is_static,
             )
         except InvalidTransformError as error:
-            self._complain(error.fault, error.frame, str(error))
+            self._warn(error.fault, error.frame, str(error))
             return
         if not agrees:
             text = f"frame {child!r}: it is said to be fixed and to move, so it moves"
-            self._complain("contradiction", child, text)
+            self._warn("contradiction", child, text)
 
     def _on_incompatible(self, text: str) -> None:
-        self._complain("incompatible", text, text)
+        self._warn("incompatible", text, text)
 
-    def _complain(self, fault: str, about: str, text: str) -> None:
+    def _warn(self, fault: str, about: str, text: str) -> None:
         """Tell of one *fault*, of which there are a few kinds, once for what it is *about*."""
-        told = self._complaints.setdefault(fault, set())
-        about = cut(about)
-        if about not in told and len(told) < _MAX_COMPLAINTS:
+        told = self._warned.setdefault(fault, set())
+        about = truncate(about)
+        if about not in told and len(told) < _MAX_WARNINGS:
             told.add(about)
             self._ros.log("warning", f"tf: {text}")

@@ -236,12 +236,12 @@ async def test_feedback_that_waits_comes_before_the_result_and_is_not_lost(bench
 async def test_a_goal_leaves_nothing_in_the_outbox(bench: Bench) -> None:
     fib = Fib(bench)
     client = bench.client()
-    before = len(client.session.outbox._lanes)
+    before = len(client.session.outbox._queues)
     client.send(op="send_action_goal", id="g", action="/fib", args=[3], feedback=True)
     fib.finish(await fib.gets(), SUCCEEDED)
     await client.sees(1, "action_result")
     await eventually(lambda: bench.router.counts()["goals"] == 0)
-    assert len(client.session.outbox._lanes) == before
+    assert len(client.session.outbox._queues) == before
 
 
 async def test_long_feedback_and_results_come_in_the_pieces_that_were_asked_for(

@@ -9,7 +9,7 @@ import pytest
 
 from gateway.ports import RosError
 from gateway.router.services.client_services import MAX_PENDING
-from tests.client import PATIENCE_S, eventually
+from tests.client import TIMEOUT_S, eventually
 from tests.ros.fake_services import FakeRequest
 from tests.router.conftest import LIMITS, Bench, Socketless
 
@@ -27,7 +27,7 @@ class Caller:
         return asyncio.ensure_future(self._call(data))
 
     async def _call(self, data: bool) -> dict[str, Any]:
-        async with asyncio.timeout(PATIENCE_S):
+        async with asyncio.timeout(TIMEOUT_S):
             cdr = await self.client.call(self.bench.cdr(f"{SET_BOOL}_Request", data=data))
         return self.bench.types.get(f"{SET_BOOL}_Response").decode(cdr)
 
@@ -243,7 +243,7 @@ async def test_a_call_that_was_answered_has_no_deadline_any_more(
 
 async def test_a_request_that_is_no_such_message_fails(bench: Bench) -> None:
     client = provider(bench)
-    async with asyncio.timeout(PATIENCE_S):
+    async with asyncio.timeout(TIMEOUT_S):
         cdr = await Caller(bench).client.call(b"\0\1\0\0")
     response = bench.types.get(f"{SET_BOOL}_Response").decode(cdr)
     assert response["success"] is False

@@ -197,7 +197,7 @@ async def test_the_ros_client_lingers_for_the_next_call_and_then_goes(
     client.send(op="call_service", service="/arm")
     await client.sees(1, "service_response")
     (ros_client,) = [each for each in bench.ros.clients if bench.ros.is_own(each.node)]
-    monkeypatch.setattr("gateway.client_cache.LINGER_S", 0.01)
+    monkeypatch.setattr("gateway.client_cache.IDLE_S", 0.01)
     client.send(op="call_service", service="/arm")
     await client.sees(2, "service_response")
     assert ros_client in bench.ros.clients or not bench.ros.entity_count()
@@ -274,7 +274,7 @@ async def test_a_fault_of_ours_is_answered_and_logged(
     async def fail(*_: object) -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr("gateway.service_clients.Calls.call", fail)
+    monkeypatch.setattr("gateway.service_clients.ServiceClients.call", fail)
     client = bench.client()
     client.send(op="call_service", id="c1", service="/arm")
     (frame,) = await client.sees(1, "service_response")

@@ -148,8 +148,8 @@ async def test_a_frame_is_rendered_once_for_shared_and_tailored_streams(
         client.is_paused = True
     bench.ros.publish("/t", bench.cdr(STRING, data="x"))
     await bench.settle()
-    (lane,) = clients[0].session.outbox._lanes
-    entry = lane.waiting[0]
+    (queue,) = clients[0].session.outbox._queues
+    entry = queue.waiting[0]
     frame = entry._frame if isinstance(entry, TailoredFrame) else entry
     assert isinstance(frame, Frame)
     renders = []

@@ -12,7 +12,7 @@ from gateway.protocol.errors import ProtocolError
 from gateway.protocol.operations.transforms import LookupTransform
 from gateway.router.topic_types import TopicTypes
 from gateway.router.transforms import tf_listener
-from gateway.router.transforms.lookups import Transforms
+from gateway.router.transforms.lookups import TransformLookups
 from gateway.tf import TF_MESSAGE, buffer
 from gateway.tf.buffer import Buffer, Found
 from schemas.installed import InstalledDefinitions
@@ -182,7 +182,7 @@ async def test_without_tf2_msgs_a_lookup_is_refused(bench: Bench):
                 name = "no_msgs/msg/Such"
             return super()._read(name)
 
-    transforms = Transforms(bench.ros, TopicTypes(bench.ros, Types(NoTf()), Table.load()))
+    transforms = TransformLookups(bench.ros, TopicTypes(bench.ros, Types(NoTf()), Table.load()))
     with pytest.raises(ProtocolError, match="transforms need package tf2_msgs") as caught:
         await transforms.lookup(LookupTransform(target_frame="a", source_frame="b"))
     assert caught.value.code == "bad_type"
@@ -453,7 +453,7 @@ async def test_of_each_kind_of_fault_some_frames_are_logged_until_listening_ends
     robot: Robot, client: Socketless, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.setattr(tf_listener, "LINGER_S", 0.0)
-    monkeypatch.setattr(tf_listener, "_MAX_COMPLAINTS", 2)
+    monkeypatch.setattr(tf_listener, "_MAX_WARNINGS", 2)
     for sec in (1, 2):
         ask(client, id="pose", rate=200)
         await robot.bench.settle()
