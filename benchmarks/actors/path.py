@@ -25,7 +25,7 @@ from gateway.codec.picture import picture_renderer
 from gateway.codec.types import MessageType, Types
 from gateway.memory import keep_large_blocks
 from gateway.ports import Sample
-from gateway.protocol.publish_frames import JsonEnvelope
+from gateway.protocol.websocket_frames import JsonFrames
 from gateway.ros.ready_events import EventfdReadyEvents
 from gateway.ros.samples import EventfdSamples
 from schemas.installed import InstalledDefinitions
@@ -76,16 +76,16 @@ def _receive(
     if count == 1:
         create()
         return _nothing
-    arrivals = EventfdReadyEvents(loop)
+    ready_events = EventfdReadyEvents(loop)
     if count < len(_RECEIVING):
-        return arrivals.open("subscription", create, node.destroy_subscription, _nothing).close
+        return ready_events.open("subscription", create, node.destroy_subscription, _nothing).close
     work = works[count - len(_RECEIVING)]
 
     def on_samples(taken: Sequence[Sample]) -> None:
         for sample in taken:
             work(sample.cdr)
 
-    samples = EventfdSamples(node, arrivals)
+    samples = EventfdSamples(node, ready_events)
     return samples.read(message_class, topic(name), QoSProfile(depth=_DEPTH), on_samples).close
 
 
@@ -99,7 +99,7 @@ def _works(name: str, audience: Audience) -> list[Work]:
         render = picture_renderer(known, ImageOptions())
     else:
         render = _json(known)
-    shared = JsonEnvelope(topic(name)).shared
+    shared = JsonFrames(topic(name)).shared
     return [
         _nothing,
         decode,

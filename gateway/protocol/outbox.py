@@ -1,63 +1,85 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What waits for one client: a control queue that overtakes, and a bounded queue per topic.
+"""What waits for one client: control frames, which overtake, and a bounded queue per subscription.
 
-Nothing here is rendered before its turn to be sent: a sample that is dropped was never decoded.
-What comes while nothing waits and the socket takes has its turn at once, and passes by the queues.
+No entry is encoded before its turn to be sent: a sample that is dropped was never decoded. An entry
+that comes while nothing waits and the socket takes has its turn at once; it is written directly.
 """
 
+import enum
 from collections import deque
 from collections.abc import Callable
-from typing import Protocol
+from typing import Final, Literal, Protocol, TypeAlias
+
+
+class NoFrame(enum.Enum):
+    """Why an entry has no frame to send."""
+
+    NOT_READY = "not ready"  # a worker encodes it: ask again when the session is woken
+    NOTHING = "nothing"  # it cannot be encoded, and never will be
+
+
+NOT_READY: Final[Literal[NoFrame.NOT_READY]] = NoFrame.NOT_READY
+NOTHING: Final[Literal[NoFrame.NOTHING]] = NoFrame.NOTHING
+
+Frame: TypeAlias = bytes | Literal[NoFrame.NOT_READY, NoFrame.NOTHING]
 
 
 class Entry(Protocol):
-    """Something that can be put on the wire, now or soon."""
+    """Something to be sent, encoded when its turn has come."""
 
     @property
     def size(self) -> int:
         """The bytes that this entry keeps alive while it waits."""
 
     @property
-    def is_being_rendered(self) -> bool:
-        """Whether work on it is under way, so that it must not be dropped any more."""
+    def is_being_encoded(self) -> bool:
+        """True while a worker encodes it: it must not be dropped any more."""
 
-    def wire(self) -> bytes | None:
-        """Return the bytes to send; ``None``: not ready yet; empty: nothing to send after all."""
+    def frame(self) -> Frame:
+        """Return the bytes to send, WebSocket header included, or why there are none."""
 
 
 WriteDirectly = Callable[[Entry], bool]
-"""Write an entry to the socket; false where it is not ready, or where the socket is busy."""
+"""Write an entry to the socket; false if it is not ready, or if the socket is busy."""
 
 
 class Queue:
-    """The entries of one stream that wait, oldest first; the oldest is dropped when full.
+    """The entries of one subscription that wait, oldest first; the oldest is dropped when full.
 
     ``depth`` bounds their number and ``max_bytes`` their size, but one entry always fits.
     """
 
-    __slots__ = ("_outbox", "claimed", "depth", "dropped", "max_bytes", "sent", "size", "waiting")
+    __slots__ = (
+        "_outbox",
+        "claimed",
+        "coalesced",
+        "depth",
+        "dropped",
+        "max_bytes",
+        "sent",
+        "size",
+        "waiting",
+    )
 
     def __init__(self, outbox: "Outbox", depth: int, max_bytes: int | None) -> None:
         self._outbox = outbox
         self.depth = depth
         self.max_bytes = max_bytes
         self.waiting: deque[Entry] = deque()
-        self.claimed: Entry | None = None  # its turn has come, but it is still being rendered
+        self.claimed: Entry | None = None  # its turn has come, but it is still being encoded
         self.size = 0
         self.sent = 0
         self.dropped = 0
+        self.coalesced = 0  # never came here: a throttle let a newer one pass in their place
 
     def put(self, entry: Entry, *, more: bool = False) -> None:
-        """Send an entry where it can go at once, else append it and drop what does not fit.
+        """Write an entry directly if possible, else append it and drop what does not fit.
 
         *more* says that others follow at once, to be written together.
         """
         outbox = self._outbox
-        if (
-            outbox.write_directly is not None
-            and not (more or outbox.size)
-            and outbox.write_directly(entry)
-        ):
+        write_directly = outbox.write_directly
+        if write_directly is not None and not (more or outbox.size) and write_directly(entry):
             self.sent += 1
             return
         self.waiting.append(entry)
@@ -75,20 +97,20 @@ class Queue:
         self.dropped += 1
 
     def next(self) -> bytes | None:
-        """Take the oldest entry's bytes, or ``None`` where nothing is ready."""
+        """Take the oldest entry's frame; ``None`` if no entry is ready."""
         while self.claimed is not None or self.waiting:
             entry = self.claimed if self.claimed is not None else self.waiting[0]
-            wire = entry.wire()
-            # What nobody works on yet stays droppable: when its turn comes, a newer one may wait.
-            if self.claimed is None and (wire is not None or entry.is_being_rendered):
+            frame = entry.frame()
+            # An entry that nobody encodes yet can still be dropped for a newer one.
+            if self.claimed is None and (frame is not NOT_READY or entry.is_being_encoded):
                 self.claimed = self.waiting.popleft()
-            if wire is None:
+            if frame is NOT_READY:
                 return None
             self._forget(entry)
             self.claimed = None
-            if wire:
+            if frame is not NOTHING:
                 self.sent += 1
-                return wire
+                return frame
         return None
 
     def clear(self) -> None:
@@ -120,12 +142,14 @@ class Outbox:
         self._control: deque[bytes] = deque()
         self._control_size = 0
         self._queues: deque[Queue] = deque()  # the first is served next
-        self._retired_dropped = 0
-        self._retired_sent = 0
+        # of queues that were closed
+        self._past_coalesced = 0
+        self._past_dropped = 0
+        self._past_sent = 0
 
     @property
     def overflowed(self) -> bool:
-        """Whether control frames alone exceed the budget, the oldest aside."""
+        """True when control frames alone exceed the budget, the oldest aside."""
         return self._control_size - self._oldest_control_size > self.max_bytes
 
     @property
@@ -135,21 +159,26 @@ class Outbox:
 
     @property
     def has_control(self) -> bool:
-        """Whether a control frame waits."""
+        """True while a control frame waits."""
         return bool(self._control)
 
     @property
     def dropped(self) -> int:
-        """How many entries were dropped, in all queues there ever were."""
-        return self._retired_dropped + sum(queue.dropped for queue in self._queues)
+        """The number of entries that were dropped, in all queues there ever were."""
+        return self._past_dropped + sum(queue.dropped for queue in self._queues)
+
+    @property
+    def coalesced(self) -> int:
+        """The number of samples that a throttle replaced by newer ones."""
+        return self._past_coalesced + sum(queue.coalesced for queue in self._queues)
 
     @property
     def sent(self) -> int:
-        """How many frames were taken, control frames included."""
-        return self.control_sent + self._retired_sent + sum(queue.sent for queue in self._queues)
+        """The number of frames that were taken, control frames included."""
+        return self.control_sent + self._past_sent + sum(queue.sent for queue in self._queues)
 
     def open_queue(self, depth: int, max_bytes: int | None) -> Queue:
-        """Add a queue for one stream."""
+        """Add a queue."""
         queue = Queue(self, depth, max_bytes)
         self._queues.append(queue)
         return queue
@@ -158,14 +187,15 @@ class Outbox:
         """Remove a queue with all that waits in it."""
         queue.clear()
         self._queues.remove(queue)
-        self._retired_dropped += queue.dropped
-        self._retired_sent += queue.sent
+        self._past_coalesced += queue.coalesced
+        self._past_dropped += queue.dropped
+        self._past_sent += queue.sent
 
-    def put_control(self, wire: bytes) -> None:
+    def put_control(self, frame: bytes) -> None:
         """Append a response or a status; it overtakes every queue."""
-        self._control.append(wire)
-        self._control_size += len(wire)
-        self.grow(len(wire))
+        self._control.append(frame)
+        self._control_size += len(frame)
+        self.grow(len(frame))
         self.shed()
 
     def take(self, max_bytes: int) -> list[bytes]:
@@ -176,12 +206,12 @@ class Outbox:
         taken: list[bytes] = []
         left = max_bytes
         while self._control and left > 0:
-            wire = self._control.popleft()
-            self._control_size -= len(wire)
-            self.grow(-len(wire))
+            frame = self._control.popleft()
+            self._control_size -= len(frame)
+            self.grow(-len(frame))
             self.control_sent += 1
-            taken.append(wire)
-            left -= len(wire)
+            taken.append(frame)
+            left -= len(frame)
         queues = self._queues if self.size else ()
         idle = 0
         while left > 0 and idle < len(queues):

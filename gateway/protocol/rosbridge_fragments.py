@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Messages in pieces: cut for clients that asked for it, and put together again.
+"""Messages in pieces: split for clients that ask for it, and put together again.
 
 These are rosbridge's `fragment` operations, not the fragmentation of WebSocket.
 """
@@ -11,7 +11,6 @@ import orjson
 
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.operations.fragment import Fragment
-from gateway.protocol.websocket_frames import text_frame
 
 MAX_INCOMPLETE: Final = 4  # a client sends one after the other; 1 MiB at the default limits
 MAX_REFUSED: Final = 4  # as many as can fail at once; the numbers of their pieces are 1 MB at worst
@@ -19,32 +18,28 @@ MAX_PIECES: Final = 4096  # 256 KiB in the smallest pieces that `fragment_size` 
 MAX_AGE_NS: Final = 60 * 1_000_000_000  # by then even the weakest WiFi has passed 256 KiB
 
 
-def text_frames(text: bytes, fragment_size: int | None, fragment_id: str) -> bytes:
-    """Return the WebSocket frames for a JSON text: one, or several in a row.
+def split(text: bytes, size: int, fragment_id: str) -> list[bytes]:
+    """Split a JSON text of more than *size* characters into `fragment` messages of that many.
 
-    A text of more than *fragment_size* characters is cut into pieces of so many, each in a text
-    frame of its own. Of one connection's messages no two that may be incomplete at the same
-    time may have the same *fragment_id*; it must not be empty, for roslib.
+    A shorter text is returned as it is. Of one connection's messages no two that may be incomplete
+    at the same time may have the same *fragment_id*; it must not be empty, for roslib.
     """
     # a character has a byte at least, so mostly there is no need to count
-    if fragment_size is None or len(text) <= fragment_size:
-        return text_frame(text)
-    characters = text.decode()
-    if len(characters) <= fragment_size:
-        return text_frame(text)
-    total = -(-len(characters) // fragment_size)
-    frames = []
-    for num in range(total):
-        start = num * fragment_size
-        piece = {
-            "op": "fragment",
-            "id": fragment_id,
-            "data": characters[start : start + fragment_size],
-            "num": num,
-            "total": total,
-        }
-        frames.append(text_frame(orjson.dumps(piece)))
-    return b"".join(frames)
+    if len(text) <= size or len(characters := text.decode()) <= size:
+        return [text]
+    total = -(-len(characters) // size)
+    return [
+        orjson.dumps(
+            {
+                "op": "fragment",
+                "id": fragment_id,
+                "data": characters[num * size : (num + 1) * size],
+                "num": num,
+                "total": total,
+            }
+        )
+        for num in range(total)
+    ]
 
 
 @dataclass(slots=True)

@@ -18,8 +18,9 @@ from gateway.protocol.operations import OPERATIONS, ClientOperation
 from gateway.protocol.operations.base import MAX_ID_CHARACTERS, Operation
 from gateway.protocol.operations.fragment import Fragment
 from gateway.protocol.outbox import Outbox
-from gateway.protocol.rosbridge_fragments import Assembly, text_frames
+from gateway.protocol.rosbridge_fragments import Assembly
 from gateway.protocol.token_bucket import TokenBucket
+from gateway.protocol.websocket_frames import text_frames
 
 ROS_SHARP_FRAGMENT_SIZE: Final = 2**31 - 1  # which only ROS# sends, with all that it asks for
 

@@ -1,23 +1,34 @@
 # SPDX-License-Identifier: Apache-2.0
-"""WebSocket frame headers for what the server sends (RFC 6455, section 5.2).
+"""The WebSocket frames that the server sends (RFC 6455, section 5.2).
 
-A rendition is framed once and its bytes are shared by all clients, which a WebSocket library
-cannot do for us: it frames per connection. Frames from a server are not masked, and none is
-fragmented or compressed, so a header depends on the payload's kind and length alone.
+A message of a topic is framed once and its bytes are shared by all subscribers, which a WebSocket
+library cannot do for us: it frames per connection. Frames from a server are not masked, and none
+is fragmented or compressed, so a header depends on the payload's kind and length alone.
 """
 
 import struct
-from typing import Final
+from dataclasses import dataclass
+from typing import Final, Literal, Protocol
+
+import orjson
+
+from gateway.codec import cbor
+from gateway.codec.json import ascii_only
+from gateway.protocol import messages
+from gateway.protocol.rosbridge_fragments import split
 
 # the first byte of a complete frame: FIN, and the opcode
 TEXT: Final = 0x81
 BINARY: Final = 0x82
 
-_SHORT: Final = 126  # lengths below stand in the second byte itself
+_SHORT: Final = 126  # a shorter length stands in the second byte itself
 _LONG: Final = 1 << 16
 _pack_short: Final = struct.Struct(">BB").pack
 _pack_medium: Final = struct.Struct(">BBH").pack
 _pack_long: Final = struct.Struct(">BBQ").pack
+
+Compression = Literal["none", "png", "cbor", "cbor-raw"]
+"""How messages travel: as JSON, as JSON in a picture, as CBOR, or as CDR in CBOR."""
 
 
 def header(kind: int, length: int) -> bytes:
@@ -37,6 +48,177 @@ def text_frame(payload: bytes) -> bytes:
     return header(TEXT, len(payload)) + payload
 
 
-def payload_offset(frame: bytes) -> int:
-    """Return where the payload begins in an unmasked frame."""
-    return {126: 4, 127: 10}.get(frame[1], 2)
+def text_frames(text: bytes, fragment_size: int | None, fragment_id: str) -> bytes:
+    """Return the frames for a JSON text: one, or several in a row; see `split`."""
+    if fragment_size is None:
+        return text_frame(text)
+    return b"".join(map(text_frame, split(text, fragment_size, fragment_id)))
+
+
+@dataclass(frozen=True, slots=True)
+class Meta:
+    """The members that ``meta: true`` adds to a `publish` frame."""
+
+    seq: int
+    received_ns: int
+    dropped: int
+
+    def members(self) -> dict[str, object]:
+        """Return them by their names on the wire."""
+        received = messages.time(self.received_ns)
+        return {"seq": self.seq, "received": received, "dropped": self.dropped}
+
+
+class PublishFrames(Protocol):
+    """Makes the frames of one topic, in one compression, from encoded messages."""
+
+    def shared(self, message: bytes) -> bytes:
+        """Return the frame that all subscribers get who want nothing special."""
+
+    def message(self, shared: bytes) -> bytes:
+        """Return the message in a shared frame."""
+
+    def per_client(
+        self,
+        message: bytes,
+        *,
+        seq: int,
+        meta: Meta | None = None,
+        fragment_size: int | None = None,
+        is_ascii: bool = False,
+    ) -> bytes:
+        """Return the frame, or frames in a row, that one subscriber gets."""
+
+
+class JsonFrames:
+    """Makes `publish` frames of messages in JSON."""
+
+    def __init__(self, topic: str) -> None:
+        self._topic = topic
+        self._prefix = messages.publish_prefix(topic)
+
+    def shared(self, message: bytes) -> bytes:
+        """Frame a message without looking at it."""
+        prefix = self._prefix
+        length = len(prefix) + len(message) + 1
+        return b"".join((header(TEXT, length), prefix, message, messages.PUBLISH_SUFFIX))
+
+    def message(self, shared: bytes) -> bytes:
+        """Take the message out of its frame."""
+        return _after(self._prefix, shared)[: -len(messages.PUBLISH_SUFFIX)]
+
+    def per_client(
+        self,
+        message: bytes,
+        *,
+        seq: int,
+        meta: Meta | None = None,
+        fragment_size: int | None = None,
+        is_ascii: bool = False,
+    ) -> bytes:
+        """Add meta, escape and split as requested."""
+        prefix = self._prefix
+        if meta is not None:
+            prefix = messages.publish_meta_prefix(
+                self._topic, meta.seq, meta.received_ns, meta.dropped
+            )
+        text = b"".join((prefix, message, messages.PUBLISH_SUFFIX))
+        if is_ascii:
+            text = ascii_only(text)
+        return text_frames(text, fragment_size, f"publish:{self._topic}:{seq}")
+
+
+class PngFrames:
+    """Makes `png` frames; a message is the base64 of a PNG that holds a whole `publish` message.
+
+    Subscribers share the picture, so meta stands beside it, not within.
+    """
+
+    _PREFIX: Final = b'{"op":"png","data":"'
+    _SUFFIX: Final = b'"}'
+
+    def __init__(self, topic: str) -> None:
+        self._topic = topic
+
+    def shared(self, message: bytes) -> bytes:
+        """Frame a message."""
+        length = len(self._PREFIX) + len(message) + len(self._SUFFIX)
+        return b"".join((header(TEXT, length), self._PREFIX, message, self._SUFFIX))
+
+    def message(self, shared: bytes) -> bytes:
+        """Take the message out of its frame."""
+        return _after(self._PREFIX, shared)[: -len(self._SUFFIX)]
+
+    def per_client(
+        self,
+        message: bytes,
+        *,
+        seq: int,
+        meta: Meta | None = None,
+        fragment_size: int | None = None,
+        is_ascii: bool = False,
+    ) -> bytes:
+        """Add meta, and split as requested; base64 is ASCII in any case."""
+        del is_ascii
+        end = b"}"
+        if meta is not None:
+            end = b"," + orjson.dumps(meta.members())[1:]
+        text = b"".join((self._PREFIX, message, b'"', end))
+        return text_frames(text, fragment_size, f"publish:{self._topic}:{seq}")
+
+
+class CborFrames:
+    """Makes binary frames with a `publish` map; a message is CBOR."""
+
+    _MSG: Final = cbor.text("msg")
+
+    def __init__(self, topic: str) -> None:
+        self._topic = topic
+        self._prefix = self._up_to_message({})
+
+    def shared(self, message: bytes) -> bytes:
+        """Frame a message."""
+        prefix = self._prefix
+        return b"".join((header(BINARY, len(prefix) + len(message)), prefix, message))
+
+    def message(self, shared: bytes) -> bytes:
+        """Take the message out of its frame."""
+        return _after(self._prefix, shared)
+
+    def per_client(
+        self,
+        message: bytes,
+        *,
+        seq: int,
+        meta: Meta | None = None,
+        fragment_size: int | None = None,
+        is_ascii: bool = False,
+    ) -> bytes:
+        """Add meta as requested; rosbridge knows no fragments of binary frames."""
+        del seq, fragment_size, is_ascii
+        prefix = self._prefix
+        if meta is not None:
+            prefix = self._up_to_message(meta.members())
+        return b"".join((header(BINARY, len(prefix) + len(message)), prefix, message))
+
+    def _up_to_message(self, meta: dict[str, object]) -> bytes:
+        members = {"op": "publish", "topic": self._topic, **meta}
+        # the map has one member more, and its items just follow each other
+        items = [cbor.text(name) + cbor.dumps(value) for name, value in members.items()]
+        return b"".join((cbor.head(cbor.MAP, len(members) + 1), *items, self._MSG))
+
+
+def publish_frames(topic: str, compression: Compression) -> PublishFrames:
+    """Return what makes the frames of a topic; *topic* is its name as requested."""
+    match compression:
+        case "none":
+            return JsonFrames(topic)
+        case "png":
+            return PngFrames(topic)
+        case "cbor" | "cbor-raw":
+            return CborFrames(topic)
+
+
+def _after(prefix: bytes, frame: bytes) -> bytes:
+    payload_offset = {126: 4, 127: 10}.get(frame[1], 2)
+    return frame[payload_offset + len(prefix) :]

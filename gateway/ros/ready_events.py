@@ -12,6 +12,7 @@ import contextlib
 import ctypes
 import os
 from collections.abc import Callable
+from functools import partial
 from typing import Any, Final, Literal, Protocol
 
 from gateway.ros.qos import MAX_DEPTH
@@ -62,9 +63,10 @@ class ReadyEvents(Protocol):
         destroy: Callable[[Any], object],
         on_ready: Callable[[], None],
     ) -> EventSource:
-        """Create an entity; *on_ready* is called on the loop's thread when it has something.
+        """Create an entity; *on_ready* is called on the loop's thread while it has something.
 
-        One call may stand for many events, or for none. Raises what *create* raises.
+        One call may stand for many events, or for none. *on_ready* takes until `count_take` returns
+        false, or asks to be notified again. Raises what *create* raises.
         """
 
 
@@ -104,7 +106,6 @@ class EventfdSource:
         destroy: Callable[[Any], object],
         on_ready: Callable[[], None],
     ) -> None:
-        self._on_ready = on_ready
         self._pending = 0  # arrivals that were counted and not taken yet
         self._repeats = 0  # what the eventfd counts of ours
         with contextlib.ExitStack() as undo:
@@ -113,11 +114,14 @@ class EventfdSource:
             undo.callback(os.close, self._fd)
             self.entity = create()
             undo.callback(destroy, self.entity)
-            loop.add_reader(self._fd, self._arrive)
+            loop.add_reader(self._fd, on_ready)
             undo.callback(loop.remove_reader, self._fd)
             hooks.count(kind, self.entity, self._fd)
             undo.callback(hooks.stop, kind, self.entity)
             self._undo = undo.pop_all()
+        # Bound rather than wrapped: the data path calls it for every batch.
+        self.clear: Callable[[], object] = partial(os.eventfd_read, self._fd)
+        """Forget what has arrived so far, uncounted; it must be called from *on_ready*."""
 
     def notify_again(self) -> None:
         """Call *on_ready* once more, after the others' turn."""
@@ -139,14 +143,10 @@ class EventfdSource:
         """
         self._undo.close()
 
-    def _arrive(self) -> None:
-        self._count()
-        self._on_ready()
-
     def _count(self) -> None:
         try:
             arrived = os.eventfd_read(self._fd) - self._repeats
-        except BlockingIOError:  # it has counted nothing, or a take has read it meanwhile
+        except BlockingIOError:  # nothing has arrived since
             return
         self._repeats = 0
         self._pending = min(self._pending + arrived, MAX_DEPTH)  # DDS has dropped what is beyond

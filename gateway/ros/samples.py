@@ -110,6 +110,8 @@ class _EventfdReader:
             self._on_samples(samples)
 
     def _deliver(self) -> None:
+        # Before taking: a sample that arrives while we take brings the next turn.
+        self._source.clear()
         samples = self._take()
         if len(samples) == MAX_TAKES_PER_TURN:
             self._source.notify_again()  # there may be more

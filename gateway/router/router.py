@@ -54,7 +54,6 @@ from gateway.router.services.client_services import ClientServices
 from gateway.router.services.service_calls import ServiceCalls
 from gateway.router.tasks import ASKING_S, Tasks
 from gateway.router.topic_types import TopicTypes
-from gateway.router.topics.encodings import Renditions
 from gateway.router.topics.publications import Publications
 from gateway.router.topics.subscriptions import Subscriptions
 from gateway.router.transforms.lookups import TransformLookups
@@ -98,8 +97,7 @@ class Router:
         self._service_clients = ServiceClients(ros, types)
         parameters = Parameters(ros, self._service_clients)
         rosapi = Rosapi(ros, types.definitions, parameters)
-        renditions = Renditions(ros, topic_types, workers)
-        self._subscriptions = Subscriptions(ros, topic_types, renditions)
+        self._subscriptions = Subscriptions(ros, topic_types, workers)
         self._publications = Publications(ros, topic_types)
         self._service_calls = ServiceCalls(
             interface_types,
@@ -169,7 +167,7 @@ class Router:
         return {
             "clients": len(self._sessions),
             "ros_entities": self._ros.entity_count(),
-            "subscriptions": self._subscriptions.feeds,
+            "subscriptions": self._subscriptions.topics,
             "publishers": self._publications.publishers,
             "services": self._services.services,
             "action_servers": self._actions.servers,

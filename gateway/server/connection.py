@@ -23,7 +23,7 @@ from websockets.server import ServerProtocol
 from gateway.protocol import messages
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.limits import Limits
-from gateway.protocol.outbox import Entry
+from gateway.protocol.outbox import NOT_READY, NOTHING, Entry
 from gateway.protocol.session import Session
 from gateway.protocol.token_bucket import TokenBucket
 from gateway.server.timing import Timing
@@ -333,10 +333,10 @@ class Connection(asyncio.BufferedProtocol):
         if self._flushing or self._paused or self._protocol.state is not OPEN:
             return False
         try:
-            wire = entry.wire()
-            if not wire:
+            frame = entry.frame()
+            if frame is NOT_READY or frame is NOTHING:
                 return False
-            self._transport.write(wire)
+            self._transport.write(frame)
         except Exception:  # our bug, see buffer_updated
             logger.exception("sending to %s failed", self.address)
             self.close(INTERNAL_ERROR, "internal error")

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gateway.protocol.outbox import Outbox, Queue
+from gateway.protocol.outbox import NOT_READY, NOTHING, Frame, Outbox, Queue
 
 
 @dataclass
@@ -14,30 +14,30 @@ class Item:
 
     text: bytes
     ready: bool = True
-    renders: int = field(default=0, compare=False)
+    encoded: int = field(default=0, compare=False)
 
-    is_being_rendered: bool = False
+    is_being_encoded: bool = False
 
     @property
     def size(self) -> int:
         return len(self.text)
 
-    def wire(self) -> bytes | None:
-        self.renders += 1
-        return self.text if self.ready else None
+    def frame(self) -> Frame:
+        self.encoded += 1
+        return (self.text or NOTHING) if self.ready else NOT_READY
 
 
 EVERYTHING = 1 << 30
 
 
-def test_control_frames_overtake_what_waits_in_lanes():
+def test_control_frames_overtake_what_waits_in_queues():
     outbox = Outbox(1000)
     outbox.open_queue(10, None).put(Item(b"sample"))
     outbox.put_control(b"status")
     assert outbox.take(EVERYTHING) == [b"status", b"sample"]
 
 
-def test_a_full_lane_drops_its_oldest_entry_and_counts_it():
+def test_a_full_queue_drops_its_oldest_entry_and_counts_it():
     outbox = Outbox(1000)
     queue = outbox.open_queue(2, None)
     for text in (b"1", b"2", b"3"):
@@ -46,24 +46,24 @@ def test_a_full_lane_drops_its_oldest_entry_and_counts_it():
     assert queue.dropped == outbox.dropped == 1
 
 
-def test_what_is_dropped_was_never_rendered():
+def test_what_is_dropped_was_never_encoded():
     queue = Outbox(1000).open_queue(1, None)
     old = Item(b"old")
     queue.put(old)
     queue.put(Item(b"new"))
-    assert old.renders == 0
+    assert old.encoded == 0
 
 
-def test_a_lane_holds_at_most_its_bytes_but_always_one_entry():
+def test_a_queue_holds_at_most_its_bytes_but_always_one_entry():
     outbox = Outbox(10_000)
     queue = outbox.open_queue(100, 10)
     for size in (6, 6, 500):
         queue.put(Item(bytes(size)))
-    assert [len(wire) for wire in outbox.take(EVERYTHING)] == [500]
+    assert [len(frame) for frame in outbox.take(EVERYTHING)] == [500]
     assert queue.dropped == 2
 
 
-def test_lanes_take_turns():
+def test_queues_take_turns():
     outbox = Outbox(1000)
     one, two = outbox.open_queue(10, None), outbox.open_queue(10, None)
     for queue, texts in ((one, (b"a1", b"a2")), (two, (b"b1", b"b2"))):
@@ -72,7 +72,7 @@ def test_lanes_take_turns():
     assert outbox.take(EVERYTHING) == [b"a1", b"b1", b"a2", b"b2"]
 
 
-def test_over_the_budget_the_heaviest_lane_loses_its_oldest():
+def test_over_the_budget_the_heaviest_queue_loses_its_oldest():
     outbox = Outbox(100)
     camera, odometry = outbox.open_queue(100, None), outbox.open_queue(100, None)
     odometry.put(Item(b"odometry"))
@@ -86,7 +86,7 @@ def test_over_the_budget_the_heaviest_lane_loses_its_oldest():
 def test_one_entry_over_the_budget_is_sent_if_it_is_alone():
     outbox = Outbox(100)
     outbox.open_queue(10, None).put(Item(bytes(500)))
-    assert [len(wire) for wire in outbox.take(EVERYTHING)] == [500]
+    assert [len(frame) for frame in outbox.take(EVERYTHING)] == [500]
 
 
 def test_take_stops_after_its_bytes():
@@ -98,9 +98,9 @@ def test_take_stops_after_its_bytes():
     assert len(outbox.take(11)) == 1
 
 
-def test_an_entry_that_is_not_ready_waits_without_holding_up_other_lanes():
+def test_an_entry_that_is_not_ready_waits_without_holding_up_other_queues():
     outbox = Outbox(1000)
-    picture = Item(b"picture", ready=False, is_being_rendered=True)
+    picture = Item(b"picture", ready=False, is_being_encoded=True)
     pictures, odometry = outbox.open_queue(1, None), outbox.open_queue(1, None)
     pictures.put(picture)
     odometry.put(Item(b"odometry"))
@@ -112,7 +112,7 @@ def test_an_entry_that_is_not_ready_waits_without_holding_up_other_lanes():
     assert outbox.take(EVERYTHING) == [b"picture", b"newer"]
 
 
-def test_an_entry_that_nobody_renders_yet_gives_way_to_a_newer_one():
+def test_an_entry_that_nobody_encodes_yet_gives_way_to_a_newer_one():
     outbox = Outbox(1000)
     queue = outbox.open_queue(1, None)
     declined = Item(b"old", ready=False)
@@ -163,7 +163,7 @@ def test_a_control_frame_beyond_the_budget_leaves_room_for_one_sample():
     assert outbox.take(EVERYTHING)[1:] == [b"new"]
 
 
-def test_closing_a_lane_forgets_what_waits_and_keeps_its_counts():
+def test_closing_a_queue_forgets_what_waits_and_keeps_its_counts():
     outbox = Outbox(1000)
     queue = outbox.open_queue(1, None)
     queue.put(Item(b"1"))
@@ -182,10 +182,11 @@ class Socket:
         outbox.write_directly = self._write_directly
 
     def _write_directly(self, entry: Item) -> bool:
-        wire = None if self.is_busy else entry.wire()
-        if wire:
-            self.written.append(wire)
-        return bool(wire)
+        frame = NOT_READY if self.is_busy else entry.frame()
+        if isinstance(frame, bytes):
+            self.written.append(frame)
+            return True
+        return False
 
 
 def test_what_comes_while_nothing_waits_goes_at_once_and_counts_as_sent():
@@ -196,7 +197,7 @@ def test_what_comes_while_nothing_waits_goes_at_once_and_counts_as_sent():
     assert (socket.written, outbox.size, queue.sent) == ([b"1"], 0, 1)
 
 
-def test_nothing_passes_by_what_waits():
+def test_nothing_is_written_directly_past_what_waits():
     outbox = Outbox(1000)
     socket = Socket(outbox)
     queue, other = outbox.open_queue(10, None), outbox.open_queue(10, None)
@@ -219,7 +220,7 @@ def test_what_others_follow_waits_for_them():
     assert (socket.written, outbox.take(EVERYTHING)) == ([], [b"1", b"2"])
 
 
-def test_what_is_not_ready_waits_in_its_lane():
+def test_what_is_not_ready_waits_in_its_queue():
     outbox = Outbox(1000)
     socket = Socket(outbox)
     queue = outbox.open_queue(1, None)
@@ -271,7 +272,7 @@ def test_every_entry_is_sent_dropped_or_waiting_and_the_budget_holds(steps):
     assert outbox.control_sent == control_put
     for queue in range(len(queues)):
         prefix = b"%d:" % queue
-        order = [int(wire[2:].split()[0]) for wire in taken if wire.startswith(prefix)]
+        order = [int(frame[2:].split()[0]) for frame in taken if frame.startswith(prefix)]
         assert order == sorted(order)
 
 
@@ -280,9 +281,18 @@ def _held(queue: Queue) -> int:
 
 
 @pytest.mark.parametrize("depth", [1, 2, 7])
-def test_a_lane_keeps_the_newest(depth):
+def test_a_queue_keeps_the_newest(depth):
     outbox = Outbox(1000)
     queue = outbox.open_queue(depth, None)
     for number in range(20):
         queue.put(Item(b"%d" % number))
     assert outbox.take(EVERYTHING) == [b"%d" % number for number in range(20 - depth, 20)]
+
+
+def test_what_a_throttle_replaced_is_reported_also_of_closed_queues():
+    outbox = Outbox(1000)
+    open_queue, closed_queue = outbox.open_queue(1, None), outbox.open_queue(1, None)
+    open_queue.coalesced = 2
+    closed_queue.coalesced = 3
+    outbox.close_queue(closed_queue)
+    assert outbox.coalesced == 5

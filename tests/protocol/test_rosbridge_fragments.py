@@ -14,8 +14,8 @@ from gateway.protocol.rosbridge_fragments import (
     MAX_PIECES,
     MAX_REFUSED,
     Assembly,
-    text_frames,
 )
+from gateway.protocol.websocket_frames import text_frames
 from tests.wire import unpacked, websocket_frames
 
 LIMIT = 1000
@@ -31,7 +31,7 @@ def pieces_of(text, size, fragment_id="f"):
 
 
 @given(st.text(min_size=1, max_size=300), st.integers(1, 80))
-def test_a_text_that_is_cut_is_the_same_when_joined(value, size):
+def test_a_text_that_is_split_is_the_same_when_joined(value, size):
     text = json.dumps(value, ensure_ascii=False)
     frames = websocket_frames(text_frames(text.encode(), size, "some id"))
     if len(text) <= size:

@@ -1,15 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Names, rates and frame headers."""
+"""Names and rates."""
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from websockets.frames import Frame, Opcode
 
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import resolve_topic
 from gateway.protocol.token_bucket import TokenBucket
-from gateway.protocol.websocket_frames import BINARY, header, text_frame
 
 SECOND = 1_000_000_000
 
@@ -68,11 +64,3 @@ def test_a_bucket_fills_no_higher_than_its_burst():
 def test_a_rate_of_zero_allows_all():
     bucket = TokenBucket(0, 1, 0)
     assert all(bucket.allow(0) for _ in range(1000))
-
-
-@given(st.one_of(st.integers(0, 300), st.integers(65_500, 65_600)))
-def test_frames_are_what_websockets_would_send(length):
-    payload = b"x" * length
-    assert text_frame(payload) == Frame(Opcode.TEXT, payload).serialize(mask=False)
-    binary = header(BINARY, length) + payload
-    assert binary == Frame(Opcode.BINARY, payload).serialize(mask=False)

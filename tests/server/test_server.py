@@ -10,7 +10,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.frames import Frame, Opcode
 
 from gateway.ports import Qos
-from gateway.router.topics.encoding import Rendition
+from gateway.router.topics.encoding import Encoding
 from gateway.server.connection import Connection
 from tests.client import TIMEOUT_S, Client, client, eventually
 from tests.server.conftest import Serve, Served
@@ -475,13 +475,13 @@ async def test_a_bug_in_the_core_closes_that_client_with_1011_and_no_other(
         assert "ZeroDivisionError" in caplog.text
 
 
-async def test_a_bug_in_rendering_closes_those_who_want_it_with_1011_and_no_other(
+async def test_a_bug_in_encoding_closes_those_who_want_it_with_1011_and_no_other(
     serve: Serve, monkeypatch, caplog
 ):
-    def fail(rendition, frame):
+    def fail(encoding, shared):
         raise ZeroDivisionError
 
-    monkeypatch.setattr(Rendition, "body", fail)
+    monkeypatch.setattr(Encoding, "encode", fail)
     async with serve() as served, client(served.url) as other, client(served.url) as listener:
         publisher = served.ros.add_publisher("/chatter", STRING)
         await listener.send(op="subscribe", topic="/chatter")

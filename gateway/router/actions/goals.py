@@ -14,7 +14,7 @@ from gateway.protocol import messages
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import ActionName, resolve_action
 from gateway.protocol.operations.actions import CancelActionGoal, SendActionGoal
-from gateway.protocol.outbox import Queue
+from gateway.protocol.outbox import NOTHING, Frame, Queue
 from gateway.protocol.session import Session
 from gateway.router.interface_types import InterfaceTypes
 from gateway.router.tasks import answered
@@ -48,8 +48,8 @@ class SentGoal:
 
     def flush_feedback(self) -> None:
         """Have what waits sent before the result, which would overtake it."""
-        while wire := self.queue.next():
-            self.session.outbox.put_control(wire)
+        while (frame := self.queue.next()) is not None:
+            self.session.outbox.put_control(frame)
 
     def on_feedback(self, cdr: bytes) -> None:
         """Pass the server's feedback on, if the client wants it and is still there."""
@@ -176,22 +176,22 @@ class Goals:
 class _Feedback:
     """One feedback that waits in a client's outbox, decoded when its turn has come."""
 
-    __slots__ = ("_cdr", "_pursuit", "size")
+    __slots__ = ("_cdr", "_goal", "size")
 
-    is_being_rendered = False
+    is_being_encoded = False
 
     def __init__(self, sent: SentGoal, cdr: bytes) -> None:
-        self._pursuit = sent
+        self._goal = sent
         self._cdr = cdr
         self.size = len(cdr)
 
-    def wire(self) -> bytes:
-        """Return the frame, or nothing where the feedback is no such message."""
-        sent = self._pursuit
+    def frame(self) -> Frame:
+        """Return the frame, or `NOTHING` if the feedback cannot be decoded."""
+        sent = self._goal
         try:
             values = sent.type.feedback.decode(self._cdr)
         except CodecError:
-            return b""
+            return NOTHING
         request = sent.request
         frame = messages.action_feedback(request.action, request.id, values)
         return sent.session.framed(frame, request.fragment_size)

@@ -1,196 +1,249 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Frames that are rendered once and shared by every client that asked for the same.
+"""Encodings of a topic: each sample becomes bytes once, for all subscriptions with equal options.
 
-A rendition is what distinguishes frames of one topic: its spelling, the compression, the fields,
-the image options. Rendering happens when a frame's turn on some socket has come, so what is dropped
-before is never decoded.
+Samples are encoded when a frame's turn on some socket has come: a sample that is dropped before was
+never decoded.
 """
 
 import asyncio
 import logging
 from collections.abc import Callable
 from concurrent.futures import Executor
-from dataclasses import dataclass
 
+from gateway.codec import cbor
 from gateway.codec.errors import CodecError
-from gateway.codec.image import ImageOptions
+from gateway.codec.json import ascii_only, dumps
+from gateway.codec.picture import cbor_picture_renderer, picture_renderer
+from gateway.codec.png import text_as_png
+from gateway.codec.types import MessageType
 from gateway.ports import Sample
-from gateway.protocol.publish_frames import Compression, Envelope, Meta, Tailoring
-from gateway.protocol.session import Session
-from gateway.protocol.subscription_options import Stream
+from gateway.protocol import messages
+from gateway.protocol.outbox import NOT_READY, NOTHING, Frame
+from gateway.protocol.websocket_frames import Meta, publish_frames
+from gateway.router.topics.subscription import EncodingKey, Subscription
 
 logger = logging.getLogger(__name__)
 
-Render = Callable[[bytes], bytes]  # CDR -> what the envelope takes; raises CodecError
+Encode = Callable[[bytes], bytes]
+"""From CDR to a message as it stands in a frame; raises `CodecError`."""
 
 
-@dataclass(frozen=True, slots=True)
-class RenditionKey:
-    """What streams must have in common to share frames."""
+class Encoding:
+    """Encodes on the event loop, at the moment a frame is wanted.
 
-    topic: str  # as the clients spell it
-    fields: tuple[str, ...] | None
-    image: ImageOptions | None  # None: a plain message
-    compression: Compression = "none"
-
-
-class Rendition:
-    """Renders on the event loop, at the moment the bytes are wanted."""
+    *on_error* hears of samples that cannot be encoded.
+    """
 
     def __init__(
-        self,
-        key: RenditionKey,
-        envelope: Envelope,
-        render: Render,
-        on_failure: Callable[[CodecError], None],
+        self, key: EncodingKey, encode: Encode, on_error: Callable[[CodecError], None]
     ) -> None:
-        self.key = key
-        self.envelope = envelope
-        self._render = render
-        self._on_failure = on_failure
+        self.subscriptions: list[Subscription] = []
+        self.frames = publish_frames(key.requested_name, key.compression)
+        self._encode = encode
+        self._on_error = on_error
 
-    def is_rendering(self, frame: "Frame") -> bool:
-        """Whether a frame is being rendered elsewhere."""
-        del frame
+    def is_encoding(self, shared: "SharedFrame") -> bool:
+        """Return whether a worker encodes this sample right now."""
+        del shared
         return False
 
-    def body(self, frame: "Frame") -> bytes | None:
-        """Return the message for the envelope; ``None``: not yet; empty: it cannot be decoded."""
+    def encode(self, shared: "SharedFrame") -> Frame:
+        """Return a sample as a message for a frame, or why there is none."""
         try:
-            return self._render(frame.cdr)
+            return self._encode(shared.cdr)
         except CodecError as error:
-            self._on_failure(error)
-            return b""
+            self._on_error(error)
+            return NOTHING
 
 
-class ThreadedRendition(Rendition):
-    """Renders in a worker thread: a picture takes milliseconds, and OpenCV releases the GIL.
+class WorkerEncoding(Encoding):
+    """Encodes in a worker thread: a picture takes milliseconds, and OpenCV releases the GIL.
 
-    At most one picture is in the works; whoever wants another one asks again when *on_ready*
-    says so, and by then a newer one may wait in its place.
+    At most one sample is being encoded. Whoever wants another one asks again after *on_ready* was
+    called, and by then a newer one may wait in its place.
     """
 
     def __init__(
         self,
-        key: RenditionKey,
-        envelope: Envelope,
-        render: Render,
-        on_failure: Callable[[CodecError], None],
+        key: EncodingKey,
+        encode: Encode,
+        on_error: Callable[[CodecError], None],
         *,
-        workers: Executor,
         on_ready: Callable[[], None],
+        workers: Executor,
     ) -> None:
-        super().__init__(key, envelope, render, on_failure)
-        self._workers = workers
+        super().__init__(key, encode, on_error)
         self._on_ready = on_ready
-        self._in_work: Frame | None = None
+        self._workers = workers
+        self._busy_with: SharedFrame | None = None
 
-    def is_rendering(self, frame: "Frame") -> bool:
-        """Whether this very frame is in the works."""
-        return self._in_work is frame
+    def is_encoding(self, shared: "SharedFrame") -> bool:
+        """Return whether a worker encodes this sample right now."""
+        return self._busy_with is shared
 
-    def body(self, frame: "Frame") -> bytes | None:
-        """Start to render unless another picture is in the works; never ready at once."""
-        if self._in_work is None:
-            self._in_work = frame
+    def encode(self, shared: "SharedFrame") -> Frame:
+        """Start to encode unless another sample is being encoded; never ready at once."""
+        if self._busy_with is None:
+            self._busy_with = shared
             loop = asyncio.get_running_loop()
-            future = loop.run_in_executor(self._workers, self._render, frame.cdr)
-            future.add_done_callback(lambda done: self._finish(frame, done))
-        return None
+            future = loop.run_in_executor(self._workers, self._encode, shared.cdr)
+            future.add_done_callback(lambda done: self._finish(shared, done))
+        return NOT_READY
 
-    def _finish(self, frame: "Frame", done: asyncio.Future[bytes]) -> None:
-        self._in_work = None
+    def _finish(self, shared: "SharedFrame", done: asyncio.Future[bytes]) -> None:
+        self._busy_with = None
         if done.cancelled():
             return
         error = done.exception()
         if error is None:
-            frame.resolve(done.result())
+            shared.supply(done.result())
         else:
             if isinstance(error, CodecError):
-                self._on_failure(error)
+                self._on_error(error)
             else:
-                logger.error("rendering %s failed", self.key.topic, exc_info=error)
-            frame.resolve(b"")
+                logger.error("encoding a sample failed", exc_info=error)
+            shared.supply(NOTHING)
         self._on_ready()
 
 
-class Frame:
-    """One sample in one rendition: an outbox entry that many outboxes share.
+class SharedFrame:
+    """One sample in one encoding: an entry that many queues share.
 
-    It holds one of three: the sample; once it is rendered, the message for the envelope; once
-    some stream took it that wants nothing special, the shared frame. `size` is the sample's and
-    stays so while others wait, though what they hold may by then be larger: as JSON `uint8[]` by a
-    third, `float64[]` two and a half times, `bool[]` six times, small messages by their names.
+    It holds one of three: the sample; once it is encoded, the message; once a subscription took it
+    that shares frames, the frame. `size` is the sample's and stays so while others wait, though
+    what they hold may by then be larger: as JSON `uint8[]` by a third, `float64[]` two and a half
+    times, `bool[]` six times, small messages by their names.
     """
 
-    __slots__ = ("_body", "_wire", "cdr", "rendition", "seq", "size")
+    __slots__ = ("_frame", "_message", "cdr", "encoding", "seq", "size")
 
-    def __init__(self, rendition: Rendition, sample: Sample, seq: int) -> None:
-        self.rendition = rendition
-        self.cdr = sample.cdr  # empty once it is rendered
+    def __init__(self, encoding: Encoding, sample: Sample, seq: int) -> None:
+        self.encoding = encoding
+        self.cdr = sample.cdr  # empty once it is encoded
         self.seq = seq
         self.size = len(sample.cdr)
-        self._body: bytes | None = None
-        self._wire: bytes | None = None
+        self._message: Frame = NOT_READY
+        self._frame: bytes | None = None
 
     @property
-    def is_being_rendered(self) -> bool:
-        """Whether work on it is under way."""
-        return self.rendition.is_rendering(self)
+    def is_being_encoded(self) -> bool:
+        """True while a worker encodes this sample."""
+        return self.encoding.is_encoding(self)
 
-    def wire(self) -> bytes | None:
-        """Return the frame as all streams get it that want nothing special."""
-        if self._wire is None:
-            body = self.body()
-            if not body:
-                return body
-            self._wire = self.rendition.envelope.shared(body)
-            self._body = None
-        return self._wire
+    def frame(self) -> Frame:
+        """Return the frame that all subscriptions share."""
+        if self._frame is None:
+            message = self.message()
+            if message is NOT_READY or message is NOTHING:
+                return message
+            self._frame = self.encoding.frames.shared(message)
+            self._message = NOT_READY
+        return self._frame
 
-    def body(self) -> bytes | None:
-        """Return the message for the envelope; see `Rendition.body`."""
-        if self._wire is not None:
-            return self.rendition.envelope.body(self._wire)
-        if self._body is None:
-            body = self.rendition.body(self)
-            if body is not None:
-                self.resolve(body)
-        return self._body
+    def message(self) -> Frame:
+        """Return the message alone, for frames that are not shared."""
+        if self._frame is not None:
+            return self.encoding.frames.message(self._frame)
+        if self._message is NOT_READY:
+            message = self.encoding.encode(self)
+            if message is NOT_READY:
+                return message
+            self._message = message
+            self.cdr = b""
+        return self._message
 
-    def resolve(self, body: bytes) -> None:
-        """Supply the message that was rendered elsewhere."""
-        self._body = body
+    def supply(self, message: Frame) -> None:
+        """Take the message that a worker made, or `NOTHING`."""
+        self._message = message
         self.cdr = b""
 
 
-class TailoredFrame:
-    """A frame as one stream alone gets it: with meta, in pieces, or in ASCII."""
+class PerClientFrame:
+    """A sample as one subscription alone gets it: with meta, in fragments, or in ASCII."""
 
-    __slots__ = ("_frame", "_ros_time_ns", "_session", "_stream", "size")
+    __slots__ = ("_received_ns", "_shared", "_subscription", "size")
 
-    def __init__(self, frame: Frame, stream: Stream, session: Session, ros_time_ns: int) -> None:
-        self._frame = frame
-        self._stream = stream
-        self._session = session
-        self._ros_time_ns = ros_time_ns
-        self.size = frame.size
+    def __init__(self, shared: SharedFrame, subscription: Subscription, received_ns: int) -> None:
+        self._shared = shared
+        self._subscription = subscription
+        self._received_ns = received_ns
+        self.size = shared.size
 
     @property
-    def is_being_rendered(self) -> bool:
-        """Whether work on it is under way."""
-        return self._frame.is_being_rendered
+    def is_being_encoded(self) -> bool:
+        """True while a worker encodes the sample."""
+        return self._shared.is_being_encoded
 
-    def wire(self) -> bytes | None:
-        """Return the frame, or frames in a row, as this stream alone gets it."""
-        frame = self._frame
-        body = frame.body()
-        if not body:
-            return body
-        wish = self._stream.wish
+    def frame(self) -> Frame:
+        """Return the frame, or frames in a row, of this subscription."""
+        shared, subscription = self._shared, self._subscription
+        message = shared.message()
+        if message is NOT_READY or message is NOTHING:
+            return message
+        options = subscription.options
         meta = None
-        if wish.meta:
-            meta = Meta(frame.seq, self._ros_time_ns, self._stream.queue.dropped)
-        return frame.rendition.envelope.tailored(
-            body, Tailoring(frame.seq, meta, wish.fragment_size, self._session.is_ros_sharp)
+        if options.meta:
+            meta = Meta(shared.seq, self._received_ns, subscription.queue.dropped)
+        return shared.encoding.frames.per_client(
+            message,
+            seq=shared.seq,
+            meta=meta,
+            fragment_size=options.fragment_size,
+            is_ascii=subscription.session.is_ros_sharp,
         )
+
+
+def make_encoding(
+    message_type: MessageType,
+    key: EncodingKey,
+    *,
+    on_error: Callable[[CodecError], None],
+    on_ready: Callable[[], None],
+    now_ns: Callable[[], int],
+    workers: Executor,
+) -> Encoding:
+    """Return the encoding that a key asks for; *workers* do what takes milliseconds.
+
+    *on_error* hears of samples that cannot be encoded, *on_ready* is called when a worker is done,
+    *now_ns* is ROS time.
+    """
+    match key.compression:
+        case "none":
+            encode = _to_json(message_type, key)
+        case "png":
+            encode = _to_png(_to_json(message_type, key), key.requested_name)
+        case "cbor":
+            encode = _to_cbor(message_type, key)
+        case "cbor-raw":
+            encode = _to_raw_cbor(now_ns)
+    if key.image is None and key.compression != "png":
+        return Encoding(key, encode, on_error)
+    return WorkerEncoding(key, encode, on_error, on_ready=on_ready, workers=workers)
+
+
+def _to_json(message_type: MessageType, key: EncodingKey) -> Encode:
+    if key.image is not None:
+        return picture_renderer(message_type, key.image)
+    decode = message_type.decoder(key.fields)
+    return lambda cdr: dumps(decode(cdr))
+
+
+def _to_cbor(message_type: MessageType, key: EncodingKey) -> Encode:
+    if key.image is not None:
+        return cbor_picture_renderer(message_type, key.image)
+    return message_type.transcoder(key.fields)
+
+
+def _to_raw_cbor(now_ns: Callable[[], int]) -> Encode:
+    def encode(cdr: bytes) -> bytes:
+        secs, nsecs = divmod(now_ns(), 1_000_000_000)
+        return cbor.dumps({"secs": secs, "nsecs": nsecs, "bytes": cdr})
+
+    return encode
+
+
+def _to_png(to_json: Encode, topic: str) -> Encode:
+    prefix = messages.publish_prefix(topic)
+    return lambda cdr: text_as_png(
+        ascii_only(b"".join((prefix, to_json(cdr), messages.PUBLISH_SUFFIX)))
+    )

@@ -153,20 +153,20 @@ class _PeriodicLookup:
 class _TransformFrame:
     """A transform on its way to one client."""
 
-    __slots__ = ("_wire", "size")
+    __slots__ = ("_frame", "size")
 
-    def __init__(self, wire: bytes) -> None:
-        self._wire = wire
-        self.size = len(wire)
+    def __init__(self, frame: bytes) -> None:
+        self._frame = frame
+        self.size = len(frame)
 
     @property
-    def is_being_rendered(self) -> bool:
-        """Whether work on it is under way: never."""
+    def is_being_encoded(self) -> bool:
+        """Never true: it is encoded."""
         return False
 
-    def wire(self) -> bytes:
+    def frame(self) -> bytes:
         """Return the bytes to send."""
-        return self._wire
+        return self._frame
 
 
 class _SharedLookup:

@@ -3,10 +3,12 @@ import json
 
 import cbor2
 import pytest
-from websockets.frames import Opcode
+from hypothesis import given
+from hypothesis import strategies as st
+from websockets.frames import Frame, Opcode
 
 from gateway.codec import cbor
-from gateway.protocol.publish_frames import Meta, Tailoring, envelope
+from gateway.protocol.websocket_frames import BINARY, Meta, header, publish_frames, text_frame
 from tests.wire import unpacked, websocket_frames
 
 META = Meta(seq=7, received_ns=12_000_000_034, dropped=2)
@@ -15,28 +17,24 @@ PUBLISH = {"op": "publish", "topic": "/odom", "msg": {"x": 1}}
 BODIES = {"none": b'{"x":1}', "cbor": cbor.dumps({"x": 1}), "cbor-raw": cbor.dumps({"x": 1})}
 
 
-def tailoring(meta=None, fragment_size=None, is_ascii=False):
-    return Tailoring(7, meta, fragment_size, is_ascii)
-
-
 @pytest.mark.parametrize("compression", BODIES)
 def test_the_message_stands_in_a_publish_frame(compression):
     body = BODIES[compression]
-    assert unpacked(envelope("/odom", compression).shared(body)) == [PUBLISH]
-    assert unpacked(envelope("/odom", compression).tailored(body, tailoring())) == [PUBLISH]
+    assert unpacked(publish_frames("/odom", compression).shared(body)) == [PUBLISH]
+    assert unpacked(publish_frames("/odom", compression).per_client(body, seq=7)) == [PUBLISH]
 
 
 @pytest.mark.parametrize("compression", [*BODIES, "png"])
 @pytest.mark.parametrize("length", [0, 1, 90, 200, 70_000])
 def test_the_message_can_be_taken_out_of_its_frame(compression, length):
     body = b"{" * length
-    own = envelope("/odom", compression)
-    assert own.body(own.shared(body)) == body
+    own = publish_frames("/odom", compression)
+    assert own.message(own.shared(body)) == body
 
 
 @pytest.mark.parametrize("compression", BODIES)
 def test_meta_comes_before_the_message(compression):
-    wire = envelope("/odom", compression).tailored(BODIES[compression], tailoring(META))
+    wire = publish_frames("/odom", compression).per_client(BODIES[compression], seq=7, meta=META)
     (frame,) = unpacked(wire)
     assert frame == PUBLISH | META_MEMBERS
     assert list(frame)[-1] == "msg"
@@ -52,14 +50,14 @@ def test_meta_comes_before_the_message(compression):
     ],
 )
 def test_only_cbor_comes_in_binary_frames(compression, opcode):
-    (frame,) = websocket_frames(envelope("/odom", compression).shared(b"\xa0"))
+    (frame,) = websocket_frames(publish_frames("/odom", compression).shared(b"\xa0"))
     assert frame.opcode is opcode
 
 
 def test_a_picture_of_text_has_meta_beside_it():
-    png = envelope("/odom", "png")
+    png = publish_frames("/odom", "png")
     assert unpacked(png.shared(b"iVBO")) == [{"op": "png", "data": "iVBO"}]
-    assert unpacked(png.tailored(b"iVBO", tailoring(META))) == [
+    assert unpacked(png.per_client(b"iVBO", seq=7, meta=META)) == [
         {"op": "png", "data": "iVBO", **META_MEMBERS}
     ]
 
@@ -67,7 +65,9 @@ def test_a_picture_of_text_has_meta_beside_it():
 @pytest.mark.parametrize("compression", ["none", "png"])
 def test_text_is_cut_where_that_is_asked_for(compression):
     body = b'"' + b"x" * 500 + b'"' if compression == "none" else b"x" * 500
-    wire = envelope("/odom", compression).tailored(body, tailoring(META, fragment_size=100))
+    wire = publish_frames("/odom", compression).per_client(
+        body, seq=7, meta=META, fragment_size=100
+    )
     pieces = unpacked(wire)
     assert {piece["id"] for piece in pieces} == {"publish:/odom:7"}
     whole = json.loads("".join(piece["data"] for piece in pieces))
@@ -78,13 +78,25 @@ def test_text_is_cut_where_that_is_asked_for(compression):
 @pytest.mark.parametrize("compression", ["cbor", "cbor-raw"])
 def test_binary_frames_are_never_cut_or_escaped(compression):
     body = cbor.dumps({"text": "ü" * 300})
-    wire = envelope("/odom", compression).tailored(body, tailoring(None, 64, is_ascii=True))
+    wire = publish_frames("/odom", compression).per_client(
+        body, seq=7, fragment_size=64, is_ascii=True
+    )
     (frame,) = websocket_frames(wire)
     assert cbor2.loads(frame.data)["msg"] == {"text": "ü" * 300}
 
 
 def test_json_is_escaped_where_that_is_asked_for():
     body = '{"text":"ü\U0001f916"}'.encode()
-    (frame,) = websocket_frames(envelope("/odom", "none").tailored(body, tailoring(is_ascii=True)))
+    (frame,) = websocket_frames(
+        publish_frames("/odom", "none").per_client(body, seq=7, is_ascii=True)
+    )
     assert bytes(frame.data).isascii()
     assert json.loads(bytes(frame.data))["msg"] == {"text": "ü\U0001f916"}
+
+
+@given(st.one_of(st.integers(0, 300), st.integers(65_500, 65_600)))
+def test_frames_are_what_websockets_would_send(length):
+    payload = b"x" * length
+    assert text_frame(payload) == Frame(Opcode.TEXT, payload).serialize(mask=False)
+    binary = header(BINARY, length) + payload
+    assert binary == Frame(Opcode.BINARY, payload).serialize(mask=False)

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
-from gateway.router.topics.encoding import Frame, TailoredFrame
+from gateway.router.topics.encoding import PerClientFrame, SharedFrame
 from tests.router.conftest import Bench
 from tests.wire import untagged, websocket_frames
 
@@ -24,10 +24,10 @@ def text_in(picture: str) -> str:
     return cv2.cvtColor(pixels, cv2.COLOR_BGR2RGB).tobytes().decode()
 
 
-async def received(bench: Bench, cdr: bytes, type_name: str, **wish):
+async def received(bench: Bench, cdr: bytes, type_name: str, **options):
     bench.ros.add_publisher("/t", type_name)
     client = bench.client()
-    client.send(op="subscribe", topic="/t", **wish)
+    client.send(op="subscribe", topic="/t", **options)
     bench.ros.publish("/t", cdr)
     (frame,) = await client.sees(1)
     return frame, client
@@ -122,10 +122,10 @@ async def test_fields_of_cbor_raw_are_refused(bench: Bench):
 
 async def test_clients_with_the_same_compression_share_bytes(bench: Bench):
     bench.ros.add_publisher("/t", STRING)
-    wishes = ("cbor", "cbor", "none", None, "cbor-raw")
-    clients = [bench.client() for _ in wishes]
-    for client, wish in zip(clients, wishes, strict=True):
-        client.send(op="subscribe", topic="/t", compression=wish)
+    compressions = ("cbor", "cbor", "none", None, "cbor-raw")
+    clients = [bench.client() for _ in compressions]
+    for client, compression in zip(clients, compressions, strict=True):
+        client.send(op="subscribe", topic="/t", compression=compression)
     bench.ros.publish("/t", bench.cdr(STRING, data="x"))
     for client in clients:
         await client.sees(1)
@@ -137,7 +137,7 @@ async def test_clients_with_the_same_compression_share_bytes(bench: Bench):
 
 @pytest.mark.parametrize("compression", ["none", "png", "cbor"])
 @pytest.mark.parametrize("plain_first", [True, False])
-async def test_a_frame_is_rendered_once_for_shared_and_tailored_streams(
+async def test_a_sample_is_encoded_once_for_shared_and_per_client_frames(
     bench: Bench, compression, plain_first
 ):
     bench.ros.add_publisher("/t", STRING)
@@ -150,16 +150,16 @@ async def test_a_frame_is_rendered_once_for_shared_and_tailored_streams(
     await bench.settle()
     (queue,) = clients[0].session.outbox._queues
     entry = queue.waiting[0]
-    frame = entry._frame if isinstance(entry, TailoredFrame) else entry
-    assert isinstance(frame, Frame)
-    renders = []
-    render = frame.rendition._render
+    shared = entry._shared if isinstance(entry, PerClientFrame) else entry
+    assert isinstance(shared, SharedFrame)
+    encoded = []
+    encode = shared.encoding._encode
 
     def counting(cdr: bytes) -> bytes:
-        renders.append(cdr)
-        return render(cdr)
+        encoded.append(cdr)
+        return encode(cdr)
 
-    frame.rendition._render = counting
+    shared.encoding._encode = counting
     op = "png" if compression == "png" else "publish"
     for client in clients:
         client.is_paused = False
@@ -167,8 +167,9 @@ async def test_a_frame_is_rendered_once_for_shared_and_tailored_streams(
         (seen,) = await client.sees(1, op)
         assert ("seq" in seen) == metas[clients.index(client)]
         # what it is now, it is instead of what it was
-        assert sum(map(bool, (frame.cdr, frame._body, frame._wire))) == 1
-    assert len(renders) == 1
+        held = (shared.cdr, isinstance(shared._message, bytes), shared._frame)
+        assert sum(map(bool, held)) == 1
+    assert len(encoded) == 1
 
 
 async def test_a_subscription_gets_fragments_that_asked_and_the_others_do_not(bench: Bench):

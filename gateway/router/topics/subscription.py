@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One client's subscription to one topic: its options, its pace and its queue."""
+
+import asyncio
+import time
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from gateway.codec.image import ImageOptions
+from gateway.ports import Qos
+from gateway.protocol.errors import ProtocolError
+from gateway.protocol.names import TopicName
+from gateway.protocol.operations.topics import Subscribe
+from gateway.protocol.outbox import Entry
+from gateway.protocol.session import Session
+from gateway.protocol.subscription_options import SubscriptionOptions
+from gateway.protocol.throttle import Throttle
+from gateway.protocol.websocket_frames import Compression
+
+
+class TopicKey(NamedTuple):
+    """Subscriptions with equal keys share one ROS subscription."""
+
+    name: TopicName
+    type_name: str
+    qos: Qos
+
+
+class EncodingKey(NamedTuple):
+    """Subscriptions to one topic with equal keys share the bytes of each sample."""
+
+    requested_name: str  # of the topic: clients match frames by that text
+    fields: tuple[str, ...] | None
+    image: ImageOptions | None  # None: a plain message
+    compression: Compression = "none"
+
+
+class Source(NamedTuple):
+    """The topic and the encoding of it that feed a subscription."""
+
+    topic: TopicKey
+    encoding: EncodingKey
+
+
+class Subscription:
+    """All of one client's `subscribe` requests for one topic, under one requested name.
+
+    Runs on the event loop's thread. The topic that feeds it offers it every sample; `source` says
+    which that is, ``None`` while the type of the topic is not known.
+    """
+
+    __slots__ = (
+        "_throttle",
+        "_timer",
+        "options",
+        "queue",
+        "requested_name",
+        "requests",
+        "session",
+        "shares_frames",
+        "source",
+        "topic_name",
+        "warning",
+    )
+
+    def __init__(
+        self,
+        session: Session,
+        requested_name: str,
+        topic_name: TopicName,
+        requests: Mapping[str | int | None, Subscribe],
+        options: SubscriptionOptions,
+    ) -> None:
+        """Open its queue; *requests* stand by their ids, oldest first, and amount to *options*."""
+        self.session = session
+        self.requested_name = requested_name
+        self.topic_name = topic_name
+        self.requests = requests
+        self.options = options
+        self.shares_frames = not options.needs_own_frames
+        self.source: Source | None = None
+        self.warning = ""  # the reason, as last told to the client, why nothing can feed it
+        self.queue = session.outbox.open_queue(*options.queue_bounds)
+        self._throttle = _throttle(options)
+        self._timer: asyncio.TimerHandle | None = None  # while the throttle holds an entry
+
+    @property
+    def newest_request(self) -> Subscribe:
+        """The request that warnings are about."""
+        return list(self.requests.values())[-1]
+
+    def offer(self, entry: Entry, now_ns: int, *, more: bool) -> None:
+        """Take an entry, now or at the end of the throttle's interval; *more* follow at once."""
+        throttle = self._throttle
+        if throttle is None or throttle.passes(entry, now_ns):
+            self.queue.put(entry, more=more)
+        elif self._timer is not None:
+            self.queue.coalesced += 1  # the entry took the place of an older one
+        else:
+            delay_s = (throttle.due_ns - now_ns) / 1e9
+            self._timer = asyncio.get_running_loop().call_later(delay_s, self._on_interval)
+
+    def change(
+        self, requests: Mapping[str | int | None, Subscribe], options: SubscriptionOptions
+    ) -> None:
+        """Go on with other requests; entries that wait are still delivered.
+
+        Another throttle begins at once: the entry that the former one holds passes.
+        """
+        if options.throttle_ns != self.options.throttle_ns:
+            self._release()
+            self._throttle = _throttle(options)
+        self.requests = requests
+        self.options = options
+        self.shares_frames = not options.needs_own_frames
+        self.queue.depth, self.queue.max_bytes = options.queue_bounds
+
+    def clear(self) -> None:
+        """Deliver nothing of what has come so far."""
+        self._stop_timer()
+        if self._throttle is not None:
+            self._throttle.clear()
+        self.queue.clear()
+
+    def close(self) -> None:
+        """Deliver nothing any more."""
+        self._stop_timer()
+        self.session.outbox.close_queue(self.queue)
+
+    def warn(self, error: ProtocolError) -> None:
+        """Tell the client of something that its subscription suffers from."""
+        request = self.newest_request
+        self.session.warn(error, request.op, request.id)
+
+    def _on_interval(self) -> None:
+        self._release()
+        self.session.wake()
+
+    def _release(self) -> None:
+        self._stop_timer()
+        if self._throttle is not None:
+            held = self._throttle.release(time.monotonic_ns())
+            if held is not None:
+                self.queue.put(held)
+
+    def _stop_timer(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+
+def _throttle(options: SubscriptionOptions) -> Throttle | None:
+    return Throttle(options.throttle_ns) if options.throttle_ns else None

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The way of a sample from DDS to the socket: short enough to be read in one go."""
+
+import asyncio
+import sys
+from collections.abc import AsyncIterator, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from types import CodeType, FrameType
+from typing import Any
+
+import pytest
+
+import gateway
+from gateway.codec.types import Types
+from gateway.protocol.limits import Limits
+from gateway.ros import open_ros
+from gateway.router.router import Router
+from gateway.server.server import Server
+from gateway.server.timing import Timing
+from schemas.installed import InstalledDefinitions
+from schemas.table import Table
+from tests.client import client
+from tests.ros.outside import Outside
+
+SCAN = "sensor_msgs/msg/LaserScan"
+ROOT = str(Path(gateway.__file__).parent)
+MAX_CALLS = 14
+MAX_FILES = 7
+
+
+class Way:
+    """The functions of the gateway that run from taking a sample until the socket's `write`."""
+
+    def __init__(self) -> None:
+        self.calls: list[CodeType] = []
+        self.is_over = False
+
+    def __call__(self, frame: FrameType, event: str, argument: Any) -> None:
+        code = frame.f_code
+        if event != "call" or self.is_over:
+            return
+        is_reading = code.co_filename.endswith("samples.py") and not self.calls
+        if code.co_name == "write" and self.calls:
+            self.is_over = True
+        elif (is_reading or self.calls) and code.co_filename.startswith((ROOT, "<CDR")):
+            self.calls.append(code)
+
+    @property
+    def files(self) -> list[str]:
+        """The files in order; what is generated belongs to none."""
+        found = (code.co_filename for code in self.calls if code.co_filename.startswith(ROOT))
+        return list(dict.fromkeys(found))
+
+
+@pytest.fixture
+def outside() -> Iterator[Outside]:
+    outside = Outside()
+    yield outside
+    outside.close()
+
+
+@pytest.fixture
+async def url() -> AsyncIterator[str]:
+    limits = Limits()
+    async with open_ros() as ros:
+        with ThreadPoolExecutor(1) as workers:
+            types = Types(InstalledDefinitions())
+            router = Router(ros, types, Table.load(), limits=limits, workers=workers, version="t")
+            server = Server(
+                router, limits=limits, timing=Timing(), max_clients=2, max_clients_per_address=2
+            )
+            async with server.listening("127.0.0.1", 0) as ((_, port),):
+                yield f"ws://127.0.0.1:{port}/"
+            router.close()
+
+
+async def test_a_sample_reaches_the_socket_in_few_calls_over_few_files(url: str, outside: Outside):
+    types = Types(InstalledDefinitions())
+    scan = types.get(SCAN)
+    cdr = scan.encode(scan.validate({"ranges": [1.0] * 360}, now_ns=0))
+    publisher = outside.add_publisher("/scan", SCAN)
+    async with client(url) as listener:
+        await listener.send(op="subscribe", topic="/scan", type=SCAN)
+        await listener.sync()
+        messages = asyncio.create_task(listener.message("/scan"))
+        while not messages.done():  # until it is discovered, and all that is needed compiled
+            publisher.publish(cdr)
+            await asyncio.wait([messages], timeout=0.1)
+        await listener.sync()
+        way = Way()
+        sys.setprofile(way)
+        try:
+            publisher.publish(cdr)
+            await listener.message("/scan")
+        finally:
+            sys.setprofile(None)
+    told = "\n".join(f"{Path(code.co_filename).name}: {code.co_qualname}" for code in way.calls)
+    assert way.is_over, told
+    assert len(way.calls) <= MAX_CALLS, told
+    assert len(way.files) <= MAX_FILES, told

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+from dataclasses import dataclass
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gateway.protocol.throttle import Throttle
+
+MS = 1_000_000
+
+
+@dataclass
+class Item:
+    number: int
+    size: int = 1
+    is_being_encoded: bool = False
+
+    def frame(self) -> bytes:
+        return b"%d" % self.number
+
+
+def run(
+    throttle: Throttle, times_ms: list[float], *, late_ms: float = 0
+) -> list[tuple[float, int]]:
+    """Offer entry n at the n-th time; return when which entry passed.
+
+    The timer that releases an entry fires *late_ms* after the end of the interval.
+    """
+    passed: list[tuple[float, int]] = []
+    timer_ns: int | None = None
+    for number, time_ms in enumerate([*times_ms, 1e9]):
+        now_ns = round(time_ms * MS)
+        if timer_ns is not None and timer_ns <= now_ns:
+            held = throttle.release(timer_ns)
+            assert isinstance(held, Item)
+            passed.append((timer_ns / MS, held.number))
+            timer_ns = None
+        if number == len(times_ms):
+            break
+        if throttle.passes(Item(number), now_ns):
+            passed.append((now_ns / MS, number))
+        elif timer_ns is None:
+            timer_ns = throttle.due_ns + round(late_ms * MS)
+    return passed
+
+
+def test_the_first_passes_at_once_then_the_newest_of_each_interval_and_the_last():
+    passed = run(Throttle(100 * MS), [1000, 1010, 1050, 1090, 1120, 1130])
+    assert passed == [(1000, 0), (1100, 3), (1200, 5)]
+
+
+def test_an_entry_after_a_pause_passes_at_once_and_begins_a_new_beat():
+    assert run(Throttle(100 * MS), [1000, 5030, 5040]) == [(1000, 0), (5030, 1), (5130, 2)]
+
+
+def test_late_timers_do_not_slow_the_beat_down():
+    passed = run(Throttle(100 * MS), [10 * number for number in range(1000, 1100)], late_ms=20)
+    assert [time_ms for time_ms, _ in passed] == [10_000, *range(10_120, 11_100, 100)]
+
+
+@given(
+    st.lists(st.integers(1, 300), min_size=1, max_size=40),
+    st.integers(1, 200),
+)
+def test_what_passes_keeps_its_distance_and_the_last_one_arrives(gaps_ms, interval_ms):
+    times, now = [], 10_000.0
+    for gap in gaps_ms:
+        now += gap
+        times.append(now)
+    passed = run(Throttle(interval_ms * MS), times)
+    assert passed[-1][1] == len(times) - 1
+    assert passed[0][1] == 0
+    numbers = [number for _, number in passed]
+    assert numbers == sorted(set(numbers))
+    # on average never faster than asked for: a late entry does not slow the beat down
+    assert (len(passed) - 2) * interval_ms <= passed[-1][0] - passed[0][0]
+
+
+def test_an_entry_that_was_forgotten_is_not_released():
+    throttle = Throttle(100 * MS)
+    assert throttle.passes(Item(1), 0)
+    assert not throttle.passes(Item(2), 1)
+    throttle.clear()
+    assert throttle.release(100 * MS) is None

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One subscription by itself."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from gateway.protocol.limits import Limits
+from gateway.protocol.names import TopicName
+from gateway.protocol.operations.topics import Subscribe
+from gateway.protocol.session import Session
+from gateway.protocol.subscription_options import SubscriptionOptions
+from gateway.router.topics.subscription import Subscription
+
+MS = 1_000_000
+EVERYTHING = 1 << 30
+
+
+@dataclass
+class Item:
+    number: int
+    size: int = 1
+    is_being_encoded: bool = False
+
+    def frame(self) -> bytes:
+        return b"%d" % self.number
+
+
+def requested(**options: Any) -> tuple[dict[str | int | None, Subscribe], SubscriptionOptions]:
+    request = Subscribe(topic="/t", **options)
+    return {None: request}, SubscriptionOptions.merge([request])
+
+
+def subscribed(**options: Any) -> Subscription:
+    session = Session(Limits(), 0, lambda: None)
+    return Subscription(session, "/t", TopicName("/t"), *requested(**options))
+
+
+def offer(subscription: Subscription, number: int, now_ns: int = 0) -> None:
+    subscription.offer(Item(number), now_ns, more=False)
+
+
+def waiting(subscription: Subscription) -> list[bytes]:
+    return subscription.session.outbox.take(EVERYTHING)
+
+
+def test_without_a_throttle_every_entry_passes():
+    subscription = subscribed()
+    for number in range(3):
+        offer(subscription, number)
+    assert waiting(subscription) == [b"0", b"1", b"2"]
+
+
+def test_queue_length_bounds_the_queue():
+    subscription = subscribed(queue_length=3)
+    for number in range(10):
+        offer(subscription, number)
+    assert waiting(subscription) == [b"7", b"8", b"9"]
+
+
+def test_changed_options_keep_what_waits():
+    subscription = subscribed()
+    offer(subscription, 1)
+    subscription.change(*requested(throttle_rate=100, queue_length=7))
+    assert subscription.queue.depth == 7
+    assert waiting(subscription) == [b"1"]
+
+
+async def test_another_throttle_begins_at_once_and_keeps_the_order():
+    subscription = subscribed(throttle_rate=3_600_000)
+    offer(subscription, 1, 1000 * MS)
+    offer(subscription, 2, 1001 * MS)
+    subscription.change(*requested(throttle_rate=3_600_000 - 1))
+    offer(subscription, 3, 1002 * MS)
+    offer(subscription, 4, 1003 * MS)
+    assert waiting(subscription) == [b"1", b"2", b"3"]
+    subscription.change(*requested())
+    offer(subscription, 5, 1004 * MS)
+    assert waiting(subscription) == [b"4", b"5"]
+    assert subscription._timer is None
+
+
+async def test_the_same_throttle_goes_on():
+    subscription = subscribed(throttle_rate=3_600_000)
+    offer(subscription, 1, 1000 * MS)
+    offer(subscription, 2, 1001 * MS)
+    subscription.change(*requested(throttle_rate=3_600_000, meta=True))
+    offer(subscription, 3, 1002 * MS)
+    assert waiting(subscription) == [b"1"]
+    assert subscription.queue.coalesced == 1
+    subscription.close()
+
+
+async def test_what_was_cleared_or_closed_is_not_delivered():
+    subscription = subscribed(throttle_rate=3_600_000)
+    offer(subscription, 1, 1000 * MS)
+    offer(subscription, 2, 1001 * MS)
+    subscription.clear()
+    assert subscription._timer is None
+    assert waiting(subscription) == []
+    offer(subscription, 3, 1002 * MS)
+    subscription.close()
+    assert subscription._timer is None
+    assert waiting(subscription) == []
