@@ -9,6 +9,8 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from gateway.codec.error_text import MAX_ECHO, truncate
+from gateway.codec.types import Types
+from gateway.deadline import Deadline
 from gateway.ports import Ros, RosError
 from gateway.protocol.errors import ProtocolError
 from gateway.rosapi.graph_services import is_hidden
@@ -71,10 +73,11 @@ class Parameters:
     as long.
     """
 
-    def __init__(self, ros: Ros, service_clients: ServiceClients) -> None:
+    def __init__(self, ros: Ros, types: Types, service_clients: ServiceClients) -> None:
         self._ros = ros
+        self._types = types
         self._service_clients = service_clients
-        self._unresponsive = UnresponsiveNodes()
+        self.unresponsive = UnresponsiveNodes()
 
     async def list_names(
         self, node: str, prefixes: Sequence[str] = (), timeout_s: float = NODE_TIMEOUT_S
@@ -164,12 +167,24 @@ class Parameters:
 
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(timeout_s), asyncio.TaskGroup() as group:
-                for node in sorted(nodes, key=self._unresponsive.noticed_s):
+                for node in sorted(nodes, key=self.unresponsive.noticed_s):
                     await places.acquire()
                     group.create_task(look(node))
                     # opening a ROS client takes milliseconds of the loop: one at a turn
                     await asyncio.sleep(0)
         return dict(sorted(found.items()))
+
+    async def call(
+        self, node: str, service: _Service, request: dict[str, object], deadline: Deadline
+    ) -> dict[str, Any]:
+        """Call a parameter service of a node; raises what `ServiceClients.call` raises."""
+        service_type = self._types.service(service.type_name)
+        name = f"{node}/{service.name}"
+        return await self._service_clients.call(name, service_type, request, deadline)
+
+    def offers(self, node: str, service: _Service) -> bool:
+        """Return whether a node has a parameter service, as far as the graph knows."""
+        return bool(self._ros.service_types(f"{node}/{service.name}"))
 
     def _conversation(self, requested: str, timeout_s: float) -> "_Conversation":
         node = requested if requested.startswith("/") else f"/{requested}"
@@ -181,26 +196,16 @@ class Parameters:
         return self._with(node, timeout_s)
 
     def _with(self, node: str, timeout_s: float) -> "_Conversation":
-        return _Conversation(self._ros, self._service_clients, self._unresponsive, node, timeout_s)
+        return _Conversation(self, node, Deadline.within(timeout_s))
 
 
 class _Conversation:
     """What is asked of one node within one deadline."""
 
-    def __init__(
-        self,
-        ros: Ros,
-        service_clients: ServiceClients,
-        unresponsive: UnresponsiveNodes,
-        node: str,
-        timeout_s: float,
-    ) -> None:
-        self._ros = ros
-        self._service_clients = service_clients
-        self._unresponsive = unresponsive
+    def __init__(self, parameters: Parameters, node: str, deadline: Deadline) -> None:
+        self._parameters = parameters
         self._node = node
-        self._timeout_s = timeout_s
-        self._end = asyncio.get_running_loop().time() + timeout_s
+        self._deadline = deadline
         self._has_answered = False
         self._declared: frozenset[str] | None = None
 
@@ -265,32 +270,28 @@ class _Conversation:
 
     async def _ask(self, service: _Service, request: dict[str, object]) -> Any:
         loop = asyncio.get_running_loop()
-        if not self._has_answered and self._unresponsive.has_just_timed_out(
-            self._node, self._timeout_s, loop.time()
-        ):
+        node, timeout_s = self._node, self._deadline.timeout_s
+        unresponsive = self._parameters.unresponsive
+        if not self._has_answered and unresponsive.has_just_timed_out(node, timeout_s, loop.time()):
             raise self._no_answer()
-        name = f"{self._node}/{service.name}"
-        left_s = max(0.0, self._end - loop.time())
         try:
-            response = await self._service_clients.call(name, service.type_name, request, left_s)
+            response = await self._parameters.call(node, service, request, self._deadline)
         except RosError as error:
             raise ProtocolError(error.code, truncate(str(error))) from error
         except ProtocolError as error:
             if error.code != "timeout":
                 raise
             if not self._has_answered:
-                self._unresponsive.add(self._node, self._timeout_s, loop.time())
+                unresponsive.add(node, timeout_s, loop.time())
             raise self._no_answer() from None
         self._has_answered = True
-        self._unresponsive.remove(self._node)
+        unresponsive.remove(node)
         return response[service.items]
 
     def _no_answer(self) -> ProtocolError:
-        if not self._ros.service_types(f"{self._node}/{_LIST.name}"):
+        if not self._parameters.offers(self._node, _LIST):
             return ProtocolError("not_found", f"node {self._node} offers no parameters")
-        return ProtocolError(
-            "timeout", f"node {self._node} has not answered within {self._timeout_s:g} s"
-        )
+        return self._deadline.error(f"node {self._node} has not answered")
 
 
 def _fitted(value: object, descriptor: Mapping[str, Any] | None) -> dict[str, object]:

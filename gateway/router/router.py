@@ -10,6 +10,7 @@ from typing import Any, Protocol, assert_never
 
 from gateway.codec.error_text import truncate
 from gateway.codec.types import Types
+from gateway.deadline import Deadline
 from gateway.ports import Ros, RosError
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.limits import Limits
@@ -94,8 +95,8 @@ class Router:
         # apart from each other: a call may take an hour, a lookup a minute
         self._asking = Tasks()
         self._looking = Tasks()
-        self._service_clients = ServiceClients(ros, types)
-        parameters = Parameters(ros, self._service_clients)
+        self._service_clients = ServiceClients(ros)
+        parameters = Parameters(ros, types, self._service_clients)
         rosapi = Rosapi(ros, types.definitions, parameters)
         self._subscriptions = Subscriptions(ros, topic_types, workers)
         self._publications = Publications(ros, topic_types)
@@ -254,7 +255,7 @@ class Router:
         async def answer() -> None:
             session.answer(operation.op, operation.id, **await work())
 
-        tasks.start(session, operation, answer, ASKING_S)
+        tasks.start(session, operation, answer, Deadline.within(ASKING_S))
 
     def _on_graph_change(self) -> None:
         self._subscriptions.refresh()

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from gateway.codec.error_text import truncate
+from gateway.deadline import Deadline
 from gateway.ports import RosError
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.limits import MAX_WAITING_CALLS
@@ -41,12 +42,12 @@ class Tasks:
         session: Session,
         operation: ClientOperation,
         work: Callable[[], Awaitable[None]],
-        timeout_s: float,
+        deadline: Deadline,
     ) -> None:
         """Do *work*, and answer the operation if it fails.
 
         As many operations of a session as its limits allow are under way at once, the others
-        wait for their turn, for *timeout_s*.
+        wait for their turn, until the deadline. Later it is the work's to keep it.
 
         Raises:
             ProtocolError: too many of them wait.
@@ -58,7 +59,7 @@ class Tasks:
         if len(own.tasks) >= limit:
             raise ProtocolError("limit_exceeded", f"at most {limit} calls under way per client")
         loop = asyncio.get_running_loop()
-        task = loop.create_task(_run(own.slots, session, operation, work, timeout_s))
+        task = loop.create_task(_run(own.slots, session, operation, work, deadline))
         own.tasks.add(task)
         task.add_done_callback(own.tasks.discard)
 
@@ -90,10 +91,10 @@ async def _run(
     session: Session,
     operation: ClientOperation,
     work: Callable[[], Awaitable[None]],
-    timeout_s: float,
+    deadline: Deadline,
 ) -> None:
     try:
-        async with asyncio.timeout(timeout_s):
+        async with asyncio.timeout_at(deadline.at_s):
             await slots.acquire()
     except TimeoutError:
         text = f"{session.limits.pending_calls} other calls of this client are still under way"

@@ -40,8 +40,8 @@ async def ros() -> AsyncIterator[Ros]:
 @pytest.fixture
 async def parameters(ros: Ros, robot: NodeWithParameters) -> AsyncIterator[Parameters]:
     await discovered(ros, robot)
-    calls = ServiceClients(ros, Types(InstalledDefinitions()))
-    yield Parameters(ros, calls)
+    calls = ServiceClients(ros)
+    yield Parameters(ros, Types(InstalledDefinitions()), calls)
     calls.close()
 
 

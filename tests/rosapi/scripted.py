@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Nodes on the fake ROS that answer for their parameters as a test says, or not at all."""
 
+import asyncio
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from gateway.codec.types import Types
+from gateway.codec.types import ServiceType, Types
+from gateway.deadline import Deadline
 from gateway.ports import Request
+from gateway.rosapi import Parameters
 from gateway.service_clients import ServiceClients
 from schemas.installed import InstalledDefinitions
 from tests.ros.fake import FakeRos
@@ -14,24 +17,24 @@ Reply = Callable[[Mapping[str, Any]], Mapping[str, Any] | None]
 
 
 class CountedCalls(ServiceClients):
-    """ServiceClients that are counted: which, with how much time, and how many at once."""
+    """Calls that are counted: which, with how much time, and how many at once."""
 
-    def __init__(self, ros: FakeRos, types: Types) -> None:
-        super().__init__(ros, types)
+    def __init__(self, ros: FakeRos) -> None:
+        super().__init__(ros)
         self.asked: list[str] = []
         self.timeouts_s: list[float] = []
         self.most_at_once = 0
         self._at_once = 0
 
     async def call(
-        self, service: str, type_name: str, values: object, timeout_s: float
+        self, service: str, service_type: ServiceType, values: object, deadline: Deadline
     ) -> dict[str, object]:
         self.asked.append(service)
-        self.timeouts_s.append(timeout_s)
+        self.timeouts_s.append(deadline.at_s - asyncio.get_running_loop().time())
         self._at_once += 1
         self.most_at_once = max(self.most_at_once, self._at_once)
         try:
-            return await super().call(service, type_name, values, timeout_s)
+            return await super().call(service, service_type, values, deadline)
         finally:
             self._at_once -= 1
 
@@ -42,7 +45,8 @@ class ScriptedNodes:
     def __init__(self) -> None:
         self.ros = FakeRos()
         self.types = Types(InstalledDefinitions())
-        self.calls = CountedCalls(self.ros, self.types)
+        self.calls = CountedCalls(self.ros)
+        self.parameters = Parameters(self.ros, self.types, self.calls)
 
     def offer(self, node: str, service: str, reply: Reply) -> None:
         """Offer one of the parameter services; where *reply* returns ``None``, it is silent."""

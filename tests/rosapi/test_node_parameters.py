@@ -224,7 +224,7 @@ async def test_a_node_that_loses_answers_is_told_of(nodes: ScriptedNodes) -> Non
     for service in ("list_parameters", "describe_parameters", "set_parameters"):
         nodes.offer("/broken", service, lambda _: {})
     with pytest.raises(ProtocolError, match="node /broken answered 0 results for 2 parameters"):
-        await Parameters(nodes.ros, nodes.calls).set("/broken", {"a": 1, "b": 2})
+        await nodes.parameters.set("/broken", {"a": 1, "b": 2})
 
 
 async def test_many_undeclared_parameters_take_no_more_questions_than_one(
@@ -233,7 +233,7 @@ async def test_many_undeclared_parameters_take_no_more_questions_than_one(
     nodes.add("/robot", "speed", "height")
     wrong = [f"wrong{number}" for number in range(256)]
     with pytest.raises(ProtocolError, match="parameter wrong0 ") as caught:
-        await Parameters(nodes.ros, nodes.calls).get("/robot", ["speed", *wrong, "height"])
+        await nodes.parameters.get("/robot", ["speed", *wrong, "height"])
     assert caught.value.code == "not_found"
     assert len(nodes.calls.asked) == 3
 
@@ -243,14 +243,14 @@ async def test_many_undeclared_parameters_do_not_keep_others_from_being_set(
 ) -> None:
     nodes.add("/robot", "speed", "height")
     values = {"speed": 1, **{f"wrong{number}": 1 for number in range(256)}, "height": 2}
-    results = await Parameters(nodes.ros, nodes.calls).set("/robot", values)
+    results = await nodes.parameters.set("/robot", values)
     assert [name for name, result in results.items() if result.successful] == ["speed", "height"]
     assert len(nodes.calls.asked) == 4
 
 
 async def test_a_name_that_no_string_in_ros_can_have_harms_no_other(nodes: ScriptedNodes) -> None:
     nodes.add("/robot", "speed")
-    parameters = Parameters(nodes.ros, nodes.calls)
+    parameters = nodes.parameters
     results = await parameters.set("/robot", {"sp\0eed": 1, "speed": 1})
     assert results == {
         "sp\0eed": SetResult(successful=False, reason="expected a name without U+0000"),
@@ -264,7 +264,7 @@ async def test_a_name_that_no_string_in_ros_can_have_harms_no_other(nodes: Scrip
 
 async def test_the_deadline_is_for_all_questions_together(nodes: ScriptedNodes) -> None:
     nodes.add("/late", "speed")
-    await Parameters(nodes.ros, nodes.calls).get("/late")
+    await nodes.parameters.get("/late")
     first, second = nodes.calls.timeouts_s
     assert second < first <= NODE_TIMEOUT_S
 
@@ -272,7 +272,7 @@ async def test_the_deadline_is_for_all_questions_together(nodes: ScriptedNodes) 
 async def test_hidden_nodes_are_not_asked_for_their_names(nodes: ScriptedNodes) -> None:
     for node in ("/robot", "/_ros2cli_1", "/_hidden/robot"):
         nodes.add(node, "speed")
-    assert await Parameters(nodes.ros, nodes.calls).names_by_node() == {"/robot": ["speed"]}
+    assert await nodes.parameters.names_by_node() == {"/robot": ["speed"]}
     assert nodes.calls.asked == ["/robot/list_parameters"]
 
 
@@ -282,7 +282,7 @@ async def test_more_dead_nodes_than_are_asked_at_once_do_not_hide_a_living_one(
     for number in range(NODES_AT_ONCE + 1):
         nodes.add_silent(f"/dead{number}")
     nodes.add("/living", "speed")
-    assert await Parameters(nodes.ros, nodes.calls).names_by_node() == {"/living": ["speed"]}
+    assert await nodes.parameters.names_by_node() == {"/living": ["speed"]}
     assert nodes.calls.most_at_once == NODES_AT_ONCE
 
 
@@ -294,7 +294,7 @@ async def test_looking_at_all_nodes_ends_however_many_are_dead(
         nodes.add_silent(f"/dead{number:02}")
     nodes.add("/alive", "speed")
     async with asyncio.timeout(30):
-        found = await Parameters(nodes.ros, nodes.calls).names_by_node(timeout_s=0.1)
+        found = await nodes.parameters.names_by_node(timeout_s=0.1)
     assert found == {"/alive": ["speed"]}
 
 
@@ -305,7 +305,7 @@ async def test_nodes_that_were_silent_before_are_asked_last(
     monkeypatch.setattr("gateway.rosapi.unresponsive_nodes.FRESH_S", -1.0)
     nodes.add_silent("/dead")
     nodes.add("/living", "speed")
-    parameters = Parameters(nodes.ros, nodes.calls)
+    parameters = nodes.parameters
     for _ in range(2):
         assert await parameters.names_by_node() == {"/living": ["speed"]}
     dead, living = "/dead/list_parameters", "/living/list_parameters"
@@ -333,14 +333,14 @@ async def test_looking_at_all_nodes_opens_one_client_in_a_turn_of_the_loop(
     for number in range(NODES_AT_ONCE):
         nodes.add(f"/robot{number}", "speed")
     counting = asyncio.create_task(count())
-    await Parameters(nodes.ros, nodes.calls).names_by_node()
+    await nodes.parameters.names_by_node()
     counting.cancel()
     assert len(opened_in) == len(set(opened_in)) == NODES_AT_ONCE
 
 
 async def test_a_row_of_questions_to_a_dead_node_waits_for_it_once(nodes: ScriptedNodes) -> None:
     nodes.add_silent("/dead")
-    parameters = Parameters(nodes.ros, nodes.calls)
+    parameters = nodes.parameters
     for _ in range(8):
         with pytest.raises(ProtocolError, match=r"/dead has not answered within 0\.1 s") as caught:
             await parameters.get("/dead", ["speed"], timeout_s=0.1)
@@ -353,7 +353,7 @@ async def test_a_row_of_questions_to_a_dead_node_waits_for_it_once(nodes: Script
 
 async def test_a_node_that_answers_again_is_no_longer_taken_for_dead(nodes: ScriptedNodes) -> None:
     nodes.add_silent("/robot")
-    parameters = Parameters(nodes.ros, nodes.calls)
+    parameters = nodes.parameters
     with pytest.raises(ProtocolError, match="has not answered"):
         await parameters.list_names("/robot", timeout_s=0.2)
     for service in list(nodes.ros.services):
@@ -371,7 +371,7 @@ async def test_a_node_that_answers_some_questions_is_not_taken_for_dead(
         service for service in nodes.ros.services if service.name != "/robot/get_parameters"
     ]
     nodes.offer("/robot", "get_parameters", lambda _: None)
-    parameters = Parameters(nodes.ros, nodes.calls)
+    parameters = nodes.parameters
     with pytest.raises(ProtocolError, match="has not answered"):
         await parameters.get("/robot", timeout_s=0.2)
     assert await parameters.list_names("/robot", timeout_s=0.2) == ["speed"]

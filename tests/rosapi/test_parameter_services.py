@@ -140,7 +140,7 @@ async def test_a_node_has_the_time_that_the_client_gives_it(
     nodes: ScriptedNodes, name: str, args: list[str], timeout_s: float | None, waited_s: float
 ) -> None:
     nodes.add("/robot", "speed")
-    rosapi = Rosapi(nodes.ros, InstalledDefinitions(), Parameters(nodes.ros, nodes.calls))
+    rosapi = Rosapi(nodes.ros, InstalledDefinitions(), nodes.parameters)
     answered = rosapi.answer(f"/rosapi/{name}", args, timeout_s)
     assert not isinstance(answered, dict)
     await answered()
@@ -154,7 +154,7 @@ async def test_names_of_all_nodes_come_within_the_time_that_the_client_gives(
     monkeypatch.setattr("gateway.rosapi.parameter_services.ALL_NODES_TIMEOUT_S", 3600.0)
     nodes.add("/robot", "speed")
     nodes.add_silent("/dead")
-    rosapi = Rosapi(nodes.ros, InstalledDefinitions(), Parameters(nodes.ros, nodes.calls))
+    rosapi = Rosapi(nodes.ros, InstalledDefinitions(), nodes.parameters)
     answered = rosapi.answer("/rosapi/get_param_names", None, 0.1)
     assert not isinstance(answered, dict)
     async with asyncio.timeout(30):

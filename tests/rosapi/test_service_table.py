@@ -48,7 +48,7 @@ LOCAL = [name for name in ARGUMENTS if "param" not in name]
 
 def build(ros: FakeRos) -> Rosapi:
     definitions = InstalledDefinitions([*installed_prefixes(), interfaces_prefix()])
-    return Rosapi(ros, definitions, Parameters(ros, ServiceClients(ros, Types(definitions))))
+    return Rosapi(ros, definitions, Parameters(ros, Types(definitions), ServiceClients(ros)))
 
 
 @pytest.fixture

@@ -9,6 +9,7 @@ from typing import Final
 from gateway.client_cache import ClientCache
 from gateway.codec.errors import CodecError
 from gateway.codec.types import ActionType
+from gateway.deadline import Deadline
 from gateway.ports import ActionClient, Goal, Ros
 from gateway.protocol import messages
 from gateway.protocol.errors import ProtocolError
@@ -140,12 +141,9 @@ class Goals:
             (action, type_name), lambda: self._ros.action_client(action, type_name)
         )
         with opened as client:
-            try:
-                async with asyncio.timeout(ACCEPT_S):
-                    goal = await client.send_goal(goal_cdr, sent.on_feedback)
-            except TimeoutError:
-                text = f"action {action} has not answered the goal within {ACCEPT_S:g} s"
-                raise ProtocolError("timeout", text) from None
+            deadline = Deadline.within(ACCEPT_S)
+            async with deadline.limit(f"action {action} has not answered the goal"):
+                goal = await client.send_goal(goal_cdr, sent.on_feedback)
             if goal is None:
                 raise ProtocolError("bad_request", f"action {action} has rejected the goal")
             sent.goal = goal

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Services that clients call: of ROS nodes, and rosapi's, which the gateway answers itself."""
 
-import asyncio
 from typing import Final
 
+from gateway.codec.types import ServiceType
+from gateway.deadline import Deadline
 from gateway.protocol import messages
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import ServiceName, resolve_service
@@ -37,54 +38,51 @@ class ServiceCalls:
         self._asking = asking
 
     def call(self, session: Session, request: CallService) -> None:
-        """Call a service; its response, or why there is none, comes when it comes.
+        """Call a service; the response, or an error, is sent later.
 
         Raises:
             ProtocolError: nobody provides it, not with that type, or too many calls wait.
         """
         service = resolve_service(request.service, session.limits.name_characters)
-        loop = asyncio.get_running_loop()
-        timeout_s = _timeout_s(session, request)
-        deadline = loop.time() + timeout_s
+        deadline = Deadline.within(_timeout_s(session, request))
         if self._rosapi.has(service):
-            # What needs no other node is answered at once, before the client's next operation.
-            local = self._rosapi.answer(service, request.args, request.timeout)
-            if isinstance(local, dict):
-                _respond(session, request, local)
-                return
-            ask = local
-
-            async def work() -> None:
-                _respond(session, request, await ask())
-
-            self._asking.start(session, request, work, timeout_s)
+            self._answer(session, request, service, deadline)
             return
-        type_name = self._type(session, service, request)
+        service_type = self._find_type(session, service, request)
 
         async def call() -> None:
-            left_s = deadline - loop.time()
-            try:
-                values = await self._service_clients.call(service, type_name, request.args, left_s)
-            except ProtocolError as error:
-                if error.code != "timeout":
-                    raise
-                text = f"service {service} has not answered within {timeout_s:g} s"
-                raise ProtocolError("timeout", text) from None
+            values = await self._service_clients.call(service, service_type, request.args, deadline)
             _respond(session, request, values)
 
-        self._calling.start(session, request, call, timeout_s)
+        self._calling.start(session, request, call, deadline)
 
-    def _type(self, session: Session, service: ServiceName, request: CallService) -> str:
-        """Return the type that the service has; another one that the client names is a warning.
+    def _answer(
+        self, session: Session, request: CallService, service: ServiceName, deadline: Deadline
+    ) -> None:
+        """Answer a call of rosapi, at once if no other node is needed, before anything else."""
+        answer = self._rosapi.answer(service, request.args, request.timeout)
+        if isinstance(answer, dict):
+            _respond(session, request, answer)
+            return
+
+        async def ask() -> None:
+            _respond(session, request, await answer())
+
+        self._asking.start(session, request, ask, deadline)
+
+    def _find_type(
+        self, session: Session, service: ServiceName, request: CallService
+    ) -> ServiceType:
+        """Return the type that the service has; warn a client that names another one.
 
         rosbridge does not look at it, so many a page names a wrong one and has never noticed.
         """
         try:
-            return self._types.of_service(service, request.type).name
+            return self._types.of_service(service, request.type)
         except ProtocolError as error:
             if error.code not in {"type_conflict", "bad_type"} or request.type is None:
                 raise
-            found = self._types.of_service(service, None).name
+            found = self._types.of_service(service, None)
             warning = ProtocolError(error.code, f"{error}; calling it all the same")
             session.warn(warning, request.op, request.id)
             return found

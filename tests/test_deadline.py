@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: Apache-2.0
+import asyncio
+
+import pytest
+
+from gateway.deadline import Deadline
+from gateway.protocol.errors import ProtocolError
+
+
+async def test_what_is_not_done_by_the_deadline_is_cancelled_and_named():
+    deadline = Deadline.within(0.01)
+    with pytest.raises(ProtocolError, match=r"^the robot has not answered within 0\.01 s$") as late:
+        async with deadline.limit("the robot has not answered"):
+            await asyncio.get_running_loop().create_future()
+    assert late.value.code == "timeout"
+
+
+async def test_a_second_step_does_not_begin_the_time_anew():
+    deadline = Deadline.within(0.01)
+    for _ in range(2):  # the second has no time left at all
+        with pytest.raises(ProtocolError, match=r"within 0\.01 s"):
+            async with deadline.limit("nobody has answered"):
+                await asyncio.get_running_loop().create_future()
+
+
+async def test_what_is_done_in_time_is_not_disturbed():
+    async with Deadline.within(60).limit("nobody has answered"):
+        await asyncio.sleep(0)
