@@ -49,10 +49,11 @@ async def test_calls_of_one_service_share_a_ros_client(
     ros: FakeRos, service_clients: ServiceClients
 ) -> None:
     ros.add_service("/arm", SET_BOOL.name, answer)
+    deadline = Deadline.within(5)
     await asyncio.gather(
-        *(service_clients.call("/arm", SET_BOOL, [True], Deadline.within(5)) for _ in range(5))
+        *(service_clients.call("/arm", SET_BOOL, [True], deadline) for _ in range(5))
     )
-    await service_clients.call("/arm", SET_BOOL, None, Deadline.within(5))
+    await service_clients.call("/arm", SET_BOOL, None, deadline)
     assert service_clients.clients == ros.entity_count() == 1
 
 

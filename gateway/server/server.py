@@ -51,7 +51,13 @@ class Server:
         self._started_s = time.monotonic()
         self._all_gone = asyncio.Event()
         self._all_gone.set()
-        self._totals = {"messages_in": 0, "refused": 0, "frames_out": 0, "dropped": 0}
+        self._totals = {
+            "messages_in": 0,
+            "refused": 0,
+            "frames_out": 0,
+            "dropped": 0,
+            "coalesced": 0,
+        }
 
     @contextlib.asynccontextmanager
     async def listening(self, host: str, port: int) -> AsyncIterator[list[tuple[str, int]]]:
@@ -153,3 +159,4 @@ def _add(totals: dict[str, int], session: Session) -> None:
     totals["refused"] += session.refused
     totals["frames_out"] += session.outbox.sent
     totals["dropped"] += session.outbox.dropped
+    totals["coalesced"] += session.outbox.coalesced

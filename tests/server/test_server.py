@@ -242,6 +242,20 @@ async def test_a_frame_flood_is_closed_with_1008(serve: Serve):
         writer.close()
 
 
+async def test_health_counts_what_a_throttle_replaced_also_of_clients_that_left(serve: Serve):
+    async with serve() as served:
+        async with client(served.url) as listener:
+            publisher = served.ros.add_publisher("/t", STRING)
+            await listener.send(op="subscribe", topic="/t", throttle_rate=3_600_000)
+            await listener.sync()
+            for _ in range(5):
+                publisher.publish(served.cdr(STRING, data="x"))
+            # the first passes, the second is held, each later one takes the place of another
+            await eventually(lambda: served.server.health()["coalesced"] == 3)
+        await eventually(lambda: served.clients == 0)
+        assert served.server.health()["coalesced"] == 3
+
+
 async def test_a_client_that_takes_nothing_is_cut_off_and_harms_nobody(serve: Serve):
     async with serve(timing={"send_deadline_s": 0.5}) as served, client(served.url) as good:
         publisher = served.ros.add_publisher("/big", STRING, Qos(depth=100))
