@@ -2,6 +2,8 @@
 """ROS 2 through rclpy; the only importer of rclpy beside the simulated robot.
 
 Importing this needs no rclpy, opening does.
+
+The map is docs/architecture.md.
 """
 
 import contextlib

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The rosapi services of rosbridge, answered in-process: the graph, types, parameters, time."""
+"""The rosapi services of rosbridge, answered in-process: the graph, types, parameters, time.
+
+The map is docs/architecture.md.
+"""
 
 from gateway.rosapi.interfaces import interfaces_prefix
 from gateway.rosapi.node_parameters import Parameters, SetResult

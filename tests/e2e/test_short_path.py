@@ -2,6 +2,7 @@
 """The way of a sample from DDS to the socket: short enough to be read in one go."""
 
 import asyncio
+import re
 import sys
 from collections.abc import AsyncIterator, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -75,6 +76,13 @@ async def url() -> AsyncIterator[str]:
             router.close()
 
 
+def documented() -> list[str]:
+    """Return the calls that the architecture page lists."""
+    page = (Path(ROOT).parent / "docs" / "architecture.md").read_text("utf-8")
+    table = page.partition("<!-- the way of a sample -->")[2].partition("\n\n")[0]
+    return re.findall(r"^\| `([^`]+)`", table, re.MULTILINE)
+
+
 async def test_a_sample_reaches_the_socket_in_few_calls_over_few_files(url: str, outside: Outside):
     types = Types(InstalledDefinitions())
     scan = types.get(SCAN)
@@ -97,5 +105,6 @@ async def test_a_sample_reaches_the_socket_in_few_calls_over_few_files(url: str,
             sys.setprofile(None)
     told = "\n".join(f"{Path(code.co_filename).name}: {code.co_qualname}" for code in way.calls)
     assert way.is_over, told
+    assert [code.co_qualname for code in way.calls] == documented(), told
     assert len(way.calls) <= MAX_CALLS, told
     assert len(way.files) <= MAX_FILES, told

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: Apache-2.0
+"""docs/architecture.md names what there is."""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PAGE = ROOT / "docs" / "architecture.md"
+ROW = re.compile(r"^\| `([\w.<>]+)` \| `([^`]+)` \|", re.MULTILINE)
+
+
+def rows() -> list[tuple[str, str]]:
+    return ROW.findall(PAGE.read_text("utf-8"))
+
+
+def names_in(file: str) -> set[str]:
+    """Return the functions and classes of a file, methods as ``Class.method``."""
+    names = set()
+    for node in ast.parse((ROOT / file).read_text("utf-8")).body:
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+            names.add(node.name)
+        if isinstance(node, ast.ClassDef):
+            functions = (ast.FunctionDef, ast.AsyncFunctionDef)
+            names |= {f"{node.name}.{f.name}" for f in node.body if isinstance(f, functions)}
+    return names
+
+
+@pytest.mark.parametrize(("function", "file"), sorted(set(rows())))
+def test_every_function_of_the_four_ways_is_where_the_page_says(function: str, file: str):
+    if not file.startswith("<"):  # generated
+        assert function.partition(".<locals>")[0] in names_in(file)
+
+
+def test_every_file_that_is_named_exists():
+    named = re.findall(
+        r"`((?:gateway|gateway_sim|schemas|tests)/[\w/.*]*)`", PAGE.read_text("utf-8")
+    )
+    assert len(named) > 40
+    assert [name for name in named if not list(ROOT.glob(name.rstrip("/")))] == []
+
+
+def test_every_class_of_the_glossary_exists():
+    glossary = PAGE.read_text("utf-8").partition("## Glossary")[2]
+    classes = set(re.findall(r"`([A-Z]\w+)`", glossary))
+    assert len(classes) > 12
+    source = "\n".join(path.read_text("utf-8") for path in (ROOT / "gateway").rglob("*.py"))
+    assert {name for name in classes if f"\nclass {name}" not in source} == set()
+
+
+@pytest.mark.parametrize(
+    "room", ["", "/codec", "/config", "/protocol", "/ros", "/rosapi", "/router", "/server", "/tf"]
+)
+def test_the_docstrings_of_the_rooms_point_to_the_page(room: str):
+    text = (ROOT / f"gateway{room}" / "__init__.py").read_text("utf-8")
+    assert "docs/architecture.md" in (ast.get_docstring(ast.parse(text)) or "")
