@@ -17,7 +17,7 @@ from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from gateway.ros import fast_dds
+from gateway.ros import fast_dds, rclpy_private
 
 PROFILE: Final = Path(__file__).with_name("fastdds_profile.xml")
 _LONGEST_WAIT_NS: Final = 50_000_000  # what a stop may take to be noticed, nothing to a person
@@ -111,9 +111,5 @@ def stopped_by_signals(stop: threading.Event) -> Iterator[None]:
 
 
 def _executor(context: Context) -> Executor:
-    """Return the executor whose wait costs the same for 5 entities and for 500, where it exists."""
-    try:
-        from rclpy.experimental.events_executor import EventsExecutor
-    except ImportError:  # before Jazzy's rclpy 7.1
-        return SingleThreadedExecutor(context=context)
-    return EventsExecutor(context=context)
+    """Return the executor whose wait costs the same for 5 entities and for 500, if it exists."""
+    return rclpy_private.events_executor(context) or SingleThreadedExecutor(context=context)

@@ -14,6 +14,7 @@ from rclpy.qos import QoSProfile, qos_profile_action_status_default
 from rclpy.serialization import deserialize_message, serialize_message
 
 from gateway.ports import ABORTED, CANCELED, GoalOutcome, GoalRequest
+from gateway.ros import rclpy_private
 from gateway.ros.endpoints import Endpoints, OnRequest, Replier, Reply
 from gateway.ros.errors import refusals, remapped
 from gateway.ros.goal_ids import with_goal_id
@@ -127,7 +128,8 @@ class RclpyActionServer:
                 undo.callback(endpoints.node.destroy_publisher, opened)
                 return opened
 
-            self._feedback = publisher("feedback", parts.FeedbackMessage, _FEEDBACK_PROFILE)
+            feedback = publisher("feedback", parts.FeedbackMessage, _FEEDBACK_PROFILE)
+            self._publish_feedback = rclpy_private.raw_publisher(feedback)
             self._status_topic = publisher(
                 "status", self._statuses, qos_profile_action_status_default
             )
@@ -150,7 +152,7 @@ class RclpyActionServer:
     def publish_feedback(self, goal_id: bytes, cdr: bytes) -> None:
         """Publish the Feedback of a goal."""
         with refusals(self._subject):
-            self._feedback.handle.publish_raw(with_goal_id(goal_id, cdr))
+            self._publish_feedback(with_goal_id(goal_id, cdr))
 
     def finish(self, goal: RclpyGoalRequest, status: int, result: bytes) -> None:
         """End a goal that has not ended."""

@@ -16,6 +16,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
 from gateway.ports import MAX_TAKES_PER_TURN, RosError
+from gateway.ros import rclpy_private
 from gateway.ros.errors import REFUSALS, losses, refusals, refused, remapped
 from gateway.ros.groups import group_of_one
 from gateway.ros.qos import MAX_DEPTH
@@ -102,6 +103,8 @@ class Requester:
                 self._take,
             )
         self._client = self._source.entity
+        self._send_request = rclpy_private.request_sender(self._client)
+        self._take_response = rclpy_private.response_taker(self._client)
         given = self._client.service_name
         if given != name:
             self.close()
@@ -202,7 +205,7 @@ class Requester:
 
     def _send(self, request: Any, response: "asyncio.Future[Any]") -> None:
         try:
-            number = self._client.handle.send_request(request)
+            number = self._send_request(request)
         except REFUSALS as error:
             self._fail(response, refused(self._subject, error))
             return
@@ -236,7 +239,7 @@ class Requester:
 
     def _take(self) -> None:
         for _ in range(MAX_TAKES_PER_TURN):
-            info, message = self._client.handle.take_response(self._response_class)
+            info, message = self._take_response(self._response_class)
             is_pending = self._source.count_take()
             if info is None:
                 if is_pending:
@@ -302,8 +305,10 @@ class Replier:
                 node.destroy_service,
                 self._take,
             )
-        self._service = self._source.entity
-        given = self._service.service_name
+        service = self._source.entity
+        self._take_request = rclpy_private.request_taker(service)
+        self._send_response = rclpy_private.response_sender(service)
+        given = service.service_name
         if given != name:
             self._source.close()
             raise remapped(subject, given)
@@ -339,21 +344,21 @@ class Replier:
 
     def _take_one(self) -> bool:
         """Take one request; tell whether there may be more."""
-        request, info = self._service.handle.service_take_request(self._request_class)
-        if not self._source.count_take() and request is None:
+        request, info = self._take_request(self._request_class)
+        if not self._source.count_take() and info is None:
             return False
         # One a turn, and before the callback: what that raises keeps no other waiting.
         self._source.notify_again()
-        if request is not None:  # it could be read
+        if info is not None:  # it could be read
             self._on_request(request, lambda response: self._reply(response, info.request_id))
         return True
 
-    def _reply(self, response: Any, request_id: Any) -> None:
+    def _reply(self, response: Any, request_id: rclpy_private.RequestId) -> None:
         if self._is_closed or self._loop.time() < self._silent_until:
             return
         self.has_replied = True
         with losses(self._subject) as waits:
-            self._service.handle.service_send_response(response, request_id)
+            self._send_response(response, request_id)
         if waits:
             self._stall()
 

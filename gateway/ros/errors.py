@@ -14,6 +14,7 @@ from rclpy.exceptions import (
 )
 
 from gateway.ports import RosError
+from gateway.ros.rclpy_private import RESPONSE_TIMED_OUT
 
 # RCLError and its kin are RuntimeErrors; an AttributeError is what a class without type support
 # gets; a ValueError or an OverflowError is a number that C does not hold; an OSError is a limit
@@ -57,7 +58,7 @@ def losses(subject: str) -> Iterator[list[warnings.WarningMessage]]:
     the warning afterwards.
     """
     with warnings.catch_warnings(record=True) as waits:
-        warnings.filterwarnings("always", "failed to send response", RuntimeWarning)
+        warnings.filterwarnings("always", RESPONSE_TIMED_OUT, RuntimeWarning)
         try:
             yield waits
         except RuntimeError as error:  # RCLError

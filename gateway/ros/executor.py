@@ -10,9 +10,8 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.task import Future
 
-# `spin()` of the EventsExecutor in rclpy 7.1 has an overflow in its infinite deadline: it turns
-# without pause and delivers nothing. A deadline of eleven days works.
-_SPIN_S: Final = 1e6
+from gateway.ros import rclpy_private
+
 # After a callback that raised: a fault that comes back at once must not fill the log.
 _PAUSE_S: Final = 1.0
 
@@ -27,7 +26,8 @@ class ExecutorThread:
     """
 
     def __init__(self, context: Context, *, standard: bool = False) -> None:
-        self._executor = _new_executor(context, standard=standard)
+        executor = None if standard else rclpy_private.events_executor(context)
+        self._executor = executor or SingleThreadedExecutor(context=context)
         self._stop: Any = Future()
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._spin, name="ros_executor", daemon=True)
@@ -52,18 +52,7 @@ class ExecutorThread:
     def _spin(self) -> None:
         while not self._stopping.is_set():
             try:
-                self._executor.spin_until_future_complete(self._stop, _SPIN_S)
+                self._executor.spin_until_future_complete(self._stop, rclpy_private.SPIN_S)
             except Exception:  # rclpy lets a callback's out, and the thread must outlive it
                 _logger.exception("callback of ROS failed")
                 self._stopping.wait(_PAUSE_S)
-
-
-def _new_executor(context: Context, *, standard: bool) -> Any:
-    if not standard:
-        try:
-            from rclpy.experimental.events_executor import EventsExecutor
-        except ImportError:  # before Jazzy
-            pass
-        else:
-            return EventsExecutor(context=context)
-    return SingleThreadedExecutor(context=context)

@@ -2,29 +2,27 @@
 """What discovery knows, and word of its changes.
 
 rcl has a guard condition that it triggers when discovery learns something. Waiting for it costs
-nothing while nothing happens and wakes within a millisecond. rclpy does not expose it, two
-functions of rcl's C API do; where they lack, a thread looks twice a second.
+nothing while nothing happens and wakes within a millisecond. rclpy does not expose it,
+`gateway.ros.rclpy_private.GraphWaitSet` does; without that a thread looks twice a second.
 """
 
 import asyncio
 import contextlib
-import ctypes
 import logging
 import threading
 from collections import defaultdict
-from collections.abc import Callable, Container, Iterable, Iterator
+from collections.abc import Callable, Container, Iterable
 from time import perf_counter
 from typing import Any, Final
 
 from rclpy.action.graph import get_action_server_names_and_types_by_node
-from rclpy.guard_condition import GuardCondition
-from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 
 from gateway.ports import Graph, ServerInfo, TopicInfo
 from gateway.ros.errors import REFUSALS
 from gateway.ros.profile import endpoint_node, full_name, to_offer
 from gateway.ros.qos import Offer
+from gateway.ros.rclpy_private import GraphWaitSet
 
 # A new node is dozens of changes within a few milliseconds: look once they are over. Far below
 # the 100 ms in which a subscription is to follow its publishers.
@@ -113,7 +111,7 @@ class GraphChanges:
         self._settle_s = SETTLE_S
         self._is_reported = False
         self._stopping = threading.Event()
-        self._wait_set = None if polling else _GraphWaitSet.create(node)
+        self._wait_set = None if polling else GraphWaitSet.create(node)
         self._thread = threading.Thread(target=self._look, name="ros_graph", daemon=True)
         self._thread.start()
 
@@ -138,7 +136,7 @@ class GraphChanges:
                 return
         self._poll()
 
-    def _wait(self, wait_set: "_GraphWaitSet") -> None:
+    def _wait(self, wait_set: GraphWaitSet) -> None:
         with wait_set.opened() as wait:
             wait()
             while not self._stopping.wait(self._settle_s):
@@ -168,59 +166,6 @@ class GraphChanges:
         self._on_change()  # through self: a call on its way finds out that this was closed
         took = perf_counter() - began
         self._settle_s = min(max(SETTLE_S, SETTLES_PER_HANDLING * took), MAX_SETTLE_S)
-
-
-class _GraphWaitSet:
-    """A wait set of rcl's with a node's graph guard condition in it, and one of our own."""
-
-    def __init__(self, node: Node, graph_condition: int, add: Any) -> None:
-        self._node = node
-        self._context: Any = node.context  # annotated as perhaps without a handle
-        self._graph_condition = graph_condition
-        self._add = add
-        self._wake = GuardCondition(_nothing, None, context=node.context)
-
-    @classmethod
-    def create(cls, node: Node) -> "_GraphWaitSet | None":
-        """Return one, or ``None`` where rcl does not let us."""
-        try:
-            rcl = ctypes.CDLL("librcl.so")
-            find = rcl.rcl_node_get_graph_guard_condition
-            add = rcl.rcl_wait_set_add_guard_condition
-        except (OSError, AttributeError):
-            return None
-        find.argtypes = [ctypes.c_void_p]
-        find.restype = ctypes.c_void_p
-        add.argtypes = [ctypes.c_void_p] * 3
-        add.restype = ctypes.c_int
-        with node.handle:
-            condition = find(node.handle.pointer)
-        return cls(node, condition, add) if condition else None
-
-    def wake(self) -> None:
-        """End the wait that is going on, or the next one; from any thread."""
-        self._wake.trigger()
-
-    def close(self) -> None:
-        self._wake.destroy()
-
-    @contextlib.contextmanager
-    def opened(self) -> Iterator[Callable[..., None]]:
-        """Yield a function that waits for a change; its default is without time limit."""
-        with self._node.handle, self._context.handle, self._wake.handle:
-            wait_set = rclpy_implementation.WaitSet(0, 2, 0, 0, 0, 0, self._context.handle)
-            with wait_set:
-
-                def wait(timeout_ns: int = -1) -> None:
-                    wait_set.clear_entities()
-                    wait_set.add_guard_condition(self._wake.handle)
-                    code = self._add(wait_set.pointer, self._graph_condition, None)
-                    if code != 0:
-                        raise RuntimeError(f"rcl_wait_set_add_guard_condition returned {code}")
-                    wait_set.wait(timeout_ns)
-
-                yield wait
-            wait_set.destroy_when_not_in_use()
 
 
 def _nodes(endpoints: list[Any]) -> tuple[str, ...]:

@@ -15,7 +15,7 @@ from rclpy.parameter import Parameter
 
 from gateway.config.domain_id import MAX_DOMAIN_ID
 from gateway.ports import GoalRequest, Graph, LogLevel, Qos, Request, RosError, Sample, ServerInfo
-from gateway.ros import fast_dds
+from gateway.ros import fast_dds, rclpy_private
 from gateway.ros.action_client import RclpyActionClient
 from gateway.ros.action_entities import Actions
 from gateway.ros.action_server import RclpyActionServer
@@ -78,7 +78,8 @@ class RclpyRos:
                     self._debug = _open_node(context, options, "debug", undo)
             except REFUSALS as error:
                 raise refused("starting ROS", error) from error
-            self._clock = self._debug.get_clock().handle
+            # ROS time in nanoseconds
+            self.now_ns: Callable[[], int] = rclpy_private.clock_reader(self._debug.get_clock())
             executor = ExecutorThread(context)
             undo.callback(executor.close)
             executor.add_node(self._debug)
@@ -117,12 +118,6 @@ class RclpyRos:
     def distro(self) -> str:
         """The ROS distribution, such as ``jazzy``."""
         return os.environ.get("ROS_DISTRO", "jazzy")
-
-    def now_ns(self) -> int:
-        """ROS time in nanoseconds."""
-        # as the clock's own now(), without the object that would wrap it
-        with self._clock:
-            return int(self._clock.get_now().nanoseconds)
 
     def subscribe(
         self,

@@ -10,6 +10,7 @@ from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 
 from gateway.ports import Qos
+from gateway.ros import rclpy_private
 from gateway.ros.deferred_destruction import Deferred, DeferredDestruction
 from gateway.ros.errors import REFUSALS, refused, remapped
 from gateway.ros.groups import group_of_one
@@ -71,7 +72,7 @@ class Publishers:
             self._deferred.cancel(shared.deferred)
             shared.deferred = None
         shared.users += 1
-        handle = RclpyPublisher(self, key, shared.publisher.handle.publish_raw)
+        handle = RclpyPublisher(self, key, rclpy_private.raw_publisher(shared.publisher))
         self._handles.add(handle)
         return handle
 
@@ -124,7 +125,9 @@ class Publishers:
 class RclpyPublisher:
     """One handle on a publisher that others may share."""
 
-    def __init__(self, publishers: Publishers, key: _Key, publish_raw: Any) -> None:
+    def __init__(
+        self, publishers: Publishers, key: _Key, publish_raw: Callable[[bytes], None]
+    ) -> None:
         self._publishers = publishers
         self._key = key
         self._publish_raw = publish_raw

@@ -2,31 +2,22 @@
 """Word from DDS to the event loop that something has arrived at an entity of rcl's.
 
 `EventfdReadyEvents` is the fast way. The listener thread of DDS writes an eventfd, in C and without
-the GIL, and the loop takes what has arrived itself. It stands on rcl's functions such as
-``rcl_service_set_on_new_request_callback``, whose callback ``(user_data, count)`` fits libc's
-``eventfd_write(fd, count)``. `PolledReadyEvents` stands on nothing but the loop's clock.
+the GIL, and the loop takes what has arrived itself. It stands on
+`gateway.ros.rclpy_private.ReadyCallbacks`; `PolledReadyEvents` on nothing but the loop's clock.
 """
 
 import asyncio
 import contextlib
-import ctypes
 import os
 from collections.abc import Callable
 from functools import partial
-from typing import Any, Final, Literal, Protocol
+from typing import Any, Final, Protocol
 
 from gateway.ros.qos import MAX_DEPTH
-
-Kind = Literal["subscription", "client", "service"]
+from gateway.ros.rclpy_private import Kind, MissingFunctionError, ReadyCallbacks
 
 # a call takes 10 ms at most for want of a better way; an idle entity costs 0.1 % of a core
 POLL_S: Final = 0.01
-
-_FUNCTIONS: Final[dict[Kind, str]] = {
-    "subscription": "rcl_subscription_set_on_new_message_callback",
-    "client": "rcl_client_set_on_new_response_callback",
-    "service": "rcl_service_set_on_new_request_callback",
-}
 
 
 class UnsupportedError(Exception):
@@ -81,7 +72,10 @@ class EventfdReadyEvents:
         """
         _require_readers(loop)
         self._loop = loop
-        self._hooks = _Hooks()
+        try:
+            self._hooks = ReadyCallbacks()
+        except MissingFunctionError as error:
+            raise UnsupportedError(str(error)) from error
 
     def open(
         self,
@@ -100,7 +94,7 @@ class EventfdSource:
     def __init__(
         self,
         loop: asyncio.AbstractEventLoop,
-        hooks: "_Hooks",
+        hooks: ReadyCallbacks,
         kind: Kind,
         create: Callable[[], Any],
         destroy: Callable[[Any], object],
@@ -205,35 +199,6 @@ class PolledSource:
     def _look(self) -> None:
         self._next = self._loop.call_later(POLL_S, self._look)
         self._on_ready()
-
-
-class _Hooks:
-    """The C functions that count arrivals in an eventfd."""
-
-    def __init__(self) -> None:
-        try:
-            rcl = ctypes.CDLL("librcl.so")
-            self._set = {kind: getattr(rcl, name) for kind, name in _FUNCTIONS.items()}
-            self._write = ctypes.cast(ctypes.CDLL(None).eventfd_write, ctypes.c_void_p)
-        except (OSError, TypeError, AttributeError) as error:  # TypeError: CDLL(None) on Windows
-            raise UnsupportedError(str(error)) from error
-        for function in self._set.values():
-            function.argtypes = [ctypes.c_void_p] * 3
-            function.restype = ctypes.c_int
-
-    def count(self, kind: Kind, entity: Any, fd: int) -> None:
-        """Add each arrival to an eventfd from now on, and at once what has arrived before."""
-        self._call(kind, entity, self._write, fd)
-
-    def stop(self, kind: Kind, entity: Any) -> None:
-        """Stop counting; once this returns no thread writes the eventfd any more."""
-        self._call(kind, entity, None, None)
-
-    def _call(self, kind: Kind, entity: Any, function: object, user_data: int | None) -> None:
-        with entity.handle:
-            code = self._set[kind](entity.handle.pointer, function, user_data)
-        if code != 0:
-            raise RuntimeError(f"{_FUNCTIONS[kind]} returned {code}")
 
 
 def _require_readers(loop: asyncio.AbstractEventLoop) -> None:

@@ -65,7 +65,7 @@ async def test_closing_ends_the_thread_at_once(watching: Outside) -> None:
 async def test_a_subscription_follows_its_publishers_where_nobody_can_wait(
     outside: Outside, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("gateway.ros.graph._GraphWaitSet.create", lambda node: None)
+    monkeypatch.setattr("gateway.ros.graph.GraphWaitSet.create", lambda node: None)
     ros = RclpyRos(RosOptions())
     try:
         subscription = ros.subscribe("/count", INT32, Qos(), lambda _: None, lambda _: None)
@@ -79,7 +79,7 @@ async def test_closing_between_two_looks_is_not_slept_through(
     watching: Outside, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     waits = _WaitSetThatIsClosedWhileLooking()
-    monkeypatch.setattr("gateway.ros.graph._GraphWaitSet.create", lambda node: waits)
+    monkeypatch.setattr("gateway.ros.graph.GraphWaitSet.create", lambda node: waits)
     changes = GraphChanges(watching.node, asyncio.get_running_loop(), lambda: None)
     waits.stopping.set_result(changes._stopping)
     await asyncio.to_thread(changes._thread.join, 30)
@@ -154,7 +154,7 @@ async def test_following_the_graph_takes_at_most_a_tenth_of_the_loop(
 ) -> None:
     waits = _WaitSetOfChanges()
     clock = itertools.count(0.0, handling_s)
-    monkeypatch.setattr("gateway.ros.graph._GraphWaitSet.create", lambda node: waits)
+    monkeypatch.setattr("gateway.ros.graph.GraphWaitSet.create", lambda node: waits)
     monkeypatch.setattr("gateway.ros.graph.perf_counter", lambda: next(clock))
     calls: list[None] = []
     changes = GraphChanges(watching.node, asyncio.get_running_loop(), lambda: calls.append(None))
@@ -171,7 +171,7 @@ async def test_a_busy_loop_has_one_call_waiting(
     watching: Outside, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     waits = _WaitSetOfChanges()
-    monkeypatch.setattr("gateway.ros.graph._GraphWaitSet.create", lambda node: waits)
+    monkeypatch.setattr("gateway.ros.graph.GraphWaitSet.create", lambda node: waits)
     calls: list[None] = []
     changes = GraphChanges(watching.node, asyncio.get_running_loop(), lambda: calls.append(None))
     for _ in range(3):
@@ -191,7 +191,7 @@ async def test_a_wait_that_fails_is_logged_once_and_followed_by_looking(
 ) -> None:
     waits = _WaitSetOfChanges()
     waits.is_broken = True
-    monkeypatch.setattr("gateway.ros.graph._GraphWaitSet.create", lambda node: waits)
+    monkeypatch.setattr("gateway.ros.graph.GraphWaitSet.create", lambda node: waits)
     calls: list[None] = []
     changes = GraphChanges(watching.node, asyncio.get_running_loop(), lambda: calls.append(None))
     waits.changes.release()

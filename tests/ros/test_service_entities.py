@@ -3,7 +3,7 @@
 
 import asyncio
 import logging
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
 from typing import Any
 
 import pytest
@@ -255,39 +255,28 @@ async def test_a_service_may_be_closed_by_its_own_callback(ros: RclpyRos) -> Non
     assert len(requests) == 3
 
 
-class Unreadable:
-    """One of rclpy's entities whose first messages cannot be read.
+def with_unreadable(take: Callable[[type], Any], count: int) -> Callable[[type], Any]:
+    """Take as *take* does, but for the first messages, which cannot be read.
 
-    rclpy says of them what it says where there is none.
+    rclpy returns for them what it returns if there is no message.
     """
+    unread = count
 
-    def __init__(self, entity: Any, count: int) -> None:
-        self._entity = entity
-        self._count = count
-
-    @property
-    def handle(self) -> "Unreadable":
-        return self
-
-    def service_take_request(self, request_class: Any) -> Any:
-        return self._first_unread(self._entity.handle.service_take_request(request_class))
-
-    def take_response(self, response_class: Any) -> Any:
-        return self._first_unread(self._entity.handle.take_response(response_class))
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._entity, name, None) or getattr(self._entity.handle, name)
-
-    def _first_unread(self, taken: Any) -> Any:
-        if taken == (None, None) or not self._count:
+    def taking(message_class: type) -> Any:
+        nonlocal unread
+        taken = take(message_class)
+        if taken == (None, None) or not unread:
             return taken
-        self._count -= 1
+        unread -= 1
         return None, None
+
+    return taking
 
 
 async def test_requests_that_cannot_be_read_keep_no_other_waiting(ros: RclpyRos) -> None:
     service: Any = ros.serve("/arm", SET_BOOL, echo)
-    service._replier._service = Unreadable(service._replier._service, 6)
+    replier = service._replier
+    replier._take_request = with_unreadable(replier._take_request, 6)
     client = ros.client("/arm", SET_BOOL)
     calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(9)]
     for calling in calls[6:]:
@@ -300,7 +289,8 @@ async def test_responses_that_cannot_be_read_keep_no_other_waiting(ros: RclpyRos
     requests: list[Request] = []
     ros.serve("/arm", SET_BOOL, requests.append)
     client: Any = ros.client("/arm", SET_BOOL)
-    client._requester._client = Unreadable(client._requester._client, 6)
+    requester = client._requester
+    requester._take_response = with_unreadable(requester._take_response, 6)
     calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(9)]
     await eventually(lambda: len(requests) == 9)
     for each in requests:
