@@ -1,0 +1,404 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the gateway uses of rclpy and rcl beyond their documented API: runs before all other tests.
+
+A failure here says what has changed in rclpy, and explains the failures of other tests.
+"""
+
+import ast
+import contextlib
+import ctypes
+import importlib.metadata
+import os
+import re
+import threading
+import time
+import warnings
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rclpy.context import Context
+from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.time import Time
+
+import gateway.ros
+import gateway_sim
+from gateway.ros import rclpy_private
+from gateway.ros.executor import ExecutorThread
+from gateway.ros.interfaces import message_class, service_class
+from gateway.ros.rclpy_private import (
+    GRAPH_FUNCTIONS,
+    READY_CALLBACK_SETTERS,
+    RESPONSE_TIMED_OUT,
+    GraphWaitSet,
+    ReadyCallbacks,
+)
+from tests.client import TIMEOUT_S
+
+RCLPY = f"rclpy {importlib.metadata.version('rclpy')}"
+INT32 = message_class("std_msgs/msg/Int32")
+SET_BOOL = service_class("std_srvs/srv/SetBool")
+CDR = b"\0\1\0\0\7\0\0\0"
+S = 10**9
+
+# of the extension module: how many arguments each takes
+METHODS = {
+    "Subscription.take_message": 2,
+    "Publisher.publish_raw": 1,
+    "Client.send_request": 1,
+    "Client.take_response": 1,
+    "Service.service_take_request": 1,
+    "Service.service_send_response": 2,
+    "Clock.get_now": 0,
+    "WaitSet.__init__": 7,
+    "WaitSet.clear_entities": 0,
+    "WaitSet.add_guard_condition": 1,
+    "WaitSet.wait": 1,
+    "WaitSet.destroy_when_not_in_use": 0,
+}
+C_FUNCTIONS = (*READY_CALLBACK_SETTERS.values(), *GRAPH_FUNCTIONS)
+
+
+@pytest.fixture(scope="module")
+def context() -> Iterator[Context]:
+    context = Context()
+    context.init(args=["--ros-args", "--disable-stdout-logs"])
+    yield context
+    context.try_shutdown()
+    context.destroy()
+
+
+@pytest.fixture
+def node(context: Context) -> Iterator[Node]:
+    node = Node("private", context=context, start_parameter_services=False)
+    yield node
+    node.destroy_node()
+
+
+def wait_until(condition: Callable[[], Any], otherwise: str) -> None:
+    """Look until a condition holds; fail with what it means that it does not."""
+    end = time.monotonic() + TIMEOUT_S
+    while not condition():
+        assert time.monotonic() < end, f"{RCLPY} has changed: {otherwise}"
+        time.sleep(0.01)
+
+
+def take_when_there(take: Callable[[], Any], is_there: Callable[[Any], bool], what: str) -> Any:
+    """Take until there is something, and return that."""
+    taken: list[Any] = []
+
+    def has_taken() -> bool:
+        taken.append(take())
+        return is_there(taken[-1])
+
+    wait_until(has_taken, f"no {what} is taken")
+    return taken[-1]
+
+
+@pytest.mark.parametrize(("name", "argument_count"), METHODS.items())
+def test_rclpy_has_the_method_with_its_arguments(name: str, argument_count: int) -> None:
+    owner, _, method = name.partition(".")
+    found = getattr(getattr(rclpy_implementation, owner, None), method, None)
+    assert found is not None, f"{RCLPY} has changed: there is no {name}"
+    signature = str(found.__doc__).partition("\n")[0]  # pybind11 writes it there
+    arguments = re.findall(r"\w+: ", signature.partition(" -> ")[0])[1:]  # without self
+    assert len(arguments) == argument_count, f"{RCLPY} has changed: {name} is {signature}"
+
+
+@pytest.mark.parametrize("owner", ["Subscription", "Client", "Service", "Node", "WaitSet"])
+def test_rclpy_has_the_address_of_an_entity(owner: str) -> None:
+    found = getattr(rclpy_implementation, owner, None)
+    assert hasattr(found, "pointer"), f"{RCLPY} has changed: there is no {owner}.pointer"
+
+
+@pytest.mark.parametrize("name", C_FUNCTIONS)
+def test_librcl_has_the_function(name: str) -> None:
+    rcl = ctypes.CDLL("librcl.so")
+    assert hasattr(rcl, name), f"rcl has changed: librcl.so has no {name}"
+
+
+@pytest.mark.parametrize("name", ["RCLError", "InvalidHandle"])
+def test_errors_of_handles_are_runtime_errors(name: str) -> None:
+    error = getattr(rclpy_implementation, name, None)
+    assert error is not None, f"{RCLPY} has changed: there is no {name}"
+    assert issubclass(error, RuntimeError), f"{RCLPY} has changed: {name} is no RuntimeError"
+
+
+@pytest.mark.parametrize("name", [*METHODS, *C_FUNCTIONS])
+def test_the_module_says_that_it_relies_on_it(name: str) -> None:
+    words = re.findall(r"\w+", rclpy_private.__doc__ or "")
+    assert set(name.replace("__init__", "").split(".")) - {""} <= set(words)
+
+
+def test_a_sample_is_taken_as_bytes_with_the_time_of_its_arrival(node: Node) -> None:
+    before_ns = time.time_ns()
+    subscription = node.create_subscription(
+        INT32,
+        "/count",
+        lambda _: None,
+        10,
+        raw=True,
+        event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),
+    )
+    take = rclpy_private.message_taker(subscription)
+    assert take(INT32, True) is None, f"{RCLPY} has changed: take_message without one"
+    publisher = node.create_publisher(INT32, "/count", 10)
+    wait_until(publisher.get_subscription_count, "a publisher does not see its subscription")
+    rclpy_private.raw_publisher(publisher)(CDR)
+    taken = take_when_there(lambda: take(INT32, True), bool, "sample of publish_raw")
+    changed = f"{RCLPY} has changed: take_message returns {taken!r}"
+    assert isinstance(taken, tuple), changed
+    assert len(taken) == 2, changed
+    cdr, info = taken
+    assert type(cdr) is bytes, changed
+    assert cdr == CDR, changed
+    assert isinstance(info, dict), changed
+    received_ns = info.get("received_timestamp")
+    assert isinstance(received_ns, int), changed
+    assert before_ns - S <= received_ns <= time.time_ns() + S, changed  # not in other units
+
+
+def test_a_request_and_its_response_carry_the_number_that_sending_returned(node: Node) -> None:
+    service = node.create_service(SET_BOOL, "/arm", lambda *_: None)
+    client = node.create_client(SET_BOOL, "/arm")
+    take_request = rclpy_private.request_taker(service)
+    take_response = rclpy_private.response_taker(client)
+    nothing = (None, None)
+    assert take_request(SET_BOOL.Request) == nothing, f"{RCLPY} has changed: service_take_request"
+    assert take_response(SET_BOOL.Response) == nothing, f"{RCLPY} has changed: take_response"
+    wait_until(client.service_is_ready, "a client does not see its service")
+    number = rclpy_private.request_sender(client)(SET_BOOL.Request(data=True))
+    assert isinstance(number, int), f"{RCLPY} has changed: send_request returns {number!r}"
+
+    def is_there(taken: Any) -> bool:
+        return bool(taken != nothing)
+
+    taken = take_when_there(lambda: take_request(SET_BOOL.Request), is_there, "request")
+    changed = f"{RCLPY} has changed: service_take_request returns {taken!r}"
+    request, info = taken
+    assert request == SET_BOOL.Request(data=True), changed
+    assert info.request_id.sequence_number == number, changed
+    response = SET_BOOL.Response(message="done")
+    rclpy_private.response_sender(service)(response, info.request_id)
+    taken = take_when_there(lambda: take_response(SET_BOOL.Response), is_there, "response")
+    changed = f"{RCLPY} has changed: take_response returns {taken!r}"
+    info, found = taken
+    assert found == response, changed
+    assert info.request_id.sequence_number == number, changed
+
+
+def test_a_response_that_its_client_cannot_get_warns(node: Node) -> None:
+    service = node.create_service(SET_BOOL, "/arm", lambda *_: None)
+    profile = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    deaf = node.create_client(SET_BOOL, "/arm", qos_profile=profile)
+    heard = node.create_client(SET_BOOL, "/arm")
+    wait_until(heard.service_is_ready, "a client does not see its service")
+    take_request = rclpy_private.request_taker(service)
+    rclpy_private.request_sender(deaf)(SET_BOOL.Request())
+
+    def info_of_request() -> Any:
+        return take_request(SET_BOOL.Request)[1]
+
+    info = take_when_there(info_of_request, lambda info: info is not None, "request")
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        rclpy_private.response_sender(service)(SET_BOOL.Response(), info.request_id)
+    texts = [str(each.message) for each in caught if each.category is RuntimeWarning]
+    assert any(text.startswith(RESPONSE_TIMED_OUT) for text in texts), (
+        f"{RCLPY} has changed: service_send_response warns {texts}"
+    )
+
+
+def test_a_clock_is_read_in_nanoseconds(node: Node) -> None:
+    clock = node.get_clock()
+    read = rclpy_private.clock_reader(clock)
+    before, now_ns, after = clock.now(), read(), clock.now()
+    assert type(now_ns) is int, f"{RCLPY} has changed: get_now().nanoseconds is {now_ns!r}"
+    now = Time(nanoseconds=now_ns, clock_type=clock.clock_type)
+    assert before <= now <= after, f"{RCLPY} has changed: get_now() is not the clock's now()"
+
+
+def test_arrivals_are_counted_in_an_eventfd_until_that_is_stopped(node: Node) -> None:
+    subscription = node.create_subscription(INT32, "/count", lambda _: None, 10, raw=True)
+    publisher = node.create_publisher(INT32, "/count", 10)
+    wait_until(publisher.get_subscription_count, "a publisher does not see its subscription")
+    take = rclpy_private.message_taker(subscription)
+    callbacks = ReadyCallbacks()
+    fd = os.eventfd(0, os.EFD_NONBLOCK)
+    counted = 0
+
+    def count_is(count: int) -> bool:
+        nonlocal counted
+        with contextlib.suppress(BlockingIOError):
+            counted += os.eventfd_read(fd)
+        return counted == count
+
+    try:
+        callbacks.count("subscription", subscription, fd)
+        for _ in range(3):
+            publisher.publish(CDR)
+        setter = READY_CALLBACK_SETTERS["subscription"]
+        wait_until(lambda: count_is(3), f"{setter} does not count each arrival")
+        callbacks.stop("subscription", subscription)
+        for _ in range(3):
+            take_when_there(lambda: take(INT32, True), bool, "sample")
+        publisher.publish(CDR)
+        take_when_there(lambda: take(INT32, True), bool, "sample")
+        assert count_is(3), f"rcl has changed: {setter} counts after it was told to stop"
+    finally:
+        os.close(fd)
+
+
+def test_requests_and_responses_are_counted_in_an_eventfd(node: Node) -> None:
+    service = node.create_service(SET_BOOL, "/arm", lambda *_: None)
+    client = node.create_client(SET_BOOL, "/arm")
+    wait_until(client.service_is_ready, "a client does not see its service")
+    callbacks = ReadyCallbacks()
+    requests = os.eventfd(0, os.EFD_NONBLOCK)
+    responses = os.eventfd(0, os.EFD_NONBLOCK)
+
+    def is_counted(fd: int) -> bool:
+        try:
+            return os.eventfd_read(fd) == 1
+        except BlockingIOError:
+            return False
+
+    try:
+        callbacks.count("service", service, requests)
+        callbacks.count("client", client, responses)
+        rclpy_private.request_sender(client)(SET_BOOL.Request())
+        setter = READY_CALLBACK_SETTERS["service"]
+        wait_until(lambda: is_counted(requests), f"{setter} does not count a request")
+        _, info = rclpy_private.request_taker(service)(SET_BOOL.Request)
+        assert info is not None
+        rclpy_private.response_sender(service)(SET_BOOL.Response(), info.request_id)
+        setter = READY_CALLBACK_SETTERS["client"]
+        wait_until(lambda: is_counted(responses), f"{setter} does not count a response")
+        callbacks.stop("client", client)
+        callbacks.stop("service", service)
+    finally:
+        os.close(requests)
+        os.close(responses)
+
+
+def test_a_change_of_the_graph_and_a_wake_each_end_the_wait(node: Node) -> None:
+    wait_set = GraphWaitSet.create(node)
+    assert wait_set is not None, "rcl has changed: no wait set for changes of the graph"
+    waits = 0
+    ended = threading.Event()
+    is_over = False
+
+    def wait_on() -> None:
+        nonlocal waits
+        with wait_set.opened() as wait:
+            while not is_over:
+                wait()
+                waits += 1
+        ended.set()
+
+    thread = threading.Thread(target=wait_on, daemon=True)
+    thread.start()
+    try:
+        node.create_publisher(INT32, "/new", 10)
+        wait_until(lambda: waits, "a change of the graph does not end a wait for it")
+    finally:
+        is_over = True
+        wait_set.wake()
+    assert ended.wait(TIMEOUT_S / 2), f"{RCLPY} has changed: a guard condition ends no wait"
+    thread.join()
+    wait_set.close()
+
+
+def test_the_events_executor_delivers(context: Context) -> None:
+    executor = rclpy_private.events_executor(context)
+    assert executor is not None, f"{RCLPY} has changed: there is no EventsExecutor"
+    executor.shutdown()
+    node = Node("spun", context=context, start_parameter_services=False)
+    delivered = threading.Event()
+    node.create_timer(0.001, delivered.set)
+    thread = ExecutorThread(context)
+    thread.add_node(node)
+    try:
+        assert delivered.wait(TIMEOUT_S), f"{RCLPY} has changed: the EventsExecutor runs no timer"
+    finally:
+        thread.close()
+        node.destroy_node()
+
+
+def private_uses(source: str) -> list[str]:
+    """Find in Python code what belongs to `rclpy_private`."""
+    return [
+        f"line {each.lineno}: {name}"  # type: ignore[attr-defined]  # only nodes with a line give
+        for each in ast.walk(ast.parse(source))
+        for name in private_names(each)
+    ]
+
+
+def private_names(node: ast.AST) -> list[str]:
+    match node:
+        case ast.Import(names):
+            return [each.name for each in names if is_private(each.name)]
+        case ast.ImportFrom(module=str(module), names=names):
+            full_names = [f"{module}.{each.name}" for each in names]
+            return [each for each in full_names if is_private(each)]
+        case ast.Attribute(attr="handle" | "pointer" as attribute):
+            return [f".{attribute}"]
+        # what begins with _ is one's own
+        case ast.Attribute(value=ast.Name(owner), attr=attribute) if owner not in {
+            "self",
+            "cls",
+        } and re.match(r"_(?!_)", attribute):
+            return [f"{owner}.{attribute}"]
+        case ast.Attribute(value=ast.Name("rclpy"), attr="impl" | "experimental" as attribute):
+            return [f"rclpy.{attribute}"]
+        case _:
+            return []
+
+
+def is_private(full_name: str) -> bool:
+    package, *parts = full_name.split(".")
+    if package == "rclpy":
+        return any(part in {"impl", "experimental"} or part.startswith("_") for part in parts)
+    return package == "ctypes"
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "import ctypes",
+        "from ctypes import CDLL",
+        "import rclpy.impl.implementation_singleton",
+        "from rclpy.impl.implementation_singleton import rclpy_implementation",
+        "from rclpy import impl",
+        "from rclpy import _rclpy_pybind11",
+        "from rclpy.experimental.events_executor import EventsExecutor",
+        "rclpy.impl.implementation_singleton",
+        "take = self._subscription.handle.take_message",
+        "node.context.handle",
+        "wait_set.pointer",
+        "node._parameters",
+    ],
+)
+def test_the_search_finds_private_parts(source: str) -> None:
+    assert private_uses(source)
+
+
+# Leaves with the next change of `gateway.ros.samples`, which has still to use `message_taker`.
+NOT_YET = pytest.mark.xfail(reason="takes samples by the handle itself", strict=False)
+
+SOURCES = [
+    pytest.param(path, id=f"{folder.name}/{path.name}", marks=[NOT_YET] * is_not_yet)
+    for folder in (Path(gateway.ros.__file__).parent, Path(gateway_sim.__file__).parent)
+    for path in sorted(folder.rglob("*.py"))
+    if path != Path(rclpy_private.__file__)
+    for is_not_yet in [path.name == "samples.py"]
+]
+
+
+@pytest.mark.parametrize("path", SOURCES)
+def test_only_rclpy_private_uses_private_parts(path: Path) -> None:
+    assert private_uses(path.read_text()) == []
