@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Goals that the gateway sends: three services and a topic, as the design of actions has it.
+"""Actions that the gateway uses: three services and a topic each, by ROS 2's design.
 
 https://design.ros2.org/articles/actions.html
 """
@@ -21,13 +21,13 @@ from gateway.ros.interfaces import action_class, service_class
 from gateway.ros.qos import MAX_DEPTH
 from gateway.ros.samples import Samples
 
-# One reader hears all goals of an action, and the loop may be busy with something else.
+# One reader gets the feedback of all goals of an action, and the loop may be busy meanwhile.
 _READER_PROFILE: Final = QoSProfile(depth=MAX_DEPTH)
 
-# How long the answer to a goal that nobody waits for any more is waited for, to cancel it, and a
-# closed client stays for the answers to what it has cancelled. Clients of the gateway give up after
-# 5 s; a server that loads a map before it accepts needs more. Each goal is a few hundred bytes, and
-# what waits for the last one's answer four entities of DDS.
+# How long to wait for the answer to a goal that was abandoned, to cancel it if it is accepted, and
+# how long a closed client waits for the answers to its cancels. Clients of the gateway give up
+# after 5 s; a server that loads a map before it accepts needs longer. An abandoned goal costs a few
+# hundred bytes, a client that waits four entities of DDS.
 _ABANDONED_S: Final = 30.0
 
 OnFeedback = Callable[[bytes], None]
@@ -72,8 +72,8 @@ class RclpyActionClient:
                 undo.callback(opened.close)
                 return opened
 
-            # First: DDS tells of readers in order, and a server accepts a goal only once it knows
-            # of the reader for its answer. It then knows of this one, whose first sample might
+            # First: DDS announces readers in order, and a server accepts a goal only once it knows
+            # the reader for its answer. By then it knows this one, too, whose first sample might
             # be lost otherwise.
             with refusals(self._subject):
                 self._feedback = samples.read(
@@ -82,7 +82,7 @@ class RclpyActionClient:
             undo.callback(self._feedback.close)
             if self._feedback.topic_name != self._feedback_topic:
                 raise remapped(self._subject, self._feedback.topic_name)
-            # These are under way as long as their goals, and sent as fast as goals are accepted.
+            # Not paced: these are under way as long as their goals, and sent as those are accepted.
             self._results = requester(parts.GetResultService, "get_result", is_paced=lambda: False)
             self._cancels = requester(self._cancel_class, "cancel_goal", is_paced=is_paced)
             self._goals = requester(
@@ -97,7 +97,7 @@ class RclpyActionClient:
         goal_id = uuid.uuid4().bytes
         with refusals(self._subject):
             request = deserialize_message(with_goal_id(goal_id, goal), self._goal_class.Request)
-        self._listening[goal_id] = on_feedback  # it may come before the answer
+        self._listening[goal_id] = on_feedback  # feedback may come before the answer
         answer = self._goals.send(request)
         is_accepted = False
         try:
@@ -126,7 +126,7 @@ class RclpyActionClient:
         answer.add_done_callback(answered)
 
     def to_result(self, response: Any) -> GoalResult:
-        """Convert the answer to who asked for the result of a goal.
+        """Convert the response to a request for the result of a goal.
 
         Raises:
             RosError: ``not_found``: the server does not know the goal.
@@ -138,12 +138,12 @@ class RclpyActionClient:
         raise RosError("not_found", text)
 
     def follow_graph(self) -> None:
-        """See whether servers have come or gone."""
+        """Follow servers that have come or gone."""
         for requester in (self._goals, self._results, self._cancels):
             requester.follow_graph()
 
     def close(self) -> None:
-        """Destroy it, once what was given up is decided on and cancelled; see the port."""
+        """Destroy it, once abandoned goals are answered and cancelled; see the port."""
         if self._is_closed:
             return
         self._is_closed = True
@@ -154,15 +154,15 @@ class RclpyActionClient:
         self._destroy_if_done()
 
     def withdraw(self) -> None:
-        """Send all cancels now: what is left is to destroy it. Doing so twice is harmless."""
+        """Send all cancels now, so that it can be destroyed. Withdrawing twice is harmless."""
         self._is_closed = True
         if self._last_moment is not None:
             self._last_moment.cancel()
         self._on_close(self)
-        self._cancels.flush()  # more at once than a server may keep, but unsent they are lost
+        self._cancels.flush()  # more at once than a server may keep, but unsent all are lost
 
     def destroy(self) -> None:
-        """Withdraw and destroy it. Doing so twice is harmless."""
+        """Withdraw and destroy it. Destroying twice is harmless."""
         self.withdraw()
         self._undo.close()
 
@@ -205,7 +205,7 @@ class RclpyActionClient:
         deciding.add_done_callback(decided)
 
     async def _cancel_if_accepted(self, goal_id: bytes, answer: "asyncio.Future[Any]") -> None:
-        with contextlib.suppress(TimeoutError, RosError):  # the server's, and nobody is waiting
+        with contextlib.suppress(TimeoutError, RosError):  # errors of the server; nobody waits
             async with asyncio.timeout(_ABANDONED_S):
                 if (await answer).accepted:  # it would be executed for nobody
                     self.cancel_goal(goal_id)

@@ -42,7 +42,7 @@ class Actions:
         return next((c.type_name for c in self._clients if c.name == action), None)
 
     def client(self, action: str, type_name: str) -> RclpyActionClient:
-        """Open a client; `gateway.ports.Ros.action_client` says how."""
+        """Open a client; see `gateway.ports.Ros.action_client`."""
         check_action(action)
         client = RclpyActionClient(
             self._endpoints,
@@ -50,7 +50,7 @@ class Actions:
             action,
             type_name,
             self._clients.discard,
-            # what is provided here keeps more, and is taken by this very loop
+            # an action provided here keeps more, and this loop itself takes its requests
             is_paced=lambda: action not in self._provided,
         )
         self._clients.add(client)
@@ -63,7 +63,7 @@ class Actions:
         on_goal: Callable[[GoalRequest], None],
         on_cancel: Callable[[GoalRequest], None],
     ) -> RclpyActionServer:
-        """Open a server; `gateway.ports.Ros.serve_action` says how."""
+        """Open a server; see `gateway.ports.Ros.serve_action`."""
         check_action(action)
         if action in self._provided:
             raise RosError("limit_exceeded", f"action {action} is provided here already")
@@ -76,12 +76,12 @@ class Actions:
         return server
 
     def follow_graph(self) -> None:
-        """Let every client see whether its servers are still there."""
+        """Let every client follow servers that have come or gone."""
         for client in list(self._clients):
             client.follow_graph()
 
     def close(self) -> None:
-        """Close what is still open, and wait for no answers."""
+        """Close what is still open without waiting for answers."""
         for client in list(self._clients):
             client.withdraw()
             self._deferred.defer(f"action {client.name}", client.type_name, client.destroy)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Goals that come to the gateway: three services and two topics, as the design of actions has it.
+"""Actions that the gateway provides: three services and two topics each, by ROS 2's design.
 
 https://design.ros2.org/articles/actions.html
 """
@@ -21,13 +21,13 @@ from gateway.ros.goal_ids import with_goal_id
 from gateway.ros.groups import group_of_one
 from gateway.ros.interfaces import action_class, message_class, service_class
 
-# A person with a headset looks after a few; what a client floods beyond is rejected.
+# A person with a headset supervises a few; more, as of a client that floods, are rejected.
 MAX_GOALS: Final = 64
 # As rclpy's servers do: some clients ask for the result only when a person wants to see it.
 RESULT_KEPT_S: Final = 900.0
 # of results: at 1 MB each, 64 MB for one action at worst
 MAX_RESULTS_KEPT: Final = 64
-# for one goal's result: its client, and tools that look on
+# for one goal's result: its client, and tools that watch
 MAX_WAITING: Final = 16
 
 _FEEDBACK_PROFILE: Final = QoSProfile(depth=10)  # of rcl_action: reliable, volatile
@@ -61,7 +61,7 @@ class RclpyGoalRequest:
 
     @property
     def is_open(self) -> bool:
-        """Whether it has not ended."""
+        """True until the goal has ended."""
         return self.response is None
 
     def feedback(self, cdr: bytes) -> None:
@@ -76,7 +76,7 @@ class RclpyGoalRequest:
             self._server.finish(self, status if is_possible else ABORTED, result)
 
     def answer_waiting(self) -> None:
-        """Send the result to who has waited for it."""
+        """Send the result to those who wait for it."""
         for reply in self.waiting:
             reply(self.response)
         self.waiting.clear()
@@ -133,7 +133,7 @@ class RclpyActionServer:
             self._status_topic = publisher(
                 "status", self._statuses, qos_profile_action_status_default
             )
-            # What a client sends first comes last: the rest is there when it sees that.
+            # The service that clients use first is created last: whoever sees it finds the rest.
             services: list[tuple[str, Any, OnRequest]] = [
                 ("get_result", parts.GetResultService, self._answer_result),
                 ("cancel_goal", cancel_class, self._cancel),
@@ -170,21 +170,21 @@ class RclpyActionServer:
             for goal in unfinished:
                 self._settle(goal, ABORTED, self._result_class())
             if unfinished:
-                self._publish_status()  # once, for it holds them all
+                self._publish_status()  # once: it holds all goals
             for goal in unfinished:
                 goal.answer_waiting()
             for replier in self._repliers:
-                replier.drain()  # goals that have just arrived are rejected, the rest is answered
+                replier.drain()  # goals that have just arrived are rejected, the rest answered
         finally:
             self._on_close(self)
 
     @property
     def has_answered(self) -> bool:
-        """Whether a response was ever sent."""
+        """True once a response has been sent."""
         return any(replier.has_replied for replier in self._repliers)
 
     def destroy(self) -> None:
-        """Destroy it, at the latest once its last response has been heard."""
+        """Destroy it, at the latest once its last response has been delivered."""
         for goal in self._ended.values():
             if goal.expiry is not None:
                 goal.expiry.cancel()
@@ -195,7 +195,7 @@ class RclpyActionServer:
         response = self._goal_response()
         running = len(self._goals) - len(self._ended)
         if self._is_closing or goal_id in self._goals or running >= MAX_GOALS:
-            reply(response)  # one that says no, as it is made
+            reply(response)  # as created, it rejects the goal
             return
         now_ns = self._now_ns()
         info = self._info()
@@ -230,9 +230,10 @@ class RclpyActionServer:
                 self._on_cancel(goal)
 
     def _to_cancel(self, goal_id: bytes, until_ns: int) -> list[RclpyGoalRequest]:
-        """Choose as action_msgs/srv/CancelGoal has it, among those that are not canceling yet.
+        """Return the goals that a request of action_msgs/srv/CancelGoal selects.
 
-        That is a goal by its id, those accepted until a stamp, both, or with neither all of them.
+        That is a goal by its id, those accepted until a stamp, both, or with neither all of them;
+        never those that are canceling already.
         """
         wants_all = goal_id == _NO_ID and not until_ns
         return [
@@ -250,13 +251,13 @@ class RclpyActionServer:
     def _answer_result(self, message: Any, reply: Reply) -> None:
         goal = self._goals.get(bytes(message.goal_id.uuid))
         if goal is None:
-            reply(self._result_response())  # its status is "unknown", as it is made
+            reply(self._result_response())  # as created, its status is "unknown"
         elif not goal.is_open:
             reply(goal.response)
         elif len(goal.waiting) < MAX_WAITING:
             goal.waiting.append(reply)
         else:
-            reply(self._result_response())  # not in the place of one that has waited for longer
+            reply(self._result_response())  # those who have waited longer keep their places
 
     def _end(self, goal: RclpyGoalRequest, status: int, result: Any) -> None:
         self._settle(goal, status, result)

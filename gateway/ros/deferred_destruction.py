@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is closed but deferred until what it wrote last has been heard.
+"""Destruction of closed entities, deferred until their last messages have been delivered.
 
-DDS tells of an entity's end and of what it has written by different ways, and a reader drops what
-comes from a writer that has ended: of messages and responses that were written just before, one in
-fifteen was lost on one machine, of those written 10 ms before none.
+DDS announces the end of an entity by another way than it sends what that has written, and a reader
+drops what comes from a writer that has ended. Of the messages and responses that were written just
+before the end, one in fifteen was lost on one machine; of those written 10 ms before, none.
 """
 
 import asyncio
@@ -12,14 +12,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
-DEFERRED_S: Final = 0.5  # a lost packet is sent again well within
-SHUTDOWN_S: Final = 0.05  # when all ends: the loop waits for it
+DEFERRED_S: Final = 0.5  # a lost packet has been sent again well before
+SHUTDOWN_S: Final = 0.05  # at shutdown, where it blocks the loop
 MAX_DEFERRED: Final = 64  # a client may open and close as fast as it likes
 
 
 @dataclass(eq=False, slots=True)
 class Deferred:
-    """One thing that is deferred."""
+    """One destruction that is deferred."""
 
     subject: str
     type_name: str
@@ -28,14 +28,14 @@ class Deferred:
 
 
 class DeferredDestruction:
-    """Destroys what it is given a little later."""
+    """Destroys closed entities a little later."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
         self._loop = loop
         self._deferred: dict[Deferred, None] = {}  # the oldest first
 
     def defer(self, subject: str, type_name: str, destroy: Callable[[], None]) -> Deferred:
-        """Call *destroy* in `DEFERRED_S`; *subject* is such as ``service /reset``."""
+        """Call *destroy* after `DEFERRED_S`; *subject* is for example ``service /reset``."""
         deferred = Deferred(subject, type_name, destroy)
         deferred.timer = self._loop.call_later(DEFERRED_S, self._end, deferred)
         self._deferred[deferred] = None
@@ -44,23 +44,23 @@ class DeferredDestruction:
         return deferred
 
     def cancel(self, deferred: Deferred) -> None:
-        """Destroy nothing: it is in use again."""
+        """Cancel a destruction: the entity is in use again."""
         if deferred.timer is not None:
             deferred.timer.cancel()
         del self._deferred[deferred]
 
     def is_deferred(self, subject: str) -> bool:
-        """Whether something is deferred of a subject."""
+        """Return whether a destruction is deferred for a subject."""
         return any(deferred.subject == subject for deferred in self._deferred)
 
     def destroy_now(self, subject: str, *, except_type: str | None = None) -> None:
-        """Destroy at once what is deferred of a subject, unless its type is *except_type*."""
+        """Destroy at once what is deferred for a subject, unless its type is *except_type*."""
         for deferred in list(self._deferred):
             if deferred.subject == subject and deferred.type_name != except_type:
                 self._end(deferred)
 
     def close(self) -> None:
-        """Destroy all that is left, once it has been heard."""
+        """Destroy all that is left, `SHUTDOWN_S` later so that it has been delivered."""
         if self._deferred:
             time.sleep(SHUTDOWN_S)
         while self._deferred:

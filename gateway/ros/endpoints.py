@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Requests and responses of rclpy's classes, taken and sent by the event loop itself.
+"""Clients and servers of services whose messages the event loop itself takes and sends.
 
-Services are these, and so is most of an action. No executor is part of it: in rclpy 7.1 a service
-whose answer comes later fails on the EventsExecutor, and actions lose results on it.
+Services consist of these, and so does most of an action. No executor is involved: in rclpy 7.1 a
+service that answers later fails on the EventsExecutor, and actions lose results on it.
 """
 
 import asyncio
@@ -22,31 +22,31 @@ from gateway.ros.groups import group_of_one
 from gateway.ros.qos import MAX_DEPTH
 from gateway.ros.ready_events import ReadyEvents
 
-# How soon a server that appears gets what waits for it: the graph tells of a server before DDS
-# has matched both its topics, and nothing tells of that.
+# How soon a new server gets the requests that wait for it: the graph shows a server before DDS has
+# matched both its topics, and nothing reports that match.
 LOOK_S: Final = 0.02
-# Servers keep 10 requests that they have not taken, the default of ROS, and DDS drops what comes
-# beyond without a word. So many are sent ahead of their answers. While nothing is answered, one
-# more goes each second: what answers late, or never, has most likely taken the oldest by then.
+# A server keeps 10 requests that it has not taken, the default of ROS, and DDS drops any more
+# without an error. So this many are in flight at most. While no answer comes, one more is sent each
+# second: a server that answers late, or never, has most likely taken the oldest by then.
 MAX_IN_FLIGHT: Final = 10
 PACING_S: Final = 1.0
-# A client whose reader does not match, such as one that asks for transient_local, gets no response,
-# but rmw waits for it for 0.1 s each time, and the event loop with it. Nothing tells beforehand
-# whose request it is: after so many such waits the service responds to nobody for a while, which
+# A client whose reader does not match, such as one that requests transient_local, gets no response,
+# but rmw waits 0.1 s for it each time and blocks the event loop. A request does not show which
+# client sent it: after this many such waits the service sends no responses for a while, which
 # leaves the loop 97 % of its time.
 MAX_STALLS: Final = 3
 STALLED_S: Final = 10.0
 
 _logger = logging.getLogger(__name__)
 
-# sends the response, unless the server is closed; to a client that has gone it goes nowhere
+# Sends the response, unless the server is closed. A response to a client that has gone is lost.
 Reply = Callable[[Any], None]
 OnRequest = Callable[[Any, Reply], None]
 
 
 @dataclass(frozen=True, slots=True)
 class Endpoints:
-    """Where clients and servers are created: on a node that nothing spins."""
+    """The loop of clients and servers, and the node to create them on, which nothing spins."""
 
     node: Node
     ready_events: ReadyEvents
@@ -55,11 +55,11 @@ class Endpoints:
 
 class _UnderWay(NamedTuple):
     response: asyncio.Future[Any]
-    servers: frozenset[bytes]  # those that may have the request
+    servers: frozenset[bytes]  # that may have the request
 
 
 class Requester:
-    """One client of rclpy's, with any number of requests under way."""
+    """A client of rclpy with any number of requests under way."""
 
     def __init__(
         self,
@@ -71,10 +71,10 @@ class Requester:
         is_ready: Callable[[], bool] = lambda: True,
         is_paced: Callable[[], bool] = lambda: True,
     ) -> None:
-        """Create it; *subject*, such as ``service /reset``, is what its errors are about.
+        """Create it; the text of its errors begins with *subject*, such as ``service /reset``.
 
-        *is_ready* may hold requests back though the server is there. While *is_paced* those
-        beyond `MAX_IN_FLIGHT` wait as well.
+        Requests wait while *is_ready* returns false, even if there is a server. While *is_paced*
+        returns true, requests beyond `MAX_IN_FLIGHT` wait as well.
 
         Raises:
             RosError: ROS refuses it, or gives it another name.
@@ -112,14 +112,15 @@ class Requester:
 
     @property
     def is_ready(self) -> bool:
-        """Whether a server is there to be sent to."""
+        """True while there is a server to send to."""
         return bool(self._client.service_is_ready()) and self._is_other_ready()
 
     def send(self, request: Any, *, waits: bool = True) -> "asyncio.Future[Any]":
-        """Return the response to come; if there is no server the request waits, or it fails.
+        """Send a request and return its future response.
 
-        Cancelling it forgets the request. It fails with a `RosError`, ``not_found``, when the
-        server has gone since it got the request, or this is closed.
+        While there is no server the request waits, or fails unless it *waits*. Cancelling the
+        future forgets the request. It fails with a `RosError`, ``not_found``, when the server has
+        gone since it got the request, or this is closed.
         """
         response = self._loop.create_future()
         if self._is_closed:
@@ -133,24 +134,24 @@ class Requester:
         return response
 
     def is_waiting(self, response: "asyncio.Future[Any]") -> bool:
-        """Whether a request has not been sent yet."""
+        """Return whether a request has not been sent yet."""
         return response in self._waiting
 
     def follow_graph(self) -> None:
-        """See whether servers have come or gone."""
+        """Send to servers that have come, and fail the requests of those that have gone."""
         lost = self._find_lost()
         if lost:
-            self._take()  # an answer that is there already counts
+            self._take()  # a response that has arrived already counts
         for response in lost:
             self._fail(response, self._gone())
         self._send_waiting()
 
     def flush(self) -> None:
-        """Send at once what waits for nothing but its turn."""
+        """Send at once the requests that wait only because of pacing."""
         self._send_waiting(is_flush=True)
 
     def close(self) -> None:
-        """Destroy it; what is under way fails. Closing twice is harmless."""
+        """Destroy it and fail what is under way. Closing twice is harmless."""
         if self._is_closed:
             return
         self._is_closed = True
@@ -160,7 +161,7 @@ class Requester:
         self.fail_all()
 
     def fail_all(self, *, but: Collection["asyncio.Future[Any]"] = ()) -> None:
-        """Fail what waits and what is under way, except for some, as `close` does."""
+        """Fail the requests that wait or are under way, as `close` does, except for *but*."""
         responses = [each.response for each in self._under_way.values()]
         for response in [*responses, *self._waiting]:
             if response not in but:
@@ -170,14 +171,14 @@ class Requester:
         under_way = self._under_way.values()
         if not under_way or not self.is_ready:
             return [each.response for each in under_way]
-        # Another server may have come in place of one that died without a word.
+        # Another server may have replaced one that died without notice.
         servers = self._find_servers()
         return [e.response for e in under_way if e.servers and e.servers.isdisjoint(servers)]
 
     def _find_servers(self) -> frozenset[bytes]:
         """Identify the servers by their DDS readers; 40 us.
 
-        Empty where another rmw than those of Fast DDS and Cyclone DDS names its topics otherwise.
+        Empty with an rmw that names these topics otherwise than those of Fast DDS and Cyclone DDS.
         """
         topic = f"rq{self._name}Request"
         readers = self._node.get_subscriptions_info_by_topic(topic, no_mangle=True)
@@ -209,7 +210,7 @@ class Requester:
         except REFUSALS as error:
             self._fail(response, refused(self._subject, error))
             return
-        # Looked up each time: word of a change of the graph comes later than the server.
+        # Looked up each time: a change of the graph is reported later than a server is ready.
         self._under_way[number] = _UnderWay(response, self._find_servers())
         self._in_flight[number] = None
         if self._pacing is None:
@@ -228,7 +229,7 @@ class Requester:
             self._send_waiting()
 
     def _restart_pacing(self) -> None:
-        """Let the oldest give its place up once nothing has made room for `PACING_S`."""
+        """Count the oldest as taken once no place has become free for `PACING_S`."""
         if self._pacing is not None:
             self._pacing.cancel()
             self._pacing = None
@@ -262,11 +263,11 @@ class Requester:
     def _fail(self, response: "asyncio.Future[Any]", error: RosError) -> None:
         if not response.done():
             response.set_exception(error)
-            response.exception()  # known: nobody needs to wait for it
+            response.exception()  # marks it as retrieved: nobody has to await it
 
 
 class Replier:
-    """One server of rclpy's."""
+    """A server of rclpy."""
 
     def __init__(
         self,
@@ -277,7 +278,7 @@ class Replier:
         *,
         subject: str,
     ) -> None:
-        """Create it; *subject*, such as ``service /reset``, is what its errors are about.
+        """Create it; the text of its errors begins with *subject*, such as ``service /reset``.
 
         Raises:
             RosError: ROS refuses it, or gives it another name.
@@ -290,7 +291,7 @@ class Replier:
         self._is_draining = False
         self._is_closed = False
         self.has_replied = False
-        self._stalls: deque[float] = deque(maxlen=MAX_STALLS)  # when the last ones were
+        self._stalls: deque[float] = deque(maxlen=MAX_STALLS)  # the times of the last ones
         self._silent_until = self._loop.time()
         with refusals(subject):
             self._source = endpoints.ready_events.open(
@@ -314,7 +315,7 @@ class Replier:
             raise remapped(subject, given)
 
     def drain(self) -> None:
-        """Give *on_request* what has arrived. From within that, this does nothing."""
+        """Pass all that has arrived to *on_request*. Called from within that, do nothing."""
         if self._is_draining:
             return
         self._is_draining = True
@@ -326,7 +327,7 @@ class Replier:
             self._is_draining = False
 
     def close(self) -> None:
-        """Destroy it, once *on_request* has got what has arrived, to reply to it within the call.
+        """Pass what has arrived to *on_request*, which must reply within the call; destroy it.
 
         No request comes after. Closing twice is harmless.
         """
@@ -343,11 +344,11 @@ class Replier:
             self._take_one()
 
     def _take_one(self) -> bool:
-        """Take one request; tell whether there may be more."""
+        """Take one request; return whether there may be more."""
         request, info = self._take_request(self._request_class)
         if not self._source.count_take() and info is None:
             return False
-        # One a turn, and before the callback: what that raises keeps no other waiting.
+        # One request a turn. Before the callback: what that raises must not delay other requests.
         self._source.notify_again()
         if info is not None:  # it could be read
             self._on_request(request, lambda response: self._reply(response, info.request_id))
@@ -373,9 +374,9 @@ class Replier:
 
 
 def _profile() -> QoSProfile:
-    # That of ROS is reliable and volatile, too, and keeps 10: the rest of a burst would be lost.
+    # The default of ROS is reliable and volatile, too, but keeps 10: more of a burst would be lost.
     return QoSProfile(depth=MAX_DEPTH)
 
 
 def _never_called(*_: object) -> None:
-    """Stand in where rclpy wants a callback and nothing calls it."""
+    """Serve as the callback that rclpy requires; nothing calls it."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From rclpy's exceptions to the port's."""
+"""Conversion of rclpy's exceptions to the port's."""
 
 import contextlib
 import logging
@@ -16,9 +16,9 @@ from rclpy.exceptions import (
 from gateway.ports import RosError
 from gateway.ros.rclpy_private import RESPONSE_TIMED_OUT
 
-# RCLError and its kin are RuntimeErrors; an AttributeError is what a class without type support
-# gets; a ValueError or an OverflowError is a number that C does not hold; an OSError is a limit
-# of the process, such as its number of descriptors.
+# RCLError and its kin are RuntimeErrors. A class without type support raises an AttributeError, a
+# number that C does not hold a ValueError or an OverflowError, and a limit of the process, such as
+# its number of descriptors, an OSError.
 REFUSALS: Final = (
     RuntimeError,
     ValueError,
@@ -34,7 +34,7 @@ _logger = logging.getLogger(__name__)
 
 
 def refused(subject: str, error: Exception) -> RosError:
-    """Return what the port raises for one of `REFUSALS`; *subject* is what it is about."""
+    """Return the port's exception for one of `REFUSALS`; its text begins with *subject*."""
     if isinstance(error, NameValidationException):
         return RosError("bad_name", f"{subject}: {error}")
     reason = str(error).split(", at ")[0]  # rcl's tail names its source files
@@ -52,10 +52,10 @@ def refusals(subject: str) -> Iterator[None]:
 
 @contextlib.contextmanager
 def losses(subject: str) -> Iterator[list[warnings.WarningMessage]]:
-    """Let a response that cannot be sent be lost: rmw finds that its client has gone.
+    """Drop a response that cannot be sent because rmw finds that its client has gone.
 
-    rclpy raises then, or warns where rmw has waited for the client, 0.1 s; what is yielded holds
-    the warning afterwards.
+    rclpy raises then, or warns if rmw has waited 0.1 s for the client; the list that is yielded
+    holds that warning afterwards.
     """
     with warnings.catch_warnings(record=True) as waits:
         warnings.filterwarnings("always", RESPONSE_TIMED_OUT, RuntimeWarning)

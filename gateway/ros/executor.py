@@ -22,7 +22,7 @@ class ExecutorThread:
     """One executor in one thread, from construction until `close`; its callbacks run there.
 
     With *standard* it is rclpy's standard executor, which looks at every entity at each turn;
-    otherwise, where there is one, the executor that wakes only for what is ready.
+    otherwise the executor that wakes only for what is ready, if rclpy has it.
     """
 
     def __init__(self, context: Context, *, standard: bool = False) -> None:
@@ -53,6 +53,6 @@ class ExecutorThread:
         while not self._stopping.is_set():
             try:
                 self._executor.spin_until_future_complete(self._stop, rclpy_private.SPIN_S)
-            except Exception:  # rclpy lets a callback's out, and the thread must outlive it
+            except Exception:  # raised by a callback; the thread must outlive it
                 _logger.exception("callback of ROS failed")
                 self._stopping.wait(_PAUSE_S)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which profile Fast DDS, the middleware of ROS' wheels, reads in a process of ours."""
+"""The profile that Fast DDS, the middleware of ROS' wheels, reads in a process of ours."""
 
 import contextlib
 import os

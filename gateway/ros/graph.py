@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What discovery knows, and word of its changes.
+"""The ROS graph as discovery knows it, and notice of its changes.
 
 rcl has a guard condition that it triggers when discovery learns something. Waiting for it costs
 nothing while nothing happens and wakes within a millisecond. rclpy does not expose it,
@@ -24,18 +24,18 @@ from gateway.ros.profile import endpoint_node, full_name, to_offer
 from gateway.ros.qos import Offer
 from gateway.ros.rclpy_private import GraphWaitSet
 
-# A new node is dozens of changes within a few milliseconds: look once they are over. Far below
+# A new node causes dozens of changes within a few milliseconds: look once they are over. Far below
 # the 100 ms in which a subscription is to follow its publishers.
 SETTLE_S: Final = 0.02
-# Handling a change takes the loop time for every subscription: followed like this, a client that
-# advertises and unadvertises without pause gets a tenth of the loop at most.
+# Handling a change costs loop time for every subscription. Because of this pause a client that
+# advertises and unadvertises all the time takes a tenth of the loop at most.
 SETTLES_PER_HANDLING: Final = 10
-# 1000 subscriptions take about a quarter of it; more is a machine that stood still
+# 1000 subscriptions need about a quarter of it; a longer time means that the machine stood still
 MAX_SETTLE_S: Final = 1.0
 # 100 topics take about 1.5 ms to look at: 0.3 % of a core
 POLL_S: Final = 0.5
 
-_BEHIND_ACTION: Final = "/_action/"  # what an action is made of
+_BEHIND_ACTION: Final = "/_action/"  # in the names of an action's topics and services
 
 _logger = logging.getLogger(__name__)
 
@@ -57,15 +57,15 @@ def read_graph(node: Node) -> Graph:
 
 
 def read_services(node: Node) -> tuple[ServerInfo, ...]:
-    """Return the services that nodes provide, those behind actions left out; 7 us a node.
+    """Return the services that nodes provide, except those of actions; 7 us a node.
 
-    The list without nodes has those as well that only a client has named.
+    rcl's list of all services also has those that only a client has named.
     """
     return tuple(each for each in read_all_services(node) if _BEHIND_ACTION not in each.name)
 
 
 def read_all_services(node: Node) -> tuple[ServerInfo, ...]:
-    """Return the services that nodes provide, those behind actions as well."""
+    """Return the services that nodes provide, including those of actions."""
     return _provided(node, lambda *each: node.get_service_names_and_types_by_node(*each))
 
 
@@ -85,16 +85,15 @@ def read_types(node: Node, topic: str, own_nodes: Container[str]) -> tuple[str, 
 
 
 def read_offers(node: Node, topic: str) -> list[Offer]:
-    """Return what the publishers of a topic offer, of whatever type."""
+    """Return what the publishers of a topic offer, of any type."""
     return [to_offer(publisher) for publisher in node.get_publishers_info_by_topic(topic)]
 
 
 class GraphChanges:
     """A thread that calls *on_change* on the loop's thread soon after the graph has changed.
 
-    Changes within `SETTLE_S` are one call, or within `SETTLES_PER_HANDLING` times what the last
-    call took. With *polling*, or where rcl lacks what waiting needs, it looks every `POLL_S`
-    instead.
+    Changes within `SETTLE_S`, or within `SETTLES_PER_HANDLING` times what the last call took, are
+    one call. With *polling*, or if rcl lacks what waiting needs, it looks every `POLL_S` instead.
     """
 
     def __init__(
@@ -141,7 +140,7 @@ class GraphChanges:
             wait()
             while not self._stopping.wait(self._settle_s):
                 wait(timeout_ns=0)  # what came meanwhile is part of this change
-                # That may have been the last wake as well: close() sets the event before.
+                # This wake may have been that of close(), which sets the event before.
                 if self._stopping.is_set():
                     return
                 self._report()
@@ -156,14 +155,14 @@ class GraphChanges:
                 self._report()
 
     def _report(self) -> None:
-        if not self._is_reported:  # a busy loop has one call waiting, not one for each change
+        if not self._is_reported:  # on a busy loop one call waits, not one for each change
             self._is_reported = True
             self._loop.call_soon_threadsafe(self._handle)
 
     def _handle(self) -> None:
         self._is_reported = False
         began = perf_counter()
-        self._on_change()  # through self: a call on its way finds out that this was closed
+        self._on_change()  # through self: after close() a call that is scheduled does nothing
         took = perf_counter() - began
         self._settle_s = min(max(SETTLE_S, SETTLES_PER_HANDLING * took), MAX_SETTLE_S)
 
@@ -199,4 +198,4 @@ def _fingerprint(node: Node) -> object:
 
 
 def _nothing() -> None:
-    """Stand in for a callback that is not wanted any more."""
+    """Replace the callback after closing."""

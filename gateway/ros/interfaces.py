@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From the name of a type to the class that its ROS package generated."""
+"""Import of the classes that ROS packages generate for their types."""
 
 import importlib
 import importlib.util
@@ -14,7 +14,7 @@ def message_class(type_name: str) -> type:
     """Import the class of ``pkg/msg/Name``.
 
     Raises:
-        RosError: ``bad_type``: the name is none, or no ROS package here has that message.
+        RosError: ``bad_type``: the name is malformed, or no ROS package here has that message.
     """
     return _find_class(type_name, "msg")
 
@@ -51,7 +51,7 @@ def _find_class(type_name: str, kind: TypeKind) -> type:
 
 
 def _is_ros_package(package: str, kind: TypeKind) -> bool:
-    """Tell, without importing it, whether a package was generated from ROS interfaces.
+    """Return, without importing it, whether a package was generated from ROS interfaces.
 
     A client chooses the name: importing any package it likes would run that package's code.
     """

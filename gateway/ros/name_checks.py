@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Names of topics, services, actions and types, checked before ROS sees them.
 
-rclpy expands relative names, ``~`` and ``{node}``, and cuts a name at a NUL byte: a permission
-given for the name that was asked for would then hold for another one.
+rclpy expands relative names, ``~`` and ``{node}``, and truncates a name at a NUL byte: a permission
+for the name as requested would then hold for another one.
 """
 
 import re
@@ -14,7 +14,7 @@ TypeKind = Literal["msg", "srv", "action"]
 
 # rmw's limit: the 255 characters of a DDS topic less its longest own prefix
 MAX_TOPIC_CHARACTERS: Final = 247
-# less what an action adds for the longest of its parts
+# less the longest suffix that an action adds to its name
 MAX_ACTION_CHARACTERS: Final = MAX_TOPIC_CHARACTERS - len("/_action/cancel_goal")
 
 _NAME = re.compile(r"(?:/[A-Za-z_][A-Za-z0-9_]*)+", re.ASCII)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What an operator may decide about the gateway's part in ROS."""
+"""The operator's options for the gateway's part in ROS."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -9,7 +9,7 @@ Taking = Literal["auto", "eventfd", "executor"]
 
 @dataclass(frozen=True, slots=True)
 class RosOptions:
-    """What an operator may decide about the gateway's nodes."""
+    """The operator's options for the gateway's nodes."""
 
     node_prefix: str = "ros2_gateway"
     namespace: str = "/"  # of the nodes; topics do not move

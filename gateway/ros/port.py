@@ -52,7 +52,7 @@ class RclpyRos:
     The nodes are ``PREFIX_subscriptions``, ``PREFIX_publishers`` and ``PREFIX_services``, which
     nothing spins, and ``PREFIX_debug``, which has the parameters, the clock and ``/rosout``. Their
     context is their own and installs no signal handlers: rclpy's would end it before the gateway
-    said goodbye.
+    has closed its connections.
     """
 
     def __init__(self, options: RosOptions) -> None:
@@ -63,7 +63,7 @@ class RclpyRos:
         """
         loop = asyncio.get_running_loop()
         self._max_entities = options.max_entities
-        # of the graph, until it changes
+        # read from the graph, kept until it changes
         self._graph: Graph | None = None
         self._types: dict[str, tuple[str, ...]] = {}
         self._service_types: dict[str, tuple[str, ...]] | None = None
@@ -175,7 +175,7 @@ class RclpyRos:
 
     def service_types(self, service: str) -> tuple[str, ...]:
         """Return the types of a service; see the port. Kept until the graph changes."""
-        # Word of a change comes a little later than the change: what is not known may be new.
+        # A change is reported a little after it happens: a name that is not known may be new.
         if self._service_types is None or service not in self._service_types:
             found = self._without_ended("service", read_all_services(self._debug))
             self._service_types = {each.name: each.types for each in found}
@@ -204,7 +204,7 @@ class RclpyRos:
         return self._watches.add(on_change)
 
     def log(self, level: LogLevel, text: str) -> None:
-        """Write to the debug node's logger, and so to ``/rosout``; after `close` nowhere."""
+        """Write to the debug node's logger, and so to ``/rosout``; do nothing after `close`."""
         if self._is_closed:  # rcl's logging would fall back to the terminal
             return
         logger = self._debug.get_logger()
@@ -239,15 +239,15 @@ class RclpyRos:
     def _check_new(self, subject: str, type_name: str, known: str | None) -> None:
         if self.entity_count() >= self._max_entities:
             raise RosError("limit_exceeded", f"at most {self._max_entities} ROS entities")
-        # One DDS participant cannot have both, and rcl loses rmw's reason for saying so.
+        # One DDS participant cannot have both types, and rcl's error leaves rmw's reason out.
         if known not in {None, type_name}:
             raise RosError("type_conflict", f"{subject} is open here as {known}, not {type_name}")
         self._deferred.destroy_now(subject, except_type=type_name)
 
-    # What is opened and closed here is in the graph at once: no change is waited for.
+    # What is opened and closed here changes the graph at once: no report is waited for.
 
     def _without_ended(self, kind: str, found: Iterable[ServerInfo]) -> tuple[ServerInfo, ...]:
-        """Leave out what is only kept for its last words."""
+        """Leave out what is closed and awaits its deferred destruction."""
         return tuple(
             each
             for each in found
@@ -279,7 +279,7 @@ class RclpyRos:
 def _open_context(options: RosOptions, undo: contextlib.ExitStack) -> Context:
     # Not rclpy.init(): that would install signal handlers, and take our own command line.
     context = Context()
-    # Who logs through the port writes to the terminal, or to files, by other ways.
+    # The gateway writes its log to the terminal, or to files, by other ways.
     quiet = ("--disable-stdout-logs", "--disable-external-lib-logs")
     arguments = ["--ros-args", *quiet, "--", *options.arguments]
     context.init(args=arguments, domain_id=options.domain_id)
@@ -304,7 +304,7 @@ def _open_node(
         context=context,
         namespace=options.namespace,
         enable_rosout=is_spun,
-        # Nobody would answer their services on a node that is not spun.
+        # On a node that is not spun nothing would answer these services.
         start_parameter_services=is_spun,
         parameter_overrides=[
             Parameter("use_sim_time", value=is_spun and options.use_sim_time),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Raw publishers, one of rclpy's for all who advertise the same, unless it is latched."""
+"""Raw publishers: all who advertise the same share one of rclpy's, unless it is latched."""
 
 import itertools
 from collections.abc import Callable
@@ -59,10 +59,10 @@ class Publishers:
         return next((key.type_name for key in open_here if key.topic == topic), None)
 
     def advertise(self, topic: str, type_name: str, qos: Qos) -> "RclpyPublisher":
-        """Open a publisher; `gateway.ports.Ros.advertise` says how."""
+        """Open a publisher; see `gateway.ports.Ros.advertise`."""
         check_topic(topic)
         offer = complete_offer(qos)
-        # Late subscribers get what each publisher said last, so none may speak for another one.
+        # Late subscribers get the last samples of each publisher, so latched ones are not shared.
         is_latched = offer.durability == "transient_local"
         key = _Key(topic, type_name, offer, next(self._owners) if is_latched else None)
         shared = self._shared.get(key)
@@ -77,7 +77,7 @@ class Publishers:
         return handle
 
     def release(self, handle: "RclpyPublisher", key: _Key) -> None:
-        """Give one handle back; the last one ends the publisher. Twice is harmless."""
+        """Release a handle, and the publisher with the last one. Releasing twice is harmless."""
         if handle not in self._handles:
             return
         self._handles.remove(handle)
@@ -142,5 +142,5 @@ class RclpyPublisher:
             raise refused(f"topic {self._key.topic}", error) from error
 
     def close(self) -> None:
-        """Give it back. Closing twice is harmless."""
+        """Release it. Closing twice is harmless."""
         self._publishers.release(self, self._key)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which quality of service a subscription gets, and why an offer does not match it.
+"""The quality of service of a subscription, and the reasons why an offer does not match it.
 
-Nothing here needs ROS: offers come in, a profile or sentences come out. What matches what is
-the table of "requested versus offered" in the DDS specification (formal/15-04-10, 2.2.3).
+Nothing here needs ROS: offers come in, a profile or sentences come out. Matching follows the table
+of "requested versus offered" in the DDS specification (formal/15-04-10, 2.2.3).
 """
 
 from collections.abc import Iterable, Sequence
@@ -18,7 +18,7 @@ MAX_DEPTH: Final = 1024  # a second of 1 kHz; as much as a client's queue_length
 PUBLISHER_DEPTH: Final = 10  # the default of ROS
 # DDS watches a deadline with a timer of its own, 1000 times a second at most
 MIN_PERIOD_NS: Final = 1_000_000
-MAX_PERIOD_NS: Final = 2**63 - 1  # rmw's number for a duration without end
+MAX_PERIOD_NS: Final = 2**63 - 1  # rmw's number for an infinite duration
 
 # rmw's name for the node of an endpoint whose participant has not introduced its nodes yet
 UNKNOWN_NODE: Final = "_NODE_NAME_UNKNOWN_"
@@ -26,23 +26,23 @@ UNKNOWN_NODE: Final = "_NODE_NAME_UNKNOWN_"
 
 @dataclass(frozen=True, slots=True)
 class Offer:
-    """What one publisher of a topic offers, as discovery reports it."""
+    """The offer of one publisher of a topic, as discovery reports it."""
 
     node: str
     type_name: str
     reliability: Reliability = "reliable"
     durability: Durability = "volatile"
-    depth: int | None = None  # None: not told, as with Fast DDS
+    depth: int | None = None  # None: not reported, as by Fast DDS
     deadline_ns: int | None = None
 
 
 def adopt(asked: Qos, offers: Sequence[Offer], current: Qos | None = None) -> Qos:
-    """Fill what *asked* leaves open with what matches every offer, nothing being left open.
+    """Fill all that *asked* leaves open with what matches every offer.
 
     *offers* are those of the subscription's own type. Without any, *current* stays: publishers
     that return mostly return unchanged. Before the first one a reliable, volatile publisher is
-    expected, as ROS makes them by default; the only one not to match that is a best-effort one,
-    a stream whose next sample soon makes up for the first.
+    expected, as ROS creates them by default. Only a best-effort publisher does not match that, and
+    its next sample soon makes up for the first.
 
     A subscription that keeps all would grow for as long as the event loop is busy: it keeps the
     last `MAX_DEPTH` instead.
@@ -60,9 +60,10 @@ def adopt(asked: Qos, offers: Sequence[Offer], current: Qos | None = None) -> Qo
 
 
 def is_same_request(one: Qos, other: Qos) -> bool:
-    """Tell whether two profiles match the same offers; a depth alone is no reason to resubscribe.
+    """Return whether two profiles match the same offers, whatever their depths.
 
-    Replacing a subscription may lose a sample, a longer queue seldom saves one.
+    A depth alone is no reason to resubscribe: replacing a subscription may lose a sample, a longer
+    queue seldom saves one.
     """
     return replace(one, depth=None) == replace(other, depth=None)
 
@@ -82,7 +83,7 @@ def complete_offer(asked: Qos) -> Qos:
 
 
 def mismatches(topic: str, type_name: str, qos: Qos, offers: Iterable[Offer]) -> list[str]:
-    """Say for people which publishers a subscription gets nothing from, each reason once."""
+    """Describe the publishers that a subscription gets nothing from, each reason once."""
     reasons: dict[str, None] = {}
     for offer in offers:
         if offer.node != UNKNOWN_NODE:  # its name follows within milliseconds
@@ -122,7 +123,7 @@ def _deadline(deadline_ns: int | None) -> str:
 
 
 def _bounded(asked: Qos, *, reliability: Reliability, durability: Durability, depth: int) -> Qos:
-    """Complete a profile; *depth* is for one that asks for none."""
+    """Complete a profile; *depth* is for one that leaves its depth open."""
     wanted = MAX_DEPTH if asked.history == "keep_all" else asked.depth or depth
     return Qos(
         reliability,

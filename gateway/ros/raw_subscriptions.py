@@ -44,7 +44,7 @@ class RawSubscriptions:
         on_samples: Callable[[Sequence[Sample]], None],
         on_incompatible: Callable[[str], None],
     ) -> "RawSubscription":
-        """Open a subscription; `gateway.ports.Ros.subscribe` says how."""
+        """Open a subscription; see `gateway.ports.Ros.subscribe`."""
         check_topic(topic)
         subscription = RawSubscription(
             self, topic, type_name, qos, on_samples, on_incompatible, self.offers(topic)
@@ -60,7 +60,7 @@ class RawSubscriptions:
         return next((s.type_name for s in self._open if s.topic == topic), None)
 
     def follow_publishers(self) -> None:
-        """Let every subscription see what its publishers offer now."""
+        """Let every subscription follow what its publishers offer now."""
         for subscription in list(self._open):
             subscription.follow(self.offers(subscription.topic))
 
@@ -91,7 +91,7 @@ class RawSubscriptions:
         return reader
 
     def forget(self, subscription: "RawSubscription") -> None:
-        """Count a closed subscription no more."""
+        """Remove a closed subscription."""
         self._open.discard(subscription)
         self._on_change()
 
@@ -102,7 +102,7 @@ class RawSubscriptions:
 
 
 class RawSubscription:
-    """One handle; rclpy's subscription behind it is replaced when the offers ask for another.
+    """One handle; rclpy's subscription behind it is replaced when the offers require another.
 
     A replacement loses nothing and may deliver something twice: what arrives while both exist,
     and what a transient-local publisher has retained.
@@ -126,20 +126,20 @@ class RawSubscription:
         self._on_samples = on_samples
         self._on_incompatible = on_incompatible
         self._offers = offers
-        self._refusals: list[str] = []  # why what the offers ask for is not in force
+        self._refusals: list[str] = []  # why the profile that the offers require is not in force
         self._reported: list[str] = []
-        self.qos = adopt(asked, self._matching(offers))  # nothing in it is left to adopt
+        self.qos = adopt(asked, self._matching(offers))  # complete
         self._reader: Reader | None = self._read(self.qos)
-        self._retired: Reader | None = None  # while it delivers its last
+        self._retired: Reader | None = None  # while it delivers its last samples
 
     @property
     def publishers(self) -> int:
-        """How many publishers of its type the topic has; see the port."""
+        """The number of publishers of its type; see the port."""
         return len(self._matching(self._offers))
 
     @property
     def incompatible(self) -> tuple[str, ...]:
-        """What was reported and still holds."""
+        """The mismatches that were reported and still hold."""
         return tuple(self._reported)
 
     def close(self) -> None:
@@ -152,7 +152,7 @@ class RawSubscription:
                 reader.close()
 
     def follow(self, offers: Sequence[Offer]) -> None:
-        """Adopt what the publishers offer now, and tell of those that cannot be matched."""
+        """Adopt what the publishers offer now, and report those that cannot be matched."""
         if self._reader is None:
             return
         self._offers = offers
@@ -163,7 +163,7 @@ class RawSubscription:
         self.report()
 
     def report(self) -> None:
-        """Tell of each publisher that cannot be matched, once while it stands."""
+        """Report each publisher that cannot be matched, once for as long as that lasts."""
         known = self._reported
         unmatched = mismatches(self.topic, self.type_name, self.qos, self._offers)
         self._reported = [*self._refusals, *unmatched]

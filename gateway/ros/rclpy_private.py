@@ -87,7 +87,7 @@ class RequestId(Protocol):
 
 
 class ServiceInfo(Protocol):
-    """What rmw knows of a request or a response."""
+    """The metadata of a request or a response."""
 
     @property
     def request_id(self) -> RequestId:
@@ -267,4 +267,4 @@ def _rcl_function(name: str, result: type, *, argument_count: int) -> Callable[.
 
 
 def _nothing() -> None:
-    """Stand in for a callback where there is nothing to do."""
+    """Serve as the callback that a guard condition requires."""

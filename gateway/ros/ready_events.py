@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Word from DDS to the event loop that something has arrived at an entity of rcl's.
+"""Notice to the event loop that an entity of rcl has something to take.
 
 `EventfdReadyEvents` is the fast way. The listener thread of DDS writes an eventfd, in C and without
-the GIL, and the loop takes what has arrived itself. It stands on
-`gateway.ros.rclpy_private.ReadyCallbacks`; `PolledReadyEvents` on nothing but the loop's clock.
+the GIL, and the loop takes what has arrived itself. It needs
+`gateway.ros.rclpy_private.ReadyCallbacks`; `PolledReadyEvents` needs only the loop's clock.
 """
 
 import asyncio
@@ -16,36 +16,36 @@ from typing import Any, Final, Protocol
 from gateway.ros.qos import MAX_DEPTH
 from gateway.ros.rclpy_private import Kind, MissingFunctionError, ReadyCallbacks
 
-# a call takes 10 ms at most for want of a better way; an idle entity costs 0.1 % of a core
+# adds 10 ms at most to a call; an idle entity costs 0.1 % of a core
 POLL_S: Final = 0.01
 
 
 class UnsupportedError(Exception):
-    """Raised when this platform or this ROS lacks what `EventfdReadyEvents` stands on."""
+    """Raised when this platform or this ROS lacks what `EventfdReadyEvents` needs."""
 
 
 class EventSource(Protocol):
-    """One entity of rcl's that the event loop takes from."""
+    """An entity of rcl that the event loop takes from."""
 
     @property
     def entity(self) -> Any:
-        """What rclpy made for it."""
+        """The entity as rclpy created it."""
 
     def notify_again(self) -> None:
-        """Call *on_ready* once more, after the others' turn."""
+        """Call *on_ready* once more, after other callbacks have had their turn."""
 
     def count_take(self) -> bool:
-        """Count one take, whatever it gave; tell whether anything is known to have been there.
+        """Count one take of any outcome; return whether a message is known to have been there.
 
-        For rclpy says of a message that it cannot read what it says where there is none.
+        rclpy returns the same for a message that it cannot read as for no message.
         """
 
     def close(self) -> None:
-        """Call nothing any more and destroy the entity. Closing twice is harmless."""
+        """Stop calling *on_ready* and destroy the entity. Closing twice is harmless."""
 
 
 class ReadyEvents(Protocol):
-    """A way to tell the event loop of arrivals; no executor may spin the entities' node."""
+    """A way to report arrivals to the event loop; no executor may spin the entities' node."""
 
     def open(
         self,
@@ -62,7 +62,7 @@ class ReadyEvents(Protocol):
 
 
 class EventfdReadyEvents:
-    """Tells by an eventfd for each entity."""
+    """Reports arrivals by an eventfd for each entity."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
         """Find what this needs.
@@ -101,7 +101,7 @@ class EventfdSource:
         on_ready: Callable[[], None],
     ) -> None:
         self._pending = 0  # arrivals that were counted and not taken yet
-        self._repeats = 0  # what the eventfd counts of ours
+        self._repeats = 0  # of what the eventfd counts, those by `notify_again`
         with contextlib.ExitStack() as undo:
             # non-blocking: the thread of DDS must not wait when the loop does not read
             self._fd = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
@@ -118,7 +118,7 @@ class EventfdSource:
         """Forget what has arrived so far, uncounted; it must be called from *on_ready*."""
 
     def notify_again(self) -> None:
-        """Call *on_ready* once more, after the others' turn."""
+        """Call *on_ready* once more, after other callbacks have had their turn."""
         self._repeats += 1
         os.eventfd_write(self._fd, 1)
 
@@ -131,9 +131,9 @@ class EventfdSource:
         return is_pending
 
     def close(self) -> None:
-        """Unhook, then destroy, then close: the steps of opening, backwards.
+        """Stop counting, destroy the entity, close the eventfd: the steps of opening, backwards.
 
-        In any other order the thread of DDS might write into whatever reuses the number.
+        In any other order the thread of DDS might write into a file that reuses the descriptor.
         """
         self._undo.close()
 
@@ -143,11 +143,11 @@ class EventfdSource:
         except BlockingIOError:  # nothing has arrived since
             return
         self._repeats = 0
-        self._pending = min(self._pending + arrived, MAX_DEPTH)  # DDS has dropped what is beyond
+        self._pending = min(self._pending + arrived, MAX_DEPTH)  # DDS has dropped the rest
 
 
 class PolledReadyEvents:
-    """Tells of nothing: the loop looks every `POLL_S`."""
+    """Reports nothing: the loop looks at each entity every `POLL_S`."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
         self._loop = loop
@@ -181,16 +181,16 @@ class PolledSource:
         self._next: asyncio.Handle = loop.call_soon(self._look)
 
     def notify_again(self) -> None:
-        """Call *on_ready* once more, after the others' turn."""
+        """Call *on_ready* once more, after other callbacks have had their turn."""
         self._next.cancel()
         self._next = self._loop.call_soon(self._look)
 
     def count_take(self) -> bool:
-        """Know of nothing: what is behind a message that cannot be read waits for the next look."""
+        """Return false: what follows a message that cannot be read waits for the next look."""
         return False
 
     def close(self) -> None:
-        """Look no more and destroy the entity. Closing twice is harmless."""
+        """Stop looking and destroy the entity. Closing twice is harmless."""
         if not self._is_closed:
             self._is_closed = True
             self._next.cancel()
@@ -215,4 +215,4 @@ def _require_readers(loop: asyncio.AbstractEventLoop) -> None:
 
 
 def _never_called() -> None:
-    """Stand in where the loop wants a callback."""
+    """Serve as the callback that the loop requires."""

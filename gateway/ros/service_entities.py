@@ -37,14 +37,14 @@ class Services:
         return next((c.type_name for c in self._clients if c.name == service), None)
 
     def client(self, service: str, type_name: str) -> "RclpyClient":
-        """Open a client; `gateway.ports.Ros.client` says how."""
+        """Open a client; see `gateway.ports.Ros.client`."""
         check_service(service)
         client = RclpyClient(
             self._endpoints,
             service,
             type_name,
             self._clients.discard,
-            # what is provided here keeps more, and is taken by this very loop
+            # a service provided here keeps more, and this loop itself takes its requests
             is_paced=lambda: service not in self._provided,
         )
         self._clients.add(client)
@@ -53,7 +53,7 @@ class Services:
     def serve(
         self, service: str, type_name: str, on_request: Callable[[Request], None]
     ) -> "RclpyService":
-        """Open a server; `gateway.ports.Ros.serve` says how."""
+        """Open a server; see `gateway.ports.Ros.serve`."""
         check_service(service)
         if service in self._provided:
             raise RosError("limit_exceeded", f"service {service} is provided here already")
@@ -64,7 +64,7 @@ class Services:
         return server
 
     def follow_graph(self) -> None:
-        """Let every client see whether its servers are still there."""
+        """Let every client follow servers that have come or gone."""
         for client in list(self._clients):
             client.follow_graph()
 
@@ -118,11 +118,11 @@ class RclpyClient:
         return serialize_message(await self._requester.send(message))
 
     def follow_graph(self) -> None:
-        """See whether servers have come or gone."""
+        """Follow servers that have come or gone."""
         self._requester.follow_graph()
 
     def close(self) -> None:
-        """Destroy it; what is under way fails. Closing twice is harmless."""
+        """Destroy it and fail what is under way. Closing twice is harmless."""
         self._on_close(self)
         self._requester.close()
 
@@ -137,7 +137,7 @@ class RclpyRequest:
         self.cdr = serialize_message(message)
 
     def answer(self, response: bytes) -> None:
-        """Respond. At most once; nothing happens once the service is closed."""
+        """Send the response, once. Do nothing if the service is closed."""
         with refusals(self._subject):
             message = deserialize_message(response, self._response_class)
         reply, self._reply = self._reply, None
@@ -146,7 +146,7 @@ class RclpyRequest:
 
 
 class RclpyService:
-    """A service that the gateway provides; who has a request keeps it, nothing here does."""
+    """A service that the gateway provides. Requests are kept by their receiver, not here."""
 
     def __init__(
         self,
@@ -168,7 +168,7 @@ class RclpyService:
 
     @property
     def has_answered(self) -> bool:
-        """Whether a response was ever sent."""
+        """True once a response has been sent."""
         return self._replier.has_replied
 
     def close(self) -> None:
@@ -181,7 +181,7 @@ class RclpyService:
                 self._on_close(self)
 
     def destroy(self) -> None:
-        """Destroy it, at the latest once its last response has been heard."""
+        """Destroy it, at the latest once its last response has been delivered."""
         self._replier.close()
 
     def _arrive(self, message: Any, reply: Reply) -> None:

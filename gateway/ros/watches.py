@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who wants to hear of changes of the graph."""
+"""Callbacks for changes of the graph."""
 
 import asyncio
 from collections.abc import Callable
 from typing import Final
 
-# A robot that starts changes its graph for seconds, and each watcher reads it anew, ~10 ms of a
-# big one: ten times a second is soon enough for people.
+# A robot that starts changes its graph for seconds, and each watcher reads it again, ~10 ms for a
+# big one: ten times a second is often enough for people.
 SETTLE_S: Final = 0.1
 
 
 class GraphWatch:
-    """One standing request."""
+    """One watch of the graph."""
 
     def __init__(self, watches: "GraphWatches", on_change: Callable[[], None]) -> None:
         self._watches = watches
@@ -22,12 +22,12 @@ class GraphWatch:
         self._watches.remove(self)
 
     def notify(self) -> None:
-        """Pass a change on."""
+        """Report a change."""
         self._on_change()
 
 
 class GraphWatches:
-    """All of them, told together `SETTLE_S` after the first change."""
+    """All watches, notified together `SETTLE_S` after the first change."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
         self._loop = loop
@@ -35,22 +35,22 @@ class GraphWatches:
         self._timer: asyncio.TimerHandle | None = None
 
     def add(self, on_change: Callable[[], None]) -> GraphWatch:
-        """Open one."""
+        """Open a watch."""
         watch = GraphWatch(self, on_change)
         self._open[watch] = None
         return watch
 
     def remove(self, watch: GraphWatch) -> None:
-        """Close one; unknown ones are none."""
+        """Close a watch. One that is not open is ignored."""
         self._open.pop(watch, None)
 
     def notify(self) -> None:
-        """Note a change."""
+        """Schedule the report of a change."""
         if self._timer is None and self._open:
             self._timer = self._loop.call_later(SETTLE_S, self._settled)
 
     def close(self) -> None:
-        """Close all of them."""
+        """Close all watches."""
         self._open.clear()
         if self._timer is not None:
             self._timer.cancel()
