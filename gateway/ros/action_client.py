@@ -52,10 +52,10 @@ class RclpyActionClient:
         self._node = endpoints.node
         self._loop = endpoints.loop
         self._subject = f"action {name}"
-        self._listening: dict[bytes, OnFeedback] = {}
+        self._feedback_callbacks: dict[bytes, OnFeedback] = {}
         self._abandoned: dict[asyncio.Future[Any], asyncio.Task[None]] = {}  # by their answers
         self._canceling: dict[bytes, asyncio.Future[Any]] = {}
-        self._last_moment: asyncio.TimerHandle | None = None
+        self._destroy_timer: asyncio.TimerHandle | None = None
         self._is_closed = False
         self._cancel_class = service_class("action_msgs/srv/CancelGoal")
         self._feedback_topic = f"{name}/_action/feedback"
@@ -77,7 +77,10 @@ class RclpyActionClient:
             # be lost otherwise.
             with refusals(self._subject):
                 self._feedback = samples.read(
-                    parts.FeedbackMessage, self._feedback_topic, _READER_PROFILE, self._hear
+                    parts.FeedbackMessage,
+                    self._feedback_topic,
+                    _READER_PROFILE,
+                    self._deliver_feedback,
                 )
             undo.callback(self._feedback.close)
             if self._feedback.topic_name != self._feedback_topic:
@@ -97,7 +100,7 @@ class RclpyActionClient:
         goal_id = uuid.uuid4().bytes
         with refusals(self._subject):
             request = deserialize_message(with_goal_id(goal_id, goal), self._goal_class.Request)
-        self._listening[goal_id] = on_feedback  # feedback may come before the answer
+        self._feedback_callbacks[goal_id] = on_feedback  # feedback may come before the answer
         answer = self._goals.send(request)
         is_accepted = False
         try:
@@ -107,7 +110,7 @@ class RclpyActionClient:
             raise
         finally:
             if not is_accepted:
-                self._listening.pop(goal_id, None)
+                self._feedback_callbacks.pop(goal_id, None)
         return RclpyGoal(self, goal_id, self._ask_result(goal_id)) if is_accepted else None
 
     def cancel_goal(self, goal_id: bytes) -> None:
@@ -147,8 +150,8 @@ class RclpyActionClient:
         if self._is_closed:
             return
         self._is_closed = True
-        self._last_moment = self._loop.call_later(_ABANDONED_S, self.destroy)
-        self._listening.clear()
+        self._destroy_timer = self._loop.call_later(_ABANDONED_S, self.destroy)
+        self._feedback_callbacks.clear()
         self._results.fail_all()
         self._goals.fail_all(but=self._abandoned)
         self._destroy_if_done()
@@ -156,8 +159,8 @@ class RclpyActionClient:
     def withdraw(self) -> None:
         """Send all cancels now, so that it can be destroyed. Withdrawing twice is harmless."""
         self._is_closed = True
-        if self._last_moment is not None:
-            self._last_moment.cancel()
+        if self._destroy_timer is not None:
+            self._destroy_timer.cancel()
         self._on_close(self)
         self._cancels.flush()  # more at once than a server may keep, but unsent all are lost
 
@@ -183,7 +186,7 @@ class RclpyActionClient:
 
     def _end(self, goal_id: bytes, result: "asyncio.Future[Any]") -> None:
         self._feedback.flush()  # what was published before the result
-        self._listening.pop(goal_id, None)
+        self._feedback_callbacks.pop(goal_id, None)
         if goal_id in self._canceling and result.exception() is None:
             self._canceling[goal_id].cancel()  # there is nothing left to cancel
 
@@ -210,9 +213,9 @@ class RclpyActionClient:
                 if (await answer).accepted:  # it would be executed for nobody
                     self.cancel_goal(goal_id)
 
-    def _hear(self, samples: Sequence[Sample]) -> None:
+    def _deliver_feedback(self, samples: Sequence[Sample]) -> None:
         for cdr, _ in samples:
-            on_feedback = self._listening.get(goal_id_of(cdr))
+            on_feedback = self._feedback_callbacks.get(goal_id_of(cdr))
             if on_feedback is not None:
                 on_feedback(without_goal_id(cdr))
 

@@ -47,7 +47,7 @@ class GraphWatches:
     def notify(self) -> None:
         """Schedule the report of a change."""
         if self._timer is None and self._open:
-            self._timer = self._loop.call_later(SETTLE_S, self._settled)
+            self._timer = self._loop.call_later(SETTLE_S, self._notify_all)
 
     def close(self) -> None:
         """Close all watches."""
@@ -55,7 +55,7 @@ class GraphWatches:
         if self._timer is not None:
             self._timer.cancel()
 
-    def _settled(self) -> None:
+    def _notify_all(self) -> None:
         self._timer = None
         for watch in list(self._open):
             if watch in self._open:  # an earlier one may have closed it

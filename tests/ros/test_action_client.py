@@ -48,7 +48,7 @@ async def test_goals_that_have_ended_leave_nothing_behind(ros: RclpyRos, outside
     assert await soon(client.send_goal(goal(100), ignore)) is None
     parts = (client._goals, client._results, client._cancels)
     await eventually(lambda: not any(part._under_way or part._waiting for part in parts))
-    assert client._listening == {}
+    assert client._feedback_callbacks == {}
 
 
 def accepts_small(cdr: bytes) -> bool:
@@ -141,7 +141,7 @@ async def test_a_goal_that_is_accepted_too_late_is_cancelled(ros: RclpyRos, slow
     slow.accept(0)
     await eventually(lambda: slow.provider.cancels == slow.provider.goals != [])
     await eventually(lambda: not client._abandoned)
-    assert client._listening == {}
+    assert client._feedback_callbacks == {}
     assert ros.entity_count() == 2
 
 
