@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """From DDS to the event loop: the data path.
 
-`EventfdSamples` is the fast one: word comes by an eventfd and the loop takes the samples itself.
-`ExecutorSamples` stands on nothing but rclpy, and needs an executor that spins its node in a
-thread.
+`EventfdSamples` is the fast one: an eventfd wakes the loop, which takes the samples itself.
+`ExecutorSamples` needs nothing but rclpy, and an executor that spins its node in a thread.
 """
 
 import asyncio
@@ -16,6 +15,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
 from gateway.ports import MAX_TAKES_PER_TURN, Sample
+from gateway.ros import rclpy_private
 from gateway.ros.groups import group_of_one
 from gateway.ros.qos import MAX_DEPTH
 from gateway.ros.ready_events import EventfdReadyEvents
@@ -93,7 +93,7 @@ class _EventfdReader:
             "subscription", create, node.destroy_subscription, self._deliver
         )
         self._subscription = self._source.entity
-        self._take_message = self._subscription.handle.take_message
+        self._take_message = rclpy_private.message_taker(self._subscription)
 
     @property
     def topic_name(self) -> str:
@@ -215,9 +215,9 @@ class _ExecutorReader:
 
 
 def _no_events() -> SubscriptionEventCallbacks:
-    # The graph tells about mismatches, with names; nobody would take these events.
+    # The graph names the publishers that do not match; nobody would take these events.
     return SubscriptionEventCallbacks(use_default_callbacks=False)
 
 
 def _never_called(*_: object) -> None:
-    """Stand in where rclpy wants a callback and nothing calls it."""
+    """Serve as the callback that rclpy asks for and nothing calls."""

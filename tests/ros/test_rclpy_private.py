@@ -387,15 +387,11 @@ def test_the_search_finds_private_parts(source: str) -> None:
     assert private_uses(source)
 
 
-# Leaves with the next change of `gateway.ros.samples`, which has still to use `message_taker`.
-NOT_YET = pytest.mark.xfail(reason="takes samples by the handle itself", strict=False)
-
 SOURCES = [
-    pytest.param(path, id=f"{folder.name}/{path.name}", marks=[NOT_YET] * is_not_yet)
+    pytest.param(path, id=f"{folder.name}/{path.name}")
     for folder in (Path(gateway.ros.__file__).parent, Path(gateway_sim.__file__).parent)
     for path in sorted(folder.rglob("*.py"))
     if path != Path(rclpy_private.__file__)
-    for is_not_yet in [path.name == "samples.py"]
 ]
 
 
