@@ -69,6 +69,16 @@ class Meta:
         return {"seq": self.seq, "received": received, "dropped": self.dropped}
 
 
+@dataclass(frozen=True, slots=True)
+class PerClient:
+    """The difference between one subscription's frame and the frame that the others share."""
+
+    seq: int  # of the sample
+    meta: Meta | None = None
+    fragment_size: int | None = None
+    is_ascii: bool = False
+
+
 class PublishFrames(Protocol):
     """Makes the frames of one topic, in one compression, from encoded messages."""
 
@@ -78,15 +88,7 @@ class PublishFrames(Protocol):
     def message(self, shared: bytes) -> bytes:
         """Return the message in a shared frame."""
 
-    def per_client(
-        self,
-        message: bytes,
-        *,
-        seq: int,
-        meta: Meta | None = None,
-        fragment_size: int | None = None,
-        is_ascii: bool = False,
-    ) -> bytes:
+    def per_client(self, message: bytes, own: PerClient) -> bytes:
         """Return the frame, or frames in a row, that one subscriber gets."""
 
 
@@ -107,25 +109,17 @@ class JsonFrames:
         """Take the message out of its frame."""
         return _after(self._prefix, shared)[: -len(messages.PUBLISH_SUFFIX)]
 
-    def per_client(
-        self,
-        message: bytes,
-        *,
-        seq: int,
-        meta: Meta | None = None,
-        fragment_size: int | None = None,
-        is_ascii: bool = False,
-    ) -> bytes:
+    def per_client(self, message: bytes, own: PerClient) -> bytes:
         """Add meta, escape and split as requested."""
         prefix = self._prefix
-        if meta is not None:
+        if own.meta is not None:
             prefix = messages.publish_meta_prefix(
-                self._topic, meta.seq, meta.received_ns, meta.dropped
+                self._topic, own.meta.seq, own.meta.received_ns, own.meta.dropped
             )
         text = b"".join((prefix, message, messages.PUBLISH_SUFFIX))
-        if is_ascii:
+        if own.is_ascii:
             text = ascii_only(text)
-        return text_frames(text, fragment_size, f"publish:{self._topic}:{seq}")
+        return text_frames(text, own.fragment_size, f"publish:{self._topic}:{own.seq}")
 
 
 class PngFrames:
@@ -149,22 +143,13 @@ class PngFrames:
         """Take the message out of its frame."""
         return _after(self._PREFIX, shared)[: -len(self._SUFFIX)]
 
-    def per_client(
-        self,
-        message: bytes,
-        *,
-        seq: int,
-        meta: Meta | None = None,
-        fragment_size: int | None = None,
-        is_ascii: bool = False,
-    ) -> bytes:
+    def per_client(self, message: bytes, own: PerClient) -> bytes:
         """Add meta, and split as requested; base64 is ASCII in any case."""
-        del is_ascii
         end = b"}"
-        if meta is not None:
-            end = b"," + orjson.dumps(meta.members())[1:]
+        if own.meta is not None:
+            end = b"," + orjson.dumps(own.meta.members())[1:]
         text = b"".join((self._PREFIX, message, b'"', end))
-        return text_frames(text, fragment_size, f"publish:{self._topic}:{seq}")
+        return text_frames(text, own.fragment_size, f"publish:{self._topic}:{own.seq}")
 
 
 class CborFrames:
@@ -185,20 +170,11 @@ class CborFrames:
         """Take the message out of its frame."""
         return _after(self._prefix, shared)
 
-    def per_client(
-        self,
-        message: bytes,
-        *,
-        seq: int,
-        meta: Meta | None = None,
-        fragment_size: int | None = None,
-        is_ascii: bool = False,
-    ) -> bytes:
+    def per_client(self, message: bytes, own: PerClient) -> bytes:
         """Add meta as requested; rosbridge knows no fragments of binary frames."""
-        del seq, fragment_size, is_ascii
         prefix = self._prefix
-        if meta is not None:
-            prefix = self._up_to_message(meta.members())
+        if own.meta is not None:
+            prefix = self._up_to_message(own.meta.members())
         return b"".join((header(BINARY, len(prefix) + len(message)), prefix, message))
 
     def _up_to_message(self, meta: dict[str, object]) -> bytes:

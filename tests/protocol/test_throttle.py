@@ -1,22 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-from dataclasses import dataclass
-
 from hypothesis import given
 from hypothesis import strategies as st
 
 from gateway.protocol.throttle import Throttle
+from tests.protocol.entries import Item
 
 MS = 1_000_000
-
-
-@dataclass
-class Item:
-    number: int
-    size: int = 1
-    is_being_encoded: bool = False
-
-    def frame(self) -> bytes:
-        return b"%d" % self.number
 
 
 def run(

@@ -8,7 +8,14 @@ from hypothesis import strategies as st
 from websockets.frames import Frame, Opcode
 
 from gateway.codec import cbor
-from gateway.protocol.websocket_frames import BINARY, Meta, header, publish_frames, text_frame
+from gateway.protocol.websocket_frames import (
+    BINARY,
+    Meta,
+    PerClient,
+    header,
+    publish_frames,
+    text_frame,
+)
 from tests.wire import unpacked, websocket_frames
 
 META = Meta(seq=7, received_ns=12_000_000_034, dropped=2)
@@ -21,7 +28,9 @@ BODIES = {"none": b'{"x":1}', "cbor": cbor.dumps({"x": 1}), "cbor-raw": cbor.dum
 def test_the_message_stands_in_a_publish_frame(compression):
     body = BODIES[compression]
     assert unpacked(publish_frames("/odom", compression).shared(body)) == [PUBLISH]
-    assert unpacked(publish_frames("/odom", compression).per_client(body, seq=7)) == [PUBLISH]
+    assert unpacked(publish_frames("/odom", compression).per_client(body, PerClient(7))) == [
+        PUBLISH
+    ]
 
 
 @pytest.mark.parametrize("compression", [*BODIES, "png"])
@@ -34,7 +43,9 @@ def test_the_message_can_be_taken_out_of_its_frame(compression, length):
 
 @pytest.mark.parametrize("compression", BODIES)
 def test_meta_comes_before_the_message(compression):
-    wire = publish_frames("/odom", compression).per_client(BODIES[compression], seq=7, meta=META)
+    wire = publish_frames("/odom", compression).per_client(
+        BODIES[compression], PerClient(7, meta=META)
+    )
     (frame,) = unpacked(wire)
     assert frame == PUBLISH | META_MEMBERS
     assert list(frame)[-1] == "msg"
@@ -57,7 +68,7 @@ def test_only_cbor_comes_in_binary_frames(compression, opcode):
 def test_a_picture_of_text_has_meta_beside_it():
     png = publish_frames("/odom", "png")
     assert unpacked(png.shared(b"iVBO")) == [{"op": "png", "data": "iVBO"}]
-    assert unpacked(png.per_client(b"iVBO", seq=7, meta=META)) == [
+    assert unpacked(png.per_client(b"iVBO", PerClient(7, meta=META))) == [
         {"op": "png", "data": "iVBO", **META_MEMBERS}
     ]
 
@@ -66,7 +77,7 @@ def test_a_picture_of_text_has_meta_beside_it():
 def test_text_is_cut_where_that_is_asked_for(compression):
     body = b'"' + b"x" * 500 + b'"' if compression == "none" else b"x" * 500
     wire = publish_frames("/odom", compression).per_client(
-        body, seq=7, meta=META, fragment_size=100
+        body, PerClient(7, meta=META, fragment_size=100)
     )
     pieces = unpacked(wire)
     assert {piece["id"] for piece in pieces} == {"publish:/odom:7"}
@@ -79,7 +90,7 @@ def test_text_is_cut_where_that_is_asked_for(compression):
 def test_binary_frames_are_never_cut_or_escaped(compression):
     body = cbor.dumps({"text": "ü" * 300})
     wire = publish_frames("/odom", compression).per_client(
-        body, seq=7, fragment_size=64, is_ascii=True
+        body, PerClient(7, fragment_size=64, is_ascii=True)
     )
     (frame,) = websocket_frames(wire)
     assert cbor2.loads(frame.data)["msg"] == {"text": "ü" * 300}
@@ -88,7 +99,7 @@ def test_binary_frames_are_never_cut_or_escaped(compression):
 def test_json_is_escaped_where_that_is_asked_for():
     body = '{"text":"ü\U0001f916"}'.encode()
     (frame,) = websocket_frames(
-        publish_frames("/odom", "none").per_client(body, seq=7, is_ascii=True)
+        publish_frames("/odom", "none").per_client(body, PerClient(7, is_ascii=True))
     )
     assert bytes(frame.data).isascii()
     assert json.loads(bytes(frame.data))["msg"] == {"text": "ü\U0001f916"}

@@ -19,7 +19,7 @@ from gateway.codec.types import MessageType
 from gateway.ports import Sample
 from gateway.protocol import messages
 from gateway.protocol.outbox import NOT_READY, NOTHING, Frame
-from gateway.protocol.websocket_frames import Meta, publish_frames
+from gateway.protocol.websocket_frames import Meta, PerClient, publish_frames
 from gateway.router.topics.subscription import EncodingKey, Subscription
 
 logger = logging.getLogger(__name__)
@@ -184,13 +184,8 @@ class PerClientFrame:
         meta = None
         if options.meta:
             meta = Meta(shared.seq, self._received_ns, subscription.queue.dropped)
-        return shared.encoding.frames.per_client(
-            message,
-            seq=shared.seq,
-            meta=meta,
-            fragment_size=options.fragment_size,
-            is_ascii=subscription.session.is_ros_sharp,
-        )
+        own = PerClient(shared.seq, meta, options.fragment_size, subscription.session.is_ros_sharp)
+        return shared.encoding.frames.per_client(message, own)
 
 
 def make_encoding(

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """One subscription by itself."""
 
-from dataclasses import dataclass
 from typing import Any
 
 from gateway.protocol.limits import Limits
@@ -10,19 +9,10 @@ from gateway.protocol.operations.topics import Subscribe
 from gateway.protocol.session import Session
 from gateway.protocol.subscription_options import SubscriptionOptions
 from gateway.router.topics.subscription import Subscription
+from tests.protocol.entries import Item
 
 MS = 1_000_000
 EVERYTHING = 1 << 30
-
-
-@dataclass
-class Item:
-    number: int
-    size: int = 1
-    is_being_encoded: bool = False
-
-    def frame(self) -> bytes:
-        return b"%d" % self.number
 
 
 def requested(**options: Any) -> tuple[dict[str | int | None, Subscribe], SubscriptionOptions]:
