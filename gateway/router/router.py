@@ -15,34 +15,13 @@ from gateway.ports import Ros, RosError
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.limits import Limits
 from gateway.protocol.operations import (
-    ActionFeedback,
-    ActionResult,
-    Advertise,
-    AdvertiseAction,
-    AdvertiseService,
-    Auth,
-    CallService,
-    CancelActionGoal,
-    CancelTransform,
     ClientOperation,
-    Describe,
-    DescribeParameters,
-    GetParameters,
-    GraphRequest,
-    Hello,
-    ListParameters,
-    LookupTransform,
-    Ping,
-    Publish,
-    SendActionGoal,
-    ServiceResponse,
-    SetLevel,
-    SetParameters,
-    Subscribe,
-    Unadvertise,
-    UnadvertiseAction,
-    UnadvertiseService,
-    Unsubscribe,
+    actions,
+    gateway,
+    parameters,
+    services,
+    topics,
+    transforms,
 )
 from gateway.protocol.session import Session
 from gateway.rosapi import Parameters, Rosapi
@@ -181,66 +160,66 @@ class Router:
 
     def _carry_out(self, session: Session, operation: ClientOperation) -> None:
         match operation:
-            case Publish():
+            case topics.Publish():
                 self._publications.publish(session, operation)
-            case Subscribe():
+            case topics.Subscribe():
                 self._subscriptions.subscribe(session, operation)
-            case Unsubscribe():
+            case topics.Unsubscribe():
                 self._subscriptions.unsubscribe(session, operation)
-            case Advertise():
+            case topics.Advertise():
                 self._publications.advertise(session, operation)
-            case Unadvertise():
+            case topics.Unadvertise():
                 self._publications.unadvertise(session, operation)
-            case CallService():
+            case services.CallService():
                 self._service_calls.call(session, operation)
-            case AdvertiseService():
+            case services.AdvertiseService():
                 self._services.advertise(session, operation)
-            case UnadvertiseService():
+            case services.UnadvertiseService():
                 self._services.unadvertise(session, operation)
-            case ServiceResponse():
+            case services.ServiceResponse():
                 self._services.respond(session, operation)
-            case SendActionGoal():
+            case actions.SendActionGoal():
                 self._goals.send(session, operation)
-            case CancelActionGoal():
+            case actions.CancelActionGoal():
                 self._goals.cancel(session, operation)
-            case AdvertiseAction():
+            case actions.AdvertiseAction():
                 self._actions.advertise(session, operation)
-            case UnadvertiseAction():
+            case actions.UnadvertiseAction():
                 self._actions.unadvertise(session, operation)
-            case ActionFeedback():
+            case actions.ActionFeedback():
                 self._actions.feedback(session, operation)
-            case ActionResult():
+            case actions.ActionResult():
                 self._actions.finish(session, operation)
-            case ListParameters():
+            case parameters.ListParameters():
                 work = partial(self._parameters.list, operation)
                 self._answer_later(session, operation, work, self._asking)
-            case GetParameters():
+            case parameters.GetParameters():
                 work = partial(self._parameters.get, operation)
                 self._answer_later(session, operation, work, self._asking)
-            case SetParameters():
+            case parameters.SetParameters():
                 work = partial(self._parameters.set, operation)
                 self._answer_later(session, operation, work, self._asking)
-            case DescribeParameters():
+            case parameters.DescribeParameters():
                 work = partial(self._parameters.describe, operation)
                 self._answer_later(session, operation, work, self._asking)
-            case LookupTransform(rate=None):
+            case transforms.LookupTransform(rate=None):
                 work = partial(self._transforms.lookup, operation)
                 self._answer_later(session, operation, work, self._looking)
-            case LookupTransform():
+            case transforms.LookupTransform():
                 self._transforms.watch(session, operation)
-            case CancelTransform():
+            case transforms.CancelTransform():
                 self._transforms.cancel(session, operation)
-            case Ping():
+            case gateway.Ping():
                 self._introspection.ping(session, operation)
-            case Hello():
+            case gateway.Hello():
                 self._introspection.hello(session, operation)
-            case Describe():
+            case gateway.Describe():
                 self._introspection.describe(session, operation)
-            case GraphRequest():
+            case gateway.GraphRequest():
                 self._introspection.graph(session, operation)
-            case SetLevel():
+            case gateway.SetLevel():
                 session.set_level(operation.level)
-            case Auth():
+            case gateway.Auth():
                 pass  # nobody is asked for a password, so every one is right
             case _:
                 assert_never(operation)

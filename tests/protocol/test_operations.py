@@ -4,15 +4,17 @@ from typing import Any
 import pytest
 from pydantic import BaseModel, ValidationError
 
-from gateway.protocol.operations import (
-    OPERATIONS,
-    CallService,
-    Ping,
+from gateway.protocol.operations import OPERATIONS
+from gateway.protocol.operations.gateway import Ping
+from gateway.protocol.operations.parameters import SetParameters
+from gateway.protocol.operations.services import CallService
+from gateway.protocol.operations.topics import (
+    ImageRequest,
     Publish,
-    SetParameters,
+    QosRequest,
+    SecsNsecs,
     Subscribe,
 )
-from gateway.protocol.operations.topics import ImageRequest, QosRequest, SecsNsecs
 from gateway.protocol.operations.transforms import StampRequest
 
 NEEDED: dict[str, Any] = {

@@ -5,7 +5,10 @@ import pytest
 
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.limits import Limits
-from gateway.protocol.operations import CallService, Ping, SendActionGoal, Subscribe
+from gateway.protocol.operations.actions import SendActionGoal
+from gateway.protocol.operations.gateway import Ping
+from gateway.protocol.operations.services import CallService
+from gateway.protocol.operations.topics import Subscribe
 from gateway.protocol.rosbridge_fragments import MAX_AGE_NS
 from gateway.protocol.session import ROS_SHARP_FRAGMENT_SIZE, Session
 from tests.wire import unpacked, websocket_frames

@@ -8,7 +8,7 @@ from gateway.codec.types import MessageType
 from gateway.ports import Publisher, Ros
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import TopicName, resolve_topic
-from gateway.protocol.operations import Advertise, Publish, Unadvertise
+from gateway.protocol.operations.topics import Advertise, Publish, Unadvertise
 from gateway.protocol.session import Session
 from gateway.router.topic_types import TopicTypes
 from gateway.router.topics.requested_qos import offered
