@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""ROS images to JPEG or PNG; encodings as in sensor_msgs/image_encodings.hpp, depth as in REP 118.
+"""ROS images to pictures; encodings as in sensor_msgs/image_encodings.hpp, depth as in REP 118.
 
 What the pixels mean follows cv_bridge: 8UC3 and 8UC4 are taken for bgr8 and bgra8, YUV is
 BT.601 in video range, 16-bit intensities span the full 16 bits. Everything here may run in any
@@ -14,8 +14,7 @@ import numpy as np
 from cv2.typing import MatLike
 
 from gateway.codec.errors import CodecError
-
-PictureFormat = Literal["jpeg", "png"]
+from gateway.codec.picture_formats import PICTURE_FORMATS, PictureFormat
 
 MAX_SIDE_PX: Final = 8192  # the largest sensors that stream; a wrong header states more
 MAX_PIXELS: Final = 7680 * 4320  # 8K UHD; as rgba16 265 MB, and as much again while converting
@@ -46,22 +45,24 @@ class RawImage(NamedTuple):
 class ImageOptions:
     """How a picture is wanted; equal options give equal pictures.
 
-    ``quality`` concerns JPEG only, ``depth_range_m`` only depth as JPEG. A bound of ``None``
-    is none.
+    ``quality`` concerns lossy formats only, ``depth_range_m`` only depth in a format of 8 bits. A
+    bound of ``None`` is none.
 
     Raises:
         ValueError: an option is out of its range.
     """
 
-    format: PictureFormat = "jpeg"
+    format: str = "jpeg"  # a name in `PICTURE_FORMATS`
     quality: int = 80
     max_width: int | None = None
     max_height: int | None = None
     depth_range_m: tuple[float, float] = (0.0, 10.0)
 
     def __post_init__(self) -> None:
-        if self.format not in {"jpeg", "png"}:
-            raise ValueError(f"unknown picture format {self.format!r}, known are jpeg and png")
+        if self.format not in PICTURE_FORMATS:
+            *others, last = PICTURE_FORMATS
+            known = f"{', '.join(others)} and {last}"
+            raise ValueError(f"unknown picture format {self.format!r}, known are {known}")
         if not 1 <= self.quality <= 100:
             raise ValueError(f"quality is {self.quality}, needs 1 to 100")
         for side, bound in (("max_width", self.max_width), ("max_height", self.max_height)):
@@ -79,15 +80,15 @@ class ImageOptions:
 class Picture(NamedTuple):
     """A compressed picture.
 
-    ``depth_range_m`` is the range that a JPEG of depth shows, else ``None``: in it the nearest
-    is 255, the farthest 1, linear in between, nearer and farther clamped, and 0 is no
+    ``depth_range_m`` is the range that depth in a format of 8 bits shows, else ``None``: in it the
+    nearest is 255, the farthest 1, linear in between, nearer and farther clamped, and 0 is no
     measurement. A PNG of depth holds 16-bit millimetres, 0 being no measurement.
     """
 
     data: bytes
     width: int
     height: int
-    format: PictureFormat
+    format: str
     depth_range_m: tuple[float, float] | None = None
 
 
@@ -101,25 +102,27 @@ def compress(image: RawImage, options: ImageOptions) -> Picture:
     Raises:
         ImageError: the encoding is unknown, or the sizes contradict it or each other.
     """
+    picture_format = PICTURE_FORMATS[options.format]
     layout = _layout_of(image)
     _check_sizes(image, layout)
     pixels = _view(image, layout)
     depth_range_m = None
     if layout.metres is not None:
-        if options.format == "jpeg":
+        if picture_format.has_8_bits:
             depth_range_m = options.depth_range_m
             pixels = _shaded(pixels, layout.metres, depth_range_m)
         elif layout.dtype == "f4":
             pixels = _millimetres(pixels)
     else:
-        if options.format == "jpeg" and layout.dtype == "u2":
+        if picture_format.has_8_bits and layout.dtype == "u2":
             pixels = cv2.convertScaleAbs(pixels, alpha=255 / 65535)
         if layout.conversion is not None:
             pixels = cv2.cvtColor(pixels, layout.conversion)
     width, height = size = _fitted(image, options)
     if size != (image.width, image.height):
         pixels = _reduced(pixels, size) if layout.metres is None else _sampled(pixels, size)
-    return Picture(_encoded(pixels, options), width, height, options.format, depth_range_m)
+    data = _encoded(pixels, picture_format, options.quality)
+    return Picture(data, width, height, picture_format.name, depth_range_m)
 
 
 def confine_to_calling_thread() -> None:
@@ -299,13 +302,10 @@ def _sampled(depth: MatLike, size: tuple[int, int]) -> MatLike:
     return cv2.resize(depth, size, interpolation=cv2.INTER_NEAREST)
 
 
-def _encoded(pixels: MatLike, options: ImageOptions) -> bytes:
-    if options.format == "jpeg":
-        done, encoded = cv2.imencode(".jpg", pixels, [cv2.IMWRITE_JPEG_QUALITY, options.quality])
-    else:
-        # naming a compression level turns off OpenCV's own choice, a third of the time
-        done, encoded = cv2.imencode(".png", pixels)
+def _encoded(pixels: MatLike, picture_format: PictureFormat, quality: int) -> bytes:
+    parameters = picture_format.parameters(quality)
+    done, encoded = cv2.imencode(picture_format.extension, pixels, parameters)
     if not done:  # OpenCV says no more than that
         height, width = pixels.shape[:2]
-        raise ImageError(f"{options.format} encoder refused a picture of {width}x{height} px")
+        raise ImageError(f"{picture_format.name} encoder refused a picture of {width}x{height} px")
     return encoded.tobytes()

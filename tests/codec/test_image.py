@@ -27,6 +27,7 @@ from gateway.codec.image import (
     compress,
     confine_to_calling_thread,
 )
+from gateway.codec.picture_formats import PICTURE_FORMATS
 
 HEIGHT, WIDTH = 96, 192  # quadrants of whole 16x16 blocks: JPEG mixes nothing across their edges
 FINE_JPEG = ImageOptions(quality=95)
@@ -470,7 +471,7 @@ def test_equal_options_are_one_key():
 
 some_options = st.builds(
     ImageOptions,
-    format=st.sampled_from(["jpeg", "png"]),
+    format=st.sampled_from(list(PICTURE_FORMATS)),
     quality=st.integers(1, 100),
     max_width=st.none() | st.integers(1, 20),
     max_height=st.none() | st.integers(1, 20),

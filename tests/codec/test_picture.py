@@ -8,6 +8,7 @@ import pytest
 from gateway.codec.errors import CodecError
 from gateway.codec.image import ImageOptions
 from gateway.codec.picture import cbor_picture_renderer, picture_renderer
+from gateway.codec.picture_formats import PICTURE_FORMATS
 from gateway.codec.types import Types
 from schemas.installed import InstalledDefinitions
 
@@ -20,7 +21,7 @@ def cdr(**values) -> bytes:
     return IMAGE.encode(IMAGE.validate({"header": HEADER, **plain, **values}, 0))
 
 
-@pytest.mark.parametrize("picture_format", ["jpeg", "png"])
+@pytest.mark.parametrize("picture_format", PICTURE_FORMATS)
 def test_the_picture_is_the_same_in_json_and_cbor(picture_format):
     options = ImageOptions(picture_format)
     plain = json.loads(picture_renderer(IMAGE, options)(cdr()))

@@ -271,6 +271,14 @@ def test_each_fragment_counts_as_an_operation_and_the_whole_does_not():
             {"op": "subscribe", "topic": "/a", "qos": {"depth": "x"}},
             "qos.depth: expected an integer, got 'x'",
         ),
+        (
+            {"op": "subscribe", "topic": "/a", "image": {"format": "gif"}},
+            "image.format: expected 'jpeg', 'png' or 'raw', got 'gif'",
+        ),
+        (
+            {"op": "subscribe", "topic": "/a", "image": {"format": 5}},
+            "image.format: expected 'jpeg', 'png' or 'raw', got 5",
+        ),
     ],
 )
 def test_what_is_wrong_is_told_with_its_place(operation, text):

@@ -3,8 +3,10 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, GetPydanticSchema, model_validator
+from pydantic_core import core_schema
 
+from gateway.codec.picture_formats import PICTURE_FORMATS
 from gateway.protocol.operations.base import FragmentSize, Operation, OperationPart, Seconds
 
 Milliseconds = Annotated[float, Field(ge=0, le=3_600_000)]
@@ -34,10 +36,16 @@ class QosRequest(OperationPart):
     lifespan: Duration = None
 
 
+# a Literal of the table's names and `raw`, the plain message
+ImageFormat = Annotated[
+    str, GetPydanticSchema(lambda *_: core_schema.literal_schema([*PICTURE_FORMATS, "raw"]))
+]
+
+
 class ImageRequest(OperationPart):
     """How a subscription to ``sensor_msgs/msg/Image`` wants its pictures."""
 
-    format: Literal["jpeg", "png", "raw"] = "jpeg"
+    format: ImageFormat = "jpeg"
     quality: Annotated[int, Field(ge=1, le=100)] = 80
     max_width: Annotated[int, Field(ge=1, le=8192)] | None = None
     max_height: Annotated[int, Field(ge=1, le=8192)] | None = None
