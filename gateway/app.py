@@ -17,12 +17,10 @@ from gateway.config.model import Config
 from gateway.errors import BindError, ConfigError
 from gateway.memory import keep_large_blocks
 from gateway.ports import LogLevel, Ros, RosError
-from gateway.protocol.limits import Limits
 from gateway.ros import RosOptions, open_ros
 from gateway.rosapi import interfaces_prefix
 from gateway.router.router import Router
 from gateway.server.server import Server
-from gateway.server.timing import Timing
 from schemas.installed import InstalledDefinitions, installed_prefixes
 from schemas.table import Table
 
@@ -58,22 +56,18 @@ async def _serve(config: Config, announce: Announce) -> int:
         ros = await _open_ros(stack, config)
         stack.enter_context(_logging_to(ros))
         workers = stack.enter_context(_workers(config.images.workers))
-        limits = _limits(config)
         router = Router(
             ros,
             Types(InstalledDefinitions([*installed_prefixes(), interfaces_prefix()])),
             Table.load(),
-            limits=limits,
+            limits=config.limits,
             workers=workers,
             version=version("ros2-json-gateway"),
         )
         stack.callback(router.close)
         server = Server(
             router,
-            limits=limits,
-            timing=_timing(config),
-            max_clients=config.limits.max_clients,
-            max_clients_per_address=config.limits.max_clients_per_address,
+            limits=config.limits,
             path=config.path,
             allowed_origins=config.allowed_origins,
             version=version("ros2-json-gateway"),
@@ -117,40 +111,6 @@ def _ros_options(config: Config) -> RosOptions:
         domain_id=config.ros.domain_id,
         use_sim_time=config.ros.use_sim_time,
         max_entities=config.limits.max_ros_entities,
-    )
-
-
-def _limits(config: Config) -> Limits:
-    limits = config.limits
-    return Limits(
-        message_bytes=limits.max_message_bytes,
-        json_depth=limits.max_json_depth,
-        json_items=limits.max_json_items,
-        name_characters=limits.max_name_characters,
-        frames_per_s=limits.frames_per_s,
-        frames_burst=limits.frame_burst,
-        operations_per_s=limits.operations_per_s,
-        operations_burst=limits.operation_burst,
-        subscriptions=limits.max_subscriptions,
-        advertisements=limits.max_advertisements,
-        pending_calls=limits.max_pending_calls,
-        goals=limits.max_goals,
-        transforms=limits.max_transforms,
-        service_timeout_s=limits.service_timeout_s,
-        send_queue_bytes=limits.send_queue_bytes,
-        queue_length=limits.max_queue_length,
-    )
-
-
-def _timing(config: Config) -> Timing:
-    limits = config.limits
-    return Timing(
-        open_timeout_s=limits.open_timeout_s,
-        ping_interval_s=limits.ping_interval_s,
-        ping_timeout_s=limits.ping_timeout_s,
-        send_deadline_s=limits.send_deadline_s,
-        slow_consumer_s=limits.slow_consumer_s,
-        close_timeout_s=limits.close_timeout_s,
     )
 
 

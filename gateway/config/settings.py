@@ -18,7 +18,8 @@ from typing import Annotated, Any, Final, NamedTuple
 from pydantic import Field, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
-from gateway.config.model import Config, Section
+from gateway.config.model import Config
+from gateway.config.section import Section
 from gateway.errors import ConfigError
 
 PREFIX: Final = "ROS2_GATEWAY_"

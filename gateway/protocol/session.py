@@ -10,10 +10,10 @@ from pydantic import ValidationError
 
 from gateway.codec.error_text import truncate
 from gateway.codec.json import JsonError, ascii_only, loads
+from gateway.config.limits import Limits
 from gateway.protocol import messages
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.explain import explain
-from gateway.protocol.limits import Limits
 from gateway.protocol.operations import OPERATIONS, ClientOperation
 from gateway.protocol.operations.base import MAX_ID_CHARACTERS, Operation
 from gateway.protocol.operations.fragment import Fragment
@@ -44,8 +44,11 @@ class Session:
         self.is_ros_sharp = False  # it reads frames as ASCII, and `values` as the type's only
         self.numbers = itertools.count(1)  # of the calls and goals that this client is passed
         self._level: messages.Level = "warning"
-        self._operations = TokenBucket(limits.operations_per_s, limits.operations_burst, now_ns)
-        self._assembly = Assembly(limits.message_bytes)
+        self._operations = TokenBucket(limits.operations_per_s, limits.operation_burst, now_ns)
+        self._assembly = Assembly(limits.max_message_bytes)
+        # read for every message, and attributes of a pydantic model cost 40 ns more than others
+        self._max_json_depth = limits.max_json_depth
+        self._max_json_items = limits.max_json_items
         self._fragmented = 0
 
     def receive(self, data: bytes, now_ns: int) -> ClientOperation | None:
@@ -121,7 +124,7 @@ class Session:
         """Parse one operation, at the time *now_ns* where it counts; answer what is none."""
         values: dict[str, object] = {}
         try:
-            values = _object(data, self.limits)
+            values = _object(data, self._max_json_depth, self._max_json_items)
             if values.get("fragment_size") == ROS_SHARP_FRAGMENT_SIZE:
                 self.is_ros_sharp = True
             op = _readable_op(values)
@@ -177,9 +180,9 @@ class _Asked(NamedTuple):
     name: object = None  # of the service or action, if it is a string
 
 
-def _object(data: bytes, limits: Limits) -> dict[str, object]:
+def _object(data: bytes, max_depth: int, max_items: int) -> dict[str, object]:
     try:
-        values = loads(data, max_depth=limits.json_depth, max_items=limits.json_items)
+        values = loads(data, max_depth=max_depth, max_items=max_items)
     except JsonError as error:
         raise ProtocolError("bad_json", str(error)) from error
     if not isinstance(values, dict):

@@ -10,10 +10,10 @@ from typing import Any, Protocol, assert_never
 
 from gateway.codec.error_text import truncate
 from gateway.codec.types import Types
+from gateway.config.limits import Limits
 from gateway.deadline import Deadline
 from gateway.ports import Ros, RosError
 from gateway.protocol.errors import ProtocolError
-from gateway.protocol.limits import Limits
 from gateway.protocol.operations import (
     ClientOperation,
     actions,

@@ -54,8 +54,8 @@ class Tasks:
         """
         own = self._own.get(session)
         if own is None:
-            own = self._own[session] = _Own(asyncio.Semaphore(session.limits.pending_calls))
-        limit = session.limits.pending_calls + MAX_WAITING_CALLS
+            own = self._own[session] = _Own(asyncio.Semaphore(session.limits.max_pending_calls))
+        limit = session.limits.max_pending_calls + MAX_WAITING_CALLS
         if len(own.tasks) >= limit:
             raise ProtocolError("limit_exceeded", f"at most {limit} calls under way per client")
         loop = asyncio.get_running_loop()
@@ -97,7 +97,7 @@ async def _run(
         async with asyncio.timeout_at(deadline.at_s):
             await slots.acquire()
     except TimeoutError:
-        text = f"{session.limits.pending_calls} other calls of this client are still under way"
+        text = f"{session.limits.max_pending_calls} other calls of this client are still under way"
         session.refuse(ProtocolError("timeout", text), operation)
         return
     try:

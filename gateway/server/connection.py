@@ -20,13 +20,12 @@ from websockets.http11 import Request, Response
 from websockets.protocol import CONNECTING, OPEN, Event
 from websockets.server import ServerProtocol
 
+from gateway.config.limits import Limits
 from gateway.protocol import messages
 from gateway.protocol.errors import ProtocolError
-from gateway.protocol.limits import Limits
 from gateway.protocol.outbox import NOT_READY, NOTHING, Entry
 from gateway.protocol.session import Session
 from gateway.protocol.token_bucket import TokenBucket
-from gateway.server.timing import Timing
 
 logger = logging.getLogger(__name__)
 
@@ -51,7 +50,6 @@ class Reception(Protocol):
     """What a connection needs from the server that accepted it."""
 
     limits: Limits
-    timing: Timing
 
     def arrive(self, connection: "Connection") -> bool:
         """Note a new connection; false where so many are under way that it is cut off unheard."""
@@ -78,8 +76,9 @@ class Connection(asyncio.BufferedProtocol):
     def __init__(self, reception: Reception) -> None:
         self._reception = reception
         self._limits = reception.limits
-        self._timing = reception.timing
-        self._protocol = ServerProtocol(max_size=self._limits.message_bytes, logger=_quiet_logger())
+        self._protocol = ServerProtocol(
+            max_size=self._limits.max_message_bytes, logger=_quiet_logger()
+        )
         self._buffer = bytearray(READ_CHUNK_BYTES)
         self._transport: asyncio.Transport
         self._session: Session | None = None
@@ -88,7 +87,7 @@ class Connection(asyncio.BufferedProtocol):
         self._paused = False
         self._flushing = False
         now_ns = time.monotonic_ns()
-        self._frames = TokenBucket(self._limits.frames_per_s, self._limits.frames_burst, now_ns)
+        self._frames = TokenBucket(self._limits.frames_per_s, self._limits.frame_burst, now_ns)
         now_s = now_ns / 1e9
         self._opened_s = now_s
         self._heard_s = now_s
@@ -111,7 +110,7 @@ class Connection(asyncio.BufferedProtocol):
         transport.set_write_buffer_limits(high=WRITE_HIGH_WATER_BYTES)
         peer = transport.get_extra_info("peername")
         self.address = str(peer[0]) if peer else "?"
-        _tune(transport.get_extra_info("socket"), self._timing.send_deadline_s)
+        _tune(transport.get_extra_info("socket"), self._limits.send_deadline_s)
         if not self._reception.arrive(self):
             self.abort()
 
@@ -199,16 +198,16 @@ class Connection(asyncio.BufferedProtocol):
         self._transport.abort()
 
     def tick(self, now_s: float) -> None:
-        """Keep the times of `Timing`; called every `TICK_S`."""
-        timing = self._timing
+        """End what has waited for too long, and send pings; called every `TICK_S` of the server."""
+        limits = self._limits
         if self._closing_s is not None:
-            if now_s - self._closing_s > timing.close_timeout_s:
+            if now_s - self._closing_s > limits.close_timeout_s:
                 self.abort()
         elif self._protocol.close_expected():
             self._closing_s = now_s
         elif self._protocol.state is CONNECTING:
-            if now_s - self._opened_s > timing.open_timeout_s:
-                logger.info("no handshake from %s within %g s", self.address, timing.open_timeout_s)
+            if now_s - self._opened_s > limits.open_timeout_s:
+                logger.info("no handshake from %s within %g s", self.address, limits.open_timeout_s)
                 self.abort()
         elif self._protocol.state is OPEN:
             self._check_progress(now_s)
@@ -321,7 +320,7 @@ class Connection(asyncio.BufferedProtocol):
             return
         if isinstance(self._protocol.parser_exc, PayloadTooBig):
             self._closing_s = time.monotonic()
-            text = f"message too large, at most {self._limits.message_bytes} bytes"
+            text = f"message too large, at most {self._limits.max_message_bytes} bytes"
             self._session.refuse(ProtocolError("limit_exceeded", text))
             # the state is no longer open, so `flush` would not send it
             self._transport.writelines(self._session.outbox.take(WRITE_HIGH_WATER_BYTES))
@@ -366,9 +365,9 @@ class Connection(asyncio.BufferedProtocol):
             self._progress_s = now_s
             if self._paused and self._pinged_s is not None:
                 self._pinged_s = now_s  # our ping is still behind what is being taken
-        elif now_s - self._progress_s > self._timing.send_deadline_s:
+        elif now_s - self._progress_s > self._limits.send_deadline_s:
             logger.warning(
-                "%s took nothing for %g s, cut off", self.address, self._timing.send_deadline_s
+                "%s took nothing for %g s, cut off", self.address, self._limits.send_deadline_s
             )
             self.abort()
         self._unsent_bytes = unsent_bytes
@@ -383,21 +382,21 @@ class Connection(asyncio.BufferedProtocol):
             self._crowded_s = None
         elif self._crowded_s is None:
             self._crowded_s = now_s
-        elif now_s - self._crowded_s > self._timing.slow_consumer_s:
+        elif now_s - self._crowded_s > self._limits.slow_consumer_s:
             self.close(
                 SLOW_CONSUMER,
                 f"slow consumer: over half of {outbox.max_bytes} bytes waiting"
-                f" for {self._timing.slow_consumer_s:g} s",
+                f" for {self._limits.slow_consumer_s:g} s",
             )
 
     def _keep_alive(self, now_s: float) -> None:
         if self._pinged_s is None:
-            if now_s - self._heard_s > self._timing.ping_interval_s:
+            if now_s - self._heard_s > self._limits.ping_interval_s:
                 self._pinged_s = now_s
                 self._protocol.send_ping(b"")
                 self._write_protocol_output()
-        elif now_s - self._pinged_s > self._timing.ping_timeout_s:
-            self.close(HEARTBEAT_TIMEOUT, f"no pong within {self._timing.ping_timeout_s:g} s")
+        elif now_s - self._pinged_s > self._limits.ping_timeout_s:
+            self.close(HEARTBEAT_TIMEOUT, f"no pong within {self._limits.ping_timeout_s:g} s")
 
 
 def _tune(sock: socket.socket | None, send_deadline_s: float) -> None:

@@ -11,18 +11,19 @@ from typing import Any, Final
 from websockets.http11 import Request, Response
 from websockets.server import ServerProtocol
 
-from gateway.protocol.limits import Limits
+from gateway.config.limits import Limits
 from gateway.protocol.session import Session
 from gateway.router.router import Router
 from gateway.server.connection import GOING_AWAY, Connection
 from gateway.server.http import HttpFront
-from gateway.server.timing import TICK_S, Timing
 
 logger = logging.getLogger(__name__)
 
 # Sockets whose handshake is under way; each is cut off after 5 s, and clients do not count.
 MAX_HANDSHAKES: Final = 64
 MAX_HANDSHAKES_PER_ADDRESS: Final = 32  # as many clients as there may be, all at once
+
+TICK_S: Final = 0.25  # how exactly times are kept; 4 wake-ups a second are not measurable
 
 
 class Server:
@@ -33,18 +34,12 @@ class Server:
         router: Router,
         *,
         limits: Limits,
-        timing: Timing,
-        max_clients: int,
-        max_clients_per_address: int,
         path: str = "/",
         allowed_origins: Sequence[str] = (),
         version: str = "",
     ) -> None:
         self.limits = limits
-        self.timing = timing
         self._router = router
-        self._max_clients = max_clients
-        self._max_clients_per_address = max_clients_per_address
         self._http = HttpFront(path, allowed_origins, self.health)
         self._version = version
         self._connections: set[Connection] = set()
@@ -108,11 +103,12 @@ class Server:
     def admit(self, connection: Connection) -> str | None:
         """Return why there is no room for a client, or ``None``."""
         clients = [other for other in self._connections if other.session is not None]
-        if len(clients) >= self._max_clients:
-            return f"over capacity: at most {self._max_clients} clients"
+        limits = self.limits
+        if len(clients) >= limits.max_clients:
+            return f"over capacity: at most {limits.max_clients} clients"
         same = sum(other.address == connection.address for other in clients)
-        if same >= self._max_clients_per_address:
-            return f"over capacity: at most {self._max_clients_per_address} clients per address"
+        if same >= limits.max_clients_per_address:
+            return f"over capacity: at most {limits.max_clients_per_address} clients per address"
         return None
 
     def enter(self, connection: Connection) -> Session:
@@ -147,7 +143,7 @@ class Server:
         for connection in list(self._connections):
             connection.close(GOING_AWAY, "the gateway is shutting down")
         with contextlib.suppress(TimeoutError):
-            async with asyncio.timeout(self.timing.close_timeout_s):
+            async with asyncio.timeout(self.limits.close_timeout_s):
                 await self._all_gone.wait()
         for connection in list(self._connections):
             connection.abort()

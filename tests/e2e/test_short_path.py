@@ -14,11 +14,10 @@ import pytest
 
 import gateway
 from gateway.codec.types import Types
-from gateway.protocol.limits import Limits
+from gateway.config.limits import Limits
 from gateway.ros import open_ros
 from gateway.router.router import Router
 from gateway.server.server import Server
-from gateway.server.timing import Timing
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table
 from tests.client import client
@@ -63,14 +62,12 @@ def outside() -> Iterator[Outside]:
 
 @pytest.fixture
 async def url() -> AsyncIterator[str]:
-    limits = Limits()
+    limits = Limits(max_clients=2, max_clients_per_address=2)
     async with open_ros() as ros:
         with ThreadPoolExecutor(1) as workers:
             types = Types(InstalledDefinitions())
             router = Router(ros, types, Table.load(), limits=limits, workers=workers, version="t")
-            server = Server(
-                router, limits=limits, timing=Timing(), max_clients=2, max_clients_per_address=2
-            )
+            server = Server(router, limits=limits)
             async with server.listening("127.0.0.1", 0) as ((_, port),):
                 yield f"ws://127.0.0.1:{port}/"
             router.close()

@@ -3,8 +3,8 @@ import json
 
 import pytest
 
+from gateway.config.limits import Limits
 from gateway.protocol.errors import ProtocolError
-from gateway.protocol.limits import Limits
 from gateway.protocol.operations.actions import SendActionGoal
 from gateway.protocol.operations.gateway import Ping
 from gateway.protocol.operations.services import CallService
@@ -13,7 +13,7 @@ from gateway.protocol.rosbridge_fragments import MAX_AGE_NS
 from gateway.protocol.session import ROS_SHARP_FRAGMENT_SIZE, Session
 from tests.wire import unpacked, websocket_frames
 
-LIMITS = Limits(operations_per_s=1, operations_burst=10, message_bytes=2000)
+LIMITS = Limits(operations_per_s=1, operation_burst=10, max_message_bytes=2000)
 
 
 class Client:
@@ -164,7 +164,7 @@ def test_an_operation_with_nulls_is_carried_out():
 
 
 def test_a_message_that_is_refused_is_answered_once_and_holds_up_no_other():
-    client = Client(Limits(message_bytes=2000))
+    client = Client(Limits(max_message_bytes=2000))
     for number in range(8):
         client.send_in_pieces("x" * 5000, size=1000, fragment_id=number)
     assert [answer["id"] for answer in client.answers] == list(range(8))
@@ -224,7 +224,7 @@ def test_a_fragment_within_a_fragment_is_refused():
     ],
 )
 def test_a_malformed_fragment_is_answered_with_its_id(wrong, words):
-    client = Client(Limits(message_bytes=2000))
+    client = Client(Limits(max_message_bytes=2000))
     fragment = {"op": "fragment", "id": "f", "num": 0, "total": 2, "data": "x"} | wrong
     assert client.send(**fragment) is None
     (answer,) = client.answers

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from gateway.codec.types import Types
-from gateway.protocol.limits import Limits
+from gateway.config.limits import Limits
 from gateway.protocol.session import Session
 from gateway.router.router import Router
 from schemas.installed import InstalledDefinitions
@@ -19,7 +19,7 @@ from tests.client import Frame, eventually
 from tests.ros.fake import FakeRos
 from tests.wire import unpacked
 
-LIMITS = Limits(subscriptions=4, advertisements=3, operations_per_s=0)
+LIMITS = Limits(max_subscriptions=4, max_advertisements=3, operations_per_s=0)
 
 
 class Socketless:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import pytest
 
+from gateway.config.limits import Limits
 from gateway.ports import RosError
 from tests.ros.fake_services import FakeService
 from tests.router.conftest import Bench
@@ -162,7 +163,7 @@ async def test_set_level_decides_which_statuses_come(bench: Bench):
 
 
 async def test_operations_beyond_the_rate_are_refused(bench: Bench):
-    bench.router._limits = type(bench.router._limits)(operations_per_s=1, operations_burst=3)
+    bench.router._limits = Limits(operations_per_s=1, operation_burst=3)
     client = bench.client()
     for _ in range(5):
         client.send(op="ping")

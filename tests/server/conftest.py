@@ -6,7 +6,7 @@ import contextlib
 from collections.abc import AsyncIterator, Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractAsyncContextManager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import pytest
@@ -14,10 +14,9 @@ import uvloop
 from blockbuster import blockbuster_ctx
 
 from gateway.codec.types import Types
-from gateway.protocol.limits import Limits
+from gateway.config.limits import Limits
 from gateway.router.router import Router
 from gateway.server.server import Server
-from gateway.server.timing import Timing
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table
 from tests.ros.fake import FakeRos
@@ -67,22 +66,21 @@ def no_blocking_calls() -> Iterator[None]:
 
 @pytest.fixture
 def serve() -> Serve:
-    """Return a function that opens a server with some limits, times or options changed."""
+    """Return a function that opens a server with some limits or options changed."""
 
     @contextlib.asynccontextmanager
     async def open_server(
-        limits: dict[str, Any] | None = None, timing: dict[str, Any] | None = None, **options: Any
+        limits: dict[str, Any] | None = None, **options: Any
     ) -> AsyncIterator[Served]:
         ros = FakeRos()
         types = Types(InstalledDefinitions())
-        all_limits = replace(Limits(), **(limits or {}))
+        all_limits = Limits(**{"max_clients": 8, "max_clients_per_address": 8, **(limits or {})})
         with ThreadPoolExecutor(2) as workers:
             router = Router(ros, types, TABLE, limits=all_limits, workers=workers, version="test")
             server = Server(
                 router,
                 limits=all_limits,
-                timing=replace(Timing(), **(timing or {})),
-                **{"max_clients": 8, "max_clients_per_address": 8, **options},
+                **options,
             )
             async with server.listening("127.0.0.1", 0) as ((_, port),):
                 yield Served(server, ros, types, port)

@@ -69,7 +69,7 @@ async def test_operations_of_one_client_are_carried_out_in_order(serve: Serve):
 @pytest.mark.parametrize("size", [2_000, 2_000_000])
 async def test_a_message_too_large_gets_one_status_and_1009(serve: Serve, size, caplog):
     async with (
-        serve({"message_bytes": 1000}) as served,
+        serve({"max_message_bytes": 1024}) as served,
         client(served.url) as speaker,
         client(served.url) as other,
     ):
@@ -79,7 +79,7 @@ async def test_a_message_too_large_gets_one_status_and_1009(serve: Serve, size, 
         assert code == 1009
         (status,) = speaker.seen
         assert status["code"] == "limit_exceeded"
-        assert "at most 1000 bytes" in status["msg"]
+        assert "at most 1024 bytes" in status["msg"]
         assert await other.sync() == []
     assert "Traceback" not in caplog.text
 
@@ -177,7 +177,7 @@ async def test_shutdown_closes_clients_with_1001(serve: Serve):
 
 
 async def test_shutdown_does_not_wait_for_a_client_that_does_not_answer(serve: Serve):
-    async with serve(timing={"close_timeout_s": 0.2}) as served:
+    async with serve({"close_timeout_s": 0.2}) as served:
         reader, writer = await handshake(served)
         await eventually(lambda: served.clients == 1)
     assert (1001).to_bytes(2, "big") in await reader.read()
@@ -185,7 +185,7 @@ async def test_shutdown_does_not_wait_for_a_client_that_does_not_answer(serve: S
 
 
 async def test_one_client_too_many_is_told_so(serve: Serve):
-    async with serve(max_clients=2, max_clients_per_address=8) as served:
+    async with serve({"max_clients": 2}) as served:
         async with client(served.url) as one, client(served.url) as two:
             async with client(served.url) as three:
                 assert await closing(three) == (1013, "over capacity: at most 2 clients")
@@ -199,7 +199,7 @@ async def test_one_client_too_many_is_told_so(serve: Serve):
 
 async def test_one_address_cannot_take_all_places(serve: Serve):
     async with (
-        serve(max_clients_per_address=1) as served,
+        serve({"max_clients_per_address": 1}) as served,
         client(served.url),
         client(served.url) as second,
     ):
@@ -207,7 +207,7 @@ async def test_one_address_cannot_take_all_places(serve: Serve):
 
 
 async def test_sockets_that_never_shake_hands_are_cut_off_and_bounded(serve: Serve):
-    async with serve(timing={"open_timeout_s": 0.1}, max_clients=1) as served:
+    async with serve({"open_timeout_s": 0.1, "max_clients": 1}) as served:
         silent = [await asyncio.open_connection("127.0.0.1", served.port) for _ in range(30)]
         for reader, writer in silent:
             assert await reader.read() == b""
@@ -217,14 +217,14 @@ async def test_sockets_that_never_shake_hands_are_cut_off_and_bounded(serve: Ser
 
 
 async def test_a_client_that_answers_no_ping_is_closed_with_4408(serve: Serve):
-    async with serve(timing={"ping_interval_s": 0.1, "ping_timeout_s": 0.1}) as served:
+    async with serve({"ping_interval_s": 0.1, "ping_timeout_s": 0.1}) as served:
         reader, writer = await handshake(served)
         assert (4408).to_bytes(2, "big") in await reader.read()
         writer.close()
 
 
 async def test_a_client_that_answers_pings_stays(serve: Serve):
-    async with serve(timing={"ping_interval_s": 0.05, "ping_timeout_s": TIMEOUT_S}) as served:
+    async with serve({"ping_interval_s": 0.05, "ping_timeout_s": TIMEOUT_S}) as served:
         reader, writer = await handshake(served)
         async with asyncio.timeout(TIMEOUT_S):
             for _ in range(3):
@@ -235,7 +235,7 @@ async def test_a_client_that_answers_pings_stays(serve: Serve):
 
 
 async def test_a_frame_flood_is_closed_with_1008(serve: Serve):
-    async with serve({"frames_per_s": 10, "frames_burst": 20}) as served:
+    async with serve({"frames_per_s": 10, "frame_burst": 20}) as served:
         reader, writer = await handshake(served)
         writer.write(masked(Opcode.PING, b"") * 100)
         assert (1008).to_bytes(2, "big") in await reader.read()
@@ -257,7 +257,7 @@ async def test_health_counts_what_a_throttle_replaced_also_of_clients_that_left(
 
 
 async def test_a_client_that_takes_nothing_is_cut_off_and_harms_nobody(serve: Serve):
-    async with serve(timing={"send_deadline_s": 0.5}) as served, client(served.url) as good:
+    async with serve({"send_deadline_s": 0.5}) as served, client(served.url) as good:
         publisher = served.ros.add_publisher("/big", STRING, Qos(depth=100))
         reader, writer = await handshake(served)
         writer.write(masked(Opcode.TEXT, b'{"op":"subscribe","topic":"/big"}'))
@@ -418,8 +418,13 @@ async def test_what_comes_behind_the_handshake_is_read_after_it(
 
 async def test_a_client_that_asks_and_never_reads_is_closed_as_slow(serve: Serve, caplog):
     caplog.set_level("INFO")
-    limits = {"send_queue_bytes": 100_000, "operations_per_s": 0, "frames_per_s": 0}
-    async with serve(limits, {"send_deadline_s": TIMEOUT_S}) as served:
+    limits = {
+        "send_queue_bytes": 100_000,
+        "operations_per_s": 0,
+        "frames_per_s": 0,
+        "send_deadline_s": TIMEOUT_S,
+    }
+    async with serve(limits) as served:
         reader, writer = await handshake(served)
         question = masked(Opcode.TEXT, b'{"op":"describe","type":"visualization_msgs/msg/Marker"}')
         async with asyncio.timeout(TIMEOUT_S):
@@ -444,7 +449,7 @@ async def test_one_answer_beyond_the_send_queue_reaches_a_client_that_reads(
 
     original = Connection.tick
     monkeypatch.setattr(Connection, "tick", tick)
-    async with serve({"send_queue_bytes": 100_000}, {"slow_consumer_s": 0.1}) as served:
+    async with serve({"send_queue_bytes": 100_000, "slow_consumer_s": 0.1}) as served:
         publisher = served.ros.add_publisher("/big", STRING, Qos(depth=100))
         reader, writer = await handshake(served)
         writer.write(masked(Opcode.TEXT, b'{"op":"subscribe","topic":"/big","queue_length":1}'))

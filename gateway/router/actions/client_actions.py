@@ -75,11 +75,11 @@ class ClientActions:
             ProtocolError: the name or the type is not right.
             RosError: ROS refuses it.
         """
-        action = resolve_action(request.action, session.limits.name_characters)
+        action = resolve_action(request.action, session.limits.max_name_characters)
         action_type = self._types.action(request.type)
         former = self._provided.get(action)
-        if former is None and self.count(session) >= session.limits.advertisements:
-            limit = session.limits.advertisements
+        if former is None and self.count(session) >= session.limits.max_advertisements:
+            limit = session.limits.max_advertisements
             raise ProtocolError("limit_exceeded", f"at most {limit} actions provided per client")
         if former is not None:
             check_takeover(session, former.session, action, action_type.name, former.type.name)
@@ -102,7 +102,7 @@ class ClientActions:
         Raises:
             ProtocolError: this client does not provide it.
         """
-        action = resolve_action(request.action, session.limits.name_characters)
+        action = resolve_action(request.action, session.limits.max_name_characters)
         self._close(action, self._own(session, action))
 
     def feedback(self, session: Session, request: ActionFeedback) -> None:
@@ -165,7 +165,7 @@ class ClientActions:
     def _find(
         self, session: Session, request: ActionFeedback | ActionResult
     ) -> tuple[ClientAction, str]:
-        action = resolve_action(request.action, session.limits.name_characters)
+        action = resolve_action(request.action, session.limits.max_name_characters)
         provided = self._own(session, action)
         goal_id = str(request.id)
         if goal_id not in provided.goals:

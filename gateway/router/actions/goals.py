@@ -85,11 +85,11 @@ class Goals:
             ProtocolError: nobody provides the action, not with that type, the goal does not fit
                 it, or the client has too many.
         """
-        action = resolve_action(request.action, session.limits.name_characters)
+        action = resolve_action(request.action, session.limits.max_name_characters)
         action_type = self._types.of_action(action, request.action_type)
         own = self._sent.get(session, set())
-        if len(own) >= session.limits.goals:
-            limit = session.limits.goals
+        if len(own) >= session.limits.max_goals:
+            limit = session.limits.max_goals
             raise ProtocolError("limit_exceeded", f"at most {limit} goals under way per client")
         if request.id is not None and any(other.request.id == request.id for other in own):
             raise ProtocolError("bad_request", f"id: {request.id!r} is a goal under way already")
@@ -108,7 +108,7 @@ class Goals:
         Raises:
             ProtocolError: the client has no such goal under way.
         """
-        action = resolve_action(request.action, session.limits.name_characters)
+        action = resolve_action(request.action, session.limits.max_name_characters)
         for sent in self._sent.get(session, set()):
             if sent.request.id == request.id and sent.action == action:
                 sent.cancel()

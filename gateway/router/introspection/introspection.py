@@ -2,12 +2,11 @@
 """What clients ask about the gateway itself: clocks, limits, types, the graph."""
 
 import time
-from dataclasses import asdict
 
+from gateway.config.limits import Limits
 from gateway.ports import Graph, Ros
 from gateway.protocol import messages
 from gateway.protocol.errors import ProtocolError
-from gateway.protocol.limits import Limits
 from gateway.protocol.operations.gateway import Describe, GraphRequest, Hello, Ping
 from gateway.protocol.session import Session
 from gateway.router.interface_types import InterfaceTypes
@@ -63,7 +62,7 @@ class Introspection:
             protocol=PROTOCOL,
             ros_distro=self._ros.distro,
             role="operator",
-            limits=asdict(self._limits),
+            limits=self._limits.for_hello(),
         )
 
     def describe(self, session: Session, request: Describe) -> None:

@@ -86,14 +86,14 @@ class ClientServices:
             ProtocolError: the name or the type is not right.
             RosError: ROS refuses it.
         """
-        service = resolve_service(request.service, session.limits.name_characters)
+        service = resolve_service(request.service, session.limits.max_name_characters)
         if self._is_reserved(service):
             text = f"service {service}: the gateway answers it itself, provide another name"
             raise ProtocolError("bad_name", text)
         service_type = self._types.service(request.type)
         former = self._provided.get(service)
-        if former is None and self.count(session) >= session.limits.advertisements:
-            limit = session.limits.advertisements
+        if former is None and self.count(session) >= session.limits.max_advertisements:
+            limit = session.limits.max_advertisements
             raise ProtocolError("limit_exceeded", f"at most {limit} services provided per client")
         if former is not None:
             check_takeover(session, former.session, service, service_type.name, former.type.name)
@@ -115,7 +115,7 @@ class ClientServices:
         Raises:
             ProtocolError: this client does not provide it.
         """
-        service = resolve_service(request.service, session.limits.name_characters)
+        service = resolve_service(request.service, session.limits.max_name_characters)
         self._close(service, self._own(session, service), "service was withdrawn")
 
     def respond(self, session: Session, response: ServiceResponse) -> None:
@@ -125,7 +125,7 @@ class ClientServices:
             ProtocolError: nothing waits for this answer, or its values do not fit the type; in
                 that case the caller is told of a failure.
         """
-        service = resolve_service(response.service, session.limits.name_characters)
+        service = resolve_service(response.service, session.limits.max_name_characters)
         provided = self._own(session, service)
         pending = provided.pending.pop(str(response.id), None)
         if pending is None:

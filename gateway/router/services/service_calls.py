@@ -43,7 +43,7 @@ class ServiceCalls:
         Raises:
             ProtocolError: nobody provides it, not with that type, or too many calls wait.
         """
-        service = resolve_service(request.service, session.limits.name_characters)
+        service = resolve_service(request.service, session.limits.max_name_characters)
         deadline = Deadline.within(_timeout_s(session, request))
         if self._rosapi.has(service):
             self._answer(session, request, service, deadline)

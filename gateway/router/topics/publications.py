@@ -43,7 +43,7 @@ class Publications:
             ProtocolError: it is refused, and nothing has changed.
             RosError: ROS refuses it, and nothing has changed.
         """
-        topic = resolve_topic(request.topic, session.limits.name_characters)
+        topic = resolve_topic(request.topic, session.limits.max_name_characters)
         known = self._advertised.get(session, {}).get(topic)
         if known is None:
             known = self._open(session, topic, request)
@@ -59,7 +59,7 @@ class Publications:
         Raises:
             ProtocolError: there is none.
         """
-        topic = resolve_topic(request.topic, session.limits.name_characters)
+        topic = resolve_topic(request.topic, session.limits.max_name_characters)
         own = self._advertised.get(session, {})
         known = own.get(topic)
         if known is None or (request.id is not None and request.id not in known.ids):
@@ -79,7 +79,7 @@ class Publications:
             ProtocolError: the topic, its type or the message is not right.
             RosError: ROS refuses to create the publisher.
         """
-        topic = resolve_topic(request.topic, session.limits.name_characters)
+        topic = resolve_topic(request.topic, session.limits.max_name_characters)
         known = self._advertised.get(session, {}).get(topic)
         if known is None:
             known = self._open(session, topic, request)
@@ -99,7 +99,7 @@ class Publications:
             known.publisher.close()
 
     def _open(self, session: Session, topic: TopicName, request: Advertise | Publish) -> Advertised:
-        limit = session.limits.advertisements
+        limit = session.limits.max_advertisements
         own = self._advertised.get(session, {})
         if len(own) >= limit:
             raise ProtocolError("limit_exceeded", f"at most {limit} advertisements per client")

@@ -54,7 +54,7 @@ class Subscriptions:
             ProtocolError: it is refused, and nothing has changed.
             RosError: ROS refuses it, and nothing has changed.
         """
-        name = resolve_topic(request.topic, session.limits.name_characters)
+        name = resolve_topic(request.topic, session.limits.max_name_characters)
         subscription = self._subscriptions.get(session, {}).get(request.topic)
         requests = dict(subscription.requests) if subscription else {}
         if request.id not in requests:
@@ -62,11 +62,11 @@ class Subscriptions:
         requests.pop(request.id, None)  # so that what replaces it counts as the newest
         requests[request.id] = request
         options = SubscriptionOptions.merge(requests.values())
-        if options.queue_length is not None and options.queue_length > session.limits.queue_length:
+        longest = session.limits.max_queue_length
+        if options.queue_length is not None and options.queue_length > longest:
             raise ProtocolError(
                 "limit_exceeded",
-                f"queue_length: {options.queue_length},"
-                f" at most {session.limits.queue_length} allowed",
+                f"queue_length: {options.queue_length}, at most {longest} allowed",
             )
         source = self._find_source(name, request.topic, options)
         if source is not None:
@@ -86,7 +86,7 @@ class Subscriptions:
         Raises:
             ProtocolError: the client has no such request.
         """
-        name = resolve_topic(request.topic, session.limits.name_characters)
+        name = resolve_topic(request.topic, session.limits.max_name_characters)
         found = False
         for subscription in list(self._subscriptions.get(session, {}).values()):
             requests = dict(subscription.requests)
@@ -132,7 +132,7 @@ class Subscriptions:
             yield from own.values()
 
     def _check_room(self, session: Session) -> None:
-        limit = session.limits.subscriptions
+        limit = session.limits.max_subscriptions
         own = self._subscriptions.get(session, {}).values()
         if sum(len(subscription.requests) for subscription in own) >= limit:
             raise ProtocolError("limit_exceeded", f"at most {limit} subscriptions per client")

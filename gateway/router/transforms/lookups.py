@@ -73,7 +73,7 @@ class TransformLookups:
         if request.rate is None:
             raise ProtocolError("bad_request", "rate: missing; it makes a lookup a repeated one")
         own = self._periodic.get(session, {})
-        limit = session.limits.transforms
+        limit = session.limits.max_transforms
         if request.id not in own and len(own) >= limit:
             raise ProtocolError("limit_exceeded", f"at most {limit} repeated lookups per client")
         self._listener.acquire()

@@ -161,7 +161,7 @@ async def test_the_newest_provider_wins_and_the_former_is_told(bench: Bench) -> 
 
 async def test_a_client_provides_so_many_actions_and_no_more(bench: Bench) -> None:
     client = bench.client()
-    for number in range(LIMITS.advertisements + 1):
+    for number in range(LIMITS.max_advertisements + 1):
         client.send(op="advertise_action", action=f"/fib{number}", type="test_msgs/Fibonacci")
     assert [code for code, _ in client.statuses] == ["limit_exceeded"]
 

@@ -162,12 +162,12 @@ async def test_a_goal_that_cannot_be_sent_is_answered_with_the_reason(
 async def test_goals_of_one_client_have_ids_of_their_own_and_a_limit(bench: Bench) -> None:
     Fib(bench)
     client = bench.client()
-    for number in [0, *range(LIMITS.goals + 1)]:
+    for number in [0, *range(LIMITS.max_goals + 1)]:
         client.send(op="send_action_goal", id=number, action="/fib", args=[3])
     refused = client.of("action_result")
-    assert [frame["id"] for frame in refused] == [0, LIMITS.goals]
+    assert [frame["id"] for frame in refused] == [0, LIMITS.max_goals]
     assert "under way already" in refused[0]["values"]
-    assert f"at most {LIMITS.goals} goals" in refused[1]["values"]
+    assert f"at most {LIMITS.max_goals} goals" in refused[1]["values"]
 
 
 async def test_cancelling_an_unknown_goal_is_refused(bench: Bench) -> None:

@@ -2,7 +2,6 @@
 """Services that clients provide."""
 
 import asyncio
-from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -106,7 +105,7 @@ async def test_values_that_do_not_fit_are_refused_and_fail_the_call(bench: Bench
 
 
 async def test_a_client_that_never_answers_lets_the_call_fail_in_time(bench: Bench) -> None:
-    bench.router._limits = replace(LIMITS, service_timeout_s=0.05)
+    bench.router._limits = LIMITS.model_copy(update={"service_timeout_s": 0.05})
     client = provider(bench)
     response = Caller(bench).call()
     assert await response == {"success": False, "message": "service's client did not answer"}
@@ -191,12 +190,12 @@ async def test_what_cannot_be_provided_is_refused(
 
 async def test_a_client_provides_so_many_services_and_no_more(bench: Bench) -> None:
     client = bench.client()
-    for number in range(LIMITS.advertisements + 1):
+    for number in range(LIMITS.max_advertisements + 1):
         client.send(op="advertise_service", service=f"/arm{number}", type="std_srvs/SetBool")
     assert [code for code, _ in client.statuses] == ["limit_exceeded"]
     client.send(op="advertise_service", service="/arm0", type="std_srvs/SetBool")
     assert len(client.statuses) == 1
-    assert bench.ros.entity_count() == LIMITS.advertisements
+    assert bench.ros.entity_count() == LIMITS.max_advertisements
 
 
 async def test_a_take_over_by_another_type_is_refused_and_the_service_stays(bench: Bench) -> None:
@@ -228,7 +227,7 @@ async def test_a_service_is_given_back_where_ros_refuses_the_new_one(bench: Benc
 async def test_a_call_that_was_answered_has_no_deadline_any_more(
     bench: Bench, caplog: pytest.LogCaptureFixture
 ) -> None:
-    bench.router._limits = replace(LIMITS, service_timeout_s=0.05)
+    bench.router._limits = LIMITS.model_copy(update={"service_timeout_s": 0.05})
     client = provider(bench)
     response = Caller(bench).call()
     (frame,) = await client.sees(1, "call_service")

@@ -140,24 +140,24 @@ async def test_a_call_whose_server_dies_is_answered(bench: Bench) -> None:
 async def test_calls_do_not_wait_for_each_other(bench: Bench) -> None:
     arm = Arm(bench, at_once=False)
     client = bench.client()
-    for number in range(LIMITS.pending_calls):
+    for number in range(LIMITS.max_pending_calls):
         client.send(op="call_service", id=number, service="/arm")
-    await eventually(lambda: len(arm.requests) == LIMITS.pending_calls)
+    await eventually(lambda: len(arm.requests) == LIMITS.max_pending_calls)
     for request in reversed(arm.requests):
         arm.answer(request)
-    frames = await client.sees(LIMITS.pending_calls, "service_response")
-    assert [frame["id"] for frame in frames] == list(reversed(range(LIMITS.pending_calls)))
+    frames = await client.sees(LIMITS.max_pending_calls, "service_response")
+    assert [frame["id"] for frame in frames] == list(reversed(range(LIMITS.max_pending_calls)))
 
 
 async def test_more_calls_than_may_be_under_way_wait_for_their_turn(bench: Bench) -> None:
     arm = Arm(bench, at_once=False)
     client = bench.client()
-    count = LIMITS.pending_calls + 3
+    count = LIMITS.max_pending_calls + 3
     for number in range(count):
         client.send(op="call_service", id=number, service="/arm")
-    await eventually(lambda: len(arm.requests) == LIMITS.pending_calls)
+    await eventually(lambda: len(arm.requests) == LIMITS.max_pending_calls)
     await bench.settle()
-    assert len(arm.requests) == LIMITS.pending_calls
+    assert len(arm.requests) == LIMITS.max_pending_calls
     arm.service.on_request = arm.answer
     for request in arm.requests:
         arm.answer(request)
@@ -168,10 +168,10 @@ async def test_more_calls_than_may_be_under_way_wait_for_their_turn(bench: Bench
 async def test_a_client_cannot_let_calls_wait_without_end(bench: Bench) -> None:
     Arm(bench, at_once=False)
     client = bench.client()
-    for number in range(LIMITS.pending_calls + MAX_WAITING_CALLS + 1):
+    for number in range(LIMITS.max_pending_calls + MAX_WAITING_CALLS + 1):
         client.send(op="call_service", id=number, service="/arm")
     (frame,) = await client.sees(1, "service_response")
-    assert frame["id"] == LIMITS.pending_calls + MAX_WAITING_CALLS
+    assert frame["id"] == LIMITS.max_pending_calls + MAX_WAITING_CALLS
     assert "calls under way per client" in frame["values"]
 
 
@@ -240,21 +240,21 @@ async def test_no_time_limit_is_a_long_one(bench: Bench, monkeypatch: pytest.Mon
 async def test_the_time_limit_counts_while_a_call_waits_for_its_turn(bench: Bench) -> None:
     arm = Arm(bench, at_once=False)
     client = bench.client()
-    for number in range(LIMITS.pending_calls):
+    for number in range(LIMITS.max_pending_calls):
         client.send(op="call_service", id=number, service="/arm", timeout=600)
     client.send(op="call_service", id="late", service="/arm", timeout=0.05)
     (frame,) = await client.sees(1, "service_response")
     assert frame["id"] == "late"
-    assert f"{LIMITS.pending_calls} other calls" in frame["values"]
+    assert f"{LIMITS.max_pending_calls} other calls" in frame["values"]
     client.send(op="get_parameters", id="p", node="/nobody", timeout=0.05)
     (status,) = await client.sees(1, "status")  # which does not wait for calls
     assert status["id"] == "p"
     arm.service.on_request = arm.answer
     for request in arm.requests:
         arm.answer(request)
-    await client.sees(LIMITS.pending_calls + 1, "service_response")
+    await client.sees(LIMITS.max_pending_calls + 1, "service_response")
     client.send(op="call_service", id="next", service="/arm")  # every slot is free again
-    await client.sees(LIMITS.pending_calls + 2, "service_response")
+    await client.sees(LIMITS.max_pending_calls + 2, "service_response")
 
 
 async def test_a_long_response_comes_in_the_pieces_that_were_asked_for(bench: Bench) -> None:

@@ -3,7 +3,7 @@
 
 from typing import Any
 
-from gateway.protocol.limits import Limits
+from gateway.config.limits import Limits
 from gateway.protocol.names import TopicName
 from gateway.protocol.operations.topics import Subscribe
 from gateway.protocol.session import Session

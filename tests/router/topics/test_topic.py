@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from gateway.codec.types import MessageType, Types
+from gateway.config.limits import Limits
 from gateway.ports import Qos, RosError, Sample
-from gateway.protocol.limits import Limits
 from gateway.protocol.names import TopicName
 from gateway.protocol.operations.topics import Subscribe
 from gateway.protocol.session import Session

@@ -359,13 +359,13 @@ async def test_for_a_slow_client_only_the_newest_waits(robot: Robot, client: Soc
 async def test_repeated_lookups_are_limited_per_client_and_replaced_by_id(
     robot: Robot, client: Socketless
 ):
-    for number in range(LIMITS.transforms):
+    for number in range(LIMITS.max_transforms):
         ask(client, id=number, rate=1)
     ask(client, id=0, rate=2)
     assert client.statuses == []
     ask(client, id="more", rate=1)
     assert client.statuses == [
-        ("limit_exceeded", f"at most {LIMITS.transforms} repeated lookups per client")
+        ("limit_exceeded", f"at most {LIMITS.max_transforms} repeated lookups per client")
     ]
 
 

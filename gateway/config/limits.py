@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The bounds of clients and their connections, as the operator sets and all parts read them."""
+
+from typing import Annotated
+
+from pydantic import Field
+
+from gateway.config.section import Section
+
+Count = Annotated[int, Field(ge=1)]
+Rate = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Seconds = Annotated[float, Field(gt=0, le=3600, allow_inf_nan=False)]
+
+
+class Limits(Section):
+    """What clients may use up; a robot's computer must survive a client gone wild.
+
+    A field that `hello` reports has its name on the wire as `serialization_alias`.
+    """
+
+    max_clients: Count = Field(
+        32, description="connections at once; one more is turned away with close code 1013"
+    )
+    max_clients_per_address: Count = Field(
+        16,
+        description="connections at once from one IP address, so that one machine's leak of"
+        " connections leaves room for the others; one more is turned away with close code 1013",
+    )
+    open_timeout_s: Seconds = Field(
+        5, description="seconds a client may take for its handshake before it is disconnected"
+    )
+    max_message_bytes: Annotated[int, Field(ge=1024, le=16 * 1024**2)] = Field(
+        256 * 1024,
+        serialization_alias="message_bytes",
+        description="bytes of the largest frame a client may send, as parsing holds up"
+        " all others (up to 50 ms for 256 KiB); a larger one ends its connection with code 1009",
+    )
+    frames_per_s: Rate = Field(
+        2000,
+        serialization_alias="frames_per_s",
+        description="frames a second a client may send on average, operations, pings and"
+        " pongs alike; beyond, its connection is ended; 0 for no limit",
+    )
+    frame_burst: Count = Field(
+        4000,
+        serialization_alias="frames_burst",
+        description="frames a client may send at once, 2 s of `frames_per_s` caught up",
+    )
+    operations_per_s: Rate = Field(
+        200,
+        serialization_alias="operations_per_s",
+        description="operations a second a client may send on average (two hands at 60 Hz,"
+        " and room for a page's start); beyond, they are refused as `rate_limited`; 0 for no limit",
+    )
+    operation_burst: Count = Field(
+        400,
+        serialization_alias="operations_burst",
+        description="operations a client may send at once, 2 s of `operations_per_s` caught up",
+    )
+    max_subscriptions: Count = Field(
+        64,
+        serialization_alias="subscriptions",
+        description="subscriptions a client may hold; one more is refused as `limit_exceeded`",
+    )
+    max_advertisements: Count = Field(
+        32,
+        serialization_alias="advertisements",
+        description="topics a client may advertise, and as many services and actions;"
+        " one more is refused as `limit_exceeded`",
+    )
+    max_pending_calls: Count = Field(
+        16,
+        serialization_alias="pending_calls",
+        description="service calls of a client that are under way at once; 256 more wait for"
+        " their turn, and one more is refused as `limit_exceeded`",
+    )
+    max_goals: Count = Field(
+        16,  # a goal may take minutes, so they do not count as calls
+        serialization_alias="goals",
+        description="action goals a client may pursue at once; one more is refused",
+    )
+    max_transforms: Count = Field(
+        16,  # head, two hands, and the robot's main frames
+        serialization_alias="transforms",
+        description="repeated transform lookups a client may hold; one more is refused",
+    )
+    service_timeout_s: Seconds = Field(
+        5,  # what rosbridge has
+        serialization_alias="service_timeout_s",
+        description="seconds a service has to answer, of ROS where a call does not say and of"
+        " a client in any case; then the caller is told so",
+    )
+    max_ros_entities: Count = Field(
+        256,
+        description="ROS subscriptions, publishers, services and actions of all clients together,"
+        " each of which costs every node of the system discovery traffic; one more is refused",
+    )
+    max_name_characters: Annotated[int, Field(ge=1, le=250)] = Field(
+        200,
+        serialization_alias="name_characters",
+        description="characters of a name; DDS ends them at 255 with its own prefix",
+    )
+    max_json_depth: Annotated[int, Field(ge=1, le=250)] = Field(
+        32,
+        serialization_alias="json_depth",
+        description="levels of nesting in a client's JSON; ROS messages nest 8 at most",
+    )
+    max_json_items: Count = Field(
+        100_000,  # more than any picture-free message of 256 KiB holds
+        serialization_alias="json_items",
+        description="values in one JSON frame of a client, as each costs memory",
+    )
+    max_queue_length: Annotated[int, Field(ge=1, le=100_000)] = Field(
+        1024,
+        serialization_alias="queue_length",
+        description="the largest `queue_length` a client gets: 10 s at 100 Hz",
+    )
+    send_queue_bytes: Annotated[int, Field(ge=64 * 1024)] = Field(
+        8 * 1024**2,  # or five point clouds of 1.2 MB
+        serialization_alias="send_queue_bytes",
+        description="bytes that may wait for one client (3 s of VGA JPEG), messages as ROS"
+        " serialises them and the oldest answer aside; the oldest of its messages are dropped"
+        " beyond, and answers beyond close it with code 4503",
+    )
+    slow_consumer_s: Seconds = Field(
+        5,
+        description="seconds a client may stay over half of `send_queue_bytes` before it is"
+        " closed with code 4503",
+    )
+    send_deadline_s: Seconds = Field(
+        5, description="seconds a client may take nothing at all before its connection is cut"
+    )
+    ping_interval_s: Seconds = Field(
+        5, description="seconds between the WebSocket pings that find dead connections"
+    )
+    ping_timeout_s: Seconds = Field(
+        5, description="seconds a client may take to answer a ping before it is disconnected"
+    )
+    close_timeout_s: Annotated[float, Field(gt=0, le=2, allow_inf_nan=False)] = Field(
+        1, description="seconds for the closing handshake; the whole shutdown has 2"
+    )
+
+    def for_hello(self) -> dict[str, float]:
+        """Return the limits that `hello` reports, by their names on the wire."""
+        return {
+            field.serialization_alias: getattr(self, name)
+            for name, field in type(self).model_fields.items()
+            if field.serialization_alias is not None
+        }

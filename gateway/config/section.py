@@ -1,0 +1,14 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the sections of the configuration have in common."""
+
+from typing import ClassVar
+
+from pydantic import BaseModel, ConfigDict
+
+
+class Section(BaseModel):
+    """Fields that belong together."""
+
+    model_config: ClassVar[ConfigDict] = ConfigDict(
+        frozen=True, strict=True, extra="forbid", validate_default=True
+    )
