@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The bounds of clients and their connections, as the operator sets and all parts read them."""
 
-from typing import Annotated
+from typing import Annotated, Final
 
 from pydantic import Field
 
 from gateway.config.section import Section
+
+# The messages of a topic that may wait, in DDS or for a client: 10 s at 100 Hz, 1 s at 1 kHz.
+MAX_QUEUE_DEPTH: Final = 1024
 
 Count = Annotated[int, Field(ge=1)]
 Rate = Annotated[float, Field(ge=0, allow_inf_nan=False)]
@@ -111,7 +114,7 @@ class Limits(Section):
         description="values in one JSON frame of a client, as each costs memory",
     )
     max_queue_length: Annotated[int, Field(ge=1, le=100_000)] = Field(
-        1024,
+        MAX_QUEUE_DEPTH,
         serialization_alias="queue_length",
         description="the largest `queue_length` a client gets: 10 s at 100 Hz",
     )

@@ -13,16 +13,16 @@ from typing import Any, Final
 from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message, serialize_message
 
+from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.ports import ABORTED, CANCELED, SUCCEEDED, GoalResult, RosError, Sample
 from gateway.ros.endpoints import Endpoints, Requester
 from gateway.ros.errors import refusals, remapped
 from gateway.ros.goal_ids import goal_id_of, with_goal_id, without_goal_id
 from gateway.ros.interfaces import action_class, service_class
-from gateway.ros.qos import MAX_DEPTH
 from gateway.ros.samples import Samples
 
 # One reader gets the feedback of all goals of an action, and the loop may be busy meanwhile.
-_READER_PROFILE: Final = QoSProfile(depth=MAX_DEPTH)
+_READER_PROFILE: Final = QoSProfile(depth=MAX_QUEUE_DEPTH)
 
 # How long to wait for the answer to a goal that was abandoned, to cancel it if it is accepted, and
 # how long a closed client waits for the answers to its cancels. Clients of the gateway give up

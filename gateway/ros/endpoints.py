@@ -15,11 +15,11 @@ from typing import Any, Final, NamedTuple
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
+from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.ports import MAX_TAKES_PER_TURN, RosError
 from gateway.ros import rclpy_private
 from gateway.ros.errors import REFUSALS, losses, refusals, refused, remapped
 from gateway.ros.groups import group_of_one
-from gateway.ros.qos import MAX_DEPTH
 from gateway.ros.ready_events import ReadyEvents
 
 # How soon a new server gets the requests that wait for it: the graph shows a server before DDS has
@@ -320,7 +320,7 @@ class Replier:
             return
         self._is_draining = True
         try:
-            for _ in range(MAX_DEPTH):
+            for _ in range(MAX_QUEUE_DEPTH):
                 if self._is_closed or not self._take_one():
                     break
         finally:
@@ -375,7 +375,7 @@ class Replier:
 
 def _profile() -> QoSProfile:
     # The default of ROS is reliable and volatile, too, but keeps 10: more of a burst would be lost.
-    return QoSProfile(depth=MAX_DEPTH)
+    return QoSProfile(depth=MAX_QUEUE_DEPTH)
 
 
 def _never_called(*_: object) -> None:

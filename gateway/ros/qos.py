@@ -9,12 +9,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
+from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.ports import MAX_TAKES_PER_TURN, Durability, Qos, Reliability
 
 # what the loop takes in one turn: DDS need not drop while a turn takes 32 ms at 1 kHz; a topic
 # of 1 MB images holds at most 32 MB
 NEEDED_DEPTH: Final = MAX_TAKES_PER_TURN
-MAX_DEPTH: Final = 1024  # a second of 1 kHz; as much as a client's queue_length may be
 PUBLISHER_DEPTH: Final = 10  # the default of ROS
 # DDS watches a deadline with a timer of its own, 1000 times a second at most
 MIN_PERIOD_NS: Final = 1_000_000
@@ -45,7 +45,7 @@ def adopt(asked: Qos, offers: Sequence[Offer], current: Qos | None = None) -> Qo
     its next sample soon makes up for the first.
 
     A subscription that keeps all would grow for as long as the event loop is busy: it keeps the
-    last `MAX_DEPTH` instead.
+    last `MAX_QUEUE_DEPTH` instead.
     """
     if not offers and current is not None:
         return current
@@ -72,7 +72,7 @@ def complete_offer(asked: Qos) -> Qos:
     """Fill what *asked* leaves open with the defaults of ROS publishers.
 
     A publisher that keeps all waits for its slowest reader while it writes, and would stop the
-    event loop: it keeps the last `MAX_DEPTH` instead.
+    event loop: it keeps the last `MAX_QUEUE_DEPTH` instead.
     """
     return _bounded(
         asked,
@@ -124,12 +124,12 @@ def _deadline(deadline_ns: int | None) -> str:
 
 def _bounded(asked: Qos, *, reliability: Reliability, durability: Durability, depth: int) -> Qos:
     """Complete a profile; *depth* is for one that leaves its depth open."""
-    wanted = MAX_DEPTH if asked.history == "keep_all" else asked.depth or depth
+    wanted = MAX_QUEUE_DEPTH if asked.history == "keep_all" else asked.depth or depth
     return Qos(
         reliability,
         durability,
         "keep_last",
-        max(1, min(wanted, MAX_DEPTH)),
+        max(1, min(wanted, MAX_QUEUE_DEPTH)),
         deadline_ns=_period(asked.deadline_ns),
         lifespan_ns=_period(asked.lifespan_ns),
     )

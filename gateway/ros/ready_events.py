@@ -13,7 +13,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, Final, Protocol
 
-from gateway.ros.qos import MAX_DEPTH
+from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.ros.rclpy_private import Kind, MissingFunctionError, ReadyCallbacks
 
 # adds 10 ms at most to a call; an idle entity costs 0.1 % of a core
@@ -143,7 +143,7 @@ class EventfdSource:
         except BlockingIOError:  # nothing has arrived since
             return
         self._repeats = 0
-        self._pending = min(self._pending + arrived, MAX_DEPTH)  # DDS has dropped the rest
+        self._pending = min(self._pending + arrived, MAX_QUEUE_DEPTH)  # DDS has dropped the rest
 
 
 class PolledReadyEvents:

@@ -14,16 +14,16 @@ from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
+from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.ports import MAX_TAKES_PER_TURN, Sample
 from gateway.ros import rclpy_private
 from gateway.ros.groups import group_of_one
-from gateway.ros.qos import MAX_DEPTH
 from gateway.ros.ready_events import EventfdReadyEvents
 
 OnSamples = Callable[[Sequence[Sample]], None]
 
 # as many as can be waiting when a flush begins; what arrives during a flood is not waited for
-_TURNS_PER_FLUSH: Final = MAX_DEPTH // MAX_TAKES_PER_TURN
+_TURNS_PER_FLUSH: Final = MAX_QUEUE_DEPTH // MAX_TAKES_PER_TURN
 
 
 class Reader(Protocol):

@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
+from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.ports import MAX_TAKES_PER_TURN, Publisher, Qos, RosError, Sample
-from gateway.ros.qos import MAX_DEPTH
 from tests.client import eventually
 from tests.ros.conftest import Robot
 
@@ -321,7 +321,7 @@ async def test_the_publishers_of_a_subscription_are_counted(robot: Robot) -> Non
 
 async def test_a_subscription_that_keeps_all_is_bounded(robot: Robot) -> None:
     _, subscription = subscribe(robot, "/count", qos=Qos(history="keep_all"))
-    assert subscription.qos == Qos("reliable", "volatile", "keep_last", MAX_DEPTH)
+    assert subscription.qos == Qos("reliable", "volatile", "keep_last", MAX_QUEUE_DEPTH)
 
 
 async def test_the_types_of_a_topic_appear_and_vanish_with_it(robot: Robot) -> None:

@@ -5,9 +5,9 @@ import itertools
 
 import pytest
 
+from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.ports import Durability, Qos, Reliability
 from gateway.ros.qos import (
-    MAX_DEPTH,
     NEEDED_DEPTH,
     UNKNOWN_NODE,
     Offer,
@@ -69,13 +69,13 @@ def test_the_depth_is_what_is_needed_or_offered_within_the_bound() -> None:
     assert adopt(Qos(), [RELIABLE]).depth == NEEDED_DEPTH
     assert adopt(Qos(), [Offer("/a", TYPE, depth=100)]).depth == 100
     assert adopt(Qos(), [LATCHED] * 50).depth == 50  # each may retain one, all come at once
-    assert adopt(Qos(), [Offer("/a", TYPE, depth=10**6)]).depth == MAX_DEPTH
-    assert adopt(Qos(depth=10**9), []).depth == MAX_DEPTH
+    assert adopt(Qos(), [Offer("/a", TYPE, depth=10**6)]).depth == MAX_QUEUE_DEPTH
+    assert adopt(Qos(depth=10**9), []).depth == MAX_QUEUE_DEPTH
     assert adopt(Qos(depth=-1), []).depth == 1
 
 
 def test_a_subscription_that_keeps_all_keeps_as_much_as_is_bounded() -> None:
-    kept = Qos("reliable", "volatile", "keep_last", MAX_DEPTH)
+    kept = Qos("reliable", "volatile", "keep_last", MAX_QUEUE_DEPTH)
     assert adopt(Qos(history="keep_all"), []) == kept
     assert adopt(Qos(history="keep_all", depth=5), [RELIABLE]) == kept
 
@@ -98,7 +98,7 @@ def test_a_publisher_gets_the_defaults_of_ros() -> None:
 
 def test_a_publisher_that_keeps_all_keeps_as_much_as_never_blocks() -> None:
     assert complete_offer(Qos(history="keep_all")) == Qos(
-        "reliable", "volatile", "keep_last", MAX_DEPTH
+        "reliable", "volatile", "keep_last", MAX_QUEUE_DEPTH
     )
 
 

@@ -11,10 +11,11 @@ from rclpy.context import Context
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 
+from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.ports import MAX_TAKES_PER_TURN, Qos, Sample
 from gateway.ros.interfaces import message_class
 from gateway.ros.profile import to_profile
-from gateway.ros.qos import MAX_DEPTH, adopt
+from gateway.ros.qos import adopt
 from gateway.ros.ready_events import EventfdReadyEvents
 from gateway.ros.samples import EventfdSamples, ExecutorSamples
 from tests.client import eventually
@@ -188,7 +189,7 @@ async def test_a_flush_ends_though_the_samples_do_not(node: Node) -> None:
     reader = samples_of(node).read(CLASS, "/count", to_profile(adopt(Qos(), ())), received.extend)
     reader._take_message = lambda *_: (CDR, {"received_timestamp": 0})  # type: ignore[attr-defined]
     reader.flush()
-    assert len(received) == MAX_DEPTH
+    assert len(received) == MAX_QUEUE_DEPTH
     reader.close()
 
 

@@ -7,6 +7,7 @@ from pydantic import Field, GetPydanticSchema, model_validator
 from pydantic_core import core_schema
 
 from gateway.codec.picture_formats import PICTURE_FORMATS
+from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.protocol.operations.base import FragmentSize, Operation, OperationPart, Seconds
 
 Milliseconds = Annotated[float, Field(ge=0, le=3_600_000)]
@@ -31,7 +32,7 @@ class QosRequest(OperationPart):
     reliability: Literal["reliable", "best_effort", "best_available"] | None = None
     durability: Literal["transient_local", "volatile", "best_available"] | None = None
     history: Literal["keep_last", "keep_all"] | None = None
-    depth: Annotated[int, Field(ge=1, le=1024)] | None = None
+    depth: Annotated[int, Field(ge=1, le=MAX_QUEUE_DEPTH)] | None = None
     deadline: Duration = None
     lifespan: Duration = None
 

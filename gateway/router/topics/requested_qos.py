@@ -3,10 +3,9 @@
 
 from dataclasses import replace
 
+from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.ports import Qos
 from gateway.protocol.operations.topics import Advertise, Duration, QosRequest, SecsNsecs
-
-MAX_DEPTH = 1024  # queue_size counts messages that the middleware keeps: 10 s at 100 Hz
 
 
 def requested(request: QosRequest) -> Qos:
@@ -29,7 +28,7 @@ def offered(request: Advertise) -> Qos:
         durability = asked.durability or "transient_local"
         return replace(asked, durability=durability, depth=asked.depth or 1)
     if request.queue_size and asked.depth is None:
-        return replace(asked, depth=min(request.queue_size, MAX_DEPTH))
+        return replace(asked, depth=min(request.queue_size, MAX_QUEUE_DEPTH))
     return asked
 
 
