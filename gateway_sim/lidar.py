@@ -20,9 +20,8 @@ _NOISE: Final = 0.005  # m, standard deviation
 class Lidar:
     """Measures distances in a world, with a little noise that *seed* fixes."""
 
-    def __init__(self, world: World, seed: int = 0, noise: float = _NOISE) -> None:
+    def __init__(self, world: World, seed: int = 0) -> None:
         self._world = world
-        self._noise = noise
         self._random = np.random.default_rng(seed)
         self._angles = np.arange(BEAMS) * ANGLE_INCREMENT
 
@@ -33,7 +32,7 @@ class Lidar:
         """
         angles = pose.heading + self._angles
         hits = self._world.cast(pose.x, pose.y, np.cos(angles), np.sin(angles))
-        ranges = hits.distance.min(axis=0) + self._random.normal(0.0, self._noise, BEAMS)
+        ranges = hits.distance.min(axis=0) + self._random.normal(0.0, _NOISE, BEAMS)
         ranges[ranges > RANGE_MAX] = np.inf
         ranges[ranges < RANGE_MIN] = -np.inf
         measured: NDArray[np.float32] = ranges.astype(np.float32)

@@ -73,15 +73,12 @@ class Loop:
 
 
 @contextmanager
-def ros_context(*, console: bool) -> Iterator[Context]:
+def ros_context() -> Iterator[Context]:
     """Provide a ROS context of its own that leaves signals alone and writes no log files.
 
-    *console* says whether the nodes' log goes to the standard error stream beside ``/rosout``.
     Pictures then travel through shared memory, unless the environment names a profile itself.
     """
     arguments = ["--ros-args", "--disable-external-lib-logs"]
-    if not console:
-        arguments.append("--disable-stdout-logs")
     context = Context()
     with fast_dds.profile(PROFILE):
         rclpy.init(args=arguments, context=context, signal_handler_options=SignalHandlerOptions.NO)
@@ -93,14 +90,11 @@ def ros_context(*, console: bool) -> Iterator[Context]:
 
 @contextmanager
 def stopped_by_signals(stop: threading.Event) -> Iterator[None]:
-    """Let SIGINT and SIGTERM set *stop*; only a process's main thread can ask for that."""
+    """Let SIGINT and SIGTERM set *stop*; for the main thread only, as `signal.signal` is."""
 
     def set_stop(_number: int, _frame: FrameType | None) -> None:
         stop.set()
 
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
     numbers = (signal.SIGINT, signal.SIGTERM)
     before = [signal.signal(number, set_stop) for number in numbers]
     try:

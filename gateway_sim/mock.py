@@ -41,7 +41,6 @@ class MockOptions:
     publish: bool = True
     listen: bool = True
     write: Callable[[str], None] = print  # takes each line about what arrives
-    console: bool = True  # show the node's log on standard error
 
     def __post_init__(self) -> None:
         if not 0 < self.rate_hz <= MAX_RATE_HZ:
@@ -59,14 +58,14 @@ class MockOptions:
             raise ConfigError(str(error)) from error
 
 
-def run(options: MockOptions, stop: threading.Event | None = None) -> int:
-    """Run the mock system until SIGINT, SIGTERM or *stop*; return the exit code 0.
+def run(options: MockOptions) -> int:
+    """Run the mock system until SIGINT or SIGTERM; return the exit code 0.
 
     Raises:
         ConfigError: a type that the options name is not installed.
     """
-    stop = stop or threading.Event()
-    with stopped_by_signals(stop), ros_context(console=options.console) as context:
+    stop = threading.Event()
+    with stopped_by_signals(stop), ros_context() as context:
         mock = MockSystem(context, options)
         try:
             mock.loop.run(stop)

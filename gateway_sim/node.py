@@ -53,27 +53,23 @@ class SimOptions:
     namespace: str = ""  # of the node and its topics, and before its frames
     camera: bool = True
     camera_hz: float = 30.0
-    jpeg_quality: int = 85  # of 100: sharp at 30 KB a picture
     seed: int | None = None  # of slip and noise; None: another one each time
-    console: bool = True  # show the node's log on standard error
 
     def __post_init__(self) -> None:
         if not _NAMESPACE.fullmatch(self.namespace):
             raise ConfigError(f"namespace {self.namespace!r} is no ROS namespace")
         if not 0.1 <= self.camera_hz <= _MAX_CAMERA_HZ:
             raise ConfigError(f"camera_hz {self.camera_hz:g} is not from 0.1 to 60 Hz")
-        if not 1 <= self.jpeg_quality <= 100:
-            raise ConfigError(f"jpeg_quality {self.jpeg_quality} is not from 1 to 100")
         if self.seed is not None and self.seed < 0:
             raise ConfigError(f"seed {self.seed} is below 0")
 
 
-def run(options: SimOptions, stop: threading.Event | None = None) -> int:
-    """Run the simulated robot until SIGINT, SIGTERM or *stop*; return the exit code 0."""
-    stop = stop or threading.Event()
+def run(options: SimOptions) -> int:
+    """Run the simulated robot until SIGINT or SIGTERM; return the exit code 0."""
+    stop = threading.Event()
     # Drawing takes 3 ms: more threads would cost more than they win.
     cv2.setNumThreads(1)
-    with stopped_by_signals(stop), ros_context(console=options.console) as context:
+    with stopped_by_signals(stop), ros_context() as context:
         robot = SimulatedRobot(context, options)
         try:
             robot.loop.run(stop)
@@ -107,7 +103,7 @@ class SimulatedRobot:
         self.loop.every(lidar.SCAN_NS, self._publish_scan)
         self.loop.every(_SLOW_NS, self._publish_slowly)
         if options.camera:
-            topics = CameraTopics(self._node, self._world, options.jpeg_quality)
+            topics = CameraTopics(self._node, self._world)
             period_ns = round(1e9 / options.camera_hz)
             self.loop.every(period_ns, lambda: self._publish_camera(topics))
         self._node.get_logger().info(f"ready at the origin, seed {seed}")

@@ -76,15 +76,6 @@ class Models:
         return model
 
 
-def model_for(name: str, definitions: InstalledDefinitions) -> type[Message]:
-    """Return the model of one type; who needs several keeps a `Models`, which remembers.
-
-    Raises:
-        UnknownTypeError, DefinitionError: as for `Models.get`.
-    """
-    return Models(definitions).get(name)
-
-
 def json_schema(name: str, definitions: InstalledDefinitions) -> Schema:
     """Return the JSON Schema of one type.
 

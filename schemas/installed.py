@@ -51,15 +51,6 @@ def installed_prefixes() -> tuple[Path, ...]:
     return tuple(dict.fromkeys(Path(prefix) for prefix in [*overlays, sys.prefix] if prefix))
 
 
-def parts_of(interface: str) -> tuple[str, ...]:
-    """Name the messages that ``pkg/srv/Name`` or ``pkg/action/Name`` consists of, in order.
-
-    Raises:
-        UnknownTypeError: *interface* is no such name.
-    """
-    return tuple(part_name(interface, role) for role in _roles_of(interface))
-
-
 class InstalledDefinitions:
     """The definitions below some prefixes, read when first asked for and then kept.
 

@@ -33,16 +33,6 @@ class Interface:
         """The package that the type belongs to."""
         return self.name.split("/")[0]
 
-    @property
-    def kind(self) -> str:
-        """``srv`` or ``action``."""
-        return self.name.split("/")[1]
-
-    @property
-    def short_name(self) -> str:
-        """The name without package."""
-        return self.name.rsplit("/", 1)[1]
-
 
 def part_name(interface: str, role: Role) -> str:
     """Name a message of a service or an action as rosidl does: ``pkg/srv/Name_Request``."""

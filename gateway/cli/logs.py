@@ -4,7 +4,7 @@
 import json
 import logging
 from datetime import UTC, datetime
-from typing import Literal, TextIO
+from typing import Literal
 
 
 class JsonFormatter(logging.Formatter):
@@ -26,10 +26,9 @@ class JsonFormatter(logging.Formatter):
 def configure_logging(
     level: Literal["debug", "info", "warning", "error"],
     log_format: Literal["text", "json"],
-    stream: TextIO | None = None,
 ) -> None:
-    """Send the log of the whole process to *stream*, by default standard error."""
-    handler = logging.StreamHandler(stream)
+    """Send the log of the whole process to standard error."""
+    handler = logging.StreamHandler()
     if log_format == "json":
         handler.setFormatter(JsonFormatter())
     else:

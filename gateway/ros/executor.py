@@ -37,10 +37,6 @@ class ExecutorThread:
         """Spin a node from now on."""
         self._executor.add_node(node)
 
-    def wake(self) -> None:
-        """Look at everything once more, as at a future that another thread has set."""
-        self._executor.wake()
-
     def close(self) -> None:
         """Stop spinning and wait for the callback that may be running."""
         self._stopping.set()

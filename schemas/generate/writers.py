@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The writers, one per language, and the comparison of what they write with a tree."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -45,11 +45,11 @@ class Output:
     stale: tuple[Path, ...]
 
     @classmethod
-    def of(cls, catalogue: Catalogue, root: Path, writers: Iterable[Writer] = WRITERS) -> "Output":
+    def of(cls, catalogue: Catalogue, root: Path) -> "Output":
         """Run the writers for the tree below *root*; nothing is written."""
         texts: dict[Path, str] = {}
         owned: set[Path] = set()
-        for writer in writers:
+        for writer in WRITERS:
             texts |= {root / path: text for path, text in writer.write(catalogue).items()}
             owned |= set(root.glob(writer.owns))
         return cls(texts, tuple(sorted(owned - texts.keys())))

@@ -9,7 +9,7 @@ from gateway.codec.types import MAX_DECODERS, Types
 from gateway.codec.validation import InvalidValueError
 from schemas.build import Models
 from schemas.definition import DefinitionError
-from schemas.installed import InstalledDefinitions, UnknownTypeError, parts_of
+from schemas.installed import InstalledDefinitions, UnknownTypeError
 from tests.messages import (
     RandomMessages,
     from_ros,
@@ -23,7 +23,7 @@ from tests.schemas.test_installed import write_definition
 
 DEFINITIONS = InstalledDefinitions()
 INTERFACES = DEFINITIONS.names(kind="srv") + DEFINITIONS.names(kind="action")
-PARTS = [part for interface in INTERFACES for part in parts_of(interface)]
+PARTS = [part.name for name in INTERFACES for part in DEFINITIONS.interface(name).parts.values()]
 ODOMETRY = "nav_msgs/msg/Odometry"
 SET_BOOL = "std_srvs/srv/SetBool"
 FIBONACCI = "test_msgs/action/Fibonacci"

@@ -17,7 +17,7 @@ PICTURE_BYTES = 640 * 480 * 3
 @pytest.fixture
 def loop(monkeypatch):
     monkeypatch.setenv("FASTRTPS_DEFAULT_PROFILES_FILE", str(PROFILE))
-    with ros_context(console=False) as context:
+    with ros_context() as context:
         loop = Loop(context)
         yield loop
         loop.close()
@@ -76,25 +76,11 @@ def test_signals_set_the_stop_and_are_given_back(number):
     assert signal.getsignal(number) == before
 
 
-def test_in_another_thread_signals_are_left_alone():
-    before = signal.getsignal(signal.SIGINT)
-    seen = []
-
-    def body():
-        with stopped_by_signals(threading.Event()):
-            seen.append(signal.getsignal(signal.SIGINT))
-
-    thread = threading.Thread(target=body)
-    thread.start()
-    thread.join()
-    assert seen == [before]
-
-
 def test_fast_dds_finds_the_robots_profile(monkeypatch):
     name = "FASTRTPS_DEFAULT_PROFILES_FILE"
     monkeypatch.setenv(name, "")  # so that what follows is undone
     monkeypatch.delenv(name)
-    with ros_context(console=False):
+    with ros_context():
         assert os.environ[name] == str(PROFILE)
 
 

@@ -3,7 +3,7 @@
 
 import json
 import math
-import threading
+from select import select
 
 import pytest
 from rclpy.qos import QoSProfile
@@ -14,7 +14,7 @@ from gateway.errors import ConfigError
 from gateway_sim.instances import message_class
 from gateway_sim.mock import MockOptions, run, topic_of
 from schemas.table import Table
-from tests.gateway_sim.ros import TIMEOUT_S, Watcher, child
+from tests.gateway_sim.ros import Watcher, child
 
 MOCK = """
 from gateway_sim.mock import MockOptions, run
@@ -94,26 +94,22 @@ def test_messages_count_up_without_a_gap(watcher):
 
 
 def test_what_arrives_is_written_as_one_line_each(watcher):
-    lines = []
-    stop = threading.Event()
-    options = MockOptions(publish=False, types=("sensor_msgs/Joy", 0), write=lines.append)
-    thread = threading.Thread(target=run, args=(options, stop))
-    thread.start()
-    try:
+    with child(MOCK.format(options="publish=False, types=('sensor_msgs/Joy', 0)")) as mock:
         topic = "/mock_in/sensor_msgs/joy"
         publisher = watcher.node.create_publisher(Joy, topic, QoSProfile(depth=10))
         message = Joy(axes=[1.0, 0.5], buttons=[3])
-        watcher.until(lambda: lines, lambda: publisher.publish(message), "a line")
+        watcher.until(
+            lambda: select([mock.stdout], [], [], 0)[0],
+            lambda: publisher.publish(message),
+            "a line",
+        )
+        line = mock.stdout.readline().decode()
         # the mock system's own messages are not there: it was told not to publish
         topics = [name for name, _ in watcher.node.get_topic_names_and_types()]
         assert not [name for name in topics if name.startswith("/mock/")]
-    finally:
-        stop.set()
-        thread.join(TIMEOUT_S)
-    assert not thread.is_alive()
-    assert lines[0] == (
+    assert line == (
         f"{topic} sensor_msgs/msg/Joy {{header: {{stamp: {{sec: 0, nanosec: 0}}, "
-        f"frame_id: {json.dumps('')}}}, axes: [1, 0.5], buttons: [3]}}"
+        f"frame_id: {json.dumps('')}}}, axes: [1, 0.5], buttons: [3]}}\n"
     )
 
 

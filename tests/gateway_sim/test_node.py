@@ -3,7 +3,6 @@
 
 import math
 import signal
-import threading
 import time
 
 import cv2
@@ -26,7 +25,7 @@ from sensor_msgs.msg import (
 from std_srvs.srv import SetBool, Trigger
 
 from gateway.errors import ConfigError
-from gateway_sim.node import SimOptions, run
+from gateway_sim.node import SimOptions
 from gateway_sim.robot_messages import heading, quaternion
 from gateway_sim.world import furnished_room
 from tests import interfaces
@@ -273,29 +272,12 @@ def test_a_signal_ends_it_with_zero(number):
     assert not [topic for topic in topics if topic.startswith("/solo/camera")]
 
 
-def test_it_runs_in_a_thread_until_it_is_stopped_and_then_again():
-    codes = []
-    options = SimOptions(namespace="threaded", camera=False, console=False)
-    for _ in range(2):
-        stop = threading.Event()
-        thread = threading.Thread(target=lambda s=stop: codes.append(run(options, s)))
-        thread.start()
-        watcher = Watcher("companion")
-        odometry = watcher.subscribe(Odometry, "/threaded/odom")
-        watcher.until(lambda seen=odometry: seen, what="/threaded/odom")
-        watcher.close()
-        stop.set()
-        thread.join(TIMEOUT_S)
-    assert codes == [0, 0]
-
-
 @pytest.mark.parametrize(
     ("options", "words"),
     [
         ({"namespace": "1st robot"}, "namespace '1st robot' is no ROS namespace"),
         ({"camera_hz": 0}, "camera_hz 0 is not from 0.1 to 60 Hz"),
         ({"camera_hz": math.nan}, "camera_hz nan"),
-        ({"jpeg_quality": 0}, "jpeg_quality 0 is not from 1 to 100"),
         ({"seed": -5}, "seed -5 is below 0"),
     ],
 )

@@ -26,7 +26,7 @@ from gateway.ports import (
 )
 from gateway.ros.name_checks import TypeKind, check_action, check_service, check_topic, split_type
 from gateway.ros.qos import Offer, adopt, complete_offer, is_same_request, mismatches
-from schemas.installed import InstalledDefinitions, UnknownTypeError, parts_of
+from schemas.installed import InstalledDefinitions, UnknownTypeError
 from tests.ros.fake_actions import FakeActionClient, FakeActionServer
 from tests.ros.fake_services import FakeClient, FakeService
 
@@ -441,7 +441,10 @@ class FakeRos:
             raise RosError("limit_exceeded", f"at most {self.max_entities} ROS entities")
         split_type(type_name, kind)
         try:
-            self._types.get(type_name if kind == "msg" else parts_of(type_name)[0])
+            if kind == "msg":
+                self._types.get(type_name)
+            else:
+                self._types.definitions.interface(type_name)
         except UnknownTypeError as error:
             raise RosError("bad_type", str(error)) from error
         for other in others:

@@ -41,6 +41,8 @@ class Outside:
         # The standard one: that of the product must not vouch for itself.
         self._executor = ExecutorThread(self.context, standard=True)
         self._executor.add_node(self.node)
+        # triggered, it has the executor look at everything once more
+        self._guard = self.node.create_guard_condition(lambda: None)
         self._actions: list[OutsideActionClient | OutsideActionServer] = []
 
     def add_publisher(self, topic: str, type_name: str, qos: Qos | None = None) -> OutsidePublisher:
@@ -74,7 +76,7 @@ class Outside:
         on_request: Callable[[Request], None],
         depth: int = 10,  # that of ROS
     ) -> OutsideService:
-        return OutsideService(self.node, self._executor.wake, name, type_name, on_request, depth)
+        return OutsideService(self.node, self._guard.trigger, name, type_name, on_request, depth)
 
     def add_action_client(self, name: str, type_name: str) -> OutsideActionClient:
         client = OutsideActionClient(self.node, name, type_name)
@@ -90,7 +92,7 @@ class Outside:
         accepts: Callable[[bytes], bool] = lambda goal: True,
     ) -> OutsideActionServer:
         server = OutsideActionServer(
-            self.node, self._executor.wake, name, type_name, on_goal, on_cancel, accepts
+            self.node, self._guard.trigger, name, type_name, on_goal, on_cancel, accepts
         )
         self._actions.append(server)
         return server

@@ -10,7 +10,7 @@ from unittest.mock import Mock
 import pytest
 
 from schemas.definition import DefinitionError
-from schemas.installed import InstalledDefinitions, UnknownTypeError, installed_prefixes, parts_of
+from schemas.installed import InstalledDefinitions, UnknownTypeError, installed_prefixes
 from schemas.type_hash import _type_id
 from tests.messages import ros_class
 
@@ -25,7 +25,8 @@ def descriptions():
 def descriptions_of_parts():
     """Yield those of the parts of every installed service and action."""
     for kind in ("srv", "action"):
-        for name in InstalledDefinitions().names(kind=kind):
+        definitions = InstalledDefinitions()
+        for name in definitions.names(kind=kind):
             package, _, short_name = name.split("/")
             (path,) = (
                 path
@@ -34,8 +35,8 @@ def descriptions_of_parts():
             )
             described = json.loads(path.read_bytes())["type_description_msg"]
             by_name = {one["type_name"]: one for one in described["referenced_type_descriptions"]}
-            for part in parts_of(name):
-                yield by_name[part]
+            for part in definitions.interface(name).parts.values():
+                yield by_name[part.name]
 
 
 def described_field(field):
@@ -121,11 +122,12 @@ def idl_type(field_type):
 )
 def test_every_part_of_a_service_or_an_action_has_the_fields_of_rclpys_class(name):
     definitions = InstalledDefinitions()
-    assert [part.name for part in definitions.interface(name).parts.values()] == [*parts_of(name)]
-    for part in parts_of(name):
-        expected = ros_class(part).get_fields_and_field_types()
-        fields = {field.name: idl_type(field.type) for field in definitions.get(part).fields}
-        assert list(fields.items()) == list(expected.items()), part
+    for role, part in definitions.interface(name).parts.items():
+        assert part.name == f"{name}_{role.capitalize()}"
+        assert definitions.get(part.name) == part
+        expected = ros_class(part.name).get_fields_and_field_types()
+        fields = {field.name: idl_type(field.type) for field in part.fields}
+        assert list(fields.items()) == list(expected.items()), part.name
 
 
 def test_a_part_and_its_whole_are_read_once(tmp_path):
@@ -145,15 +147,15 @@ def test_a_part_and_its_whole_are_read_once(tmp_path):
 )
 def test_what_is_no_service_or_action_is_never_looked_up(name):
     definitions = InstalledDefinitions()
-    for look_up in (definitions.interface, parts_of):
-        with pytest.raises(UnknownTypeError, match="expected pkg/srv/Name or pkg/action/Name"):
-            look_up(name)
+    with pytest.raises(UnknownTypeError, match="expected pkg/srv/Name or pkg/action/Name"):
+        definitions.interface(name)
 
 
 @pytest.mark.parametrize("name", ["some_msgs/srv/Thing", "some_msgs/action/Thing"])
 def test_a_service_that_is_not_installed_is_named_without_its_part(tmp_path, name):
     definitions = InstalledDefinitions([tmp_path])
-    for look_up, asked in ((definitions.interface, name), (definitions.get, parts_of(name)[0])):
+    part = f"{name}_{'Request' if '/srv/' in name else 'Goal'}"
+    for look_up, asked in ((definitions.interface, name), (definitions.get, part)):
         with pytest.raises(UnknownTypeError) as caught:
             look_up(asked)
         assert str(caught.value) == f"no definition of {name} is installed"
