@@ -156,6 +156,7 @@ class Router:
             "calls": sum(map(len, (self._calling, self._asking, self._looking)))
             + self._services.pending,
             "goals": self._goals.under_way + self._actions.pending,
+            "transforms": self._transforms.periodic,
         }
 
     def _carry_out(self, session: Session, operation: ClientOperation) -> None:

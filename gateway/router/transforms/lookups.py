@@ -36,7 +36,7 @@ class TransformLookups:
 
     @property
     def periodic(self) -> int:
-        """How many periodic lookups there are."""
+        """The number of periodic lookups of all clients."""
         return sum(map(len, self._periodic.values()))
 
     async def lookup(self, request: LookupTransform) -> dict[str, Any]:

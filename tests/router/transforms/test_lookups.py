@@ -369,6 +369,19 @@ async def test_repeated_lookups_are_limited_per_client_and_replaced_by_id(
     ]
 
 
+async def test_repeated_lookups_are_counted_until_their_client_leaves(
+    robot: Robot, client: Socketless
+):
+    router = robot.bench.router
+    ask(client, id="head", rate=1)
+    ask(client, id="hand", rate=1)
+    assert router.counts()["transforms"] == 2
+    client.send(op="cancel_transform", id="head")
+    assert router.counts()["transforms"] == 1
+    router.leave(client.session)
+    assert router.counts()["transforms"] == 0
+
+
 async def test_listening_goes_on_for_a_while_and_ends(
     robot: Robot, client: Socketless, monkeypatch: pytest.MonkeyPatch
 ):
