@@ -159,7 +159,10 @@ class Router:
             "transforms": self._transforms.periodic,
         }
 
-    def _carry_out(self, session: Session, operation: ClientOperation) -> None:
+    # as long as there are operations: one case each
+    def _carry_out(  # noqa: C901, PLR0912, PLR0915
+        self, session: Session, operation: ClientOperation
+    ) -> None:
         match operation:
             case topics.Publish():
                 self._publications.publish(session, operation)

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""No file and no function is longer than the longest that was accepted."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).parents[1]
+ROOTS = ("gateway", "gateway_sim", "schemas", "benchmarks", "tools")
+GENERATED = "schemas/models/"
+MAX_FILE_LINES = 419  # gateway/server/connection.py
+MAX_FUNCTION_LINES = 78  # argument_parser of gateway/cli/arguments.py, one statement per option
+
+
+def source_files():
+    files = (path for root in ROOTS for path in (REPOSITORY / root).rglob("*.py"))
+    names = (path.relative_to(REPOSITORY).as_posix() for path in files)
+    return sorted(name for name in names if not name.startswith(GENERATED))
+
+
+def too_long(name, source):
+    """Return a line for each thing in *source* that exceeds its limit."""
+    found = []
+    lines = len(source.splitlines())
+    if lines > MAX_FILE_LINES:
+        found.append(f"{name}: {lines} lines, at most {MAX_FILE_LINES}: split it by idea")
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            lines = node.end_lineno - node.lineno + 1
+            if lines > MAX_FUNCTION_LINES:
+                found.append(
+                    f"{name}:{node.lineno}: {node.name} has {lines} lines,"
+                    f" at most {MAX_FUNCTION_LINES}"
+                )
+    return found
+
+
+@pytest.mark.parametrize("name", source_files())
+def test_no_file_or_function_is_too_long(name):
+    found = too_long(name, (REPOSITORY / name).read_text(encoding="utf-8"))
+    assert not found, "\n".join(found)
+
+
+def test_a_long_file_and_a_long_function_are_found():
+    source = "def work():\n" + "    pass\n" * MAX_FILE_LINES
+
+    assert too_long("one.py", source) == [
+        f"one.py: {MAX_FILE_LINES + 1} lines, at most {MAX_FILE_LINES}: split it by idea",
+        f"one.py:1: work has {MAX_FILE_LINES + 1} lines, at most {MAX_FUNCTION_LINES}",
+    ]
