@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """CBOR (RFC 8949) of the few kinds of values that frames have; numbers in arrays as in RFC 8746.
 
-What is fast is compiled per type (`gateway.codec.cdr.compile_transcoder`); this is for the rest,
-and the pieces that both are made of.
+The fast path is compiled per type (`gateway.codec.cdr.compile_transcoder`). This module encodes
+the rest, and has the parts that both share.
 """
 
 from struct import pack
@@ -54,12 +54,12 @@ def text(value: str) -> bytes:
 
 
 def dumps(value: object) -> bytes:
-    """Return the item for a value as `gateway.codec.cdr.compile_decoder` makes them.
+    """Return the item for a value of the kinds that `gateway.codec.cdr.compile_decoder` returns.
 
-    Bytes and views become byte strings, numbers in lists are not made typed arrays.
+    Bytes and views become byte strings. Lists of numbers do not become typed arrays.
 
     Raises:
-        TypeError: it is of another kind.
+        TypeError: the value is of another kind.
     """
     match value:
         case bool():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The words in which people are told what was wrong with what they sent."""
+"""Error texts for values that clients sent."""
 
 import json
 from collections.abc import Mapping
@@ -23,7 +23,7 @@ EXPECTED: Final = {
 
 
 def kind(value: object) -> str:
-    """Say what a JSON value is; of numbers and booleans their value."""
+    """Name the kind of a JSON value; of numbers and booleans, the value."""
     match value:
         case None:
             return "null"
@@ -41,5 +41,5 @@ def kind(value: object) -> str:
 
 
 def truncate(text: str) -> str:
-    """Shorten a client's own text for its way back."""
+    """Shorten a client's own text for an error text."""
     return text if len(text) <= MAX_ECHO else f"{text[: MAX_ECHO - 3]}..."

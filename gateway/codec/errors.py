@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the codecs raise."""
+"""The exceptions of the codecs."""
 
 
 class CodecError(ValueError):
-    """Bytes or a value do not fit the type; ``offset`` is where in the bytes, if known."""
+    """Bytes or a value do not fit the type; ``offset`` is the position in the bytes, if known."""
 
     def __init__(self, reason: str, *, offset: int | None = None) -> None:
         super().__init__(reason)
@@ -11,4 +11,4 @@ class CodecError(ValueError):
 
 
 class FieldError(CodecError):
-    """A path names no field of a message type; the text says which fields there are."""
+    """A path names no field of a message type; the text lists the fields."""

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """ROS images to pictures; encodings as in sensor_msgs/image_encodings.hpp, depth as in REP 118.
 
-What the pixels mean follows cv_bridge: 8UC3 and 8UC4 are taken for bgr8 and bgra8, YUV is
-BT.601 in video range, 16-bit intensities span the full 16 bits. Everything here may run in any
-thread; OpenCV releases the GIL for all of the heavy work.
+Pixels mean the same as in cv_bridge: 8UC3 and 8UC4 are bgr8 and bgra8, YUV is BT.601 in video
+range, 16-bit intensities span the full 16 bits. Everything here may run in any thread; OpenCV
+releases the GIL for all of the heavy work.
 """
 
 from dataclasses import dataclass
@@ -20,14 +20,14 @@ MAX_SIDE_PX: Final = 8192  # the largest sensors that stream; a wrong header sta
 MAX_PIXELS: Final = 7680 * 4320  # 8K UHD; as rgba16 265 MB, and as much again while converting
 
 MAX_DEPTH_M: Final = 1000.0  # beyond any depth camera
-MIN_DEPTH_RANGE_M: Final = 0.1  # in less, float32 at the maximum is coarser than a grey value
+MIN_DEPTH_RANGE_M: Final = 0.1  # below, float32 at the maximum is coarser than a grey value
 
 _SMALLEST_FLOAT: Final = float(np.finfo(np.float32).tiny)
 _LARGEST_FLOAT: Final = float(np.finfo(np.float32).max)
 
 
 class ImageError(CodecError):
-    """An image contradicts itself or is none that can be shown; the text says in what."""
+    """An image contradicts itself or cannot be shown; the text gives the reason."""
 
 
 class RawImage(NamedTuple):
@@ -43,7 +43,7 @@ class RawImage(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class ImageOptions:
-    """How a picture is wanted; equal options give equal pictures.
+    """The options of a picture; equal options give equal pictures.
 
     ``quality`` concerns lossy formats only, ``depth_range_m`` only depth in a format of 8 bits. A
     bound of ``None`` is none.
@@ -96,8 +96,7 @@ def compress(image: RawImage, options: ImageOptions) -> Picture:
     """Compress one image, scaled down to the options' bounds with its aspect kept.
 
     JPEG drops alpha and has 8 bits per channel; PNG keeps alpha and 16 bits. Depth is scaled by
-    picking measurements, not by averaging them: a mean across an edge is a point where nothing
-    is.
+    picking measurements, not by averaging them: a mean across an edge is a point in empty space.
 
     Raises:
         ImageError: the encoding is unknown, or the sizes contradict it or each other.
@@ -128,15 +127,15 @@ def compress(image: RawImage, options: ImageOptions) -> Picture:
 def confine_to_calling_thread() -> None:
     """Turn OpenCV's own thread pool off, for the whole process.
 
-    Call it once at start-up where pictures are compressed in worker threads anyway. The pool's
-    threads spin between jobs: for VGA they double the CPU time of a frame and save nothing.
+    Call it once at start-up if worker threads compress the pictures. The pool's threads spin
+    between jobs: for VGA they double the CPU time of a frame and save nothing.
     """
     cv2.setNumThreads(1)
 
 
 @dataclass(frozen=True, slots=True)
 class _Layout:
-    """How an encoding lies in memory, and what OpenCV calls the way to grey, BGR or BGRA."""
+    """The memory layout of an encoding, and OpenCV's conversion of it to grey, BGR or BGRA."""
 
     dtype: Literal["u1", "u2", "f4"]
     channels: int = 1
@@ -146,11 +145,11 @@ class _Layout:
 
     @property
     def row_item_bytes(self) -> int:
-        """The bytes of one pixel in a row (of the luma plane where chroma has its own)."""
+        """The bytes of one pixel in a row (of the luma plane if chroma has its own)."""
         return self.channels * int(self.dtype[1])
 
     def rows(self, height: int) -> int:
-        """Count the rows in memory: a chroma plane at half height follows the luma plane."""
+        """Return the rows in memory: a chroma plane at half height follows the luma plane."""
         return height * 3 // 2 if self.subsampling[1] == 2 else height
 
 
@@ -192,7 +191,7 @@ _LAYOUTS: Final = {
 }
 _LAYOUTS_BY_LOWER_NAME: Final = {name.lower(): layout for name, layout in _LAYOUTS.items()}
 
-ENCODINGS: Final = tuple(_LAYOUTS)  # as `compress` takes them, in any case of letters
+ENCODINGS: Final = tuple(_LAYOUTS)  # `compress` takes them in upper or lower case
 
 
 def _layout_of(image: RawImage) -> _Layout:
@@ -224,7 +223,7 @@ def _check_sizes(image: RawImage, layout: _Layout) -> None:
             f" {row_bytes} bytes"
         )
     rows = layout.rows(height)
-    # as cv_bridge does, refuse both fewer and more
+    # refuse both fewer and more, as cv_bridge does
     if len(image.data) != image.step * rows:
         raise ImageError(
             f"image data has {len(image.data)} bytes, {rows} rows of step {image.step} have"
@@ -240,7 +239,7 @@ def _view(image: RawImage, layout: _Layout) -> MatLike:
     if layout.channels > 1:
         shape, strides = (*shape, layout.channels), (*strides, stored.itemsize)
     view: MatLike = np.ndarray(shape, stored, buffer=image.data, strides=strides)
-    # a step that is no multiple of the item, or the other byte order
+    # a step that is not a multiple of the item, or the other byte order
     return np.require(view, stored.newbyteorder("="), "A")
 
 
@@ -249,20 +248,20 @@ def _shaded(depth: MatLike, metres: float, range_m: tuple[float, float]) -> MatL
     near, far = (bound / metres for bound in range_m)
     gain = -254 / (far - near)
     _, clamped = cv2.threshold(depth, far, 0.0, cv2.THRESH_TRUNC)
-    # clamped, nothing is below 1; what is nearer than near saturates
+    # clamped, nothing is below 1; a depth nearer than near saturates
     grey = cv2.convertScaleAbs(clamped, alpha=gain, beta=1 - gain * far)
     return cv2.copyTo(grey, _measured(depth))
 
 
 def _millimetres(depth: MatLike) -> MatLike:
-    """Turn metres into the 16 bits of 16UC1; what is farther than they reach is at their end."""
+    """Turn metres into the 16 bits of 16UC1; greater depths get the largest value."""
     _, clamped = cv2.threshold(depth, 65.535, 0.0, cv2.THRESH_TRUNC)
     millimetres = cv2.addWeighted(clamped, 1000.0, clamped, 0.0, 0.0, dtype=cv2.CV_16U)
     return cv2.copyTo(millimetres, _measured(depth))
 
 
 def _measured(depth: MatLike) -> MatLike:
-    """Mask what is positive and finite; NaN is in no range."""
+    """Return a mask of the positive and finite depths; NaN is in no range."""
     if depth.dtype == np.uint16:
         return cv2.inRange(depth, 1.0, 65535.0)
     return cv2.inRange(depth, _SMALLEST_FLOAT, _LARGEST_FLOAT)
@@ -280,9 +279,9 @@ def _fitted(image: RawImage, options: ImageOptions) -> tuple[int, int]:
 def _reduced(pixels: MatLike, size: tuple[int, int]) -> MatLike:
     """Scale down by averaging.
 
-    OpenCV's averaging over a fraction of a pixel takes longer than the JPEG encoder, by whole
-    factors it is fast. So the largest whole factor comes first; what then remains is mostly less
-    than 2, where bilinear interpolation reads every pixel and is five times as fast as averaging.
+    OpenCV's averaging by a fractional factor takes longer than the JPEG encoder; by a whole
+    factor it is fast. So the largest whole factor comes first. The remaining factor is mostly
+    below 2: there bilinear interpolation reads every pixel and is five times as fast as averaging.
     """
     height, width = pixels.shape[:2]
     factor = min(width // size[0], height // size[1])

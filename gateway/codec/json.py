@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """JSON out, and JSON in from clients that may send anything.
 
-Going in it is orjson, strict and fast, and then a proof that nothing was left out, so that two
-readers of one frame never see two different messages. What the proof costs depends on how many
-objects and arrays a frame has, not on its length.
+Input goes through orjson, strict and fast, and then through a check that nothing was left out, so
+that two readers of one frame never see two different messages. The cost of the check depends on
+the number of objects and arrays in a frame, not on its length.
 """
 
 import json
@@ -17,21 +17,21 @@ import orjson
 from gateway.codec.error_text import MAX_ECHO
 from gateway.codec.errors import CodecError
 
-# Deeper than any ROS type nests, and far from the recursion limits of what follows.
+# Deeper than any ROS type nests, and far from the recursion limits of the code that follows.
 MAX_DEPTH: Final = 32
 # An image of 100 kB as an array of numbers; as Python objects about 6 MB.
 MAX_ITEMS: Final = 100_000
 
 
-# The closing quote is optional, or a string without one would be tried again from each of its
-# escaped quotes; nothing is ever given back, or each escape would be kept in mind.
+# The closing quote is optional, or the search would retry a string without one from each of its
+# escaped quotes. It never backtracks, or it would remember each escape.
 _STRING: Final = re.compile(rb'"[^"\\]*+(?:\\.[^"\\]*+)*+"?', re.DOTALL)
 
 _NOT_ASCII: Final = re.compile(r"[^\0-\x7f]+")
 
 
 class JsonError(CodecError):
-    """What a client sent is not the JSON it may send; the text says where and why."""
+    """A client sent something else than the JSON it may send; the text says where and why."""
 
 
 # Bound rather than wrapped: it is called for every message.
@@ -43,7 +43,7 @@ RFC 8259 has neither, and orjson sends null for them.
 
 
 def ascii_only(text: bytes) -> bytes:
-    """Return a JSON text with escapes for what is not ASCII: beyond U+FFFF, surrogate pairs."""
+    """Return a JSON text with escapes for non-ASCII characters: beyond U+FFFF, surrogate pairs."""
     if text.isascii():
         return text
     return _NOT_ASCII.sub(lambda found: json.dumps(found[0])[1:-1], text.decode()).encode()
@@ -56,13 +56,13 @@ def loads(data: bytes | str, *, max_depth: int = MAX_DEPTH, max_items: int = MAX
     elements they have in all.
 
     Raises:
-        JsonError: it is no JSON (RFC 8259) in UTF-8, a limit is exceeded, or an object has
+        JsonError: the text is not JSON (RFC 8259) in UTF-8, a limit is exceeded, or an object has
             two members of one name.
     """
     if isinstance(data, str):
-        data = data.encode("utf-8", "surrogatepass")  # which orjson then refuses, with the place
+        data = data.encode("utf-8", "surrogatepass")  # orjson refuses it, with the position
     if len(data) > max_items:
-        # What strings hold must not count, but is cheaper to look for only where it matters.
+        # Characters in strings must not count, but they are cheaper to remove only if it matters.
         items = _items_at_most(data)
         if items > max_items and _items_at_most(_STRING.sub(b"", data)) > max_items:
             raise JsonError(f"JSON has over {max_items} items")
@@ -71,13 +71,13 @@ def loads(data: bytes | str, *, max_depth: int = MAX_DEPTH, max_items: int = MAX
     except orjson.JSONDecodeError as error:
         raise _refusal(error, data, max_depth) from None
     if not _has_names(data, _count_names(value, max_depth)):
-        # Depth is checked by now. Numbers need not be read, and long ones would raise.
+        # The depth has been checked. Numbers need not be read, and long ones would raise.
         json.loads(data, object_pairs_hook=_without_duplicates, parse_int=str, parse_float=str)
     return value
 
 
 def _items_at_most(data: bytes) -> int:
-    """Count what may begin an item: each follows a comma or is the first in its container."""
+    """Return an upper bound of the items: each follows a comma or is first in its container."""
     containers = data.count(b"[") + data.count(b"{") - data.count(b"[]") - data.count(b"{}")
     return data.count(b",") + containers
 
@@ -88,7 +88,7 @@ def _refusal(error: orjson.JSONDecodeError, data: bytes, max_depth: int) -> Json
     except UnicodeDecodeError as not_utf8:
         offset = not_utf8.start
         return JsonError(f"frame is not UTF-8 at offset {offset}", offset=offset)
-    # orjson's own depth limit, or what it allots to a document that opens and never closes
+    # orjson's own depth limit, or its allocation for a document that opens and never closes
     if "depth" in error.msg or "allocate" in error.msg:
         return _too_deep(max_depth)
     what = error.msg[:1].lower() + error.msg[1:].partition(": ")[0]
@@ -126,11 +126,11 @@ def _count_names(value: object, max_depth: int) -> int:
 
 
 def _has_names(data: bytes, count: int) -> bool:
-    """Whether *data* surely has no more names than the *count* that parsing left over.
+    """Return whether *data* surely has no more names than the *count* that parsing kept.
 
-    An object keeps the last of two members of one name, so duplicates leave fewer. Each name is
-    followed by a colon, but colons in strings ("publish:/cmd_vel:1") must be told from these:
-    where no white space precedes a colon, those behind names follow a quote.
+    Parsing keeps the last of two members of one name, so duplicates lower the count. A colon
+    follows each name, but strings have colons, too ("publish:/cmd_vel:1"). If no white space
+    precedes a colon, those behind names follow a quote.
     """
     if data.count(b":") == count:
         return True

@@ -16,7 +16,7 @@ def picture_renderer(image_type: MessageType, options: ImageOptions) -> Callable
     """Return a function from the CDR of an image to JSON in the shape of CompressedImage.
 
     Beside ``header``, ``format`` and ``data`` (base64) it has ``width`` and ``height`` of the
-    picture, and ``depth_range_m`` where grey means distance. The function may run in any
+    picture, and ``depth_range_m`` if grey means distance. The function may run in any
     thread; it raises `CodecError`.
     """
     render = _renderer(image_type, options, pybase64.b64encode_as_string)
@@ -26,7 +26,7 @@ def picture_renderer(image_type: MessageType, options: ImageOptions) -> Callable
 def cbor_picture_renderer(
     image_type: MessageType, options: ImageOptions
 ) -> Callable[[bytes], bytes]:
-    """Return the same for CBOR, with ``data`` as a byte string."""
+    """Return such a function to CBOR, with ``data`` as a byte string."""
     render = _renderer(image_type, options, lambda data: data)
     return lambda cdr: cbor.dumps(render(cdr))
 

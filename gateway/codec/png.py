@@ -11,7 +11,7 @@ import pybase64
 def text_as_png(text: bytes) -> bytes:
     """Return the base64 of a PNG whose RGB values, row by row, are the text, padded with newlines.
 
-    Browsers turn each value into a character of its own, so the text must be ASCII. It may run
+    Browsers turn each value into one character, so the text must be ASCII. The function may run
     in any thread.
     """
     width = max(1, math.isqrt(len(text) // 3))

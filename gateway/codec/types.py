@@ -29,8 +29,8 @@ from schemas.interface import Interface, InterfaceKind
 from schemas.message import Clock, Message
 
 # Selections of fields that stay compiled per type. Clients share a few, and compiling takes
-# milliseconds, tens of them for the largest types; a client that keeps making up new ones must not
-# fill the memory.
+# milliseconds, tens of them for the largest types. A client that keeps inventing selections must
+# not fill the memory.
 MAX_DECODERS: Final = 32
 
 
@@ -49,7 +49,7 @@ class MessageType:
 
     @cached_property
     def model(self) -> type[Message]:
-        """The pydantic model of what clients send."""
+        """The pydantic model of the messages that clients send."""
         return self._models.get(self.name)
 
     @cached_property
@@ -63,14 +63,14 @@ class MessageType:
         return compile_encoder(self.definition, self._definitions)
 
     def json_schema(self) -> Schema:
-        """Return the JSON Schema of what the wire carries, nested types included."""
+        """Return the JSON Schema of the messages on the wire, nested types included."""
         return self._models.json_schema(self.name)
 
     def check_fields(self, fields: tuple[str, ...] | None) -> None:
-        """Check what `decoder` and `transcoder` are to be asked for, without compiling it.
+        """Check the fields for `decoder` and `transcoder`, without compiling anything.
 
         Raises:
-            FieldError: one of them is not.
+            FieldError: a name in *fields* is not a field.
         """
         select(self.definition, self._definitions, fields or ())
 
@@ -78,7 +78,7 @@ class MessageType:
         """Return a decoder of some fields, or with octet arrays untouched.
 
         Raises:
-            FieldError: *fields* names what is no field.
+            FieldError: a name in *fields* is not a field.
         """
         if not fields and octets == "base64":
             return self.decode
@@ -92,7 +92,7 @@ class MessageType:
         """Return a function from CDR to CBOR, of some fields; see `compile_transcoder`.
 
         Raises:
-            FieldError: *fields* names what is no field.
+            FieldError: a name in *fields* is not a field.
         """
         wanted = _sorted(fields)
         return self._transcoders.get(
@@ -100,10 +100,10 @@ class MessageType:
         )
 
     def validate(self, value: object, now_ns: Clock, root: str = "msg") -> Message:
-        """Turn decoded JSON into a message; *now_ns* is, or tells, what its ``"now"`` stands for.
+        """Turn decoded JSON into a message; *now_ns* is, or returns, the time of a ``"now"`` in it.
 
         Raises:
-            InvalidValueError: it is no such message; paths in the text begin with *root*.
+            InvalidValueError: the value does not fit; paths in the text begin with *root*.
         """
         try:
             return self.model.model_validate(value, context={"now_ns": now_ns})
@@ -190,13 +190,13 @@ class Types:
         """Return the message type ``pkg/msg/Name``, or a part such as ``pkg/srv/Name_Request``.
 
         Raises:
-            UnknownTypeError: it, or a type that it nests, is not installed, or *name* is no such
-                name.
+            UnknownTypeError: *name* is not such a name, or the type or one that it nests is not
+                installed.
             DefinitionError: a definition cannot be parsed, or nests itself.
         """
         known = self._messages.get(name)
         if known is None:
-            # What it nests is read now: the codecs are compiled where nobody expects an error.
+            # Read nested types now: where the codecs are compiled, nobody expects an error.
             definition = self.definitions.closure([name])[-1]
             known = MessageType(definition, self.definitions, self._models)
             self._messages[name] = known
@@ -235,7 +235,7 @@ _Codec = TypeVar("_Codec")
 
 
 class _Compiled(Generic[_Codec]):
-    """The codecs that were asked for most recently, at most `MAX_DECODERS`."""
+    """The most recently used codecs, at most `MAX_DECODERS`."""
 
     def __init__(self) -> None:
         self._known: OrderedDict[tuple[str, ...], _Codec] = OrderedDict()
@@ -244,7 +244,7 @@ class _Compiled(Generic[_Codec]):
         return len(self._known)
 
     def get(self, key: tuple[str, ...], make: Callable[[], _Codec]) -> _Codec:
-        """Return the codec of a key, made if it is not there."""
+        """Return the codec of a key, and make it if it is missing."""
         known = self._known.get(key)
         if known is None:
             known = make()

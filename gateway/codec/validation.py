@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is wrong with a value that a client sent, in words for its author."""
+"""Error texts for values that do not fit their message type."""
 
 import difflib
 from collections.abc import Mapping
@@ -14,7 +14,7 @@ from gateway.codec.errors import CodecError
 from schemas.definition import FLOATS, INTEGER_RANGES, Definition, Field
 from schemas.installed import InstalledDefinitions
 
-MAX_PROBLEMS: Final = 3  # what a person reads; more are counted
+MAX_PROBLEMS: Final = 3  # as many as a person reads; the others are counted
 _OUT_OF_RANGE: Final = {
     "greater_than": "over {gt}",
     "greater_than_equal": "at least {ge}",
@@ -25,7 +25,7 @@ _WRONG_LENGTH: Final = frozenset({"too_short", "too_long", "bytes_too_short", "b
 
 
 class InvalidValueError(CodecError):
-    """A value does not fit its message type; ``path`` is where its first problem is."""
+    """A value does not fit its message type; ``path`` is the place of its first problem."""
 
     def __init__(self, path: str, reason: str) -> None:
         super().__init__(reason)
@@ -35,17 +35,17 @@ class InvalidValueError(CodecError):
 def invalid_value(
     error: ValidationError, definition: Definition, definitions: InstalledDefinitions, root: str
 ) -> InvalidValueError:
-    """Say in our words what pydantic found in a value for *definition*, called *root*."""
+    """Turn pydantic's error about a value for *definition*, called *root*, into one for clients."""
     details = error.errors(include_url=False)
-    words = _Words(definition, definitions, root)
-    problems = [words.problem(detail) for detail in details[:MAX_PROBLEMS]]
+    texts = _Texts(definition, definitions, root)
+    problems = [texts.problem(detail) for detail in details[:MAX_PROBLEMS]]
     reason = "; ".join(problems)
     if len(details) > MAX_PROBLEMS:
         reason += f" (and {len(details) - MAX_PROBLEMS} more)"
-    return InvalidValueError(words.path(details[0]), reason)
+    return InvalidValueError(texts.path(details[0]), reason)
 
 
-class _Words:
+class _Texts:
     def __init__(
         self, definition: Definition, definitions: InstalledDefinitions, root: str
     ) -> None:
@@ -79,11 +79,11 @@ class _Words:
             return "a string cannot hold U+0000"
         if kind == "string_unicode":
             return "a string cannot hold a lone surrogate"
-        # The models' own checks already speak our language.
+        # The models' own checks have texts for clients already.
         return truncate(detail["msg"][:1].lower() + detail["msg"][1:])
 
     def _field(self, detail: ErrorDetails) -> tuple[Definition, Field | None]:
-        """Return the last message on the way to the value, and which of its fields it is in."""
+        """Return the innermost message around the value, and the field that contains the value."""
         container = self._definition
         field = None
         for name in detail["loc"]:

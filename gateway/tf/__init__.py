@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where frames are in each other: a transform buffer as tf2 has it. Pure computation.
+"""A transform buffer like that of tf2. Pure computation.
 
 The map is docs/architecture.md.
 """

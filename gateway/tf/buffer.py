@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The transforms of a robot, and the answer to where any frame is in any other."""
+"""The transforms of a robot, and lookups between any two of its frames."""
 
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
@@ -15,22 +15,22 @@ from gateway.tf.errors import (
 from gateway.tf.history import HISTORY_NS, History
 from gateway.tf.rigid import IDENTITY, Rigid
 
-# Five humanoids with all their fingers; 67 MB if every one of them moves at 200 Hz. A tracker may
-# name frames anew for ever: those that have ceased make room.
+# Five humanoids with all their fingers; 67 MB if every frame moves at 200 Hz. A tracker may
+# invent new names for ever: frames that have ceased make room.
 MAX_FRAMES: Final = 512
-# Of frames with namespaces, prefixes and numbers nobody has seen half of it.
+# Frame names with namespaces, prefixes and numbers stay below half of it.
 MAX_FRAME_CHARACTERS: Final = 256
-# To look for those that have ceased takes a millisecond. Where too many frames are alive, that
-# must not come with each of them.
+# Looking for frames that have ceased takes a millisecond. If too many frames are alive, that
+# must not happen for each new one.
 SWEEP_NS: Final = 1_000_000_000
-# 32 clients with all the repeated lookups that they may have, each for another pair; 0.3 MB.
+# 32 clients with all the repeated lookups that they may have, each of a different pair; 0.3 MB.
 _MAX_ANSWERS: Final = 512
 
 
 class Found(NamedTuple):
-    """Where a frame is in another, and at what time."""
+    """The transform of a frame in another, and its time."""
 
-    stamp_ns: int  # 0 where it never changes and no time was asked for
+    stamp_ns: int  # 0 if it never changes and no time was asked for
     transform: Rigid
 
 
@@ -51,14 +51,14 @@ class _Fixed:
 
 
 class Buffer:
-    """Transforms as they were over the last seconds, each frame in its parent.
+    """The transforms of the last seconds, of each frame in its parent.
 
     ``revision`` changes whenever an answer may have changed.
     """
 
     def __init__(self) -> None:
         self._frames: dict[str, History | _Fixed] = {}
-        self._known: set[str] = set()  # all that was named, as a parent too
+        self._known: set[str] = set()  # every frame named, as a child or a parent
         self._sweep_due_ns = 0
         self._answers: dict[tuple[str, str], Found] = {}  # of one revision
         self._answered = 0  # that revision
@@ -74,14 +74,14 @@ class Buffer:
         heard_ns: int,
         is_static: bool,
     ) -> bool:
-        """Take the word, heard at a monotonic time, that *child* is at *transform* in *parent*.
+        """Insert the *transform* of *child* in *parent*, received at a monotonic time.
 
-        A leading slash, which ROS 1 had, is dropped. Quaternions of any length are made unit ones.
-        Return false where it contradicts what was said before on whether the frame moves. A frame
-        that is said to be fixed and to move does move, until that was not heard for `HISTORY_NS`.
+        A leading slash, which ROS 1 had, is dropped. Quaternions of any length are normalized.
+        Return false if earlier transforms disagree on whether the frame is static. A frame that is
+        published as both counts as moving, until no moving one was received for `HISTORY_NS`.
 
         Raises:
-            InvalidTransformError: it is no transform, or that of one frame too many.
+            InvalidTransformError: the transform is invalid, or there are too many frames.
         """
         child, parent = _name(child), _name(parent)
         _check_names(child, parent)
@@ -106,7 +106,7 @@ class Buffer:
         return is_static or not isinstance(known, _Fixed)
 
     def clear(self) -> None:
-        """Forget what moves; what is fixed stays, because nobody would say it again."""
+        """Forget moving frames; static ones stay, because nobody would publish them again."""
         self._keep(lambda frame: isinstance(frame, _Fixed))
 
     def forget(self) -> None:
@@ -116,8 +116,7 @@ class Buffer:
     def lookup(self, target: str, source: str, stamp_ns: int | None = None) -> Found:
         """Return the transform that takes points from *source* into *target*.
 
-        Without a time it is that of the newest moment for which all frames between them are
-        known.
+        Without a time, use the newest time at which all frames between them are known.
 
         Raises:
             UnknownFrameError, NotConnectedError, LoopError, ExtrapolationError
@@ -141,14 +140,14 @@ class Buffer:
         if stamp_ns is None:
             moving = (self._frames[frame] for frame in (*up, *down))
             stamp_ns = min((f.newest_ns for f in moving if isinstance(f, History)), default=0)
-            # a frame may have had another parent then
+            # a frame may have had another parent at that time
             up, down = self._paths(target, source, stamp_ns)
         in_common = self._composed(up, stamp_ns)
         transform = self._composed(down, stamp_ns).inverse().after(in_common) if down else in_common
         return Found(stamp_ns, transform)
 
     def _paths(self, target: str, source: str, stamp_ns: int | None) -> tuple[list[str], list[str]]:
-        """Return the frames from *source* and from *target* up to below the first above both."""
+        """Return the frames from *source* and *target* up to, without, their common ancestor."""
         down = self._chain(target, stamp_ns)
         up = self._chain(source, stamp_ns, until=down)
         common = next(reversed(up))
@@ -161,9 +160,9 @@ class Buffer:
     def _chain(
         self, frame: str, stamp_ns: int | None, until: Collection[str] = ()
     ) -> dict[str, None]:
-        """Return a frame and those above it, in order, up to one of *until* or the root.
+        """Return a frame and its ancestors, in order, up to one of *until* or the root.
 
-        Where a frame is above itself, it ends before that one would come again.
+        If a frame is its own ancestor, the chain ends before that frame would repeat.
         """
         chain = {frame: None}
         while frame not in until and (known := self._frames.get(frame)) is not None:
@@ -174,21 +173,21 @@ class Buffer:
         return chain
 
     def _check_ends(self, chain: list[str], stamp_ns: int | None) -> None:
-        """See that the last frame of a chain is a root."""
+        """Check that the last frame of a chain is a root."""
         last = self._frames.get(chain[-1])
         if last is not None:
             again = last.parent(stamp_ns)
             raise LoopError([*chain[chain.index(again) :], again])
 
     def _composed(self, path: list[str], stamp_ns: int) -> Rigid:
-        """Return where the first frame of a path is in the parent of the last one."""
+        """Return the transform of a path's first frame in the parent of its last one."""
         composed = IDENTITY
         for name in path:
             composed = self._step(name, stamp_ns).after(composed)
         return composed
 
     def _step(self, name: str, stamp_ns: int) -> Rigid:
-        """Return where a frame is in its parent."""
+        """Return the transform of a frame in its parent."""
         frame = self._frames[name]
         if isinstance(frame, _Fixed):
             return frame.transform
@@ -205,7 +204,7 @@ class Buffer:
             raise UnknownFrameError(frame, self._known)
 
     def _admit(self, child: str, parent: str, heard_ns: int) -> None:
-        """Make room for what is new, where that is needed, at the expense of what has ceased."""
+        """Make room for a new frame, if needed, by forgetting frames that have ceased."""
         new = {child, parent} - self._known
         if len(self._known) + len(new) > MAX_FRAMES and heard_ns >= self._sweep_due_ns:
             self._sweep_due_ns = heard_ns + SWEEP_NS

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Why a transform is not known, as exceptions that say what is known instead."""
+"""Reasons why a transform is not known, as exceptions that say what is known instead."""
 
 import difflib
 import heapq
@@ -9,16 +9,16 @@ from typing import Final
 from gateway.codec.error_text import MAX_ECHO, truncate
 
 # difflib takes up to 0.1 ms for two names of links that differ in a number, and a robot may have
-# hundreds: so for those alone that begin and end like the one that is unknown.
+# hundreds: so compare only names that begin and end like the unknown one.
 _MAX_COMPARED: Final = 8
 
 
 class TransformError(Exception):
-    """Where a frame is in another is not known."""
+    """No transform is known between the two frames."""
 
 
 class UnknownFrameError(TransformError):
-    """No transform names the frame; *known* are those that some transform names."""
+    """No transform names the frame; *known* are the frames that transforms name."""
 
     def __init__(self, frame: str, known: Collection[str]) -> None:
         super().__init__(frame)
@@ -26,7 +26,7 @@ class UnknownFrameError(TransformError):
         self.known = known
 
     def __str__(self) -> str:
-        # only where it is read: who waits for a frame meets this error again and again
+        # only when it is read: a client that waits for a frame meets this error again and again
         asked = self.frame[:MAX_ECHO]
         alike = heapq.nlargest(
             _MAX_COMPARED, sorted(self.known), key=lambda name: _ends_alike(asked, name)
@@ -37,23 +37,23 @@ class UnknownFrameError(TransformError):
 
 
 class NotConnectedError(TransformError):
-    """No frame is above both; *target* and *source* are the frames with all above them."""
+    """No common ancestor; *target* and *source* are the frames with all their ancestors."""
 
     def __init__(self, target: Sequence[str], source: Sequence[str]) -> None:
         super().__init__(f"frames are not connected: {_tree(target)}, {_tree(source)}")
 
 
 class LoopError(TransformError):
-    """No frame is above both, and one is above itself; *frames* lead from it to itself."""
+    """No common ancestor, and one frame is its own ancestor; *frames* lead from it to itself."""
 
     def __init__(self, frames: Sequence[str]) -> None:
         super().__init__(f"frames are in a loop: {' in '.join(frames)}")
 
 
 class ExtrapolationError(TransformError):
-    """The time asked for is before the oldest or after the newest sample of a frame.
+    """The requested time is before the oldest or after the newest sample of a frame.
 
-    ``is_early`` says that it is before: no sample to come will help.
+    ``is_early`` means before the oldest: no later sample will help.
     """
 
     def __init__(
@@ -68,9 +68,9 @@ class ExtrapolationError(TransformError):
 
 
 class InvalidTransformError(ValueError):
-    """What was to be inserted is no transform, or one too many.
+    """An inserted transform is invalid, or of one frame too many.
 
-    ``fault`` is one of a few texts that fit any frame, for whoever tells of each but once.
+    ``fault`` is one of a few texts that fit any frame, so that a caller can report each once.
     """
 
     def __init__(self, frame: str, fault: str) -> None:
@@ -80,7 +80,7 @@ class InvalidTransformError(ValueError):
 
 
 def _ends_alike(one: str, other: str) -> int:
-    """Return how many characters two names have in common from either end."""
+    """Return the number of characters that two names share at both ends."""
     return _begins_alike(one, other) + _begins_alike(one[::-1], other[::-1])
 
 

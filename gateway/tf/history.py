@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where one frame was in its parent over the last seconds."""
+"""The transforms of one frame in its parent over the last seconds."""
 
 from array import array
 from bisect import bisect_left, bisect_right
@@ -10,23 +10,23 @@ from gateway.tf.rigid import Rigid
 HISTORY_NS: Final = 10_000_000_000  # as tf2 keeps by default
 # 10 s at 200 Hz, 130 kB a frame. A faster frame is kept for less time.
 MAX_SAMPLES: Final = 2000
-# No network holds a sample back for this long; a clock that is set back, or a recording that
-# starts over, goes back further.
+# No network delays a sample for this long; a clock that is set back, or a recording that starts
+# over, goes back further.
 JUMP_BACK_NS: Final = 2_000_000_000
 
 _WIDTH: Final = len(Rigid._fields)
 
 
 class History:
-    """The samples of one frame, sorted by stamp; there is one at least.
+    """The samples of one frame, sorted by stamp; at least one.
 
-    ``heard_ns`` is when the newest one came, on the clock of who adds them: stamps may be wrong.
+    ``heard_ns`` is the arrival of the newest one, on the caller's clock: stamps may be wrong.
     """
 
     def __init__(self, stamp_ns: int, parent: str, transform: Rigid, heard_ns: int = 0) -> None:
         self._stamps = array("q", [stamp_ns])
         self._values = array("d", transform)
-        # a frame seldom changes hands: each parent with the stamp from which on it is that
+        # a frame seldom changes its parent: each parent with the stamp from which it applies
         self._starts = array("q", [stamp_ns])
         self._parents = [parent]
         self.heard_ns = heard_ns
@@ -43,11 +43,11 @@ class History:
 
     @property
     def parents(self) -> set[str]:
-        """The frames that this one is, or was, in."""
+        """The present and former parents."""
         return set(self._parents)
 
     def parent(self, stamp_ns: int | None) -> str:
-        """Return the frame that this one was in; ``None`` is the newest sample's time."""
+        """Return the parent at a time; ``None`` means the newest sample's time."""
         if stamp_ns is None:
             return self._parents[-1]
         return self._parents[max(0, bisect_right(self._starts, stamp_ns) - 1)]
@@ -55,7 +55,7 @@ class History:
     def add(self, stamp_ns: int, parent: str, transform: Rigid, heard_ns: int = 0) -> bool:
         """Add a sample; return whether anything has changed.
 
-        Of two samples of one time the first one stays, as in tf2. A sample from long before the
+        Of two samples with one stamp the first one stays, as in tf2. A sample from long before the
         newest begins a new history: time has jumped back.
         """
         self.heard_ns = heard_ns
@@ -72,9 +72,9 @@ class History:
         return True
 
     def at(self, stamp_ns: int) -> Rigid | None:
-        """Return where the frame was, interpolated between the samples before and after.
+        """Return the transform at a time, interpolated between the samples before and after.
 
-        ``None``: the time is before the oldest sample or after the newest.
+        Return ``None`` if the time is before the oldest sample or after the newest.
         """
         after = bisect_left(self._stamps, stamp_ns)
         if after == len(self._stamps):
@@ -86,7 +86,7 @@ class History:
         before = after - 1
         start_ns, end_ns = self._stamps[before], self._stamps[after]
         if self.parent(start_ns) != self.parent(end_ns):
-            return self._value(before)  # as tf2: nothing lies between two parents
+            return self._value(before)  # as in tf2: nothing lies between two parents
         ratio = (stamp_ns - start_ns) / (end_ns - start_ns)
         return self._value(before).towards(self._value(after), ratio)
 
@@ -94,7 +94,7 @@ class History:
         return Rigid(*self._values[index * _WIDTH : (index + 1) * _WIDTH])
 
     def _hand_over(self, at: int, stamp_ns: int, parent: str) -> None:
-        """Note the parent of a sample that will stand at index *at*; the others keep theirs."""
+        """Record the parent of a sample about to be inserted at *at*; the others keep theirs."""
         run = bisect_right(self._starts, stamp_ns)
         if run and self._parents[run - 1] == parent:
             return

@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 Vector = tuple[float, float, float]
 # radians; below, slerp divides by next to nothing, and lerp is as good
 _SMALL_ANGLE: Final = 1e-4
-_SHORTEST: Final = 1e-6  # of a quaternion that anybody means; one that nobody has set is 0 0 0 0
+_SHORTEST: Final = 1e-6  # of a quaternion that is meant; an unset one is 0 0 0 0
 
 
 class Rigid(NamedTuple):

@@ -37,7 +37,7 @@ from schemas.installed import InstalledDefinitions
 Decoder: TypeAlias = Callable[[bytes], dict[str, object]]
 Transcoder: TypeAlias = Callable[[bytes], bytes]
 
-# RTPS 2.5, 10.2: CDR_LE is the octets {0x00, 0x01}, CDR_BE {0x00, 0x00}, here as read by each.
+# RTPS 2.5, 10.2: CDR_LE is the octets {0x00, 0x01}, CDR_BE {0x00, 0x00}, each in its own order.
 _ENCAPSULATIONS: Final = {"<": 0x0100, ">": 0x0000}
 
 
@@ -52,17 +52,16 @@ def compile_decoder(
 
     The dict has the fields in the order of the definition: messages as dicts, arrays as
     lists, tuples or numpy views on the bytes, octet arrays as base64 (or, ``raw``, as
-    memoryviews), floats as they came, non-finite ones too. Like rclpy it takes a string to end
-    at its first NUL and replaces what is not UTF-8: one sloppy node must not silence a topic.
+    memoryviews), floats unchanged, non-finite ones included. Like rclpy, it ends a string at its
+    first NUL and replaces invalid UTF-8: one sloppy node must not silence a topic.
 
-    With *fields* (dotted paths) the dict holds these only, and what follows the last of them
-    is not even looked at.
+    With *fields* (dotted paths) the dict holds only these, and reading stops after the last one.
 
-    The function raises `CodecError`, with the offset, for bytes that are no such message, and
-    nothing else. It allocates in proportion to the bytes given, whatever counts they state.
+    The function raises only `CodecError`, with the offset, if the bytes are not such a message.
+    It allocates in proportion to the bytes given, whatever counts they state.
 
     Raises:
-        FieldError: *fields* names what is no field.
+        FieldError: a name in *fields* is not a field.
         UnknownTypeError: a nested type is not installed.
     """
     note = ", octets raw" if octets == "raw" else ""
@@ -74,12 +73,12 @@ def compile_transcoder(
 ) -> Transcoder:
     """Compile a function from CDR, encapsulation header included, to CBOR: a map.
 
-    As rosbridge has it: octet arrays are byte strings, all other arrays of numbers typed arrays
-    (RFC 8746), little-endian, short and empty ones too; every float is a float64. Else all is
-    as for `compile_decoder`, *fields* and what the function raises included.
+    As in rosbridge, octet arrays are byte strings, and all other arrays of numbers are
+    little-endian typed arrays (RFC 8746), short and empty ones too; every float is a float64.
+    *fields* and the errors of the function are those of `compile_decoder`.
 
     Raises:
-        FieldError: *fields* names what is no field.
+        FieldError: a name in *fields* is not a field.
         UnknownTypeError: a nested type is not installed.
     """
     return _compile(definition, definitions, fields, Cbor(), "CDR to CBOR transcoder", "")
@@ -136,8 +135,9 @@ def _wide_text(units: bytes, order: ByteOrder) -> str:
 class _Writer(Generic[Value]):
     """Writes the source of one decoder.
 
-    Its variables: ``data`` and its ``size``; ``offset``, where reading goes on; ``length``, what
-    the run at ``offset`` takes; ``count`` of the array or string that comes next, and its ``end``.
+    Its variables: ``data`` and its ``size``; ``offset``, the position of the next read;
+    ``length``, the bytes of the run at ``offset``; ``count`` of the next array or string, and its
+    ``end``.
     """
 
     def __init__(
@@ -149,7 +149,7 @@ class _Writer(Generic[Value]):
         self._source = Source()
         self._slots: list[Slot] = []
         self._targets: list[str] = []
-        self._residue: int | None = 0  # of the offset modulo 8, where it is known
+        self._residue: int | None = 0  # of the offset modulo 8, if known
 
     def write(
         self,
@@ -215,7 +215,7 @@ class _Writer(Generic[Value]):
         elif not self._target.takes_tuples:
             self._numbers(Numbers(member.path, member.base, member.length, None, wanted=True))
         else:
-            # The tuple of an own struct is the value as it stands.
+            # The tuple that the struct returns is the value.
             self._flush()
             self._slots.append(Slot(code, member.length))
             self._flush(variable(member.path))
@@ -268,7 +268,7 @@ class _Writer(Generic[Value]):
         if stride is not None and not (member.wanted and not _names(member.members)):
             self._rows(member, stride)
             return
-        # Each element takes some bytes, so what is left bounds the length of the list.
+        # Each element takes some bytes, so the remaining bytes bound the length of the list.
         need = f"count * {least_size(member.members)}"
         self._check(need, f"offset + {need}")
         name = variable(member.path)
@@ -283,7 +283,7 @@ class _Writer(Generic[Value]):
         self._residue = None
 
     def _rows(self, member: Elements, run: Run) -> None:
-        """Read elements that are all numbers, each as long as the other, in one sweep."""
+        """Read elements that consist of numbers and have equal size, in one call."""
         source = self._source
         struct = run.at(HEADER_BYTES)
         self._align(run.alignment, is_counted=member.length is None)
@@ -339,7 +339,7 @@ class _Writer(Generic[Value]):
             self._source.line(f"raise truncated(offset, {need}, size)")
 
     def _flush(self, target: str | None = None) -> None:
-        """Read the run at hand, into its variables or all of it into *target*."""
+        """Read the current run, into its variables or as a whole into *target*."""
         if not self._slots:
             return
         source = self._source
@@ -365,7 +365,7 @@ class _Writer(Generic[Value]):
         self._targets = []
 
     def _message(self, definition: Definition, path: Path, selection: Selection) -> Value:
-        """Put the fields of a message together, those of nested ones within."""
+        """Build a message from its fields, nested messages included."""
         return self._target.message(list(self._entries(definition, path, selection)))
 
     def _entries(
@@ -388,7 +388,7 @@ def _names(members: Sequence[Member]) -> list[str]:
 
 
 def _stride(member: Elements, order: ByteOrder) -> Run | None:
-    """Return the run that one element is, if elements follow each other without padding."""
+    """Return the run of one element, if elements follow each other without padding."""
     slots = []
     for part in member.members:
         if not isinstance(part, Fixed) or (part.wanted and part.length is not None):

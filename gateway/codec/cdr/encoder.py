@@ -33,7 +33,7 @@ from schemas.naming import attribute
 Encoder: TypeAlias = Callable[[Any], bytes]
 
 _CDR_LE: Final = b"\0\1\0\0"  # RTPS 2.5, 10.2; the options stay 0
-# What struct, str.encode and len say to a value that is not of its type.
+# The errors of struct, str.encode and len for a value of a wrong type.
 _MISFITS: Final = (StructError, TypeError, UnicodeEncodeError, OverflowError)
 
 
@@ -42,8 +42,8 @@ def compile_encoder(definition: Definition, definitions: InstalledDefinitions) -
 
     It reads the attributes that `schemas.naming.attribute` names: numbers, `str`, `bytes` for
     octet arrays, sequences, nested objects. ``None`` for a float is encoded as NaN. Padding is
-    zero. The values are taken to be validated; lengths are checked all the same, and a value
-    that has no encoding raises `CodecError`.
+    zero. The values must have been validated; lengths are checked nevertheless, and a value
+    without an encoding raises `CodecError`.
 
     Raises:
         UnknownTypeError: a nested type is not installed.
@@ -69,7 +69,7 @@ def _float(value: float | None) -> float:
 
 
 def _wide(text: str) -> bytes:
-    """Write UTF-16 units of 4 bytes each, as Fast CDR does for a wstring."""
+    """Encode as UTF-16 units of 4 bytes each, as Fast CDR does for a wstring."""
     return np.frombuffer(text.encode("utf-16-le"), "<u2").astype("<u4").tobytes()
 
 
@@ -80,8 +80,8 @@ def _bad_length(path: str, count: int, expected: str) -> CodecError:
 class _Writer:
     """Writes the source of one encoder: ``out`` grows, run by run.
 
-    The lenient one lets ``None`` be a float; asking at every float would slow down all messages
-    for the sake of few, so the strict one calls it only after it has failed.
+    The lenient encoder accepts ``None`` as a float. A check at every float would slow down all
+    messages for the sake of few, so the strict encoder runs first and the lenient one if it fails.
     """
 
     def __init__(self, *, is_lenient: bool) -> None:
@@ -89,9 +89,9 @@ class _Writer:
         self._source = Source()
         self._slots = [Slot("s", HEADER_BYTES)]
         self._values = ["CDR_LE"]
-        self._residue: int | None = 0  # of the length of out modulo 8, where it is known
+        self._residue: int | None = 0  # of the length of out modulo 8, if known
         self._is_begun = False
-        self._objects: dict[Path, str] = {(): "message"}  # what is in a variable already
+        self._objects: dict[Path, str] = {(): "message"}  # those that a variable holds already
 
     def write(
         self, members: Sequence[Member], title: str, on_misfit: Callable[[object, Exception], bytes]
@@ -193,7 +193,7 @@ class _Writer:
         self._flush()
         self._residue = None
         element = variable(item_path(member.path))
-        # The members' paths begin with the array's own, here meaning the element.
+        # The members' paths begin with the array's own, which here means the element.
         outer = self._objects
         self._objects = {**outer, member.path: element, item_path(member.path): element}
         with source.block(f"for {element} in {elements}:"):
@@ -227,19 +227,19 @@ class _Writer:
         self._source.line(f"raise bad_length({'.'.join(path)!r}, {count}, {expected!r})")
 
     def _value(self, path: Path) -> str:
-        """Return the expression for what is at *path*."""
+        """Return the expression for the value at *path*."""
         known = self._objects.get(path)
         return known or f"{self._object(path[:-1])}.{attribute(path[-1])}"
 
     def _object(self, path: Path) -> str:
-        """Return the variable for what is at *path*, assigned when first asked for."""
+        """Return the variable of the object at *path*; the first call assigns it."""
         if path not in self._objects:
             self._source.line(f"{variable(path)} = {self._value(path)}")
             self._objects[path] = variable(path)
         return self._objects[path]
 
     def _flush(self) -> None:
-        """Write the run at hand."""
+        """Write the current run."""
         if not self._slots:
             return
         source = self._source

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a message lies in CDR: its members, flattened, in wire order."""
+"""The layout of a message in CDR: its members, flattened, in wire order."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -38,7 +38,7 @@ CODES: Final = {
 
 @dataclass(frozen=True, slots=True)
 class Fixed:
-    """A primitive, or a short fixed array of them: its size is known, so neighbours share a run."""
+    """A primitive or a short fixed array of them; its size is known, so neighbours share a run."""
 
     path: Path
     base: str
@@ -73,7 +73,7 @@ class Numbers:
 
     @property
     def size(self) -> int:
-        """How many bytes one element takes."""
+        """The size of one element in bytes."""
         return calcsize(f"<{CODES[self.base]}")
 
     @property
@@ -87,8 +87,8 @@ class Elements:
     """An array of strings or messages: uint32 count unless fixed, then each element."""
 
     path: Path
-    members: tuple["Member", ...]  # of one element, their paths beginning with the array's own
-    definition: Definition | None  # of an element; None where it is a string
+    members: tuple["Member", ...]  # of one element; their paths begin with the array's own
+    definition: Definition | None  # of an element; None if it is a string
     selection: Selection  # of an element
     length: int | None
     bound: int | None
@@ -101,7 +101,7 @@ Member: TypeAlias = Fixed | Text | Numbers | Elements
 def flatten(
     definition: Definition, definitions: InstalledDefinitions, selection: Selection = None
 ) -> tuple[Member, ...]:
-    """Return the members of a message in wire order, up to the last wanted one."""
+    """Return the members of a message in wire order, up to the last selected one."""
     members = list(_members(definition, definitions, (), selection, wanted=True))
     while members and not members[-1].wanted and selection is not None:
         members.pop()
@@ -109,12 +109,12 @@ def flatten(
 
 
 def item_path(path: Path) -> Path:
-    """Return the path of one element of an array; no field is called so."""
+    """Return the path of one element of an array; no field has such a name."""
     return (*path, "0")
 
 
 def least_size(members: Sequence[Member]) -> int:
-    """Return how many bytes the members take at least: empty sequences, no padding."""
+    """Return the smallest number of bytes of the members: empty sequences, no padding."""
     total = 0
     for member in members:
         match member:
@@ -138,7 +138,7 @@ def _members(
     wanted: bool,
 ) -> Iterator[Member]:
     if not definition.fields:
-        # IDL knows no empty struct: rosidl adds one uint8 that nobody reads
+        # IDL has no empty struct: rosidl adds one uint8 that nobody reads
         yield Fixed(parent, "uint8", None, wanted=False)
     for field in definition.fields:
         is_wanted = wanted and (selection is None or field.name in selection)
@@ -174,7 +174,7 @@ def _of_field(
 
 @dataclass(frozen=True, slots=True)
 class Slot:
-    """A place in a run: a struct code, how often, and whether a value or padding is there."""
+    """A part of a run: a struct code, its count, and whether it is a value or padding."""
 
     code: str
     count: int = 1
@@ -184,8 +184,8 @@ class Slot:
 class Run:
     """Neighbours of fixed size, read or written by one `struct.Struct`.
 
-    Their padding depends on where the run begins, so there are up to eight of them, one for
-    each residue of the offset modulo 8.
+    The padding depends on the offset of the run, so there are up to eight structs, one for each
+    residue of the offset modulo 8.
     """
 
     def __init__(self, slots: Sequence[Slot], order: ByteOrder) -> None:
@@ -194,7 +194,7 @@ class Run:
 
     @property
     def alignment(self) -> int:
-        """The largest alignment in it."""
+        """The largest alignment in the run."""
         return max(calcsize(f"<{slot.code}") for slot in self._slots)
 
     def at(self, residue: int) -> Struct:
@@ -218,7 +218,7 @@ class Run:
         return [self.at(residue) for residue in range(ALIGNMENTS)]
 
     def residue_after(self, residue: int | None) -> int | None:
-        """Return the residue behind the run; None where it differs with where the run began."""
+        """Return the residue behind the run; None if it depends on where the run begins."""
         starts = range(ALIGNMENTS) if residue is None else [residue]
         ends = {(start + self.at(start).size) % ALIGNMENTS for start in starts}
         return ends.pop() if len(ends) == 1 else None

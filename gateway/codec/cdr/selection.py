@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which fields of a message are wanted, as a tree."""
+"""A selection of the fields of a message, as a tree."""
 
 from collections.abc import Iterable
 from typing import TypeAlias
@@ -8,7 +8,7 @@ from gateway.codec.errors import FieldError
 from schemas.definition import Definition, Field
 from schemas.installed import InstalledDefinitions
 
-# The wanted fields by name, each with what is wanted of it; None is all there is.
+# The selected fields by name, each with the selection within it; None selects everything.
 Selection: TypeAlias = "dict[str, Selection] | None"
 
 
@@ -17,7 +17,7 @@ def select(
 ) -> Selection:
     """Turn dotted paths such as ``pose.pose.position`` into a tree; no path means everything.
 
-    A path through an array of messages is meant for each of its elements.
+    A path through an array of messages applies to each of its elements.
 
     Raises:
         FieldError: a path names no field.
@@ -39,7 +39,7 @@ def _add(
             raise FieldError(f"unknown field {path}: {reached} is {field.type}, it has no fields")
         definition = definitions.get(field.type.base)
         below = tree.setdefault(name, {})
-        if below is None:  # an earlier path wants all of it, but this one must exist too
+        if below is None:  # an earlier path selects all of it, but this one must exist, too
             below = {}
         tree = below
     _field(definition, last, path)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writing and compiling the source of one function."""
+"""The source of one function, while it is written and compiled."""
 
 import linecache
 import weakref
@@ -25,7 +25,7 @@ class Source:
 
     @contextmanager
     def block(self, head: str) -> Iterator[None]:
-        """Write *head* and indent what is written inside."""
+        """Write *head* and indent the lines that are written inside."""
         self.line(head)
         self._indent += 1
         yield
@@ -34,7 +34,7 @@ class Source:
     def constant(self, prefix: str, value: object, meaning: str) -> str:
         """Add a constant and return its name, *prefix* and a running number.
 
-        *meaning* stands above the function, for those who read its source.
+        *meaning* is a comment above the function, for readers of its source.
         """
         name = f"{prefix}_{len(self._constants)}"
         self._constants[name] = value
@@ -46,7 +46,7 @@ class Source:
     ) -> Callable[[Any], Any]:
         """Compile the lines, which define *function*; *names* are its further globals.
 
-        Tracebacks show the source, for as long as the function lives.
+        Tracebacks show the source as long as the function exists.
         """
         filename = f"<{title}>"
         text = "\n".join([*self._comments, *self._lines]) + "\n"
@@ -56,7 +56,7 @@ class Source:
         exec(code, scope)  # noqa: S102
         compiled: Callable[[Any], Any] = scope[function]
         linecache.cache[filename] = (len(text), None, text.splitlines(keepends=True), filename)
-        # Clients choose fields, so titles are endless: an entry goes with its function.
+        # Clients choose fields, so titles are unbounded: an entry ends with its function.
         weakref.finalize(compiled, linecache.cache.pop, filename, None).atexit = False
         return compiled
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a decoder makes of a message, as pieces of Python source."""
+"""The output of a decoder, as pieces of Python source."""
 
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -20,10 +20,10 @@ Value = TypeVar("Value")
 
 
 class Target(Protocol[Value]):
-    """Writes what becomes of the fields that were read; a *Value* stands for one of them.
+    """Writes the source that makes output of the fields read; a *Value* stands for one field.
 
-    The source it returns may use the decoder's variables ``data``, ``offset``, ``end`` and
-    ``count`` where arrays are read, but only the fields' own where values are put together.
+    Source that reads arrays may use the decoder's variables ``data``, ``offset``, ``end`` and
+    ``count``; source that builds values only those of the fields.
     """
 
     @property
@@ -32,16 +32,16 @@ class Target(Protocol[Value]):
 
     @property
     def takes_tuples(self) -> bool:
-        """Whether short fixed arrays of numbers are wanted as tuples rather than by `numbers`."""
+        """Short fixed arrays of numbers are made as tuples rather than by `numbers`."""
 
     def octets(self, octets: str) -> str:
-        """Return what to keep of an array of octets, given the source of its bytes or a view."""
+        """Return the source for an array of octets, given the source of its bytes or a view."""
 
     def numbers(self, member: Numbers, order: ByteOrder, source: Source) -> str:
-        """Return what to keep of the ``count`` numbers or booleans at ``offset``."""
+        """Return the source for the ``count`` numbers or booleans at ``offset``."""
 
     def value(self, kind: FieldType, name: str) -> Value:
-        """Return a field that is in the variable *name*, a list where it has such elements."""
+        """Return the value of the field in the variable *name*, a list if it is an array."""
 
     def message(self, members: Sequence[tuple[str, Value]]) -> Value:
         """Return a message with these members."""
@@ -72,7 +72,7 @@ class Values:
         """Make a numpy view, or a tuple where that is faster."""
         code = CODES[member.base]
         if member.base == "bool":
-            # Any octet but 0 is true, and a view must not show octets as bools that are neither.
+            # Any octet but 0 is true, and a view must not show other octets as bools.
             view = '(frombuffer(data, "u1", count, offset) != 0)'
         else:
             wire = np.dtype(f"{order}{code}")
@@ -86,7 +86,7 @@ class Values:
         return f"({view} if count > {NUMPY_LENGTH} else {few}) if count else ()"
 
     def value(self, kind: FieldType, name: str) -> str:
-        """Take it as it is."""
+        """Return it unchanged."""
         del kind
         return name
 
@@ -96,6 +96,6 @@ class Values:
         return f"{{{', '.join(entries)}}}"
 
     def expression(self, value: str, source: Source) -> str:
-        """Take the source as it is."""
+        """Return the source unchanged."""
         del source
         return value

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""CDR to CBOR without Python objects for what is alike in both: arrays are slices of the CDR."""
+"""CDR to CBOR without Python objects where both agree: arrays are slices of the CDR."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,14 +20,14 @@ _BOOLEANS: Final = bytes((cbor.FALSE, *[cbor.TRUE] * 255))
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """Some bytes of the item: a constant, a number of fixed size, or source that makes bytes."""
+    """A part of the item: a constant, a number of fixed size, or source that makes bytes."""
 
     content: bytes | str
     code: str = ""  # of struct, for a number
 
     @property
     def is_fixed(self) -> bool:
-        """Whether its size is known."""
+        """True if its size is known."""
         return isinstance(self.content, bytes) or bool(self.code)
 
 
@@ -38,8 +38,8 @@ class Cbor:
     """Makes one CBOR item.
 
     Numbers have the width of their type, whatever their value (RFC 8949, 4.1 prefers the
-    shortest, and demands it of nobody): neighbours are written by one `struct.Struct`, together
-    with the names between them.
+    shortest, but does not require it). So one `struct.Struct` writes neighbours together with
+    the names between them.
     """
 
     takes_tuples = False
@@ -55,7 +55,7 @@ class Cbor:
         return octets
 
     def numbers(self, member: Numbers, order: ByteOrder, source: Source) -> str:
-        """Make little-endian bytes; they are the CDR's own where that is little-endian."""
+        """Make little-endian bytes, a slice of the CDR if that is little-endian."""
         if member.base == "bool":
             return "data[offset:end].translate(BOOLEANS)"
         if order == ">" and member.size > 1:
@@ -112,7 +112,7 @@ def _number(base: str, name: str) -> Pieces:
     width = {"b": 24, "h": 25, "i": 26, "q": 27}[code.lower()]
     if code.isupper():
         return (Piece(bytes((cbor.UNSIGNED | width,))), Piece(name, code))
-    # of a negative number its complement is written; >> 63 is 0 or -1
+    # a negative number is written as its complement; >> 63 is 0 or -1
     kind = Piece(f"{width} | {name} >> 63 & {cbor.NEGATIVE}", "B")
     return (kind, Piece(f"{name} ^ {name} >> 63", code.upper()))
 
@@ -124,7 +124,7 @@ def _counted(major: int, kind: FieldType, name: str, size: int = 1) -> Pieces:
 
 
 def _packed(pieces: Iterable[Piece], source: Source) -> str:
-    """Write pieces of fixed size at once, constants that follow each other as one."""
+    """Write pieces of fixed size at once, adjacent constants as one."""
     form = ">"
     values: list[str] = []
     for is_number, group in groupby(pieces, key=lambda piece: bool(piece.code)):
