@@ -33,7 +33,7 @@ Announce = Callable[[str, str], None]
 def run(config: Config, *, announce: Announce) -> int:
     """Serve until SIGINT or SIGTERM; return the exit code.
 
-    Once connecting works, *announce* gets lines that tell a person where, and the address to
+    Once clients can connect, *announce* gets lines that say where, for people, and the address to
     use on this machine.
 
     Raises:
@@ -95,7 +95,7 @@ async def _listen(stack: AsyncExitStack, server: Server, config: Config) -> list
 
 
 def _loop_factory() -> Callable[[], asyncio.AbstractEventLoop] | None:
-    """Return uvloop's where it is installed (extra `fast`): less CPU time per message."""
+    """Return uvloop's if it is installed (extra `fast`): less CPU time per message."""
     try:
         import uvloop
     except ImportError:
@@ -116,7 +116,7 @@ def _ros_options(config: Config) -> RosOptions:
 
 @contextmanager
 def _workers(count: int) -> Iterator[ThreadPoolExecutor]:
-    """Lend threads for pictures; at the end the ones at work finish, the others never start."""
+    """Lend threads for pictures; at the end, running jobs finish and the others never start."""
     workers = ThreadPoolExecutor(count, thread_name_prefix="picture")
     try:
         yield workers
@@ -155,11 +155,11 @@ _ROS_LEVELS: Final[dict[int, LogLevel]] = {
 }
 
 
-EVERYWHERE: Final = frozenset({"0.0.0.0", "::"})  # noqa: S104  # telling, not binding
+EVERYWHERE: Final = frozenset({"0.0.0.0", "::"})  # noqa: S104  # for messages, not binding
 
 
 def _address_lines(addresses: list[tuple[str, int]], path: str) -> Iterator[str]:
-    """Say where to connect: with an address that can be typed into a headset, if there is one."""
+    """Yield where to connect: with an address that can be typed into a headset, if there is one."""
     if not EVERYWHERE.isdisjoint(host for host, _ in addresses):
         port = addresses[0][1]
         yield f"listening on every network of this machine, port {port}"
@@ -181,7 +181,7 @@ def _own_url(addresses: list[tuple[str, int]], path: str) -> str:
 
 
 def _own_addresses() -> list[str]:
-    """Return this machine's address on its default route, as far as it has one."""
+    """Return this machine's address on its default route, if it has one."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             # connecting a datagram socket sends nothing: it asks the routing table

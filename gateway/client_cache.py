@@ -7,8 +7,8 @@ from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass
 from typing import Final, Generic, Protocol, TypeVar
 
-# DDS takes some tenths of a second until a new client is heard by its server, so who calls once
-# a second must not pay that each time. Nor must what nobody uses any more be seen for long.
+# DDS takes some tenths of a second until a server discovers a new client, so a caller once a second
+# must not pay that each time. Nor must an unused client stay visible in the graph for long.
 IDLE_S: Final = 5.0
 MAX_IDLE: Final = 128  # of 256 ROS entities in all; a robot of Navigation 2 has some 70 nodes
 
@@ -31,18 +31,18 @@ class _Entry(Generic[T]):
 
 
 class ClientCache(Generic[T]):
-    """Opens each thing once for all who use it, and closes it `IDLE_S` after the last."""
+    """Opens each thing once for all its users, and closes it `IDLE_S` after the last use."""
 
     def __init__(self) -> None:
         self._entries: dict[Hashable, _Entry[T]] = {}
 
     def __len__(self) -> int:
-        """Count what is open."""
+        """Count the open entries."""
         return len(self._entries)
 
     @contextlib.contextmanager
     def use(self, key: Hashable, open_thing: Callable[[], T]) -> Iterator[T]:
-        """Lend what *key* stands for, opened by *open_thing* where it is not open yet."""
+        """Lend the thing of *key*; *open_thing* opens it if it is not open yet."""
         entry = self._entries.get(key)
         if entry is None:
             entry = self._entries[key] = _Entry(open_thing())

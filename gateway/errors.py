@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What can go wrong for reasons outside this program, each with a sentence for its operator."""
+"""Errors with causes outside this program, each with a sentence for its operator."""
 
 import errno
 import socket
@@ -20,7 +20,7 @@ rclpy cannot be imported ({reason}); there are two ways to get it:
 
 
 class GatewayError(Exception):
-    """Raised as one of its subclasses; the text is one for people, no traceback needed."""
+    """Raised as one of its subclasses; the text is for people and needs no traceback."""
 
 
 class ConfigError(GatewayError):
@@ -32,11 +32,11 @@ class ConfigError(GatewayError):
 
 
 class UsageError(GatewayError):
-    """Raised when an argument of a command names nothing that there is."""
+    """Raised when an argument of a command names nothing that exists."""
 
 
 class BindError(GatewayError):
-    """Raised when the server cannot listen where it was told to."""
+    """Raised when the server cannot listen on the configured address."""
 
     def __init__(self, host: str, port: int, cause: OSError) -> None:
         reason = _BIND_REASONS.get(cause.errno or 0) or cause.strerror or str(cause)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Have the C library keep the memory that large samples pass through."""
+"""The C library's memory for large samples: kept rather than returned to the kernel."""
 
 import ctypes
 from typing import Final
@@ -9,7 +9,7 @@ _M_TRIM_THRESHOLD: Final = -1
 _M_MMAP_THRESHOLD: Final = -3
 
 _LARGEST_KEPT_BYTES: Final = 32 * 1024**2  # the most that glibc allows; an 8K picture is larger
-_FREE_KEPT_BYTES: Final = 64 * 1024**2  # a dozen 1080p pictures on their way, as rgb8
+_FREE_KEPT_BYTES: Final = 64 * 1024**2  # a dozen 1080p pictures in transit, as rgb8
 
 
 def keep_large_blocks() -> None:
@@ -17,7 +17,7 @@ def keep_large_blocks() -> None:
 
     By default glibc maps a large block anew for each message and unmaps it after, and the kernel
     clears every page of it: for a 640x480 picture on its way through rclpy that is 640 page
-    faults, 1.3 ms, more than encoding it takes. Does nothing where the C library is another.
+    faults, 1.3 ms, more than encoding it takes. Does nothing with another C library.
     """
     try:
         mallopt = ctypes.CDLL(None).mallopt

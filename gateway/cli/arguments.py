@@ -8,7 +8,7 @@ from typing import Final, NoReturn
 
 from gateway.config.domain_id import DOMAIN_ID_EXPECTATION, is_domain_id
 
-# What a flag of its own sets; every other key goes through --set.
+# Keys with a flag of their own; every other key goes through --set.
 CONFIG_FLAGS: Final = {
     "--host": ("host", "ADDRESS", "address to listen on (default 127.0.0.1: this machine alone)"),
     "--port": ("port", "PORT", "TCP port, 0 for any free one (default 9090)"),
@@ -30,7 +30,7 @@ exit codes:
 
 
 def argument_parser() -> argparse.ArgumentParser:
-    """Build the parser; its namespace has ``command``, ``debug`` and what the command takes."""
+    """Build the parser; its namespace has ``command``, ``debug`` and the command's arguments."""
     parser = _Parser(
         prog="ros2-gateway",
         description="ROS 2 topics as JSON over a WebSocket (rosbridge protocol), both ways.",
@@ -43,11 +43,11 @@ def argument_parser() -> argparse.ArgumentParser:
         title="commands", dest="command", metavar="COMMAND", required=True
     )
 
-    def command(name: str, words: str, examples: str) -> argparse.ArgumentParser:
+    def command(name: str, text: str, examples: str) -> argparse.ArgumentParser:
         added = commands.add_parser(
             name,
-            help=words,
-            description=f"{words[0].upper()}{words[1:]}.",
+            help=text,
+            description=f"{text[0].upper()}{text[1:]}.",
             epilog=f"examples:\n{examples}",
             formatter_class=argparse.RawDescriptionHelpFormatter,
             allow_abbrev=False,
@@ -136,8 +136,8 @@ def _add_configuration(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--config", type=Path, metavar="FILE", help="TOML file (default: $ROS2_GATEWAY_CONFIG)"
     )
-    for flag, (key, metavar, words) in CONFIG_FLAGS.items():
-        group.add_argument(flag, dest=key, metavar=metavar, help=words)
+    for flag, (key, metavar, text) in CONFIG_FLAGS.items():
+        group.add_argument(flag, dest=key, metavar=metavar, help=text)
     group.add_argument(
         "--use-sim-time",
         dest="ros.use_sim_time",

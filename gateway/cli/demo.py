@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The demonstration: the gateway in this process, the simulated robot in a child process.
 
-The child's standard input is a pipe of which this process holds the other end; when that closes
-the child ends, by the SIGINT that it sends itself. So it ends however this process does: orderly
-or by SIGKILL, when the kernel closes the pipe. The child has a process group of its own: Ctrl-C
-reaches the gateway alone, which closes its clients while the robot still lives.
+The child's standard input is a pipe whose other end this process holds. When it closes, the child
+sends itself SIGINT. So the child ends however this process ends: orderly or by SIGKILL, when the
+kernel closes the pipe. The child has a process group of its own: Ctrl-C reaches the gateway alone,
+which closes its clients while the robot still runs.
 """
 
 import os
@@ -18,7 +18,7 @@ from typing import Final
 
 from gateway.errors import RobotDiedError
 
-STOP_TIMEOUT_S: Final = 1.0  # with the gateway's own second that makes the 2 s of a shutdown
+STOP_TIMEOUT_S: Final = 1.0  # with the gateway's own second, the 2 s of a shutdown
 
 
 def robot_command() -> list[str]:
@@ -27,7 +27,7 @@ def robot_command() -> list[str]:
 
 
 def run(serve: Callable[[], int], robot: Sequence[str]) -> int:
-    """Serve while the command *robot* runs beside; return the exit code of *serve*.
+    """Serve while the command *robot* runs; return the exit code of *serve*.
 
     *serve* blocks until SIGINT or SIGTERM; it gets a SIGINT if the robot ends first. Call it on
     the main thread.
@@ -38,20 +38,20 @@ def run(serve: Callable[[], int], robot: Sequence[str]) -> int:
     with _running(robot) as child:
         try:
             return serve()
-        finally:  # also where the robot's end is what interrupted serve, however that ended
+        finally:  # also if the end of the robot interrupted serve
             exit_code = child.poll()
             if exit_code is not None:
                 raise RobotDiedError(exit_code)
 
 
 def end_with_stdin() -> None:
-    """End this process when its standard input closes: by SIGINT, or else the hard way."""
+    """End this process when its standard input closes: by SIGINT, or else at once."""
 
     def watch() -> None:
         while os.read(0, 4096):
             pass
         _interrupt_main_thread()
-        # this thread is a daemon: it gets past the wait only if the process does not end
+        # this thread is a daemon: it passes the wait only if the process does not end
         threading.Event().wait(STOP_TIMEOUT_S)
         os._exit(1)
 

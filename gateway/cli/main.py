@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command line: argv to configuration to exit code, and the only place that prints.
 
-What a subcommand needs is imported when it runs, so that ``--help`` is instant and all that
-needs no ROS works without it.
+Each subcommand imports its modules when it runs, so that ``--help`` is instant and commands that
+need no ROS work without it.
 """
 
 import argparse
@@ -54,7 +54,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         interrupted.set()
         raise KeyboardInterrupt
 
-    # What comes before a subcommand handles signals itself must end just as quietly; and a
+    # Until a subcommand handles signals itself, they must end the process just as quietly; and a
     # shell that starts us in the background has set SIGINT to be ignored.
     for signal_number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(signal_number, interrupt)
@@ -66,11 +66,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
     except KeyboardInterrupt:
         return EXIT_OK
-    except BrokenPipeError:  # the reader of our output, such as head, has had enough
+    except BrokenPipeError:  # the reader of our output, such as head, has closed it
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return EXIT_OK
-    except Exception as error:  # noqa: BLE001  # the outermost frame reports all there is
-        # An extension module that is interrupted while it loads raises what it likes.
+    except Exception as error:  # noqa: BLE001  # the outermost frame reports every error
+        # An extension module that is interrupted while it loads may raise anything.
         if interrupted.is_set() and not isinstance(error, RobotDiedError):
             return EXIT_OK
         if debug:
@@ -97,7 +97,7 @@ def _run(arguments: argparse.Namespace) -> int:
 
 
 def _report(error: Exception) -> int:
-    """Say what went wrong, each mistake in one sentence; return the exit code for it."""
+    """Report an error, each mistake in one sentence; return its exit code."""
     match error:
         case ConfigError():
             sentences, code = error.problems, EXIT_USAGE
@@ -118,7 +118,7 @@ def _report(error: Exception) -> int:
 
 
 def _announce(text: str) -> None:
-    print(text, flush=True)  # whoever started us may wait for it behind a pipe
+    print(text, flush=True)  # our parent process may wait for it behind a pipe
 
 
 def _configuration(arguments: argparse.Namespace) -> "Loaded":
@@ -210,7 +210,7 @@ def _sim(arguments: argparse.Namespace) -> int:
 
 
 def _use_domain(domain_id: int | None) -> None:
-    """Have ROS use this domain, or the environment's if that is one: others end the process."""
+    """Have ROS use this domain, or the environment's; an invalid one is an error."""
     if domain_id is not None:
         os.environ["ROS_DOMAIN_ID"] = str(domain_id)
     given = os.environ.get("ROS_DOMAIN_ID")
@@ -220,7 +220,7 @@ def _use_domain(domain_id: int | None) -> None:
 
 @contextmanager
 def _ros_imports() -> Iterator[None]:
-    """Say what to do where an import of ROS fails."""
+    """Report what to do if an import of ROS fails."""
     try:
         yield
     except ImportError as error:
@@ -257,7 +257,7 @@ def _schema(arguments: argparse.Namespace) -> int:
         else:
             text = _schema_text(name, definitions)
     except UnknownTypeError as error:
-        # of a known one, something is missing that no other name mends
+        # of a known name, something is missing that no other name mends
         close = [] if name in known else get_close_matches(name, known, n=1)
         hint = ""
         if close:
@@ -272,7 +272,7 @@ def _schema(arguments: argparse.Namespace) -> int:
 
 
 def _schema_text(name: str, definitions: "InstalledDefinitions") -> str:
-    """Return the schema of the installed type or, without ROS, the one that comes with us."""
+    """Return the schema of the installed type or, without ROS, of the one in this package."""
     import json
 
     import schemas

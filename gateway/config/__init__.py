@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What can be configured, and where its values come from.
+"""The configuration, and the sources of its values.
 
 The map is docs/architecture.md.
 """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which DDS domains there are."""
+"""The range of DDS domains."""
 
 import re
 from typing import Final
@@ -9,5 +9,5 @@ DOMAIN_ID_EXPECTATION: Final = f"an integer from 0 to {MAX_DOMAIN_ID}"
 
 
 def is_domain_id(text: str) -> bool:
-    """Whether a flag's or a variable's text names a domain."""
+    """Return whether the text of a flag or a variable names a domain."""
     return bool(re.fullmatch("[0-9]{1,3}", text)) and int(text) <= MAX_DOMAIN_ID

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What can be configured: one frozen model, each field with its unit, its reason and its bounds.
+"""The configuration: one frozen model, each field with its unit, its reason and its bounds.
 
-Where the values come from is the business of `gateway.config.settings`.
+`gateway.config.settings` reads the values.
 """
 
 from typing import Annotated, Final, Literal
@@ -81,7 +81,7 @@ class ImagesConfig(Section):
 
 
 class Config(Section):
-    """All that can be configured; without anything set it serves this machine alone."""
+    """The whole configuration; with the defaults the gateway serves this machine alone."""
 
     host: Host = Field(
         "127.0.0.1",

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the configuration comes from: flags, then the environment, then a TOML file.
+"""The sources of the configuration: flags, then the environment, then a TOML file.
 
-What none of them sets has its default. Every value is checked where it came from, so that a
-mistake is reported with the name of the flag, the variable, or the file and key.
+Keys that none of them sets have their defaults. Every value is checked with its source, so that
+an error names the flag, the variable, or the file and key.
 """
 
 import difflib
@@ -35,11 +35,11 @@ _JSON_TYPES: Final = {
 
 
 class Given(NamedTuple):
-    """One value from one source, not yet checked; ``is_text`` where all values are strings."""
+    """One value from one source, not yet checked; ``is_text`` if the source has only strings."""
 
     key: str  # dotted, as in limits.max_clients
     value: object
-    source: str  # as the operator knows it: --port, ROS2_GATEWAY_PORT, gateway.toml
+    source: str  # its name for the operator: --port, ROS2_GATEWAY_PORT, gateway.toml
     is_text: bool = True
 
 
@@ -57,16 +57,16 @@ class Setting:
 
     @property
     def description(self) -> str:
-        """What it means, why it has its default, and what happens at the limit."""
+        """Its meaning, the reason of its default, and the effect at the limit."""
         return self.field.description or ""
 
     @cached_property
     def expectation(self) -> str:
-        """What its values are, in words: ``an integer from 0 to 65535``."""
+        """A text about its values: ``an integer from 0 to 65535``."""
         schema = self._adapter.json_schema()
         if isinstance(self.field.json_schema_extra, dict):
             schema |= self.field.json_schema_extra
-        return _in_words(schema)
+        return _expectation(schema)
 
     def parse(self, given: Given) -> object:
         """Return the value in the field's type; text of several values has commas.
@@ -99,7 +99,7 @@ class Setting:
 
 
 class Loaded(NamedTuple):
-    """A configuration and, by dotted key, where each value came from."""
+    """A configuration and, by dotted key, the source of each value."""
 
     config: Config
     origins: Mapping[str, str]
@@ -119,10 +119,10 @@ def load(
     environment: Mapping[str, str] | None = None,
     file: Path | None = None,
 ) -> Loaded:
-    """Put the configuration together; a *file* beats the one that the environment names.
+    """Load the configuration; a *file* takes precedence over the one that the environment names.
 
     Raises:
-        ConfigError: with every mistake that was found, in all sources.
+        ConfigError: values are wrong; it lists every mistake in all sources.
     """
     environment = environment or {}
     if file is None and environment.get(FILE_VARIABLE):
@@ -152,12 +152,12 @@ def load(
 
 
 def to_toml(loaded: Loaded) -> str:
-    """Write a configuration as TOML, beside each value where it came from."""
+    """Write a configuration as TOML, with the source beside each value."""
     tables: dict[str, list[str]] = {}
     for setting in settings():
         table, _, name = setting.key.rpartition(".")
         value = _value_at(loaded.config, setting.key)
-        # TOML has no null: what is unset is shown as a comment
+        # TOML has no null: an unset key is shown as a comment
         assignment = f"# {name} =" if value is None else f"{name} = {_toml_value(value)}"
         line = f"{assignment}  # {loaded.origins[setting.key]}"
         tables.setdefault(table, []).append(line)
@@ -246,24 +246,24 @@ def _value_at(config: Config, key: str) -> object:
 
 
 def _toml_value(value: object) -> str:
-    # for booleans, numbers and printable text JSON and TOML write the same
+    # JSON and TOML write booleans, numbers and printable text alike
     return json.dumps(value, ensure_ascii=False)
 
 
-def _in_words(schema: Mapping[str, Any]) -> str:
+def _expectation(schema: Mapping[str, Any]) -> str:
     if "expected" in schema:
         return str(schema["expected"])
     if "enum" in schema:
         *others, last = schema["enum"]
         return f"{', '.join(others)} or {last}"
     if "anyOf" in schema:  # with null, which no source can write: unset it instead
-        return next(_in_words(one) for one in schema["anyOf"] if one.get("type") != "null")
-    words = _JSON_TYPES[schema["type"]]
+        return next(_expectation(one) for one in schema["anyOf"] if one.get("type") != "null")
+    kind = _JSON_TYPES[schema["type"]]
     low, above, high = (schema.get(k) for k in ("minimum", "exclusiveMinimum", "maximum"))
     if low is not None and high is not None:
-        return f"{words} from {low:g} to {high}"
+        return f"{kind} from {low:g} to {high}"
     if above is not None and high is not None:
-        return f"{words} above {above:g} and up to {high:g}"
+        return f"{kind} above {above:g} and up to {high:g}"
     if low is not None:
-        return f"{words} of at least {low:g}"
-    return words
+        return f"{kind} of at least {low:g}"
+    return kind

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Topics, services, actions and nodes, as rosapi tells of them.
+"""Topics, services, actions and nodes, in rosapi's form.
 
-What is not known has the type ``""`` and empty lists, as in rosbridge. Hidden names, those with a
+An unknown name has the type ``""`` and empty lists, as in rosbridge. Hidden names, those with a
 part that begins with ``_``, are not listed, but can be asked for.
 """
 
@@ -20,7 +20,7 @@ _Answer = dict[str, object]
 class GraphServices:
     """The services about the graph; *own* returns rosapi's services with their types.
 
-    These are told of as if a node ``/rosapi`` provided them, as it does beside rosbridge.
+    They are listed as if a node ``/rosapi`` provided them, as it does beside rosbridge.
     """
 
     def __init__(self, ros: Ros, own: Callable[[], Mapping[str, str]]) -> None:
@@ -37,7 +37,7 @@ class GraphServices:
         return {"topics": _of_type(self._ros.graph().topics, request["type"], "msg")}
 
     def topic_type(self, request: Mapping[str, str]) -> _Answer:
-        """Tell the type of a topic."""
+        """Answer with the type of a topic."""
         return {"type": _first_type(_find(self._ros.graph().topics, request["topic"]))}
 
     def publishers(self, request: Mapping[str, str]) -> _Answer:
@@ -59,16 +59,16 @@ class GraphServices:
         return {"services": _of_type(self._services(), request["type"], "srv")}
 
     def service_type(self, request: Mapping[str, str]) -> _Answer:
-        """Tell the type of a service."""
+        """Answer with the type of a service."""
         return {"type": _first_type(_find(self._services(), request["service"]))}
 
     def service_node(self, request: Mapping[str, str]) -> _Answer:
-        """Tell a node that provides a service."""
+        """Answer with a node that provides a service."""
         service = _find(self._services(), request["service"])
         return {"node": service.nodes[0] if service and service.nodes else ""}
 
     def service_providers(self, request: Mapping[str, str]) -> _Answer:
-        """List the nodes that provide services of a type, which is what ``service`` holds."""
+        """List the nodes that provide services of a type; the field ``service`` holds the type."""
         type_name = full_type(request["service"], "srv")
         services = [service for service in self._services() if type_name in service.types]
         return {"providers": _each_once(node for service in services for node in service.nodes)}
@@ -79,7 +79,7 @@ class GraphServices:
         return {"nodes": sorted(nodes | {ROSAPI_NODE})}
 
     def node_details(self, request: Mapping[str, str]) -> _Answer:
-        """List what a node subscribes to, publishes and provides."""
+        """List the topics that a node subscribes to and publishes, and the services it provides."""
         node = _full_name(request["node"])
         topics = _visible(self._ros.graph().topics)
         services = _visible(self._services())
@@ -90,11 +90,11 @@ class GraphServices:
         }
 
     def action_servers(self, _: Mapping[str, str]) -> _Answer:
-        """List the actions that somebody provides."""
+        """List the actions that have a server."""
         return {"action_servers": [action.name for action in _visible(self._ros.graph().actions)]}
 
     def action_type(self, request: Mapping[str, str]) -> _Answer:
-        """Tell the type of an action."""
+        """Answer with the type of an action."""
         return {"type": _first_type(_find(self._ros.graph().actions, request["action"]))}
 
     def types_of_topics(self) -> dict[str, str]:
@@ -109,13 +109,13 @@ class GraphServices:
 
 
 def full_type(requested: str, kind: Kind) -> str:
-    """Return ``pkg/KIND/Name`` for ``pkg/Name``, and whatever else as it is."""
+    """Return ``pkg/KIND/Name`` for ``pkg/Name``, and any other text unchanged."""
     package, slash, name = requested.partition("/")
     return f"{package}/{kind}/{name}" if slash and "/" not in name else requested
 
 
 def is_hidden(name: str) -> bool:
-    """Whether a part of a name begins with ``_``."""
+    """Return whether a part of a name begins with ``_``."""
     return "/_" in name
 
 

@@ -28,15 +28,15 @@ from gateway.service_clients import ServiceClients
 NODE_TIMEOUT_S: Final = 1.0
 # All nodes together, however many of them are dead: roslibpy gives rosapi 3 s.
 ALL_NODES_TIMEOUT_S: Final = 2.0
-# However long a client would wait: a node that is silent for longer has stopped to spin.
+# However long a client would wait: a node that is silent for longer has stopped spinning.
 MAX_TIMEOUT_S: Final = 60.0
-# Each takes a ROS client, of 256 entities in all; two rounds of dead nodes fit the above.
+# Each takes a ROS client, of 256 entities in all; two batches of dead nodes fit the time above.
 NODES_AT_ONCE: Final = 32
 
 
 @dataclass(frozen=True, slots=True)
 class SetResult:
-    """Whether a node took a value; if not, why."""
+    """The result of setting a parameter, with the node's reason if it refused."""
 
     successful: bool
     reason: str = ""
@@ -44,11 +44,11 @@ class SetResult:
 
 @dataclass(frozen=True, slots=True)
 class _Service:
-    """A service that every node with parameters has."""
+    """One of the services that every node with parameters has."""
 
     name: str
     type_name: str
-    items: str  # the field of the response with one item for each thing asked
+    items: str  # the field of the response with one item for each item of the request
 
 
 _LIST: Final = _Service("list_parameters", "rcl_interfaces/srv/ListParameters", "result")
@@ -60,17 +60,16 @@ _DESCRIBE: Final = _Service(
 
 
 def node_timeout_s(asked: float | None, default: float = NODE_TIMEOUT_S) -> float:
-    """Return how long nodes have where a client says *asked*; 0 is as long as it may take."""
+    """Return the time-out of nodes for a client's *asked*; 0 asks for the longest."""
     return default if asked is None else min(asked or MAX_TIMEOUT_S, MAX_TIMEOUT_S)
 
 
 class Parameters:
     """Reads and writes the parameters of any node.
 
-    Nodes may be named without the leading slash. *timeout_s* is for all that one method asks of
-    its node. Every method raises `ProtocolError`: ``not_found`` for an unknown node,
-    ``timeout`` for one that does not answer, or has just now left another question unanswered for
-    as long.
+    Nodes may be named without the leading slash. *timeout_s* covers all requests of one method to
+    its node. Every method raises `ProtocolError`: ``not_found`` for an unknown node, ``timeout``
+    for one that does not answer, or that has just left another request unanswered for as long.
     """
 
     def __init__(self, ros: Ros, types: Types, service_clients: ServiceClients) -> None:
@@ -82,24 +81,24 @@ class Parameters:
     async def list_names(
         self, node: str, prefixes: Sequence[str] = (), timeout_s: float = NODE_TIMEOUT_S
     ) -> list[str]:
-        """Name the parameters of a node, sorted: all, or those that are or are below *prefixes*."""
+        """Return the parameters of a node, sorted: all, or those at or below *prefixes*."""
         return await self._conversation(node, timeout_s).names(prefixes)
 
     async def get(
         self, node: str, names: Sequence[str] | None = None, timeout_s: float = NODE_TIMEOUT_S
     ) -> dict[str, object]:
-        """Return values, of all parameters without *names*; ``None`` for one without a value.
+        """Return the values of *names* or of all parameters; ``None`` if one has no value.
 
-        Values are what `gateway.codec.json.dumps` takes, bytes being base64.
+        `gateway.codec.json.dumps` takes the values; bytes are base64.
 
         Raises:
-            ProtocolError: also ``not_found`` where a parameter is not declared.
+            ProtocolError: also ``not_found`` if a parameter is not declared.
         """
         conversation = self._conversation(node, timeout_s)
         asked = sorted(await conversation.declared()) if names is None else names
         found = await conversation.ask_each(_GET, asked)
         values = {name: value_of(found[name]) if name in found else None for name in asked}
-        # Nodes differ in what they answer for an undeclared parameter; none says it plainly.
+        # Nodes differ in their answers for an undeclared parameter; none reports it clearly.
         await conversation.check_declared([name for name in names or () if values[name] is None])
         return values
 
@@ -108,7 +107,7 @@ class Parameters:
     ) -> dict[str, SetResult]:
         """Set values, each by itself; ``None`` undeclares a parameter.
 
-        A value is sent as of the type that the parameter has, else of its own.
+        A value is sent with the type of the parameter, or with its own if there is none.
         """
         conversation = self._conversation(node, timeout_s)
         present = await conversation.ask_each(_DESCRIBE, list(values))
@@ -130,10 +129,10 @@ class Parameters:
     async def describe(
         self, node: str, names: Sequence[str] | None = None, timeout_s: float = NODE_TIMEOUT_S
     ) -> dict[str, dict[str, object]]:
-        """Tell types, words and limits, of all parameters without *names*.
+        """Return the types, descriptions and limits of *names* or of all parameters.
 
         Raises:
-            ProtocolError: also ``not_found`` where a parameter is not declared.
+            ProtocolError: also ``not_found`` if a parameter is not declared.
         """
         conversation = self._conversation(node, timeout_s)
         asked = sorted(await conversation.declared()) if names is None else names
@@ -142,9 +141,9 @@ class Parameters:
         return {name: _description(found[name]) for name in asked if name in found}
 
     async def names_by_node(self, timeout_s: float = ALL_NODES_TIMEOUT_S) -> dict[str, list[str]]:
-        """Name the parameters of all nodes that answer in time, sorted; hidden nodes are not asked.
+        """Return the parameters of all nodes that answer in time, sorted, without hidden nodes.
 
-        It takes no longer than *timeout_s*. Nodes that were silent before are asked last.
+        It takes no longer than *timeout_s*. Nodes that did not respond before are asked last.
         """
         suffix = f"/{_LIST.name}"
         nodes = [
@@ -161,7 +160,7 @@ class Parameters:
             try:
                 found[node] = await self._with(node, NODE_TIMEOUT_S).names()
             except ProtocolError:
-                pass  # it is left out
+                pass  # the result leaves it out
             finally:
                 places.release()
 
@@ -170,7 +169,7 @@ class Parameters:
                 for node in sorted(nodes, key=self.unresponsive.noticed_s):
                     await places.acquire()
                     group.create_task(look(node))
-                    # opening a ROS client takes milliseconds of the loop: one at a turn
+                    # opening a ROS client takes milliseconds of the loop: one per iteration
                     await asyncio.sleep(0)
         return dict(sorted(found.items()))
 
@@ -200,7 +199,7 @@ class Parameters:
 
 
 class _Conversation:
-    """What is asked of one node within one deadline."""
+    """The requests to one node within one deadline."""
 
     def __init__(self, parameters: Parameters, node: str, deadline: Deadline) -> None:
         self._parameters = parameters
@@ -210,19 +209,19 @@ class _Conversation:
         self._declared: frozenset[str] | None = None
 
     async def names(self, prefixes: Sequence[str] = ()) -> list[str]:
-        # without a depth all levels come
+        # without a depth, the answer has all levels
         response = await self._ask(_LIST, {"prefixes": list(prefixes)})
         return sorted(response["names"])
 
     async def declared(self) -> frozenset[str]:
-        """Return the names of all parameters of the node, asked for once."""
+        """Return the names of all parameters of the node; it is asked once."""
         if self._declared is None:
             self._declared = frozenset(await self.names())
         return self._declared
 
     async def ask_each(self, service: _Service, names: Sequence[str]) -> dict[str, Any]:
-        """Ask something about parameters; what the node does not answer for is left out."""
-        names = [name for name in names if "\0" not in name]  # which no string in ROS can have
+        """Call a service about parameters; leave out those that the node does not answer."""
+        names = [name for name in names if "\0" not in name]  # no string in ROS can have one
         if not names:
             return {}
         items = await self._ask(service, {"names": names})
@@ -239,7 +238,7 @@ class _Conversation:
         return found | await self.ask_each(service, names[middle:])
 
     async def check_declared(self, names: Sequence[str]) -> None:
-        """Raise where the node has not declared a parameter."""
+        """Raise an error if the node has not declared a parameter."""
         if not names:
             return
         declared = await self.declared()
@@ -295,7 +294,7 @@ class _Conversation:
 
 
 def _fitted(value: object, descriptor: Mapping[str, Any] | None) -> dict[str, object]:
-    """Return the ParameterValue for a parameter that is described so, or not declared."""
+    """Return the ParameterValue for a parameter with this descriptor, or without (undeclared)."""
     if descriptor is None:
         return message_of(value, ParameterType.NOT_SET)
     try:
@@ -307,7 +306,7 @@ def _fitted(value: object, descriptor: Mapping[str, Any] | None) -> dict[str, ob
 
 
 def _undeclared(result: SetResult) -> SetResult:
-    # what rclpy says by itself: "Invalid access to undeclared parameter(s): []"
+    # rclpy's own reason: "Invalid access to undeclared parameter(s): []"
     return replace(result, reason=f"the node has not declared it: {result.reason}")
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The services about parameters: names are ``node:parameter``, values are JSON in a string.
 
-What goes wrong stands in ``reason``: clients look there, and not all of them wait for an error.
+Failures are in ``reason``: clients look there, and not all of them wait for an error.
 """
 
 from collections.abc import Mapping
@@ -20,21 +20,21 @@ from gateway.rosapi.node_parameters import (
 _Request = Mapping[str, str]
 _Answer = dict[str, object]
 
-# What clients parse where there is no value; they would fail on an empty string.
+# Clients parse this if there is no value; they would fail on an empty string.
 _NO_VALUE = "null"
 
 
 class ParameterServices:
     """The services about parameters.
 
-    *timeout_s* is what the client says, ``None`` if it says nothing; see `node_timeout_s`.
+    *timeout_s* is the client's, or ``None`` if it gives none; see `node_timeout_s`.
     """
 
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
 
     async def get_param(self, request: _Request, timeout_s: float | None) -> _Answer:
-        """Return a value, or the default that the client gives."""
+        """Return a value, or the client's default."""
         try:
             value = await self._value(request["name"], timeout_s)
             reason = "" if value is not None else "the parameter has no value"
@@ -49,7 +49,7 @@ class ParameterServices:
             value = loads(request["value"])
         except CodecError:
             reason = f"value: expected JSON, got {truncate(request['value'])!r}"
-            return _told(SetResult(successful=False, reason=reason))
+            return _set_answer(SetResult(successful=False, reason=reason))
         return await self._set(request["name"], value, timeout_s)
 
     async def delete_param(self, request: _Request, timeout_s: float | None) -> _Answer:
@@ -57,14 +57,14 @@ class ParameterServices:
         return await self._set(request["name"], None, timeout_s)
 
     async def has_param(self, request: _Request, timeout_s: float | None) -> _Answer:
-        """Tell whether a parameter has a value; whatever goes wrong, it has none."""
+        """Answer whether a parameter has a value; after any failure, the answer is no."""
         try:
             return {"exists": await self._value(request["name"], timeout_s) is not None}
         except ProtocolError:
             return {"exists": False}
 
     async def get_param_names(self, _: _Request, timeout_s: float | None) -> _Answer:
-        """Name the parameters of all nodes that answer in time."""
+        """List the parameters of all nodes that answer in time."""
         found = await self._parameters.names_by_node(node_timeout_s(timeout_s, ALL_NODES_TIMEOUT_S))
         return {"names": [f"{node}:{name}" for node, names in found.items() for name in names]}
 
@@ -77,8 +77,8 @@ class ParameterServices:
             node, name = _split(requested)
             results = await self._parameters.set(node, {name: value}, node_timeout_s(timeout_s))
         except ProtocolError as error:
-            return _told(SetResult(successful=False, reason=str(error)))
-        return _told(results[name])
+            return _set_answer(SetResult(successful=False, reason=str(error)))
+        return _set_answer(results[name])
 
 
 def _split(requested: str) -> tuple[str, str]:
@@ -91,7 +91,7 @@ def _split(requested: str) -> tuple[str, str]:
 
 
 def _default(text: str) -> str:
-    """Return what a client gave as default as JSON; rosbridge takes plain text as well."""
+    """Return a client's default as JSON; rosbridge takes plain text as well."""
     if not text:
         return _NO_VALUE
     try:
@@ -101,5 +101,5 @@ def _default(text: str) -> str:
     return text
 
 
-def _told(result: SetResult) -> _Answer:
+def _set_answer(result: SetResult) -> _Answer:
     return {"successful": result.successful, "reason": result.reason}

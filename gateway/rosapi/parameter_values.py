@@ -29,7 +29,7 @@ class ParameterType(IntEnum):
 
     @classmethod
     def _missing_(cls, value: object) -> "ParameterType":
-        return cls.NOT_SET  # a type of a later ROS says as much to us as none
+        return cls.NOT_SET  # a type of a later ROS means nothing to us
 
 
 _ELEMENTS: Final = {
@@ -43,30 +43,30 @@ _LOWEST, _HIGHEST = INTEGER_RANGES["int64"]
 
 
 class ParameterValueError(ValueError):
-    """A value is none of the kind that a parameter has; the text says what was expected."""
+    """A value does not fit the type of a parameter; the text says what was expected."""
 
 
 def type_word(number: int) -> str:
-    """Return what a type of parameter is called: ``double_array``."""
+    """Return the name of a type of parameter: ``double_array``."""
     return ParameterType(number).name.lower()
 
 
 def value_of(message: Mapping[str, Any]) -> object:
-    """Return the value in a decoded ParameterValue, ``None`` where there is none.
+    """Return the value in a decoded ParameterValue; ``None`` means that it is not set.
 
-    Bytes are base64; arrays are what `gateway.codec.json.dumps` takes.
+    Bytes are base64; `gateway.codec.json.dumps` takes the arrays.
     """
     return message.get(f"{type_word(message['type'])}_value")
 
 
 def message_of(value: object, wanted: ParameterType) -> dict[str, object]:
-    """Return a ParameterValue of type *wanted*, of the value's own where that is ``NOT_SET``.
+    """Return a ParameterValue of type *wanted*, or of the value's own type for ``NOT_SET``.
 
-    ``None`` is the value that is none. Integers are taken for doubles, and doubles without a
-    fraction for integers: JSON, and JavaScript even more so, hardly tells them apart.
+    ``None`` means that the parameter is not set. Integers are accepted as doubles, and doubles
+    without a fraction as integers: JSON, and JavaScript even more so, hardly distinguishes them.
 
     Raises:
-        ParameterValueError: it is no such value.
+        ParameterValueError: the value does not fit.
     """
     if value is None:
         return {"type": int(ParameterType.NOT_SET)}
@@ -117,7 +117,7 @@ def _converted(value: object, type_: ParameterType) -> object:
 
 def _element(index: int, value: object, type_: ParameterType) -> object:
     if value is None and type_ is ParameterType.DOUBLE:
-        return None  # as everywhere, it stands for NaN
+        return None  # NaN, as everywhere
     try:
         return _scalar(value, type_)
     except ParameterValueError as error:

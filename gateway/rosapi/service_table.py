@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The table of the rosapi services: what each is called, which type it has, who answers it."""
+"""The table of the rosapi services: the name, the type and the implementation of each."""
 
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ _Request = Mapping[str, str]  # every field of every request is a string
 
 @dataclass(frozen=True, slots=True)
 class _Local:
-    """A service that is answered at once."""
+    """A service that the gateway answers at once."""
 
     type_name: str
     answer: Callable[[_Request], Answer]
@@ -33,7 +33,7 @@ class _Local:
 
 @dataclass(frozen=True, slots=True)
 class _Remote:
-    """A service for which other nodes are asked."""
+    """A service that needs answers of other nodes."""
 
     type_name: str
     answer: Callable[[_Request, float | None], Awaitable[Answer]]
@@ -42,8 +42,8 @@ class _Remote:
 class Rosapi:
     """Answers the services below ``/rosapi/``, by their resolved names.
 
-    Requests are checked by the definitions that come with this package, whatever version of
-    rosapi_msgs is installed: clients of all versions are to be understood.
+    The definitions in this package check requests, whatever version of rosapi_msgs is installed:
+    clients of all versions must work.
     """
 
     def __init__(self, ros: Ros, definitions: InstalledDefinitions, parameters: Parameters) -> None:
@@ -95,11 +95,11 @@ class Rosapi:
         }
 
     def has(self, service: str) -> bool:
-        """Whether this is a service of rosapi's."""
+        """Return whether rosapi has this service."""
         return service in self._services
 
     def type_of(self, service: str) -> str:
-        """Return the type of a service of rosapi's, ``rosapi_msgs/srv/Name``."""
+        """Return the type of a rosapi service, ``rosapi_msgs/srv/Name``."""
         return f"rosapi_msgs/srv/{self._services[service].type_name}"
 
     def types(self) -> dict[str, str]:
@@ -109,15 +109,15 @@ class Rosapi:
     def answer(
         self, service: str, args: object, timeout_s: float | None = None
     ) -> Answer | Callable[[], Awaitable[Answer]]:
-        """Answer a call of a service of rosapi's, or return what will, by asking other nodes.
+        """Answer a call of a rosapi service, or return a function that asks other nodes first.
 
-        *args* are what the fields of the request get, by name or in order; ``None`` is none.
-        Other nodes have *timeout_s*, ``None`` being the default of each service, and 0 as long as
-        it may take.
+        *args* are the values of the request's fields, by name or in order; ``None`` means none are
+        given. *timeout_s* is for other nodes: ``None`` is the default of each service, 0 the
+        longest.
 
         Raises:
-            ProtocolError: *args* do not fit, or what is asked for is no type. What answers later
-                may raise it as well.
+            ProtocolError: *args* do not fit, or name no type. The returned function may raise it,
+                too.
         """
         found = self._services[service]
         request = self._request(self.type_of(service), args)
@@ -129,7 +129,7 @@ class Rosapi:
         assert_never(found)
 
     def _request(self, type_name: str, args: object) -> _Request:
-        # the responses may nest what is not installed
+        # the responses may nest types that are not installed
         request = self._requests.get(part_name(type_name, "request"))
         try:
             values = request.named(args) if isinstance(args, list) else args

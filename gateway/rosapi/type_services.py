@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The services about types: what is installed, and what it consists of."""
+"""The services about types: those installed, and their definitions."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -19,7 +19,7 @@ _Answer = dict[str, object]
 class TypeServices:
     """The services about types.
 
-    A type that is none is an error, because clients take the first of the typedefs unseen.
+    An unknown type is an error, because clients take the first of the typedefs without a check.
     """
 
     def __init__(self, graph: GraphServices, definitions: InstalledDefinitions) -> None:
@@ -27,7 +27,7 @@ class TypeServices:
         self._definitions = definitions
 
     def topics_and_raw_types(self, _: _Request) -> _Answer:
-        """List the topics, the first type of each, and the full text of that."""
+        """List the topics, the first type of each, and the full text of that type."""
         found = self._graph.types_of_topics()
         texts = {name: self._text(name) for name in set(found.values())}
         return {
@@ -44,14 +44,14 @@ class TypeServices:
         """Describe a message.
 
         Raises:
-            ProtocolError: it is none, or not installed.
+            ProtocolError: the name is not a message type, or the type is not installed.
         """
         return self._typedefs(full_type(request["type"], "msg"))
 
     def details(self, kind: InterfaceKind, role: Role) -> Callable[[_Request], _Answer]:
         """Return the service that describes one message of a service or an action.
 
-        It raises like `message_details`.
+        It raises the same errors as `message_details`.
         """
         return partial(self._details, kind, role)
 

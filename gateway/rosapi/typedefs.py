@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Types, as rosapi describes them: fields, examples and constants in lists side by side."""
+"""Types, as rosapi describes them: fields, examples and constants in parallel lists."""
 
 from typing import Final
 
 from schemas.definition import FLOATS, INTEGER_RANGES, Definition, Field
 from schemas.installed import InstalledDefinitions
 
-# What IDL calls the types of .msg files. rosbridge on ROS 2 tells these, from rosidl's Python.
+# IDL's names of the types of .msg files. rosbridge on ROS 2 sends these, from rosidl's Python.
 _IDL_NAMES: Final = {
     "bool": "boolean",
     "byte": "octet",
@@ -14,12 +14,12 @@ _IDL_NAMES: Final = {
     "float32": "float",
     "float64": "double",
 }
-# Between the definitions in a text of several, as ROS 1's `gendeps --cat` has it.
+# Between the definitions in a text of several, as in ROS 1's `gendeps --cat`.
 _RULER: Final = "=" * 80
 
 
 def typedefs(name: str, definitions: InstalledDefinitions) -> list[dict[str, object]]:
-    """Return the rosapi_msgs/msg/TypeDef of a message and of all that it nests, itself first.
+    """Return the rosapi_msgs/msg/TypeDef of a message, then those of all nested types.
 
     Raises:
         UnknownTypeError, DefinitionError: as for `InstalledDefinitions.closure`.
@@ -28,7 +28,7 @@ def typedefs(name: str, definitions: InstalledDefinitions) -> list[dict[str, obj
 
 
 def full_text(name: str, definitions: InstalledDefinitions) -> str:
-    """Return the definition text of a message, followed by those of all that it nests.
+    """Return the definition text of a message, followed by those of all nested types.
 
     Raises:
         UnknownTypeError, DefinitionError: as for `InstalledDefinitions.closure`.
@@ -53,7 +53,7 @@ def _typedef(definition: Definition) -> dict[str, object]:
 
 
 def _title(name: str) -> str:
-    # roslib looks fields up by it: it must be spelt alike in `type` and in `fieldtypes`
+    # roslib looks fields up by it: it must be equal in `type` and in `fieldtypes`
     package, _, short_name = name.split("/")
     return f"{package}/{short_name}"
 

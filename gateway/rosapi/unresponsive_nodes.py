@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which nodes did not answer the last time they were asked."""
+"""The nodes that did not answer the last time they were asked."""
 
 from dataclasses import dataclass
 from typing import Final
 
-# So that a row of questions to a dead node does not wait for each of them, while who asks again
-# after a pause is not told of the past.
+# So that a series of requests to a dead node does not wait for each of them, while a request after
+# a pause is sent anew.
 FRESH_S: Final = 0.5
 MAX_NODES: Final = 256  # names only; a graph with more dead nodes has other troubles
 
@@ -17,13 +17,13 @@ class _NodeTimeout:
 
 
 class UnresponsiveNodes:
-    """Remembers silent nodes until they answer. Times are seconds of any one clock."""
+    """Remembers unresponsive nodes until they answer. Times are seconds of any one clock."""
 
     def __init__(self) -> None:
         self._known: dict[str, _NodeTimeout] = {}
 
     def add(self, node: str, waited_s: float, now_s: float) -> None:
-        """Note that a node was asked, and said nothing for *waited_s*."""
+        """Note that a node did not answer for *waited_s*."""
         self._known.pop(node, None)
         self._known[node] = _NodeTimeout(
             now_s, waited_s
@@ -36,13 +36,13 @@ class UnresponsiveNodes:
         self._known.pop(node, None)
 
     def has_just_timed_out(self, node: str, timeout_s: float, now_s: float) -> bool:
-        """Whether somebody with as much patience has waited in vain just now."""
+        """Return whether a request with this time-out or a longer one has just failed."""
         known = self._known.get(node)
         return (
             known is not None and timeout_s <= known.waited_s and now_s - known.noticed_s <= FRESH_S
         )
 
     def noticed_s(self, node: str) -> float:
-        """Return when a node was silent, to ask those first that were not; 0 for these."""
+        """Return the time of a node's last time-out, 0 for none, so that others are asked first."""
         known = self._known.get(node)
         return 0.0 if known is None else known.noticed_s

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Docstrings are in plain English, as CONTRIBUTING.md asks."""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).parents[1]
+ROOTS = ("gateway", "gateway_sim", "schemas", "benchmarks", "tools")
+GENERATED = "schemas/models/"
+# Files and folders that are still to be rewritten. Take entries out; add none.
+TO_DO = (
+    "gateway/ros/",
+    "gateway/router/topics/",
+    "gateway/router/tasks.py",
+    "gateway/router/interface_types.py",
+    "gateway/router/topic_types.py",
+    "gateway/router/services/service_calls.py",
+    "gateway/service_clients.py",
+    "gateway/protocol/outbox.py",
+    "gateway/protocol/publish_frames.py",
+    "gateway/protocol/rosbridge_fragments.py",
+    "gateway/protocol/subscription_options.py",
+    "gateway/protocol/websocket_frames.py",
+)
+
+# What a docstring must not contain, and what to write.
+RULES = (
+    (
+        re.compile(r"\A\s*(?:What|Where|Who|Whose|Whether|Which|How|When|Whenever)\b"),
+        'begin with an imperative or a noun phrase, such as "Return whether" or "The time of"',
+    ),
+    (
+        re.compile(r"\bis\s+(?:none|no\s+such)\b|\bunknown\s+ones\s+are\s+none\b"),
+        'say what happens, such as "unknown ids are ignored" or "returns None if"',
+    ),
+    (
+        re.compile(r"\b[Tt]ell\s+the\b|\b[Tt]ells\b"),
+        'write "report", "send", "answer" or "say"',
+    ),
+)
+
+
+def source_files():
+    files = (path for root in ROOTS for path in (REPOSITORY / root).rglob("*.py"))
+    names = (path.relative_to(REPOSITORY).as_posix() for path in files)
+    return sorted(name for name in names if not name.startswith((GENERATED, *TO_DO)))
+
+
+def faults(name, source):
+    """Return a line for each broken rule: file, line of the docstring, words, advice."""
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        match node:
+            case ast.Expr(ast.Constant(str(text))):
+                for pattern, advice in RULES:
+                    if words := pattern.search(text):
+                        place = f"{name}:{node.lineno}"
+                        found.append(f"{place}: {' '.join(words[0].split())!r}: {advice}")
+    return found
+
+
+@pytest.mark.parametrize("name", source_files())
+def test_docstrings_are_in_plain_english(name):
+    found = faults(name, (REPOSITORY / name).read_text(encoding="utf-8"))
+    assert not found, "\n".join(found)
+
+
+@pytest.mark.parametrize("entry", TO_DO)
+def test_what_is_still_to_do_exists(entry):
+    assert (REPOSITORY / entry).exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("What it holds.", "What"),
+        ("Whether it is open.", "Whether"),
+        ("Close it.\n\n    An unknown id is\n    none.", "is none"),
+        ("Return it, or nothing if there is no such topic.", "is no such"),
+        ("Close one; unknown ones are none.", "unknown ones are none"),
+        ("Tell the clocks.", "Tell the"),
+        ("The id tells them apart.", "tells"),
+    ],
+)
+def test_a_fault_is_reported_with_its_place_and_words(text, words):
+    source = f'def close():\n    """{text}"""\n'
+
+    [fault] = faults("one.py", source)
+
+    assert fault.startswith(f"one.py:2: {words!r}: ")
+
+
+@pytest.mark.parametrize("text", ["Return whether it is open.", "The words, however many."])
+def test_plain_english_is_no_fault(text):
+    assert faults("one.py", f'"""{text}"""') == []
