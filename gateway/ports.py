@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the router needs from ROS, as Protocols.
+"""The router's interface to ROS, as Protocols.
 
-`gateway.ros` is the real thing; the tests' fake passes the same contract suite. Everything
-here is called on the event loop's thread, returns without blocking, and every callback comes
-back on that thread.
+`gateway.ros` implements it; the tests' fake passes the same contract suite. Everything here is
+called on the event loop's thread and returns without blocking. Callbacks run on that thread.
 """
 
 from collections.abc import Callable, Sequence
@@ -23,7 +22,7 @@ LogLevel = Literal["debug", "info", "warning", "error"]
 
 
 class RosError(Exception):
-    """ROS refuses what was asked for; ``code`` is the protocol's word for the reason."""
+    """ROS refuses a request; ``code`` is the protocol's name of the reason."""
 
     def __init__(
         self,
@@ -45,9 +44,9 @@ class Sample(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Qos:
-    """A quality of service; ``None`` means: adopt what the other side offers.
+    """A quality of service; ``None`` means: adopt the other side's offer.
 
-    Durations are nanoseconds, ``None`` being unlimited.
+    Durations are nanoseconds, where ``None`` means unlimited.
     """
 
     reliability: Reliability | None = None
@@ -60,7 +59,7 @@ class Qos:
 
 @dataclass(frozen=True, slots=True)
 class TopicInfo:
-    """A topic of the graph: its types (more than one is a conflict) and who is on it."""
+    """A topic of the graph: its types (more than one is a conflict) and its endpoints."""
 
     name: str
     types: tuple[str, ...]  # pkg/msg/Name
@@ -79,11 +78,11 @@ class ServerInfo:
 
 @dataclass(frozen=True, slots=True)
 class Graph:
-    """One picture of the ROS graph, sorted by name."""
+    """A snapshot of the ROS graph, sorted by name."""
 
     topics: tuple[TopicInfo, ...]
     nodes: tuple[str, ...]  # full names
-    services: tuple[ServerInfo, ...] = ()  # those behind actions are not listed
+    services: tuple[ServerInfo, ...] = ()  # without those behind actions
     actions: tuple[ServerInfo, ...] = ()
 
 
@@ -96,24 +95,24 @@ class Subscription(Protocol):
 
     @property
     def publishers(self) -> int:
-        """How many publishers of its type the topic has, as far as discovery knows.
+        """The number of publishers of its type that discovery knows.
 
         Late clients of a transient-local topic get as many samples.
         """
 
     @property
     def incompatible(self) -> tuple[str, ...]:
-        """What *on_incompatible* was told and still holds."""
+        """The texts given to *on_incompatible* that still apply."""
 
     def close(self) -> None:
-        """Destroy it; no callback comes after. Closing twice is harmless."""
+        """Destroy it; no callback follows. Closing twice is harmless."""
 
 
 class Publisher(Protocol):
     """A ROS publisher of raw samples."""
 
     def publish(self, cdr: bytes) -> None:
-        """Publish one sample, encapsulation header included. Not after `close`."""
+        """Publish one sample, encapsulation header included. Do not call it after `close`."""
 
     def close(self) -> None:
         """Destroy it. Closing twice is harmless."""
@@ -125,15 +124,15 @@ class Client(Protocol):
     async def call(self, request: bytes) -> bytes:
         """Wait for a server, send the request, wait for the response; cancelling forgets it.
 
-        Any number of calls may be under way. There is no time limit: that is the caller's.
+        Any number of calls may be pending. The caller sets the time limit.
 
         Raises:
-            RosError: ``not_found``: the server has gone while it had the request, or the
-                client was closed.
+            RosError: ``not_found``: the server disappeared before it responded, or the client was
+                closed.
         """
 
     def close(self) -> None:
-        """Destroy it; what is under way fails. Closing twice is harmless."""
+        """Destroy it; pending calls fail. Closing twice is harmless."""
 
 
 class Request(Protocol):
@@ -144,10 +143,10 @@ class Request(Protocol):
         """The request, encapsulation header included."""
 
     def answer(self, response: bytes) -> None:
-        """Respond. At most once; nothing happens once the service is closed or who asked has gone.
+        """Respond, at most once. It does nothing if the service is closed or the caller is gone.
 
         Raises:
-            RosError: ``internal``: *response* is no CDR of the type; the request is still open.
+            RosError: ``internal``: *response* is not CDR of the type; the request is still open.
         """
 
 
@@ -157,13 +156,13 @@ class Service(Protocol):
     def close(self) -> None:
         """Withdraw it. Closing twice is harmless.
 
-        *on_request* gets what has arrived, and what callers send before they have heard of the
-        end; what it answers within its call is sent.
+        *on_request* still gets requests that have arrived, and those sent by callers that have not
+        yet discovered the end. Answers that it gives before it returns are sent.
         """
 
 
 class GoalResult(NamedTuple):
-    """How a goal ended."""
+    """The status and the result of a goal that has ended."""
 
     status: GoalOutcome
     cdr: bytes  # the action's Result, with its 4-byte encapsulation header
@@ -176,42 +175,42 @@ class Goal(Protocol):
         """Wait for the end of the goal.
 
         Raises:
-            RosError: ``not_found``: the server has gone or forgotten the goal, or the action
+            RosError: ``not_found``: the server is gone or has forgotten the goal, or the action
                 client was closed.
         """
 
     def cancel(self) -> None:
-        """Ask the server to cancel; whether it does, `result` tells. Returns at once."""
+        """Ask the server to cancel, without waiting; `result` reports whether it did."""
 
 
 class ActionClient(Protocol):
     """A client of a ROS action; goals, feedback and results are CDR."""
 
     async def send_goal(self, goal: bytes, on_feedback: Callable[[bytes], None]) -> Goal | None:
-        """Wait for a server and send it a goal; ``None``: it rejects the goal.
+        """Wait for a server and send it a goal; return ``None`` if it rejects the goal.
 
-        *on_feedback* gets CDR of the action's Feedback until the result is there. Any number of
-        goals may be under way. There is no time limit: that is the caller's. Cancelling this gives
-        the goal up: it is cancelled should the server accept it yet.
+        *on_feedback* gets CDR of the action's Feedback until the result arrives. Any number of
+        goals may be active. The caller sets the time limit. Cancelling this gives the goal up: if
+        the server still accepts it, it is cancelled.
 
         Raises:
             RosError: ``not_found``, as for `Client.call`.
         """
 
     def close(self) -> None:
-        """Destroy it; accepted goals go on without us. Closing twice is harmless.
+        """Destroy it; accepted goals continue. Closing twice is harmless.
 
-        What waits for it fails and no callback comes after, but while the server may still accept
-        a goal that was given up, or has not answered to a cancel, that is waited for, some time at
-        most, and counts as open.
+        Everything that waits for it fails, and no callback follows. While the server may still
+        accept a goal that was given up, or has not answered a cancel, the client waits for it, for
+        a bounded time, and counts as open.
         """
 
 
 class GoalRequest(Protocol):
     """A goal that a ROS client has sent to an action that the gateway provides.
 
-    It counts as accepted and being executed. Nothing happens once the action is closed, the goal
-    has finished, or who sent it has gone.
+    It counts as accepted and being executed. Its methods do nothing if the action is closed, the
+    goal has finished, or its sender is gone.
     """
 
     @property
@@ -222,16 +221,16 @@ class GoalRequest(Protocol):
         """Publish the action's Feedback.
 
         Raises:
-            RosError: ``internal``: ROS does not publish it.
+            RosError: ``internal``: ROS cannot publish it.
         """
 
     def finish(self, status: GoalOutcome, result: bytes) -> None:
         """End the goal; *result* is CDR of the action's Result.
 
-        A goal can end as canceled only while it is being canceled; else it counts as aborted.
+        A goal can end as canceled only while it is being canceled; otherwise it counts as aborted.
 
         Raises:
-            RosError: ``internal``: *result* is no CDR of the type; the goal goes on.
+            RosError: ``internal``: *result* is not CDR of the type; the goal continues.
         """
 
 
@@ -239,18 +238,18 @@ class ActionServer(Protocol):
     """A ROS action that the gateway provides."""
 
     def close(self) -> None:
-        """Withdraw it; unfinished goals are aborted, and no callback comes after.
+        """Withdraw it; unfinished goals are aborted, and no callback follows.
 
-        What callers send before they have heard of the end is answered, goals by a rejection.
-        Closing twice is harmless.
+        Requests of callers that have not yet discovered the end are answered, goals by a
+        rejection. Closing twice is harmless.
         """
 
 
 class Watch(Protocol):
-    """A standing request for callbacks."""
+    """A registration of a callback."""
 
     def close(self) -> None:
-        """End it; no callback comes after. Closing twice is harmless."""
+        """End it; no callback follows. Closing twice is harmless."""
 
 
 class Ros(Protocol):
@@ -261,7 +260,7 @@ class Ros(Protocol):
         """The ROS distribution, such as ``jazzy``."""
 
     def now_ns(self) -> int:
-        """ROS time in nanoseconds (simulated time where ``use_sim_time`` is set)."""
+        """ROS time in nanoseconds (simulated time if ``use_sim_time`` is set)."""
 
     def subscribe(
         self,
@@ -273,13 +272,13 @@ class Ros(Protocol):
     ) -> Subscription:
         """Subscribe to a fully resolved topic name.
 
-        *on_samples* gets what arrived since its last call, oldest first, never empty, at most
-        `MAX_TAKES_PER_TURN` at once. What *qos* leaves open is adopted from the publishers and
-        adopted anew when they change. *on_incompatible* gets a sentence for people whenever a
+        *on_samples* gets the samples since its last call, oldest first, never empty, at most
+        `MAX_TAKES_PER_TURN` at once. Fields that *qos* leaves open are adopted from the publishers,
+        and again when they change. *on_incompatible* gets a sentence for people whenever a
         publisher's offer cannot be matched.
 
         Raises:
-            RosError: the name or the type is none, or the type has no ROS package here.
+            RosError: the name or the type is invalid, or the type's ROS package is not installed.
         """
 
     def advertise(self, topic: str, type_name: str, qos: Qos) -> Publisher:
@@ -300,8 +299,7 @@ class Ros(Protocol):
         """Provide a service by its fully resolved name.
 
         Raises:
-            RosError: as for `client`; also ``limit_exceeded`` where the gateway provides it
-                already.
+            RosError: as for `client`; also ``limit_exceeded`` if the gateway provides it already.
         """
 
     def action_client(self, action: str, type_name: str) -> ActionClient:
@@ -320,44 +318,44 @@ class Ros(Protocol):
     ) -> ActionServer:
         """Provide an action by its fully resolved name.
 
-        *on_cancel* is called once for a goal of *on_goal*'s that a client wants cancelled; the
-        goal goes on until it is finished.
+        *on_cancel* is called once for a goal of *on_goal*'s that a client wants to cancel; the
+        goal continues until it is finished.
 
         Raises:
-            RosError: as for `action_client`; also ``limit_exceeded`` where the gateway provides
-                it already.
+            RosError: as for `action_client`; also ``limit_exceeded`` if the gateway provides it
+                already.
         """
 
     def topic_types(self, topic: str) -> tuple[str, ...]:
-        """Return the types of a topic, sorted, empty where the graph does not know it.
+        """Return the types of a topic, sorted; empty if the graph does not know it.
 
-        These are what its publishers publish; without any, what its subscribers expect, the
-        gateway's own counting only where they are alone.
+        They are those of its publishers; without any, those of its subscribers. The gateway's own
+        count only if there are no others.
         """
 
     def service_types(self, service: str) -> tuple[str, ...]:
         """Return the types of a service, also of one behind an action, sorted.
 
-        Empty where the graph knows no server.
+        Return nothing if the graph knows no server.
         """
 
     def action_types(self, action: str) -> tuple[str, ...]:
-        """Return the types of an action, sorted, empty where the graph knows no server."""
+        """Return the types of an action, sorted; empty if the graph knows no server."""
 
     def graph(self) -> Graph:
-        """Return the graph as it is known now."""
+        """Return the graph that is known now."""
 
     def watch_graph(self, on_change: Callable[[], None]) -> Watch:
         """Call *on_change* soon after topics, types, endpoints or nodes have changed.
 
-        Changes close together are reported once. Cheap while nothing changes.
+        Changes close together are reported once. Costs little while nothing changes.
         """
 
     def log(self, level: LogLevel, text: str) -> None:
         """Write to the debug node's logger, and so to ``/rosout``."""
 
     def entity_count(self) -> int:
-        """Count what is open through this port, of whatever kind."""
+        """Count the open entities of this port, of all kinds."""
 
 
-MAX_TAKES_PER_TURN = 32  # 4 ms of 4 kHz Odometry; then other sockets and topics get their turn
+MAX_TAKES_PER_TURN = 32  # 4 ms of 4 kHz Odometry; then other sockets and topics follow

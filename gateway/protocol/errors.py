@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The client's faults, as exceptions that become `status` frames."""
+"""Clients' errors, as exceptions that become `status` frames."""
 
 from typing import Literal
 
 StatusCode = Literal[
     "bad_json",  # not UTF-8, not JSON, too deep, duplicate keys
-    "bad_request",  # JSON, but no operation: a field is missing or of another kind
+    "bad_request",  # JSON, but not an operation: a field is missing or of another kind
     "unknown_op",
     "bad_name",
     "bad_type",
-    "type_conflict",  # the type contradicts the one that the topic has
+    "type_conflict",  # the type contradicts that of the topic
     "qos_incompatible",
     "not_found",
     "rate_limited",
@@ -21,7 +21,7 @@ StatusCode = Literal[
 
 
 class ProtocolError(Exception):
-    """A client asked for something that cannot be done.
+    """A client's request cannot be carried out.
 
     ``code`` is for programs, the text for people: subject, value, limit, unit.
     """

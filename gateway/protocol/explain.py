@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is wrong with an operation, in words for its author."""
+"""Error texts for malformed operations."""
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
@@ -8,11 +8,11 @@ from gateway.codec.error_text import EXPECTED, kind, truncate
 
 
 def explain(error: ValidationError) -> str:
-    """Say what is wrong with the first field that is: ``throttle_rate: expected a number, ...``."""
+    """Describe the first wrong field: ``throttle_rate: expected a number, ...``."""
     details = error.errors(include_url=False)
     first = details[0]
     name = _name(first)
-    # A field that may be of several kinds has one complaint for each.
+    # A field that may be of several kinds has one error for each.
     same_field = [detail for detail in details if _name(detail) == name]
     expected = list(dict.fromkeys(_expected(detail) for detail in same_field))
     if first["type"] == "missing":

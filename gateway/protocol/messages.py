@@ -34,7 +34,7 @@ def status(
 
 
 def answer(op: str, request_id: str | int | None, **members: Any) -> bytes:
-    """Build the answer to an operation of this gateway's own."""
+    """Build the answer to one of this gateway's own operations."""
     frame: dict[str, Any] = {"op": op}
     if request_id is not None:
         frame["id"] = request_id
@@ -44,7 +44,7 @@ def answer(op: str, request_id: str | int | None, **members: Any) -> bytes:
 def publish_prefix(topic: str) -> bytes:
     """Return the beginning of every `publish` frame of a topic, up to the message.
 
-    The topic is spelt as the client spelt it: clients match frames by that text.
+    The topic is the name as requested: clients match frames by it.
     """
     return b'{"op":"publish","topic":' + orjson.dumps(topic) + b',"msg":'
 
@@ -60,9 +60,9 @@ def publish_meta_prefix(topic: str, seq: int, received_ns: int, dropped: int) ->
 def service_response(
     service: str, request_id: str | int | None, values: object, *, result: bool
 ) -> bytes:
-    """Build the answer to a `call_service`; *values* of a failure say what was wrong.
+    """Build the answer to a `call_service`; after a failure, *values* is the reason.
 
-    rosbridge clients read ``values`` and ``id`` without looking whether they are there.
+    rosbridge clients read ``values`` and ``id`` without a check, so both are always present.
     """
     frame = {"op": "service_response", "service": service, "values": values, "result": result}
     return dumps(frame if request_id is None else frame | {"id": request_id})
@@ -95,8 +95,8 @@ def action_result(
 ) -> bytes:
     """Build the answer to a `send_action_goal`; *status* is of action_msgs/msg/GoalStatus.
 
-    As with rosbridge *result* is true for goals that were aborted or canceled, too; false means
-    that there was no goal, and *values* say why.
+    As in rosbridge, *result* is true for goals that were aborted or canceled, too. False means
+    that there was no goal, and *values* is the reason.
     """
     frame = {"op": "action_result", "action": action, "values": values}
     frame |= {"status": status, "result": result}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Names of topics, services and actions as clients write them, and as ROS knows them."""
+"""Names of topics, services and actions: resolved from names as requested."""
 
 import re
 from functools import lru_cache
@@ -22,7 +22,7 @@ def resolve_topic(name: str, max_characters: int) -> TopicName:
     """Return the full name of a topic; a name without a leading slash is global.
 
     Raises:
-        ProtocolError: the name is none, or too long.
+        ProtocolError: the name is invalid or too long.
     """
     return TopicName(_resolve("topic", name, max_characters))
 

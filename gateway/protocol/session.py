@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One client's state: what it may send, what it subscribed to, what waits for it."""
+"""One client's state: its limits, its fragments and its outbox."""
 
 import difflib
 import itertools
@@ -22,17 +22,17 @@ from gateway.protocol.rosbridge_fragments import Assembly
 from gateway.protocol.token_bucket import TokenBucket
 from gateway.protocol.websocket_frames import text_frames
 
-ROS_SHARP_FRAGMENT_SIZE: Final = 2**31 - 1  # which only ROS# sends, with all that it asks for
+ROS_SHARP_FRAGMENT_SIZE: Final = 2**31 - 1  # only ROS# sends it, with every request
 
-# the operations whose failure is answered by a frame of their own, and what names their subject
+# the operations whose failure has a frame of its own, and the key that names their subject
 _NAMED_BY: Final = {"call_service": "service", "send_action_goal": "action"}
 
 
 class Session:
     """The sans-I/O core of a connection.
 
-    Give it every message in order (`receive`), carry out what it returns, send what its
-    `outbox` holds whenever it calls *wake*.
+    Give it every message in order (`receive`), carry out the operation that it returns, and send
+    the content of its `outbox` whenever it calls *wake*.
     """
 
     def __init__(self, limits: Limits, now_ns: int, wake: Callable[[], None]) -> None:
@@ -41,8 +41,8 @@ class Session:
         self.wake = wake
         self.received = 0
         self.refused = 0
-        self.is_ros_sharp = False  # it reads frames as ASCII, and `values` as the type's only
-        self.numbers = itertools.count(1)  # of the calls and goals that this client is passed
+        self.is_ros_sharp = False  # it reads ASCII only, and `values` of the type only
+        self.numbers = itertools.count(1)  # of the calls and goals passed on to this client
         self._level: messages.Level = "warning"
         self._operations = TokenBucket(limits.operations_per_s, limits.operation_burst, now_ns)
         self._assembly = Assembly(limits.max_message_bytes)
@@ -52,7 +52,7 @@ class Session:
         self._fragmented = 0
 
     def receive(self, data: bytes, now_ns: int) -> ClientOperation | None:
-        """Parse one message; ``None``: it was answered, or is but a piece of an operation."""
+        """Parse one message; return ``None`` if it was answered, or is a piece of an operation."""
         self.received += 1
         if self._assembly:
             self._expire(now_ns)
@@ -72,10 +72,10 @@ class Session:
         return operation
 
     def refuse(self, error: ProtocolError, operation: Operation | None = None) -> None:
-        """Answer an operation that failed, or where there is none, say what is wrong.
+        """Answer an operation that failed; without one, report the error alone.
 
-        A call gets its response and a goal its result, as clients wait for these; all else a
-        `status`.
+        A call gets its response and a goal its result, as clients wait for these; everything else
+        gets a `status`.
         """
         asked = _Asked()
         if operation is not None:
@@ -84,15 +84,15 @@ class Session:
         self._refuse(error, asked)
 
     def set_level(self, level: messages.Level) -> None:
-        """Send only `status` frames of this severity and worse."""
+        """Send only `status` frames of this severity or worse."""
         self._level = level
 
     def warn(self, error: ProtocolError, op: str, request_id: str | int | None) -> None:
-        """Tell the client about something that may surprise it but is no failure."""
+        """Warn the client of something that may surprise it but is not a failure."""
         self._say("warning", str(error), error, op, request_id)
 
     def inform(self, text: str, op: str, request_id: str | int | None) -> None:
-        """Tell a client that asked for it (`set_level` info) what was done."""
+        """Report what was done to a client that asked for it (`set_level` info)."""
         self._say("info", text, None, op, request_id)
 
     def answer(self, op: str, request_id: str | int | None, **members: object) -> None:
@@ -102,7 +102,7 @@ class Session:
     def send(self, payload: bytes, fragment_size: int | None = None) -> None:
         """Send JSON ahead of everything that waits in queues.
 
-        What has more characters than *fragment_size* goes in pieces of so many.
+        A text of more than *fragment_size* characters is sent in pieces of that size.
         """
         self.outbox.put_control(self.framed(payload, fragment_size))
         self.wake()
@@ -110,18 +110,21 @@ class Session:
     def ask(self, payload: bytes) -> None:
         """Send a request to a client that provides a service or an action, as ASCII.
 
-        ROS# reads nothing else, and one that only provides sends nothing that tells it is ROS#.
+        ROS# reads only ASCII, and a client that only provides sends nothing that identifies ROS#.
         """
         self.send(ascii_only(payload))
 
     def framed(self, payload: bytes, fragment_size: int | None = None) -> bytes:
-        """Return JSON as this client gets it on the wire; *fragment_size* is as for `send`."""
+        """Return JSON as the wire bytes for this client; *fragment_size* is as for `send`."""
         text = ascii_only(payload) if self.is_ros_sharp else payload
         self._fragmented += fragment_size is not None
         return text_frames(text, fragment_size, f"answer:{self._fragmented}")
 
     def _parse(self, data: bytes, now_ns: int | None) -> ClientOperation | Fragment | None:
-        """Parse one operation, at the time *now_ns* where it counts; answer what is none."""
+        """Parse one operation, and answer it if it is malformed.
+
+        With a time *now_ns* it counts towards the limit of operations.
+        """
         values: dict[str, object] = {}
         try:
             values = _object(data, self._max_json_depth, self._max_json_items)
@@ -144,7 +147,7 @@ class Session:
         self.refused += 1
         text = str(error)
         values = {} if self.is_ros_sharp else text
-        # some clients know a response by this name, so it is as they spelt it
+        # some clients recognise a response by this name, so it is the name as requested
         name = asked.name if isinstance(asked.name, str) else ""
         match asked:
             case _Asked("call_service", request_id):
@@ -173,7 +176,7 @@ class Session:
 
 
 class _Asked(NamedTuple):
-    """What can be read of an operation that may be none: enough to answer it."""
+    """The parts of a malformed operation that a reply needs."""
 
     op: str | None = None
     id: str | int | None = None
@@ -192,7 +195,7 @@ def _object(data: bytes, max_depth: int, max_items: int) -> dict[str, object]:
 
 
 def _readable_id(value: object) -> str | int | None:
-    """Return an id that can be echoed, also where the operation itself is unreadable."""
+    """Return an id that can be echoed, even if the operation itself is malformed."""
     if isinstance(value, str):
         return value[:MAX_ID_CHARACTERS]
     return value if isinstance(value, int) and not isinstance(value, bool) else None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A token bucket: how often something may happen, with room for bursts."""
+"""A token bucket: a limit of events per second, with room for bursts."""
 
 
 class TokenBucket:

@@ -2,9 +2,8 @@
 """One client's socket: bytes in and out, flow control, keep-alive, orderly closing.
 
 The WebSocket protocol itself is `websockets`' sans-I/O `ServerProtocol`. Outgoing data frames
-bypass it: they were framed once for all clients, and are written here in batches, only as far
-as the socket takes them, so that what has to wait does so in the outbox, where it can be
-dropped.
+bypass it: they are framed once for all clients, and written here in batches, only as far as the
+socket takes them. So the rest waits in the outbox, where it can be dropped.
 """
 
 import asyncio
@@ -47,18 +46,18 @@ SLOW_CONSUMER: Final = 4503
 
 
 class Reception(Protocol):
-    """What a connection needs from the server that accepted it."""
+    """A connection's interface to the server that accepted it."""
 
     limits: Limits
 
     def arrive(self, connection: "Connection") -> bool:
-        """Note a new connection; false where so many are under way that it is cut off unheard."""
+        """Add a new connection; return false if there are too many, and it must be cut off."""
 
     def respond(self, protocol: ServerProtocol, request: Request) -> Response:
-        """Answer an HTTP request: 101 to go on as a WebSocket, else a page or a refusal."""
+        """Answer an HTTP request: 101 to continue as a WebSocket, else a page or a refusal."""
 
     def admit(self, connection: "Connection") -> str | None:
-        """Return why a client whose handshake is complete cannot stay, or ``None``."""
+        """Return the reason to refuse a client after its handshake, or ``None``."""
 
     def enter(self, connection: "Connection") -> Session:
         """Open the session of an admitted client."""
@@ -96,13 +95,13 @@ class Connection(asyncio.BufferedProtocol):
         self._progress_s = now_s
         self._unsent_bytes = 0
         self._protocol_backlog = 0
-        self._head: bytes | None = b""  # the end of what came of the HTTP request; None: all of it
+        self._head: bytes | None = b""  # the end of the HTTP request so far; None: it is complete
         self._credit: float = READ_BURST_BYTES
         self._credited_s = now_s
         self._crowded_s: float | None = None
         self.address = "?"
 
-    # What asyncio calls
+    # Called by asyncio
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Take over an accepted socket."""
@@ -115,12 +114,12 @@ class Connection(asyncio.BufferedProtocol):
             self.abort()
 
     def get_buffer(self, sizehint: int) -> bytearray:
-        """Lend the buffer that caps how much is read at a time."""
+        """Lend the buffer, which bounds one read."""
         del sizehint
         return self._buffer
 
     def buffer_updated(self, nbytes: int) -> None:
-        """Process what was read."""
+        """Process the bytes read."""
         self._heard_s = time.monotonic()
         self._pinged_s = None
         data = bytes(memoryview(self._buffer)[:nbytes])
@@ -130,17 +129,17 @@ class Connection(asyncio.BufferedProtocol):
                 data = self._shake_hands(data)
             if data:
                 self._process(data)
-        except Exception:  # our bug, whatever it is: this client pays, the others do not
+        except Exception:  # our bug, whatever it is: close this client, the others stay
             logger.exception("connection from %s failed", self.address)
             self.close(INTERNAL_ERROR, "internal error")
 
     def eof_received(self) -> None:
-        """Note that the peer has closed its side."""
+        """Record that the peer has closed its side."""
         self._protocol.receive_eof()
         self._write_protocol_output()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Give back everything this client had."""
+        """Release everything of this client."""
         del exc
         self._protocol.receive_eof()
         session, self._session = self._session, None
@@ -152,12 +151,12 @@ class Connection(asyncio.BufferedProtocol):
         self._progress_s = time.monotonic()
 
     def resume_writing(self) -> None:
-        """Go on: the socket has taken most of what it had."""
+        """Continue: the socket has sent most of its bytes."""
         self._paused = False
         self._protocol_backlog = 0
         self.flush()
 
-    # What the server calls
+    # Called by the server
 
     @property
     def session(self) -> Session | None:
@@ -165,7 +164,7 @@ class Connection(asyncio.BufferedProtocol):
         return self._session
 
     def flush(self) -> None:
-        """Send what the outbox has, as far as the socket takes it."""
+        """Send from the outbox, as far as the socket takes it."""
         if self._flushing or self._paused or self._session is None:
             return
         self._flushing = True  # rendering may report an error, which wakes us again
@@ -217,7 +216,7 @@ class Connection(asyncio.BufferedProtocol):
     # Incoming
 
     def _pace(self, nbytes: int) -> None:
-        """Stop reading for a moment where a client sends more than one may."""
+        """Stop reading for a moment if the client sends faster than allowed."""
         now_s = self._heard_s
         earned = (now_s - self._credited_s) * READ_BYTES_PER_S
         self._credit = min(READ_BURST_BYTES, self._credit + earned) - nbytes
@@ -232,11 +231,11 @@ class Connection(asyncio.BufferedProtocol):
             self._transport.resume_reading()
 
     def _shake_hands(self, data: bytes) -> bytes:
-        """Process the HTTP request as far as it came; return what came behind it.
+        """Process the part of the HTTP request in *data*; return the bytes behind the request.
 
         `websockets` would parse frames behind a request that is not answered yet.
         """
-        assert self._head is not None  # noqa: S101  # the caller has looked
+        assert self._head is not None  # noqa: S101  # the caller has checked
         head = self._head + data
         end = head.find(b"\r\n\r\n")
         if end < 0:
@@ -279,7 +278,7 @@ class Connection(asyncio.BufferedProtocol):
                     message, self._fragments = b"".join(self._fragments), []
                     self._receive(message, is_text=self._fragments_are_text)
             case _:
-                pass  # pings are answered, pongs noted and closing done by `websockets`
+                pass  # `websockets` answers pings, records pongs and closes
 
     def _open(self, request: Request) -> None:
         response = self._reception.respond(self._protocol, request)
@@ -289,8 +288,8 @@ class Connection(asyncio.BufferedProtocol):
             return
         refusal = self._reception.admit(self)
         if refusal is not None:
-            # Also as a frame: .NET's WebSocket takes close codes that are younger than itself (1012
-            # to 1014) for a fault, and tells its program neither code nor reason.
+            # Also as a frame: .NET's WebSocket takes close codes that are newer than itself (1012
+            # to 1014) for an error, and gives its program neither code nor reason.
             self._protocol.send_text(messages.status("error", refusal, code="limit_exceeded"))
             self.close(OVER_CAPACITY, refusal)
             return
@@ -299,7 +298,7 @@ class Connection(asyncio.BufferedProtocol):
         logger.info("client %s connected", self.address)
 
     def _receive(self, message: bytes, *, is_text: bool) -> None:
-        # The state may be closing already: a goodbye often comes in one packet with the last words.
+        # The state may be closing already: a close often comes in one packet with the last message.
         if self._session is None:
             return
         if is_text and not message.isascii():
@@ -315,7 +314,7 @@ class Connection(asyncio.BufferedProtocol):
         self._reception.receive(self._session, message)
 
     def _explain_failure(self) -> None:
-        """Say in a `status` why `websockets` is about to close, where the client can know."""
+        """Report in a `status` why `websockets` is about to close, if a client can know."""
         if self._session is None or self._closing_s is not None:
             return
         if isinstance(self._protocol.parser_exc, PayloadTooBig):
@@ -328,7 +327,7 @@ class Connection(asyncio.BufferedProtocol):
     # Outgoing
 
     def _write_directly(self, entry: Entry) -> bool:
-        """Send what need not wait; see `gateway.protocol.outbox.WriteDirectly`."""
+        """Send an entry that need not wait; see `gateway.protocol.outbox.WriteDirectly`."""
         if self._flushing or self._paused or self._protocol.state is not OPEN:
             return False
         try:
@@ -351,7 +350,7 @@ class Connection(asyncio.BufferedProtocol):
             if data:
                 self._transport.write(data)
             elif self._transport.can_write_eof():
-                with contextlib.suppress(OSError):  # the peer was faster
+                with contextlib.suppress(OSError):  # the peer closed first
                     self._transport.write_eof()
         grown = self._transport.get_write_buffer_size() - backlog
         self._protocol_backlog = self._protocol_backlog + grown if self._paused else 0
@@ -378,7 +377,7 @@ class Connection(asyncio.BufferedProtocol):
         if outbox.overflowed:
             self.close(SLOW_CONSUMER, "slow consumer: answers alone exceed the send queue")
         elif not self._paused or outbox.excess <= outbox.max_bytes // 2:
-            # While the socket takes, what waits is waiting for us: a picture being encoded, say.
+            # While the socket takes bytes, the queue waits for us: a picture being encoded, say.
             self._crowded_s = None
         elif self._crowded_s is None:
             self._crowded_s = now_s
@@ -400,7 +399,7 @@ class Connection(asyncio.BufferedProtocol):
 
 
 def _tune(sock: socket.socket | None, send_deadline_s: float) -> None:
-    """Keep little in the kernel, and let it give up on a peer that acknowledges nothing."""
+    """Bound the kernel's buffer, and let it give up on a peer that acknowledges nothing."""
     if sock is None:
         return
     for option, value in (
@@ -414,7 +413,7 @@ def _tune(sock: socket.socket | None, send_deadline_s: float) -> None:
 
 
 def _quiet_logger() -> logging.Logger:
-    """Return the logger that silences `websockets`: we log what operators need ourselves."""
+    """Return a logger that silences `websockets`: the gateway itself logs what operators need."""
     quiet = logging.getLogger(f"{__name__}.websockets")
     quiet.setLevel(logging.ERROR)
     return quiet

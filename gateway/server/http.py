@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Plain HTTP on the WebSocket's port: health, and a word for whoever opens it in a browser."""
+"""Plain HTTP on the WebSocket's port: health, and a page for people who open it in a browser."""
 
 import ipaddress
 import socket
@@ -27,10 +27,10 @@ The gateway's health is at /healthz.
 
 
 class HttpFront:
-    """Decides what becomes of an HTTP request.
+    """Answers HTTP requests.
 
-    *allowed_origins* are exact origins such as ``https://ui.example`` that may connect beside
-    pages of the same host; ``*`` allows every page.
+    *allowed_origins* are exact origins such as ``https://ui.example`` that may connect in addition
+    to pages of the same host; ``*`` allows every page.
     """
 
     def __init__(
@@ -41,10 +41,10 @@ class HttpFront:
         self._health = health
 
     def respond(self, protocol: ServerProtocol, request: Request) -> Response:
-        """Return the response; its status is 101 where a WebSocket begins."""
+        """Return the response; its status is 101 if a WebSocket begins."""
         try:
             return self._respond(protocol, request)
-        except (ValueError, LookupError):  # a path or a host that is none, a header twice
+        except (ValueError, LookupError):  # an invalid path or host, or a header twice
             return protocol.reject(400, "this request contradicts itself\n")
 
     def _respond(self, protocol: ServerProtocol, request: Request) -> Response:
@@ -70,7 +70,7 @@ class HttpFront:
         return response
 
     def _is_allowed(self, request: Request) -> bool:
-        """Tell whether a page may connect; a program sends no Origin and always may.
+        """Return whether a page may connect; a program sends no Origin and always may.
 
         Browsers let every page open WebSockets to everywhere, localhost included, so without
         this rule any web site could drive the robot of whoever visits it.
@@ -83,10 +83,10 @@ class HttpFront:
 
 
 def _is_own_name(host: str) -> bool:
-    """Tell whether a page's host is surely this machine: an address, or a name of its own.
+    """Return whether a page's host is surely this machine: an address, or a name of its own.
 
-    By any other name a page of somebody else's could come, which has its name point here once
-    it is loaded (DNS rebinding).
+    Any other name may belong to somebody else's page, which makes the name point here once the
+    page is loaded (DNS rebinding).
     """
     own = socket.gethostname().lower()
     if host in {"localhost", own, f"{own}.local"}:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Listens, admits clients, keeps their times, and sends them home at the end."""
+"""The server: it listens, admits clients, applies their time-outs, and closes all at the end."""
 
 import asyncio
 import contextlib
@@ -19,7 +19,7 @@ from gateway.server.http import HttpFront
 
 logger = logging.getLogger(__name__)
 
-# Sockets whose handshake is under way; each is cut off after 5 s, and clients do not count.
+# Sockets during their handshake; each is cut off after 5 s, and clients do not count.
 MAX_HANDSHAKES: Final = 64
 MAX_HANDSHAKES_PER_ADDRESS: Final = 32  # as many clients as there may be, all at once
 
@@ -27,7 +27,7 @@ TICK_S: Final = 0.25  # how exactly times are kept; 4 wake-ups a second are not 
 
 
 class Server:
-    """The clients that are connected, and the door they come through."""
+    """The connected clients, and the listening sockets."""
 
     def __init__(
         self,
@@ -56,10 +56,10 @@ class Server:
 
     @contextlib.asynccontextmanager
     async def listening(self, host: str, port: int) -> AsyncIterator[list[tuple[str, int]]]:
-        """Serve inside the context; yields the addresses that are listened on.
+        """Serve inside the context; yield the addresses that it listens on.
 
         Raises:
-            OSError: it is not possible to listen there.
+            OSError: the address or port cannot be listened on.
         """
         loop = asyncio.get_running_loop()
         listener = await loop.create_server(lambda: Connection(self), host, port)
@@ -72,7 +72,7 @@ class Server:
             await self._close_all()
 
     def health(self) -> Mapping[str, Any]:
-        """Return what /healthz reports."""
+        """Return the members of /healthz."""
         totals = dict(self._totals)
         for connection in self._connections:
             if connection.session is not None:
@@ -86,10 +86,10 @@ class Server:
             **totals,
         }
 
-    # What connections need: see `Reception`
+    # For connections: see `Reception`
 
     def arrive(self, connection: Connection) -> bool:
-        """Note a connection; false where clients and handshakes leave no room for it."""
+        """Add a connection; return false if clients and handshakes leave no room for it."""
         self._connections.add(connection)
         self._all_gone.clear()
         waiting = [other for other in self._connections if other.session is None]
@@ -101,7 +101,7 @@ class Server:
         return self._http.respond(protocol, request)
 
     def admit(self, connection: Connection) -> str | None:
-        """Return why there is no room for a client, or ``None``."""
+        """Return the reason why there is no room for a client, or ``None``."""
         clients = [other for other in self._connections if other.session is not None]
         limits = self.limits
         if len(clients) >= limits.max_clients:
@@ -120,7 +120,7 @@ class Server:
         self._router.receive(session, data)
 
     def left(self, connection: Connection, session: Session | None) -> None:
-        """Close everything that was open for a connection."""
+        """Close everything that a connection had open."""
         self._connections.discard(connection)
         if not self._connections:
             self._all_gone.set()

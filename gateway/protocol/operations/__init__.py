@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The operations that clients send, as frozen models.
 
-rosbridge protocol v2 and this gateway's extensions (docs/protocol.md). Keys that an operation
-does not know are ignored, because clients send extras; the keys it knows are strict.
+rosbridge protocol v2 and this gateway's extensions (docs/protocol.md). Unknown keys are ignored,
+because clients send extras; known keys are strict.
 """
 
 from typing import Final, get_args
@@ -46,7 +46,7 @@ ClientOperation = (
     | gateway.GraphRequest
     | gateway.Auth
 )
-"""What a router carries out; a `Fragment` is part of one of these."""
+"""The operations that a router carries out; a `Fragment` is a part of one of these."""
 
 OPERATIONS: Final[dict[str, type[ClientOperation | fragment.Fragment]]] = {
     model.op: model for model in (*get_args(ClientOperation), fragment.Fragment)

@@ -19,7 +19,7 @@ class SendActionGoal(Operation):
 
 
 class CancelActionGoal(Operation):
-    """Ask for a goal, by its id, to be cancelled; the result tells whether it was."""
+    """Ask to cancel a goal by its id; its result reports whether it was cancelled."""
 
     op = "cancel_action_goal"
     action: str
@@ -27,7 +27,7 @@ class CancelActionGoal(Operation):
 
 
 class AdvertiseAction(Operation):
-    """Provide an action: goals come as `send_action_goal`, and `cancel_action_goal`."""
+    """Provide an action: the client gets `send_action_goal` and `cancel_action_goal`."""
 
     op = "advertise_action"
     action: str
@@ -35,14 +35,14 @@ class AdvertiseAction(Operation):
 
 
 class UnadvertiseAction(Operation):
-    """Provide an action no longer; its goals are aborted."""
+    """Stop providing an action; its goals are aborted."""
 
     op = "unadvertise_action"
     action: str
 
 
 class ActionFeedback(Operation):
-    """Tell how a goal is getting on; *id* is the goal's."""
+    """Report the progress of a goal; *id* is the goal's."""
 
     op = "action_feedback"
     action: str

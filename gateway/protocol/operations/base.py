@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What all operations have in common."""
+"""The common base of all operations."""
 
 from typing import Annotated, Any, ClassVar, Final
 
@@ -16,16 +16,16 @@ def _without_zero(value: Any) -> Any:
     return None if type(value) is int and value == 0 else value
 
 
-# An outgoing message longer than this, in characters, goes in pieces. Below 64 the envelopes
-# would be most of what is sent; 0 is how some clients say that they want none.
+# An outgoing message longer than this, in characters, is sent in pieces. Below 64 the envelopes
+# would be most of the bytes; some clients send 0 for no fragments.
 FragmentSize = Annotated[Annotated[int, Field(ge=64)] | None, BeforeValidator(_without_zero)]
 
 
 class OperationPart(BaseModel):
-    """An object within an operation; it has no keys but those it knows.
+    """An object within an operation; unknown keys are refused.
 
-    A key whose value is null counts as absent, as serialisers such as System.Text.Json write out
-    what was never set; except where any value may stand, and so null, too.
+    A key whose value is null counts as absent, because serialisers such as System.Text.Json write
+    keys that were never set. In a field of type `Any`, null is a value.
     """
 
     model_config = ConfigDict(strict=True, frozen=True, extra="forbid")
@@ -46,7 +46,7 @@ class OperationPart(BaseModel):
 
 
 class Operation(OperationPart):
-    """What every operation has: a name, and an id that answers carry back."""
+    """An operation: its name, and an id that answers carry back."""
 
     model_config = ConfigDict(extra="ignore")
 

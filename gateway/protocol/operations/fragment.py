@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Messages in pieces."""
+"""Pieces of messages."""
 
 from typing import Annotated
 

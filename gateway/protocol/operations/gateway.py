@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""About the gateway itself and what it knows: levels, clocks, types, the graph."""
+"""Operations on the gateway itself: levels, clocks, types, the graph."""
 
 from typing import Any, Literal
 
@@ -14,13 +14,13 @@ class SetLevel(Operation):
 
 
 class Hello(Operation):
-    """Ask who the server is and what it allows."""
+    """Ask for the server's identity and limits."""
 
     op = "hello"
 
 
 class Ping(Operation):
-    """Ask for the clocks; the value comes back untouched."""
+    """Ask for the clocks; the answer repeats the value unchanged."""
 
     op = "ping"
     value: Any = None
@@ -44,6 +44,6 @@ class GraphRequest(Operation):
 
 
 class Auth(Operation):
-    """Accepted for old clients' sake; this server asks nobody for a password."""
+    """Accepted for the sake of old clients; this server has no passwords."""
 
     op = "auth"

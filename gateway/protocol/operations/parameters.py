@@ -39,7 +39,7 @@ class SetParameters(Operation):
 
 
 class DescribeParameters(Operation):
-    """Ask for types, ranges and words; without names, of all that the node has."""
+    """Ask for types, ranges and descriptions; without names, of all that the node has."""
 
     op = "describe_parameters"
     node: str

@@ -26,7 +26,7 @@ class AdvertiseService(Operation):
 
 
 class UnadvertiseService(Operation):
-    """Provide a service no longer."""
+    """Stop providing a service."""
 
     op = "unadvertise_service"
     service: str

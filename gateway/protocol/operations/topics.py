@@ -14,7 +14,7 @@ Milliseconds = Annotated[float, Field(ge=0, le=3_600_000)]
 
 
 class SecsNsecs(OperationPart):
-    """A duration as ROS 1 spells it."""
+    """A duration in the form of ROS 1."""
 
     secs: Annotated[int, Field(ge=0, le=1_000_000_000)] = 0
     nsecs: Annotated[int, Field(ge=0, lt=1_000_000_000)] = 0
@@ -24,9 +24,9 @@ Duration = Seconds | SecsNsecs | Literal["infinite"] | None
 
 
 class QosRequest(OperationPart):
-    """The quality of service that a client asks for; what it leaves out is adopted.
+    """The quality of service that a client asks for; missing fields are adopted.
 
-    Durations are seconds, ``{secs, nsecs}`` or ``"infinite"``, as rosbridge has them.
+    Durations are seconds, ``{secs, nsecs}`` or ``"infinite"``, as in rosbridge.
     """
 
     reliability: Literal["reliable", "best_effort", "best_available"] | None = None
@@ -44,7 +44,7 @@ ImageFormat = Annotated[
 
 
 class ImageRequest(OperationPart):
-    """How a subscription to ``sensor_msgs/msg/Image`` wants its pictures."""
+    """The picture options of a subscription to ``sensor_msgs/msg/Image``."""
 
     format: ImageFormat = "jpeg"
     quality: Annotated[int, Field(ge=1, le=100)] = 80
@@ -78,14 +78,14 @@ class Advertise(Operation):
 
 
 class Unadvertise(Operation):
-    """Take one advertisement back, or without an id all of this client's on the topic."""
+    """Withdraw one advertisement, or without an id all of this client's on the topic."""
 
     op = "unadvertise"
     topic: str
 
 
 class Publish(Operation):
-    """Publish one message; advertises by itself where the type is given or known."""
+    """Publish one message; advertise the topic first if the type is given or known."""
 
     op = "publish"
     topic: str

@@ -9,7 +9,7 @@ from gateway.protocol.operations.base import Id, Operation, OperationPart
 from gateway.tf.buffer import MAX_FRAME_CHARACTERS
 
 MAX_RATE_HZ: Final = 200  # what a headset draws, twice
-# A robot takes as long to start. Who waits longer asks again, or repeatedly.
+# A robot takes as long to start. To wait longer, a client asks again, or periodically.
 MAX_TIMEOUT_S: Final = 60
 
 FrameId = Annotated[str, Field(max_length=MAX_FRAME_CHARACTERS)]
@@ -23,18 +23,18 @@ class StampRequest(OperationPart):
 
 
 class LookupTransform(Operation):
-    """Ask where a frame is in another, once or, with a rate, again and again."""
+    """Ask for the transform of a frame in another, once or, with a rate, periodically."""
 
     op = "lookup_transform"
     target_frame: FrameId
     source_frame: FrameId
-    time: StampRequest | None = None  # None: the newest that both frames have
+    time: StampRequest | None = None  # None: the newest time at which both frames are known
     timeout: Annotated[float, Field(ge=0, le=MAX_TIMEOUT_S)] | None = None
     rate: Annotated[float, Field(gt=0, le=MAX_RATE_HZ)] | None = None
 
 
 class CancelTransform(Operation):
-    """End a repeated lookup by its id."""
+    """End a periodic lookup by its id."""
 
     op = "cancel_transform"
     id: Id
