@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Carries out what clients ask for."""
+"""The dispatcher: it gives each operation of a client to the part that carries it out."""
 
 import contextlib
 import time
@@ -42,17 +42,17 @@ from schemas.table import Table
 
 
 class SessionOwner(Protocol):
-    """A part of the router that keeps something for each session."""
+    """A part of the router with state for each session."""
 
     def leave(self, session: Session) -> None:
-        """Close and forget all that a client had here."""
+        """Close and forget everything of a client in this part."""
 
 
 class Router:
-    """One ROS subscription for many sessions, and every operation answered.
+    """Shares ROS entities between many sessions, and answers every operation.
 
-    Lives on the event loop's thread. Give it what each client sends, in order; `leave` ends
-    all that a client had.
+    Lives on the event loop's thread. Give it the messages of each client, in order; `leave` ends
+    everything of a client.
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class Router:
         self._limits = limits
         self._sessions: set[Session] = set()
         self._calling = Tasks()
-        # apart from each other: a call may take an hour, a lookup a minute
+        # with separate limits: a call may take an hour, a lookup a minute
         self._asking = Tasks()
         self._looking = Tasks()
         self._service_clients = ServiceClients(ros)
@@ -109,13 +109,13 @@ class Router:
         self._watch = ros.watch_graph(self._on_graph_change)
 
     def enter(self, wake: Callable[[], None]) -> Session:
-        """Open a session; *wake* is called whenever its outbox has something to send."""
+        """Open a session; it calls *wake* whenever its outbox has something to send."""
         session = Session(self._limits, time.monotonic_ns(), wake)
         self._sessions.add(session)
         return session
 
     def receive(self, session: Session, data: bytes) -> None:
-        """Carry out one message of a client; whatever is wrong with it is answered."""
+        """Carry out one message of a client; every error is answered."""
         operation = session.receive(data, time.monotonic_ns())
         if operation is None:
             return
@@ -127,9 +127,9 @@ class Router:
             session.refuse(ProtocolError(error.code, truncate(str(error))), operation)
 
     def leave(self, session: Session) -> None:
-        """Close every ROS entity that was open for a client, and forget it."""
+        """Close every ROS entity of a client, and forget the client."""
         self._sessions.discard(session)
-        with contextlib.ExitStack() as parts:  # each is left, whatever another raises
+        with contextlib.ExitStack() as parts:  # each leaves, whatever another raises
             for part in self._parts:
                 parts.callback(part.leave, session)
 
@@ -143,7 +143,7 @@ class Router:
         self._service_clients.close()
 
     def counts(self) -> dict[str, int]:
-        """Count what is open, for health reports."""
+        """Count the open sessions and entities, for health reports."""
         return {
             "clients": len(self._sessions),
             "ros_entities": self._ros.entity_count(),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who may take over what a client provides."""
+"""The takeover of a client's service or action by another client."""
 
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.session import Session
@@ -8,10 +8,10 @@ from gateway.protocol.session import Session
 def check_takeover(
     successor: Session, former: Session, name: str, type_name: str, former_type: str
 ) -> None:
-    """Let a client take over a service or an action, from another one only with the same type.
+    """Let a client take over a service or an action; from another client only with the same type.
 
-    A client that has lost its connection and is back must not find its place taken by the
-    connection that it lost; but who calls must not find another type of a sudden.
+    A client that reconnects must not be locked out by the connection that it lost. But a caller
+    must not meet a different type after a takeover.
 
     Raises:
         ProtocolError: another client provides it with another type.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Actions that clients provide: goals from ROS on their way to a client, results back."""
+"""Actions that clients provide: goals from ROS go to a client, its results go back."""
 
 from dataclasses import dataclass, field
 
@@ -43,7 +43,7 @@ class ClientAction:
     type: ActionType
     server: ActionServer
     goals: dict[str, GoalRequest] = field(default_factory=dict)
-    canceling: set[str] = field(default_factory=set)  # those that somebody wants cancelled
+    canceling: set[str] = field(default_factory=set)  # goals that a ROS client wants to cancel
 
 
 class ClientActions:
@@ -56,23 +56,23 @@ class ClientActions:
 
     @property
     def servers(self) -> int:
-        """How many ROS action servers are open."""
+        """The number of open ROS action servers."""
         return len(self._provided)
 
     @property
     def pending(self) -> int:
-        """How many goals wait for a client to end them."""
+        """The number of goals that wait for a client to end them."""
         return sum(len(provided.goals) for provided in self._provided.values())
 
     def count(self, session: Session) -> int:
-        """Count what a client provides."""
+        """Count the actions of a client."""
         return sum(provided.session is session for provided in self._provided.values())
 
     def advertise(self, session: Session, request: AdvertiseAction) -> None:
         """Open an action server. As with services, the newest provider wins.
 
         Raises:
-            ProtocolError: the name or the type is not right.
+            ProtocolError: the name or the type is wrong.
             RosError: ROS refuses it.
         """
         action = resolve_action(request.action, session.limits.max_name_characters)
@@ -109,21 +109,21 @@ class ClientActions:
         """Publish a client's feedback on a goal.
 
         Raises:
-            ProtocolError: there is no such goal, or the values do not fit the type.
+            ProtocolError: the goal is unknown, or the values do not fit the type.
         """
         provided, goal_id = self._find(session, request)
         cdr = encode_values(provided.type.feedback, request.values, self._ros.now_ns, "values")
         provided.goals[goal_id].feedback(cdr)
 
     def finish(self, session: Session, request: ActionResult) -> None:
-        """End a goal with what the client says.
+        """End a goal with a client's status and result.
 
         Raises:
-            ProtocolError: there is no such goal, the status is none that ends one, or the values
-                do not fit the type; in this last case the goal is aborted.
+            ProtocolError: the goal is unknown, the status does not end a goal, or the values do
+                not fit the type; in this last case the goal is aborted.
         """
         provided, goal_id = self._find(session, request)
-        # roslib 1 leaves the status out: then success or failure is all there is to say
+        # roslib 1 leaves the status out: then only success or failure is known
         status = _OUTCOMES.get(SUCCEEDED if request.status is None else request.status)
         if not request.result:
             status = ABORTED
@@ -139,8 +139,8 @@ class ClientActions:
             text = f"status: {why}, so it ends as aborted (6), not canceled (5)"
             session.warn(ProtocolError("bad_request", text), request.op, request.id)
         if status == ABORTED and isinstance(request.values, str | None):
-            words = request.values if isinstance(request.values, str) else "action failed"
-            goal.finish(ABORTED, failure(result_type, words))
+            reason = request.values if isinstance(request.values, str) else "action failed"
+            goal.finish(ABORTED, failure(result_type, reason))
             return
         try:
             cdr = encode_values(result_type, request.values, self._ros.now_ns, "values")
@@ -151,7 +151,7 @@ class ClientActions:
         goal.finish(status, cdr)
 
     def leave(self, session: Session) -> None:
-        """Close everything that a client provides; its goals are aborted."""
+        """Close all actions of a client; their goals are aborted."""
         for action, provided in list(self._provided.items()):
             if provided.session is session:
                 self._close(action, provided)
@@ -198,7 +198,7 @@ class ClientActions:
         except CodecError as error:
             goal.finish(ABORTED, failure(provided.type.result, f"goal cannot be read: {error}"))
             return
-        # As rosbridge spells it: ROS# takes it apart.
+        # In the form of rosbridge: ROS# parses it.
         goal_id = f"action_goal:{action}:{next(provided.session.numbers)}"
         provided.goals[goal_id] = goal
         provided.session.ask(

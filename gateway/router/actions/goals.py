@@ -21,15 +21,15 @@ from gateway.router.interface_types import InterfaceTypes
 from gateway.router.tasks import answered
 from gateway.service_clients import encode_values
 
-# An action server says at once whether it takes a goal; what it does then may take hours.
+# An action server accepts or rejects a goal at once; the goal itself may take hours.
 ACCEPT_S: Final = 5.0
-# Feedback is news, not a record: who reads slowly gets the newest.
+# Only the newest feedback matters: a slow reader gets that.
 FEEDBACK_QUEUE: Final = (16, 256 * 1024)  # messages, bytes
 
 
 @dataclass(slots=True, eq=False)
 class SentGoal:
-    """One goal on its way: from the client's wish to the result."""
+    """One goal, from the client's request to the result."""
 
     session: Session
     request: SendActionGoal
@@ -48,12 +48,12 @@ class SentGoal:
             self.goal.cancel()
 
     def flush_feedback(self) -> None:
-        """Have what waits sent before the result, which would overtake it."""
+        """Send waiting feedback before the result, which would overtake it."""
         while (frame := self.queue.next()) is not None:
             self.session.outbox.put_control(frame)
 
     def on_feedback(self, cdr: bytes) -> None:
-        """Pass the server's feedback on, if the client wants it and is still there."""
+        """Pass the server's feedback on, if the client wants it and is still connected."""
         if self.request.feedback and not self.is_abandoned:
             self.queue.put(_Feedback(self, cdr))
             self.session.wake()
@@ -70,20 +70,20 @@ class Goals:
 
     @property
     def clients(self) -> int:
-        """How many ROS action clients are open."""
+        """The number of open ROS action clients."""
         return len(self._clients)
 
     @property
     def under_way(self) -> int:
-        """How many goals are on their way."""
+        """The number of goals without a result yet."""
         return sum(map(len, self._sent.values()))
 
     def send(self, session: Session, request: SendActionGoal) -> None:
-        """Send a goal; feedback and the result, or why there is none, come when they come.
+        """Send a goal; feedback and the result, or an error, are sent later.
 
         Raises:
-            ProtocolError: nobody provides the action, not with that type, the goal does not fit
-                it, or the client has too many.
+            ProtocolError: no server provides the action with that type, the goal does not fit the
+                type, or the client has too many goals.
         """
         action = resolve_action(request.action, session.limits.max_name_characters)
         action_type = self._types.of_action(action, request.action_type)
@@ -103,10 +103,10 @@ class Goals:
         sent.task.add_done_callback(lambda _: self._forget(sent))
 
     def cancel(self, session: Session, request: CancelActionGoal) -> None:
-        """Ask for a goal to be cancelled; its result tells whether it was.
+        """Ask the server to cancel a goal; its result reports whether it was cancelled.
 
         Raises:
-            ProtocolError: the client has no such goal under way.
+            ProtocolError: the client has no active goal with this id.
         """
         action = resolve_action(request.action, session.limits.max_name_characters)
         for sent in self._sent.get(session, set()):
@@ -117,7 +117,7 @@ class Goals:
         raise ProtocolError("not_found", text)
 
     def leave(self, session: Session) -> None:
-        """Cancel a client's goals, except for those that it wants to be kept."""
+        """Cancel a client's goals, except for those that it wants to keep."""
         for sent in list(self._sent.get(session, ())):
             sent.is_abandoned = True
             if not sent.request.keep:
@@ -125,7 +125,7 @@ class Goals:
             elif sent.goal is None:
                 continue  # its task ends as soon as the server has accepted
             if sent.task is not None:
-                sent.task.cancel()  # which takes back what the server has not accepted yet
+                sent.task.cancel()  # this withdraws a goal that the server has not accepted yet
 
     def close(self) -> None:
         """Forget every goal and close every action client."""
@@ -172,7 +172,7 @@ class Goals:
 
 
 class _Feedback:
-    """One feedback that waits in a client's outbox, decoded when its turn has come."""
+    """One feedback in a client's outbox, decoded when it is sent."""
 
     __slots__ = ("_cdr", "_goal", "size")
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The ROS graph as clients see it: one picture, then what changed."""
+"""The ROS graph as frames for clients: a snapshot, then changes."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any, TypeVar
@@ -18,9 +18,9 @@ def picture(graph: Graph, rates_hz: Mapping[str, float]) -> dict[str, Any]:
 
 
 def changes(before: Graph, after: Graph) -> dict[str, Any]:
-    """Return the members of a later `graph` frame, empty where nothing changed.
+    """Return the members of a later `graph` frame, empty if nothing changed.
 
-    ``topics``, ``services`` and ``actions`` hold what is new or different, complete;
+    ``topics``, ``services`` and ``actions`` hold complete entries, those new or different;
     ``gone_topics`` and the like, ``nodes`` and ``gone_nodes`` hold names.
     """
     new_topics, gone_topics = _difference(before.topics, after.topics)
@@ -43,7 +43,7 @@ T = TypeVar("T", TopicInfo, ServerInfo)
 
 
 def _difference(before: Iterable[T], after: Iterable[T]) -> tuple[list[T], list[str]]:
-    """Return what is new or different, and the names of what is gone."""
+    """Return new and different entries, and the names of those that are gone."""
     known = {each.name: each for each in before}
     now = {each.name: each for each in after}
     new = [each for name, each in now.items() if known.get(name) != each]

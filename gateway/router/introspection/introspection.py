@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What clients ask about the gateway itself: clocks, limits, types, the graph."""
+"""Requests about the gateway itself: clocks, limits, types, the graph."""
 
 import time
 
@@ -21,7 +21,7 @@ PROTOCOL = "rosbridge 2.0"
 
 
 class Introspection:
-    """Answers them, and tells the watchers of the graph what changes."""
+    """Answers these requests, and sends changes of the graph to its watchers."""
 
     def __init__(
         self,
@@ -40,10 +40,10 @@ class Introspection:
         self._limits = limits
         self._version = version
         self._watching: dict[Session, str | int | None] = {}
-        self._seen: Graph | None = None  # what the watchers know
+        self._seen: Graph | None = None  # the last snapshot that the watchers got
 
     def ping(self, session: Session, request: Ping) -> None:
-        """Tell the clocks."""
+        """Answer `ping` with ROS time and gateway time."""
         session.answer(
             "pong",
             request.id,
@@ -53,7 +53,7 @@ class Introspection:
         )
 
     def hello(self, session: Session, request: Hello) -> None:
-        """Tell who this is and what it allows."""
+        """Answer `hello` with the gateway's version and limits."""
         session.answer(
             "hello",
             request.id,
@@ -66,10 +66,10 @@ class Introspection:
         )
 
     def describe(self, session: Session, request: Describe) -> None:
-        """Tell all about a type.
+        """Answer `describe` with a type's schema, definition and hash.
 
         Raises:
-            ProtocolError: it is no type, or none that is installed here.
+            ProtocolError: the name is not that of an installed type.
         """
         try:
             message_type = self._topic_types.named(request.type)
@@ -77,18 +77,18 @@ class Introspection:
             found = self._interface_types.described(request.type)
             if found is None:
                 raise
-            members: dict[str, object] = {"type": found.name, **_words(found.definition)}
+            members: dict[str, object] = {"type": found.name, **_definition(found.definition)}
             session.answer("describe", request.id, **members, schema=found.json_schema())
         else:
             members = {
                 "type": message_type.name,
                 "number": self._topic_types.number(message_type.name),
-                **_words(message_type.definition),
+                **_definition(message_type.definition),
             }
             session.answer("describe", request.id, **members, schema=message_type.json_schema())
 
     def graph(self, session: Session, request: GraphRequest) -> None:
-        """Tell what is there, and from now on or no longer what changes."""
+        """Answer `graph` with a snapshot, and start or stop watching for changes."""
         now = self._ros.graph()
         if request.watch is False:
             self._watching.pop(session, None)
@@ -100,7 +100,7 @@ class Introspection:
         session.answer("graph", request.id, **graph_frames.picture(now, rates_hz))
 
     def on_graph_change(self) -> None:
-        """Tell the watchers."""
+        """Send the changes to the watchers."""
         if not self._watching or self._seen is None:
             return
         before, self._seen = self._seen, self._ros.graph()
@@ -110,9 +110,9 @@ class Introspection:
                 session.answer("graph", request_id, changes=changes)
 
     def leave(self, session: Session) -> None:
-        """Tell a client nothing any more."""
+        """Send nothing more to a client."""
         self._watching.pop(session, None)
 
 
-def _words(definition: Definition | Interface) -> dict[str, str | None]:
+def _definition(definition: Definition | Interface) -> dict[str, str | None]:
     return {"type_hash": definition.type_hash, "definition": definition.text}

@@ -23,7 +23,7 @@ class ParameterOperations:
         self._parameters = parameters
 
     async def list(self, request: ListParameters) -> dict[str, Any]:
-        """Name a node's parameters."""
+        """List a node's parameters."""
         timeout_s = node_timeout_s(request.timeout)
         names = await self._parameters.list_names(request.node, request.prefixes, timeout_s)
         return {"node": request.node, "names": names}
@@ -35,7 +35,7 @@ class ParameterOperations:
         return {"node": request.node, "values": values}
 
     async def set(self, request: SetParameters) -> dict[str, Any]:
-        """Set values; what the node refuses is told for each."""
+        """Set values; report for each whether the node refused it, and why."""
         timeout_s = node_timeout_s(request.timeout)
         results = await self._parameters.set(request.node, request.values, timeout_s)
         return {
@@ -44,7 +44,7 @@ class ParameterOperations:
         }
 
     async def describe(self, request: DescribeParameters) -> dict[str, Any]:
-        """Tell types, words and limits."""
+        """Return types, descriptions and limits."""
         timeout_s = node_timeout_s(request.timeout)
         described = await self._parameters.describe(request.node, request.names, timeout_s)
         return {"node": request.node, "parameters": described}

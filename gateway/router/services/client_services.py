@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Services that clients provide: calls from ROS on their way to a client, answers back."""
+"""Services that clients provide: calls from ROS go to a client, its answers go back."""
 
 import asyncio
 import logging
@@ -26,7 +26,7 @@ from gateway.service_clients import encode_values
 
 logger = logging.getLogger(__name__)
 
-# What waits for one client to answer; a client that is so far behind will not catch up.
+# Calls that wait for one client to answer; a client that is so far behind will not catch up.
 MAX_PENDING: Final = 64
 
 
@@ -56,7 +56,7 @@ class ClientServices:
     def __init__(
         self, ros: Ros, types: InterfaceTypes, is_reserved: Callable[[ServiceName], bool]
     ) -> None:
-        """*is_reserved* tells which services the gateway answers itself."""
+        """*is_reserved* returns whether the gateway answers a service itself."""
         self._ros = ros
         self._types = types
         self._is_reserved = is_reserved
@@ -64,26 +64,26 @@ class ClientServices:
 
     @property
     def services(self) -> int:
-        """How many ROS services are open."""
+        """The number of open ROS services."""
         return len(self._provided)
 
     @property
     def pending(self) -> int:
-        """How many calls wait for a client's answer."""
+        """The number of calls that wait for a client's answer."""
         return sum(len(provided.pending) for provided in self._provided.values())
 
     def count(self, session: Session) -> int:
-        """Count what a client provides."""
+        """Count the services of a client."""
         return sum(provided.session is session for provided in self._provided.values())
 
     def advertise(self, session: Session, request: AdvertiseService) -> None:
-        """Open a service. One that a client of the gateway provides already changes hands.
+        """Open a service, or take it over from the client that provides it.
 
-        A client that has lost its connection and is back must not find its place taken by the
-        connection that it lost, so the newest wins, as in rosbridge.
+        A client that reconnects must not be locked out by the connection that it lost, so the
+        newest wins, as in rosbridge.
 
         Raises:
-            ProtocolError: the name or the type is not right.
+            ProtocolError: the name or the type is wrong.
             RosError: ROS refuses it.
         """
         service = resolve_service(request.service, session.limits.max_name_characters)
@@ -119,11 +119,11 @@ class ClientServices:
         self._close(service, self._own(session, service), "service was withdrawn")
 
     def respond(self, session: Session, response: ServiceResponse) -> None:
-        """Give a caller what the client answers.
+        """Send a client's answer to the caller.
 
         Raises:
-            ProtocolError: nothing waits for this answer, or its values do not fit the type; in
-                that case the caller is told of a failure.
+            ProtocolError: no call waits for this answer, or its values do not fit the type; then
+                the caller gets a failure.
         """
         service = resolve_service(response.service, session.limits.max_name_characters)
         provided = self._own(session, service)
@@ -135,8 +135,8 @@ class ClientServices:
         response_type = provided.type.response
         # roslib and roslibpy send an empty object with every failure
         if not response.result and not (response.values and isinstance(response.values, dict)):
-            words = response.values if isinstance(response.values, str) else "service failed"
-            _fail(pending.request, provided.type, words)
+            reason = response.values if isinstance(response.values, str) else "service failed"
+            _fail(pending.request, provided.type, reason)
             return
         try:
             cdr = encode_values(response_type, response.values, self._ros.now_ns, "values")
@@ -150,7 +150,7 @@ class ClientServices:
             session.warn(ProtocolError("bad_request", text), response.op, response.id)
 
     def leave(self, session: Session) -> None:
-        """Close everything that a client provides; its callers are answered."""
+        """Close all services of a client; their callers are answered."""
         for service, provided in list(self._provided.items()):
             if provided.session is session:
                 self._close(service, provided, "service's client has left")
@@ -186,7 +186,7 @@ class ClientServices:
         except CodecError as error:
             _fail(call, provided.type, f"request cannot be read: {error}")
             return
-        # As rosbridge spells it: ROS# takes it apart.
+        # In the form of rosbridge: ROS# parses it.
         call_id = f"service_request:{service}:{next(provided.session.numbers)}"
         deadline = asyncio.get_running_loop().call_later(
             provided.session.limits.service_timeout_s, self._expire, provided, call_id
@@ -203,7 +203,7 @@ class ClientServices:
 
     def _close(self, service: ServiceName, provided: ClientService, reason: str) -> None:
         del self._provided[service]
-        provided.closed_because = reason  # calls that have arrived come yet
+        provided.closed_because = reason  # calls that have arrived still follow
         for pending in provided.pending.values():
             pending.deadline.cancel()
             _fail(pending.request, provided.type, reason)

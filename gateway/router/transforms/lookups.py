@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where frames are in each other, for clients that keep no transform tree of their own."""
+"""Lookups of transforms, for clients that keep no transform tree of their own."""
 
 import asyncio
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ DEFAULT_TIMEOUT_S: Final = 1.0  # a first lookup has to discover the publishers
 
 
 class TransformLookups:
-    """Listens to ``/tf`` and ``/tf_static`` while somebody looks transforms up, and answers.
+    """Listens to ``/tf`` and ``/tf_static`` while clients look transforms up, and answers.
 
     Runs on the event loop's thread.
     """
@@ -44,7 +44,7 @@ class TransformLookups:
 
         Raises:
             ProtocolError: ``not_found``: a frame is unknown, or they are not connected;
-                ``timeout``: the time asked for has not come; ``bad_type``: no tf here.
+                ``timeout``: the requested time has not come; ``bad_type``: tf2_msgs is missing.
             RosError: ROS refuses the subscriptions.
         """
         listener = self._listener
@@ -62,7 +62,7 @@ class TransformLookups:
             listener.release()
 
     def watch(self, session: Session, request: LookupTransform) -> None:
-        """Send a transform again and again; replaces the periodic lookup with the same id.
+        """Send a transform periodically; replace the periodic lookup with the same id.
 
         Raises:
             ProtocolError: it is refused, and nothing has changed.
@@ -80,7 +80,7 @@ class TransformLookups:
         if request.id in own:
             self._end(session, request.id)
         pair = _Pair(request.target_frame, request.source_frame, request.rate)
-        queue = session.outbox.open_queue(1, None)  # beside a new transform an old one is of no use
+        queue = session.outbox.open_queue(1, None)  # a new transform makes an old one useless
         periodic = _PeriodicLookup(session, request, pair, queue)
         self._periodic.setdefault(session, {})[request.id] = periodic
         if pair not in self._shared:
@@ -91,19 +91,19 @@ class TransformLookups:
         """End a periodic lookup.
 
         Raises:
-            ProtocolError: there is none with this id.
+            ProtocolError: the id is unknown.
         """
         if request.id not in self._periodic.get(session, {}):
             raise ProtocolError("not_found", f"no repeated lookup with id {request.id!r}")
         self._end(session, request.id)
 
     def leave(self, session: Session) -> None:
-        """End everything that stands for a client."""
+        """End the periodic lookups of a client."""
         for request_id in list(self._periodic.get(session, {})):
             self._end(session, request_id)
 
     def close(self) -> None:
-        """End all and the ROS subscriptions."""
+        """End all lookups and the ROS subscriptions."""
         for session in list(self._periodic):
             self.leave(session)
         self._listener.close()
@@ -124,7 +124,7 @@ class TransformLookups:
 
 
 class _Pair(NamedTuple):
-    """What periodic lookups must have in common to be computed once."""
+    """The frames of a lookup and its rate; periodic lookups with equal ones are computed once."""
 
     target: str
     source: str
@@ -139,19 +139,18 @@ class _PeriodicLookup:
     request: LookupTransform
     pair: _Pair
     queue: Queue
-    warning_timer: asyncio.TimerHandle | None = (
-        None  # since it is missing, whether it is over or not
-    )
+    # set while the transform is missing, also after it has run out
+    warning_timer: asyncio.TimerHandle | None = None
 
     def stop_waiting(self) -> None:
-        """Wait no longer for what is missing."""
+        """Stop waiting for a missing transform."""
         if self.warning_timer is not None:
             self.warning_timer.cancel()
             self.warning_timer = None
 
 
 class _TransformFrame:
-    """A transform on its way to one client."""
+    """A transform in one client's outbox."""
 
     __slots__ = ("_frame", "size")
 
@@ -170,21 +169,21 @@ class _TransformFrame:
 
 
 class _SharedLookup:
-    """Looks one pair up at one rate at most, for all who stand on it, when there is news."""
+    """Looks one pair up when the buffer changes, at a limited rate, for all lookups of the pair."""
 
     def __init__(self, pair: _Pair, buffer: Buffer) -> None:
         self._pair = pair
         self._buffer = buffer
         self._lookups: list[_PeriodicLookup] = []
         self._sent: Found | None = None
-        self._body = b""  # of what was sent, as JSON
+        self._body = b""  # of the last frame sent, as JSON
         self._loop = asyncio.get_running_loop()
         self._due = 0.0
         self._timer: asyncio.TimerHandle | None = None
         self.wake()
 
     def join(self, periodic: _PeriodicLookup) -> None:
-        """Send to one more, at once what the others have."""
+        """Add a lookup, and send it the current transform at once."""
         self._lookups.append(periodic)
         if self._sent is not None:
             self._put(periodic)
@@ -192,7 +191,7 @@ class _SharedLookup:
             self._miss(periodic)
 
     def leave(self, periodic: _PeriodicLookup) -> bool:
-        """Send to one less; return whether nobody is left."""
+        """Remove a lookup; return whether none is left."""
         self._lookups.remove(periodic)
         periodic.stop_waiting()
         if not self._lookups and self._timer is not None:
@@ -200,7 +199,7 @@ class _SharedLookup:
         return not self._lookups
 
     def wake(self) -> None:
-        """Look again, when it is time to: the buffer has changed."""
+        """Look again when the rate allows it: the buffer has changed."""
         if self._timer is None:
             self._due = max(self._due, self._loop.time())
             self._timer = self._loop.call_at(self._due, self._turn)
@@ -208,12 +207,12 @@ class _SharedLookup:
     def _turn(self) -> None:
         self._timer = None
         now = self._loop.time()
-        # keep the beat; begin a new one where the loop has been busy for longer than that
+        # keep the period; begin a new one if the loop has been busy for longer than that
         self._due = max(self._due + 1 / self._pair.rate, now)
         try:
             found = self._buffer.lookup(self._pair.target, self._pair.source)
         except TransformError:
-            self._due = min(self._due, now + RETRY_S)  # nothing is sent, so that is not too often
+            self._due = min(self._due, now + RETRY_S)  # nothing is sent, so this is not too often
             self._sent = None
             for periodic in self._lookups:
                 self._miss(periodic)
@@ -239,7 +238,7 @@ class _SharedLookup:
             periodic.warning_timer = self._loop.call_later(timeout_s, self._warn, periodic)
 
     def _warn(self, periodic: _PeriodicLookup) -> None:
-        """Tell a client what is missing; the next time only when it was there in between."""
+        """Warn a client of a missing transform, once until the transform is there again."""
         try:
             self._buffer.lookup(self._pair.target, self._pair.source)
         except TransformError as error:
@@ -265,7 +264,7 @@ def _refusal(error: TransformError) -> ProtocolError:
 
 
 def _transform_stamped(target: str, source: str, found: Found) -> dict[str, Any]:
-    """Return geometry_msgs/msg/TransformStamped: *source* in *target*, as they are spelt."""
+    """Return geometry_msgs/msg/TransformStamped: *source* in *target*, names as requested."""
     x, y, z, qx, qy, qz, qw = found.transform
     return {
         "header": {"stamp": messages.time(found.stamp_ns), "frame_id": target},

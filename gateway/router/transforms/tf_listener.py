@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What ``/tf`` and ``/tf_static`` say, for as long as somebody wants to know."""
+"""A buffer of ``/tf`` and ``/tf_static``, filled as long as somebody needs it."""
 
 import asyncio
 import contextlib
@@ -20,12 +20,12 @@ from gateway.tf.errors import InvalidTransformError
 from gateway.tf.history import JUMP_BACK_NS
 from gateway.tf.rigid import Rigid
 
-# After the last lookup. Who asks every few seconds, or reconnects, finds the buffer full; what
-# nobody needs then costs some percent of a core at the usual 50 Hz.
+# After the last lookup. A client that asks every few seconds, or reconnects, finds the buffer full;
+# meanwhile the unused subscriptions cost some percent of a core at the usual 50 Hz.
 LINGER_S: Final = 30.0
-_DEPTH: Final = 100  # as tf2's listeners have it
-RETRY_S: Final = 0.02  # between looks of one who waits: /tf may come in a thousand small messages
-_MAX_WARNINGS: Final = 8  # of so many frames each kind of fault is told on /rosout
+_DEPTH: Final = 100  # as in tf2's listeners
+RETRY_S: Final = 0.02  # between attempts of a waiting lookup: /tf may come in many small messages
+_MAX_WARNINGS: Final = 8  # on /rosout, for each kind of fault, about as many frames
 
 
 class TfListener:
@@ -44,13 +44,13 @@ class TfListener:
         self._end: asyncio.TimerHandle | None = None
         self._newest_now_ns = 0
         self._news: asyncio.Event | None = None  # while somebody waits for it
-        self._warned: dict[str, set[str]] = {}  # by kind of fault, what it was told of
+        self._warned: dict[str, set[str]] = {}  # by kind of fault, the subjects warned about
 
     def acquire(self) -> None:
-        """Listen until released, and a while after.
+        """Listen until released, and for a while after.
 
         Raises:
-            ProtocolError: there is no tf2_msgs here.
+            ProtocolError: tf2_msgs is not installed.
             RosError: ROS refuses the subscriptions.
         """
         if not self._open:
@@ -61,13 +61,13 @@ class TfListener:
         self._users += 1
 
     def release(self) -> None:
-        """Listen no longer than `LINGER_S`, unless others want to."""
+        """Stop listening after `LINGER_S`, unless others need it."""
         self._users -= 1
         if not self._users and self._open:
             self._end = asyncio.get_running_loop().call_later(LINGER_S, self.close)
 
     def close(self) -> None:
-        """End the subscriptions, and forget what they told."""
+        """End the subscriptions, and forget their transforms."""
         if self._end is not None:
             self._end.cancel()
             self._end = None
@@ -78,7 +78,7 @@ class TfListener:
         self._warned.clear()
 
     async def news(self, deadline: float) -> bool:
-        """Wait for new transforms until *deadline*, in loop time; return whether it was ahead."""
+        """Wait for new transforms until *deadline*, in loop time; return false if it had passed."""
         if asyncio.get_running_loop().time() >= deadline:
             return False
         if self._news is None:
@@ -94,7 +94,7 @@ class TfListener:
             message_type = self._types.get(TF_MESSAGE)
         except ProtocolError as error:
             raise ProtocolError(error.code, f"transforms need package tf2_msgs: {error}") from error
-        # tf2's own listeners insist on transient local, too: what is fixed is said but once
+        # tf2's own listeners insist on transient local, too: static frames are published only once
         latched = Qos(durability="transient_local", depth=_DEPTH)
         for topic, qos, is_static in (
             ("/tf", Qos(depth=_DEPTH), False),
@@ -114,7 +114,7 @@ class TfListener:
         before = self.buffer.revision
         now_ns = self._ros.now_ns()
         if now_ns < self._newest_now_ns - JUMP_BACK_NS:
-            self.buffer.clear()  # as tf2: a simulation or a recording has started over
+            self.buffer.clear()  # as in tf2: a simulation or a recording has started over
             self._newest_now_ns = now_ns
         self._newest_now_ns = max(self._newest_now_ns, now_ns)
         heard_ns = time.monotonic_ns()
@@ -157,9 +157,9 @@ class TfListener:
         self._warn("incompatible", text, text)
 
     def _warn(self, fault: str, about: str, text: str) -> None:
-        """Tell of one *fault*, of which there are a few kinds, once for what it is *about*."""
-        told = self._warned.setdefault(fault, set())
+        """Log a *fault*, one of a few kinds, once for each subject that it is *about*."""
+        warned = self._warned.setdefault(fault, set())
         about = truncate(about)
-        if about not in told and len(told) < _MAX_WARNINGS:
-            told.add(about)
+        if about not in warned and len(warned) < _MAX_WARNINGS:
+            warned.add(about)
             self._ros.log("warning", f"tf: {text}")
