@@ -8,11 +8,11 @@ CELLS: Final = 3
 _IDLE_CURRENT: Final = 0.9  # A: the computer, the lidar, the camera
 _DRIVE_CURRENT: Final = 1.4  # A on top at full speed
 _CHARGE_CURRENT: Final = 18.0  # A: full in minutes, so that people see it happen
-_LOW: Final = 0.1  # below it a real pack is damaged: somebody swaps it
+_LOW: Final = 0.1  # below it a real pack is damaged: it is swapped
 
 
 class Battery:
-    """A charge that falls with time and driving and rises in the bay; time is an argument."""
+    """A charge that falls with time and driving, and rises in the bay; time is an argument."""
 
     def __init__(self) -> None:
         self.charge = CAPACITY  # Ah left

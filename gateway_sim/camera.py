@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The simulated camera: a pinhole camera on the robot that looks at the painted room.
 
-Surfaces are upright and the camera looks level, so each column of the picture meets a surface
-in one vertical line: one ray a column finds them, and OpenCV looks all pixels up at once. The
-lens is shifted downwards rather than tilted, which shows the floor from 0.36 m ahead.
+Surfaces are upright and the camera is level, so each column of the picture meets a surface in one
+vertical line: one ray per column finds it, and OpenCV looks up all pixels at once. The lens is
+shifted downwards rather than tilted, which shows the floor from 0.36 m ahead.
 """
 
 import math
@@ -24,7 +24,7 @@ CENTRE_Y: Final = 200.0
 AHEAD: Final = 0.08  # m from the robot's centre to the lens
 ABOVE: Final = 0.24  # m from the floor to the lens
 
-_OBSTACLES_DEEP: Final = 4  # behind so many, a column shows nothing but the room's wall
+_OBSTACLES_DEEP: Final = 4  # behind so many, a column shows only the room's wall
 _FLOOR_NEAR: Final = (1.0, 2.2)  # m ahead where the floor's next coarser resolution begins
 
 _Maps = NDArray[np.float32]
@@ -51,23 +51,23 @@ class Camera:
         """Return the view of a robot at *pose*: 480 rows of 640 RGB pixels."""
         cosine, sine = math.cos(pose.heading), math.sin(pose.heading)
         x, y = pose.x + AHEAD * cosine, pose.y + AHEAD * sine
-        # One metre along the optical axis: then a ray's length is the depth of what it meets.
+        # One metre along the optical axis: then a ray's length is a surface's depth.
         dx, dy = cosine - self._left * sine, sine + self._left * cosine
         self._map_sky()
         self._map_floor(x, y, dx, dy)
         self._map_surfaces(x, y, dx, dy)
         picture = cv2.remap(self._atlas.picture, self._map_x, self._map_y, cv2.INTER_LINEAR)
-        return np.asarray(picture, np.uint8)  # as it is: only OpenCV's stubs know less
+        return np.asarray(picture, np.uint8)  # unchanged: only OpenCV's stubs have a wider type
 
     def _prepare_floor(self) -> None:
-        """Find for each row below the horizon how far it looks, and into which floor."""
+        """Compute for each row below the horizon its distance, and the floor that it shows."""
         rows = np.arange(self._horizon, HEIGHT)
         depths = FOCAL_LENGTH * ABOVE / (rows - CENTRE_Y)
         levels = np.searchsorted(_FLOOR_NEAR, depths)
         scales = np.array(FLOOR_SCALES)[levels]
         places_x = np.array([place.x for place in self._atlas.floors])[levels]
         places_y = np.array([place.y for place in self._atlas.floors])[levels]
-        # half a pixel: OpenCV counts from the middles of pixels
+        # half a pixel: OpenCV counts from the centres of pixels
         self._floor_x = places_x - 0.5 - self._world.x_min * scales
         self._floor_y = places_y - 0.5 - self._world.y_min * scales
         self._floor_scales = scales
@@ -121,7 +121,7 @@ class Camera:
         depth: NDArray[np.float64],
         along: NDArray[np.float64],
     ) -> None:
-        """Map the rows between top and bottom of one surface a column; infinite depth: none."""
+        """Map the rows between top and bottom of one surface per column; infinite depth: none."""
         missed = np.isinf(depth)
         depth = np.where(missed, 1.0, depth)
         height = self._heights[surface]

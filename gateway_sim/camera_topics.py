@@ -18,7 +18,7 @@ _JPEG_PARAMETERS: Final = (cv2.IMWRITE_JPEG_QUALITY, 85)
 
 
 class CameraTopics:
-    """Publishes what the camera sees, named as image_transport names it; draws when subscribed."""
+    """Publishes pictures with image_transport's topic names; draws them only for subscribers."""
 
     def __init__(self, node: Node, world: World) -> None:
         self._camera = Camera(world)
@@ -27,7 +27,7 @@ class CameraTopics:
         self._info = node.create_publisher(CameraInfo, "camera/camera_info", _DEPTH)
 
     def publish(self, header: Header, pose: Pose) -> None:
-        """Publish the view of a robot at *pose* to those who subscribe."""
+        """Publish the view of a robot at *pose* to the subscribers."""
         robot_messages.offer(self._info, lambda: robot_messages.camera_info(header))
         wants_image = self._image.get_subscription_count() > 0
         wants_jpeg = self._jpeg.get_subscription_count() > 0

@@ -2,8 +2,8 @@
 """Made-up messages of any type: valid, recognisable, and different each time.
 
 Pure: a message is a dict by field name, octets are `bytes`, and time is an argument. Numbers
-count up with the counter and from field to field, so that swapped fields and lost messages
-show; strings carry the type's name and the counter.
+increase with the counter and from field to field, which shows swapped fields and lost messages;
+strings have the type's name and the counter.
 """
 
 import math
@@ -20,7 +20,7 @@ from schemas.installed import InstalledDefinitions
 FRAME: Final = "mock"
 WIDTH: Final = 64  # pixels
 HEIGHT: Final = 48
-_ELEMENTS: Final = 3  # of a sequence: enough to see an order, the same in sequences that belong
+_ELEMENTS: Final = 3  # of a sequence: enough to see an order; equal for sequences that belong
 _BEAMS: Final = 36
 
 Values = dict[str, Any]
@@ -33,7 +33,7 @@ class Inventor:
         self._definitions = definitions
 
     def values(self, name: str, counter: int, now_ns: int) -> Values:
-        """Make up the message number *counter* of the type ``pkg/msg/Name``.
+        """Make up message number *counter* of the type ``pkg/msg/Name``.
 
         Raises:
             UnknownTypeError: a definition is not installed.
@@ -93,7 +93,7 @@ def _primitive(definition: Definition, field: Field, number: int) -> bool | int 
 
 
 def _named_values(definition: Definition, field: Field) -> list[int]:
-    """Return the constants that an integer field takes, where the definition shows which."""
+    """Return the constants for an integer field, if the definition shows which belong to it."""
     constants = [c for c in definition.constants if c.type == field.type.base]
     prefix = f"{field.name.upper()}_"
     own = [c for c in constants if c.name.startswith(prefix)]
@@ -107,7 +107,7 @@ def _covariance(size: int) -> list[float]:
 
 
 def _pixels(counter: int) -> np.ndarray[Any, np.dtype[np.uint8]]:
-    """Draw a blue gradient under a white bar that moves one pixel a message."""
+    """Draw a blue gradient under a white bar that moves one pixel per message."""
     pixels = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
     pixels[:, :, 0] = np.linspace(0, 120, WIDTH)
     pixels[:, :, 2] = np.linspace(80, 255, HEIGHT)[:, None]
@@ -225,7 +225,7 @@ def _layout(_counter: int) -> Values:
     }
 
 
-# What the fields' types do not say: numbers that must agree, ranges, formats.
+# Rules that the fields' types do not state: numbers that must agree, ranges, formats.
 _SPECIAL: Final[dict[str, Callable[[int], Values]]] = {
     "geometry_msgs/msg/Quaternion": _quaternion,
     "nav_msgs/msg/MapMetaData": _grid_info,

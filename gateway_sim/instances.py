@@ -52,7 +52,7 @@ class Builder:
     def _value(self, kind: FieldType, value: Any) -> Any:
         if kind.is_array:
             if kind.base in {"uint8", "char"}:
-                # a fixed array is numpy's in rclpy, a sequence array's
+                # in rclpy a fixed array is of numpy, a sequence of array
                 return array.array("B", value) if kind.is_sequence else np.frombuffer(value, "u1")
             return [self._one(kind.base, element) for element in value]
         return self._one(kind.base, value)

@@ -18,7 +18,7 @@ _NOISE: Final = 0.005  # m, standard deviation
 
 
 class Lidar:
-    """Measures distances in a world, with a little noise that *seed* fixes."""
+    """Measures distances in a world, with a little noise from *seed*."""
 
     def __init__(self, world: World, seed: int = 0) -> None:
         self._world = world
@@ -28,7 +28,7 @@ class Lidar:
     def scan(self, pose: Pose) -> NDArray[np.float32]:
         """Return the range of each beam, in metres.
 
-        REP 117: what is too near is negative infinity, what is too far positive infinity.
+        REP 117: too near is negative infinity, too far is positive infinity.
         """
         angles = pose.heading + self._angles
         hits = self._world.cast(pose.x, pose.y, np.cos(angles), np.sin(angles))

@@ -20,7 +20,7 @@ from rclpy.signals import SignalHandlerOptions
 from gateway.ros import fast_dds, rclpy_private
 
 PROFILE: Final = Path(__file__).with_name("fastdds_profile.xml")
-_LONGEST_WAIT_NS: Final = 50_000_000  # what a stop may take to be noticed, nothing to a person
+_LONGEST_WAIT_NS: Final = 50_000_000  # the longest delay of a stop, which no person notices
 
 
 @dataclass(slots=True)
@@ -31,7 +31,7 @@ class _Periodic:
 
 
 class Loop:
-    """Runs ROS callbacks as they come and tasks at their instants, all on the caller's thread."""
+    """Runs ROS callbacks as they come and tasks when they are due, all on the caller's thread."""
 
     def __init__(self, context: Context) -> None:
         self._executor = _executor(context)
@@ -42,7 +42,7 @@ class Loop:
         self._executor.add_node(node)
 
     def every(self, period_ns: int, task: Callable[[], None]) -> None:
-        """Call *task* now and at each full period after; periods that were missed are skipped."""
+        """Call *task* now and at each full period after; missed periods are skipped."""
         self._periodic.append(_Periodic(period_ns, task, time.monotonic_ns()))
 
     def run(self, stop: threading.Event) -> None:
@@ -58,15 +58,15 @@ class Loop:
                 (periodic.due_ns for periodic in self._periodic), default=now_ns + _LONGEST_WAIT_NS
             )
             wait_ns = min(until_ns - time.monotonic_ns(), _LONGEST_WAIT_NS)
-            # With nothing left to wait, the callbacks that are ready still get their turn.
+            # Even with no time left to wait, run the callbacks that are ready.
             self.turn(max(0, wait_ns) / 1e9)
 
     def turn(self, timeout_s: float) -> None:
-        """Run the next callback, waiting for one at most *timeout_s* seconds."""
+        """Wait at most *timeout_s* seconds for a callback, and run it."""
         self._executor.spin_once(timeout_sec=timeout_s)
 
     def close(self) -> None:
-        """Let go of the nodes; they are not destroyed."""
+        """Release the nodes without destroying them."""
         for node in self._executor.get_nodes():
             self._executor.remove_node(node)
         self._executor.shutdown()

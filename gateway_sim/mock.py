@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The mock system: a node that publishes every type and listens to every type.
 
-What it publishes is made up (`gateway_sim.content`), below ``/mock``; what arrives below
-``/mock_in`` is written as one line of text.
+It publishes made-up messages (`gateway_sim.content`) below ``/mock``, and writes each message that
+arrives below ``/mock_in`` as one line of text.
 """
 
 import re
@@ -22,15 +22,15 @@ from gateway_sim.loop import Loop, ros_context, stopped_by_signals
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table, TypeNameError, resolve_type
 
-MAX_RATE_HZ: Final = 1000.0  # far above what 180 types reach; it ends typing errors
+MAX_RATE_HZ: Final = 1000.0  # far above the rate that 180 types reach; it catches typing errors
 _TICK_NS: Final = 10_000_000  # publishing in bursts of 10 ms saves wake-ups and delays nobody
-_DEPTH: Final = 100  # samples: a second's burst by a test waits rather than is lost
+_DEPTH: Final = 100  # samples: a test's burst of one second waits and is not lost
 _WORD_START: Final = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=.)(?=[A-Z][a-z])")
 
 
 @dataclass(frozen=True, slots=True)
 class MockOptions:
-    """How to run the mock system.
+    """The options of the mock system.
 
     Raises:
         ConfigError: a value is out of its range, or names no type.
@@ -53,7 +53,7 @@ class MockOptions:
         if not self.types:
             return tuple(row.name for row in table.rows)
         try:
-            return tuple(dict.fromkeys(resolve_type(spelling, table) for spelling in self.types))
+            return tuple(dict.fromkeys(resolve_type(requested, table) for requested in self.types))
         except TypeNameError as error:
             raise ConfigError(str(error)) from error
 
@@ -77,7 +77,7 @@ def run(options: MockOptions) -> int:
 def topic_of(type_name: str, prefix: str) -> str:
     """Return the mock system's topic for a type: ``/mock/std_msgs/u_int8`` for ``UInt8``.
 
-    The name is spelled as rosidl spells it in the names of its headers.
+    The name has the form of rosidl's header names.
     """
     package, _, name = type_name.split("/")
     return f"{prefix}/{package}/{_WORD_START.sub('_', name).lower()}"
@@ -86,12 +86,12 @@ def topic_of(type_name: str, prefix: str) -> str:
 class MockSystem:
     """The node ``mock_system``; everything happens on the thread that runs ``loop``.
 
-    Without types in the options, one whose package is not installed is left out, with a warning
-    in the log.
+    Without types in the options, types whose packages are not installed are left out, with a
+    warning in the log.
     """
 
     def __init__(self, context: Context, options: MockOptions) -> None:
-        """Make the node.
+        """Create the node.
 
         Raises:
             ConfigError: a type that the options name is not installed.
@@ -142,7 +142,7 @@ class MockSystem:
         self._node.create_subscription(cls, topic, written, _DEPTH)
 
     def _publish_due(self) -> None:
-        """Publish the types in turn, evenly spread over time; skip what is a round too late."""
+        """Publish the types in turn, evenly spread over time; skip those late by a whole period."""
         due = int((time.monotonic_ns() - self._start_ns) / self._interval_ns)
         for index in range(max(self._published, due - len(self._names)), due):
             counter, position = divmod(index, len(self._names))
@@ -155,7 +155,7 @@ class MockSystem:
 
 
 def _message_classes(names: Sequence[str]) -> tuple[dict[str, Any], list[str]]:
-    """Return the classes by type, and what is wrong with the types that are not installed."""
+    """Return the classes by type, and an error text for each type that is not installed."""
     classes: dict[str, Any] = {}
     missing = []
     for name in names:

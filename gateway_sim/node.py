@@ -32,19 +32,19 @@ from gateway_sim.robot import MAX_LINEAR, DismissedError, Event, Robot
 from gateway_sim.robot_frames import RobotFrames
 from gateway_sim.world import Pose, furnished_room
 
-_STATE_NS: Final = 1_000_000_000 // 30  # odometry and what belongs to it: 30 Hz
+_STATE_NS: Final = 1_000_000_000 // 30  # odometry, transforms, inertia and joints: 30 Hz
 _SLOW_NS: Final = 1_000_000_000  # battery and diagnostics: 1 Hz
 _DEPTH: Final = 5  # samples kept for a slow reader: a second of the lidar
 _COMMAND_DEPTH: Final = 10  # a third of a second of commands at 30 Hz
-_SERIES_NS: Final = 10_000_000_000  # commands dismissed closer together are told once
-_MAX_CAMERA_HZ: Final = 60.0  # at 3 ms a picture a fifth of a core
+_SERIES_NS: Final = 10_000_000_000  # commands dismissed closer together are logged once
+_MAX_CAMERA_HZ: Final = 60.0  # at 3 ms per picture a fifth of a core
 _NAMESPACE: Final = re.compile(r"(/?[A-Za-z]\w*(/[A-Za-z]\w*)*)?", re.ASCII)
 _WARNINGS: Final = frozenset({Event.HIT, Event.GOAL_BLOCKED, Event.SILENCE})
 
 
 @dataclass(frozen=True, slots=True)
 class SimOptions:
-    """How to run the simulated robot.
+    """The options of the simulated robot.
 
     Raises:
         ConfigError: a value is out of its range.
@@ -81,7 +81,7 @@ def run(options: SimOptions) -> int:
 class SimulatedRobot:
     """The node ``simulated_robot``; everything happens on the thread that runs ``loop``.
 
-    Messages are built, and pictures drawn, only for topics that somebody subscribes to.
+    It builds messages and draws pictures only for topics with subscribers.
     """
 
     def __init__(self, context: Context, options: SimOptions) -> None:
@@ -94,7 +94,7 @@ class SimulatedRobot:
         self._battery_swaps = 0
         self._node = Node("simulated_robot", context=context, namespace=options.namespace or None)
         self._frames = f"{options.namespace.strip('/')}/" if options.namespace else ""
-        self._dismissed_ns: int | None = None  # when, if no command was obeyed since
+        self._dismissed_ns: int | None = None  # None after a command was obeyed
         self.loop = Loop(context)
         self._advertise()
         self._listen()
@@ -192,7 +192,7 @@ class SimulatedRobot:
     ) -> SetBool.Response:
         self._step()
         self._robot.switch_motors(request.data)
-        self._dismissed_ns = None  # what is dismissed from now on has another reason
+        self._dismissed_ns = None  # from now on commands are dismissed for another reason
         response.success = True
         response.message = f"motors {'on' if request.data else 'off'}"
         self._node.get_logger().info(response.message)

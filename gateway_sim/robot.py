@@ -19,16 +19,16 @@ RADIUS: Final = 0.14  # m, of the circle around the base
 WHEEL_RADIUS: Final = 0.033  # m
 WHEEL_SEPARATION: Final = 0.287  # m
 
-_ROUNDING: Final = 1e-6  # a limit that was a float32 on its way is still the limit
+_ROUNDING: Final = 1e-6  # a limit that was a float32 in between is still the limit
 _LINEAR_ACCELERATION: Final = 1.0  # m/s², from full speed to rest in 34 mm
 _ANGULAR_ACCELERATION: Final = 8.0  # rad/s²
 _TOUCH: Final = 0.005  # m to the obstacle that was hit: farther away, it can be hit again
 _STEP_NS: Final = 10_000_000  # at full speed 2.6 mm: small against anything in a room
 
-# What the odometry gets wrong. Ten metres straight ahead end about 10 cm beside the truth.
-_DISTANCE_ERROR: Final = 0.004  # worn tyres: 4 mm a metre
-_TURN_ERROR: Final = 0.006  # a mismeasured wheel separation: 2° a turn
-_HEADING_ERROR_PER_METRE: Final = 0.002  # rad, tyres that are not alike
+# The errors of the odometry. Ten metres straight ahead end about 10 cm beside the truth.
+_DISTANCE_ERROR: Final = 0.004  # worn tyres: 4 mm per metre
+_TURN_ERROR: Final = 0.006  # a mismeasured wheel separation: 2° per turn
+_HEADING_ERROR_PER_METRE: Final = 0.002  # rad, unequal tyres
 _HEADING_NOISE: Final = 0.002  # rad after a metre, growing with its root: slip
 
 _GOAL_DISTANCE: Final = 0.02  # m
@@ -37,7 +37,7 @@ _GOAL_LOOKAHEAD: Final = 0.10  # m of free floor ahead, three times the braking 
 
 
 class Event(Enum):
-    """Something that happened to the robot, in words for its log."""
+    """Something that happened to the robot; the value is the text for its log."""
 
     HIT = "hit an obstacle"
     GOAL_REACHED = "goal reached"
@@ -53,7 +53,7 @@ class DismissedError(ValueError):
 class Robot:
     """A robot that moves as its commands, its motors and its world allow.
 
-    ``pose`` is the truth, ``odometry`` what the wheels make of it. Nothing moves but by `step`;
+    ``pose`` is the truth, ``odometry`` the wheels' estimate of it. Only `step` moves the robot;
     every other method takes effect from the time of the last step on.
     """
 
@@ -79,16 +79,16 @@ class Robot:
 
     @property
     def goal(self) -> Pose | None:
-        """Where the robot drives by itself, in truth's frame; ``None`` while it does not."""
+        """The pose that the robot drives to by itself, in truth's frame, or ``None``."""
         return self._goal
 
     @property
     def parked(self) -> bool:
-        """Whether the robot stands in the bay."""
+        """True while the robot stands in the bay."""
         return self._parked
 
     def from_odometry(self, pose: Pose) -> Pose:
-        """Return where a pose in the odometry's frame really is, as a localisation would."""
+        """Return the true pose for one in the odometry's frame, as a localisation would."""
         turn = self.pose.heading - self.odometry.heading
         cosine, sine = math.cos(turn), math.sin(turn)
         dx, dy = pose.x - self.odometry.x, pose.y - self.odometry.y
@@ -99,18 +99,18 @@ class Robot:
         )
 
     def take_events(self) -> list[Event]:
-        """Return what happened since the last call, oldest first."""
+        """Return the events since the last call, oldest first."""
         events = list(self._events)
         self._events.clear()
         return events
 
     def command(self, linear: float, angular: float) -> None:
-        """Drive at this speed until another command, for half a second at most; drops a goal.
+        """Drive at this speed until another command, for half a second at most; drop a goal.
 
         Raises:
             DismissedError: a speed is beyond the robot's limits; the last command stays in force.
         """
-        # written so that NaN fails it
+        # written so that NaN fails
         if not abs(linear) <= MAX_LINEAR + _ROUNDING:
             raise DismissedError(f"linear.x {linear:g} is beyond ±{MAX_LINEAR} m/s")
         if not abs(angular) <= MAX_ANGULAR + _ROUNDING:
@@ -190,7 +190,7 @@ class Robot:
         self.acceleration = (self.linear - before) / seconds
 
     def _wanted(self) -> tuple[float, float]:
-        """Return the linear and angular speed to strive for now."""
+        """Return the linear and angular speed to approach now."""
         if self._goal is not None:
             return self._towards_goal(self._goal)
         if self._commanded_ns is None:
@@ -205,7 +205,7 @@ class Robot:
     def _towards_goal(self, goal: Pose) -> tuple[float, float]:
         """Turn, drive, turn: proportional to the error, slow enough to brake in time."""
         distance = math.hypot(goal.x - self.pose.x, goal.y - self.pose.y)
-        # Once near, the direction to the goal means little: only the heading is left.
+        # Near the goal, the direction to it means little: only the heading is left.
         self._goal_near = distance < (3 if self._goal_near else 1) * _GOAL_DISTANCE
         if self._goal_near:
             turn = math.remainder(goal.heading - self.pose.heading, math.tau)
@@ -235,7 +235,7 @@ class Robot:
         self._events.append(Event.GOAL_BLOCKED)
 
     def _advance(self, distance: float, turn: float) -> None:
-        """Drive an arc as far as the world lets it, and count it in the odometry."""
+        """Drive an arc as far as the world allows, and add it to the odometry."""
         pose = _moved(self.pose, distance, turn)
         clearance = self._world.clearance(pose.x, pose.y)
         # A robot that touches something may still leave it, and turn on the spot.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the simulated robot's frames are in each other; on ``/tf`` where tf2_msgs is installed."""
+"""The transforms of the simulated robot's frames, on ``/tf`` if tf2_msgs is installed."""
 
 import math
 from typing import Any, Final, NamedTuple
@@ -20,7 +20,7 @@ _ORIGIN: Final = Pose(0.0, 0.0, 0.0)
 
 
 class _Mount(NamedTuple):
-    """Where a frame is fixed: metres, and a quaternion's x, y, z, w."""
+    """The place of a static frame in its parent: metres, and a quaternion's x, y, z, w."""
 
     parent: str
     child: str
@@ -47,7 +47,7 @@ _MOUNTS: Final = (
 
 
 class RobotFrames:
-    """The publishers of ``/tf`` and ``/tf_static``, or nothing where their type is missing."""
+    """The publishers of ``/tf`` and ``/tf_static``; they do nothing if their type is missing."""
 
     def __init__(self, node: Node, frame_prefix: str) -> None:
         self._prefix = frame_prefix
@@ -64,7 +64,7 @@ class RobotFrames:
         self._fixed.publish(TFMessage(transforms=[self._mounted(stamp, m) for m in _MOUNTS]))
 
     def publish(self, stamp: Time, robot: Robot) -> None:
-        """Publish what moves: the odometry as it drifts, and the robot in its odometry."""
+        """Publish the moving frames: the drifting odometry, and the robot in its odometry."""
         if self._message_type is None or self._moving.get_subscription_count() == 0:
             return
         moving = [

@@ -21,16 +21,16 @@ from gateway_sim.battery import CAPACITY, CELLS, Battery
 from gateway_sim.robot import WHEEL_RADIUS, WHEEL_SEPARATION, Robot
 from gateway_sim.world import World
 
-MAP_RESOLUTION: Final = 0.05  # m a cell, SLAM's usual
-_GRAVITY: Final = 9.81  # m/s², what an accelerometer at rest feels upwards
-_FLAT: Final = 1e-9  # a variance of what cannot change on a floor; filters want none to be 0
+MAP_RESOLUTION: Final = 0.05  # m per cell, SLAM's usual
+_GRAVITY: Final = 9.81  # m/s², measured upwards by an accelerometer at rest
+_FLAT: Final = 1e-9  # a variance of values that cannot change on a floor; filters reject 0
 # Variances: the odometry is good to about 3 cm and 6°, its speeds to 1 cm/s and 2°/s.
 _POSE_VARIANCES: Final = (1e-3, 1e-3, _FLAT, _FLAT, _FLAT, 1e-2)
 _TWIST_VARIANCES: Final = (1e-4, _FLAT, _FLAT, _FLAT, _FLAT, 1e-3)
 
 
 def offer(publisher: Publisher, build: Callable[[], Any]) -> None:
-    """Build and publish a message if somebody subscribes to it."""
+    """Build and publish a message if it has subscribers."""
     if publisher.get_subscription_count() > 0:
         publisher.publish(build())
 
@@ -47,7 +47,7 @@ def heading(rotation: Quaternion) -> float:
 
 
 def odometry(header: Header, child_frame_id: str, robot: Robot) -> Odometry:
-    """Return what the wheels make of the robot's way."""
+    """Return the wheels' estimate of the robot's motion."""
     message = Odometry(header=header, child_frame_id=child_frame_id)
     pose = robot.odometry
     message.pose.pose.position = Point(x=pose.x, y=pose.y)
@@ -60,7 +60,7 @@ def odometry(header: Header, child_frame_id: str, robot: Robot) -> Odometry:
 
 
 def imu(header: Header, robot: Robot) -> Imu:
-    """Return what an inertial sensor in the robot's centre feels."""
+    """Return the values of an inertial sensor in the robot's centre."""
     message = Imu(header=header, orientation=quaternion(robot.pose.heading))
     message.angular_velocity.z = robot.angular
     message.linear_acceleration.x = robot.acceleration
@@ -97,7 +97,7 @@ def laser_scan(header: Header, ranges: NDArray[np.float32]) -> LaserScanMessage:
         range_min=lidar.RANGE_MIN,
         range_max=lidar.RANGE_MAX,
         ranges=array.array("f", ranges.tobytes()),
-        # near things reflect more; what gave no echo has no intensity
+        # near things reflect more; a beam without an echo has no intensity
         intensities=array.array(
             "f", np.where(np.isfinite(ranges), 4000 / (1 + ranges**2), 0).astype("f4").tobytes()
         ),
@@ -105,9 +105,9 @@ def laser_scan(header: Header, ranges: NDArray[np.float32]) -> LaserScanMessage:
 
 
 def image(header: Header, picture: NDArray[np.uint8]) -> Image:
-    """Return an RGB picture as it is."""
+    """Return an RGB picture uncompressed."""
     rows, columns, channels = picture.shape
-    pixels = array.array("B")  # what rclpy copies as one piece, not pixel by pixel
+    pixels = array.array("B")  # rclpy copies it as one piece, not pixel by pixel
     pixels.frombytes(picture.data)
     return Image(
         header=header,
@@ -120,7 +120,7 @@ def image(header: Header, picture: NDArray[np.uint8]) -> Image:
 
 
 def compressed_image(header: Header, jpeg: NDArray[np.uint8]) -> CompressedImage:
-    """Return a JPEG picture as image_transport publishes it."""
+    """Return a JPEG picture in the form of image_transport."""
     data = array.array("B")
     data.frombytes(jpeg.data)
     return CompressedImage(header=header, format="rgb8; jpeg compressed bgr8", data=data)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the simulated room looks like: the pictures on its floor and surfaces, in one atlas.
+"""The textures of the simulated room: the pictures of its floor and surfaces, in one atlas.
 
-Painted once with OpenCV, in RGB; the camera only looks pixels up.
+OpenCV paints them once, in RGB; the camera only looks pixels up.
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from gateway_sim.world import Bay, Colour, World
 
 Picture = NDArray[np.uint8]
 
-WALL_SCALE: Final = 100  # pixels a metre: one a pixel of the camera 4 m away
+WALL_SCALE: Final = 100  # pixels per metre: one per pixel of the camera 4 m away
 # The floor in three resolutions: seen from above the ground, a far pixel covers much floor.
 FLOOR_SCALES: Final = (200.0, 50.0, 12.5)
 
@@ -38,7 +38,7 @@ _RED: Final = (206, 52, 44)
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where in the atlas a picture begins."""
+    """The position of a picture in the atlas."""
 
     x: int
     y: int
@@ -107,7 +107,7 @@ def _floor(world: World) -> Picture:
     joint = round(0.006 * scale)
     floor[(u % tile < joint) | (v % tile < joint)] = (128, 124, 118)
     bay = _bay(world.bay, scale)
-    # Painted as a driver sees it who faces east: up is east, left is north.
+    # Painted as seen by a driver who faces east: up is east, left is north.
     seen = np.ascontiguousarray(bay[::-1, ::-1].transpose(1, 0, 2))
     y = round((world.bay.y - world.y_min) * scale) - seen.shape[0] // 2
     x = round((world.bay.x - world.x_min) * scale) - seen.shape[1] // 2
@@ -148,7 +148,7 @@ def _walls(world: World) -> list[Picture]:
 
 
 def _mark_bay(wall: Picture, x: int) -> None:
-    """Paint a board behind the bay whose middle stripe and rings tell left from right."""
+    """Paint a board behind the bay whose middle stripe and rings distinguish left from right."""
     bottom = wall.shape[0] - round(0.1 * WALL_SCALE)
     half, height = round(0.25 * WALL_SCALE), round(0.62 * WALL_SCALE)
     board = wall[bottom - height : bottom, x - half : x + half]

@@ -2,7 +2,7 @@
 """The room that the simulated robot drives in: walls, obstacles and a parking bay, in metres.
 
 The frame is the map's (REP 105): x to the east, y to the north, the robot's start at the
-origin. Whatever stands in the room stands on the floor, upright, with a flat outline.
+origin. Everything in the room stands on the floor, upright, with a flat outline.
 """
 
 import math
@@ -48,21 +48,21 @@ class Bay:
     width: float  # along y
 
     def holds(self, pose: Pose) -> bool:
-        """Tell whether a robot at *pose* is parked: centred within 5 cm and straight within 10°."""
+        """Return whether *pose* is parked: centred within 5 cm and straight within 10°."""
         return math.hypot(pose.x - self.x, pose.y - self.y) < 0.05 and abs(
             math.remainder(pose.heading, math.tau)
         ) < math.radians(10)
 
 
 class Hits(NamedTuple):
-    """Where rays meet surfaces: arrays of shape (surfaces, rays)."""
+    """The points where rays meet surfaces: arrays of shape (surfaces, rays)."""
 
-    distance: FloatArray  # in lengths of the ray's direction; infinite where the ray misses
+    distance: FloatArray  # in lengths of the ray's direction; infinite if the ray misses
     along: FloatArray  # metres from the surface's left edge, as seen from the ray's origin
 
 
 class World:
-    """A rectangular room and what stands in it; never changes.
+    """A rectangular room and the things in it; never changes.
 
     A *surface* is one upright face, seen from one side only: first the room's four walls, then
     the obstacles' faces. Seen from the front it runs from its start on the left to its end on
@@ -97,7 +97,7 @@ class World:
         """Send rays from a free place; *dx* and *dy* are their directions, of any length."""
         to_start = self.starts - (x, y)
         edge_x, edge_y = self._edges[:, :1], self._edges[:, 1:]
-        # From the front, a surface turns clockwise against the ray: only those are met.
+        # From the front, a surface turns clockwise against the ray: rays meet only those.
         facing = edge_y * dx - edge_x * dy
         with np.errstate(divide="ignore", invalid="ignore"):
             distance = (to_start[:, :1] * edge_y - to_start[:, 1:] * edge_x) / facing
@@ -108,12 +108,12 @@ class World:
         return Hits(np.where(met, distance, np.inf), np.where(met, share * lengths, 0.0))
 
     def clearance(self, x: float, y: float) -> float:
-        """Return the distance from a place to the nearest surface; negative where none is free."""
+        """Return the distance from a place to the nearest surface; negative if it is not free."""
         nearest = float(self._distances(np.array([[x, y]]))[0])
         return nearest if self._is_free(x, y) else -nearest
 
     def occupancy(self, resolution: float) -> NDArray[np.int8]:
-        """Draw the map: a cell is 100 where something stands, else 0; row 0 is the south.
+        """Draw the map: a cell is 100 if something stands there, else 0; row 0 is the south.
 
         The cells cover the room and one cell beyond each wall, so that the walls show.
         """
