@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The message table, what is generated from it, and the definitions it is generated from."""
+"""The message table, the files generated from it, and the definitions that they come from."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The model of any message type: checked in where it fits, else built in memory at run time."""
+"""The model of any message type: the checked-in one if it fits, else one built at run time."""
 
 import importlib
 from typing import Any, Self
@@ -15,11 +15,11 @@ from schemas.type_hash import type_hash
 
 
 class Models:
-    """The models of the types that some definitions describe, built when first asked for.
+    """The models of the types in some definitions, built on first use.
 
-    A checked-in model is used where its type hash is that of the installed definition, so a
-    robot whose fields differ from ours is served by its own definition. REP-2011 hashes neither
-    defaults nor constants: where only these differ, ours are used. Not safe across threads.
+    A checked-in model is used if its type hash is that of the installed definition, so a robot
+    whose fields differ from ours gets models of its own definitions. REP-2011 hashes neither
+    defaults nor constants: if only these differ, ours are used. Not safe across threads.
     """
 
     def __init__(self, definitions: InstalledDefinitions) -> None:
@@ -28,19 +28,19 @@ class Models:
 
     @classmethod
     def installed(cls) -> Self:
-        """Return the models of what this machine has installed."""
+        """Return the models of the definitions installed on this machine."""
         return cls(InstalledDefinitions())
 
     def get(self, name: str) -> type[Message]:
         """Return the model of ``pkg/msg/Name``, or of a part such as ``pkg/srv/Name_Request``.
 
         Raises:
-            UnknownTypeError: it, or a type that it nests, is not installed.
+            UnknownTypeError: the type, or one that it nests, is not installed.
             DefinitionError: a definition cannot be parsed.
         """
         known = self._known.get(name)
         if known is None:
-            # Nested types first, so that each class finds those that its fields need.
+            # Nested types first, so that each class finds the classes of its fields.
             for definition in self._definitions.closure([name]):
                 if definition.name not in self._known:
                     self._known[definition.name] = self._model(definition)
@@ -70,7 +70,7 @@ class Models:
         namespace: dict[str, Any] = {"__name__": module, "ros": ros}
         namespace |= {names[nested]: self._known[nested] for nested in definition.nested()}
         source = class_source(definition, hash_, names)
-        # Every name and text in it went through the parser's patterns or a literal's quoting.
+        # The parser's patterns or quoting as a literal made every name and text in it safe.
         exec(compile(source, f"<{definition.name}>", "exec"), namespace)  # noqa: S102
         model: type[Message] = namespace[names[definition.name]]
         return model

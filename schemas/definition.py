@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a ROS 2 message type is: its fields, constants and words, read from a `.msg` text.
+"""The definition of a ROS 2 message type: fields, constants and comments of a `.msg` text.
 
-The grammar is the one of the ROS 2 interface definition
+The grammar is that of the ROS 2 interface definition
 (https://docs.ros.org/en/jazzy/Concepts/Basic/About-Interfaces.html): one field or constant a
 line, ``#`` comments, arrays ``T[]``, ``T[N]`` and ``T[<=N]``, bounded strings ``string<=N``.
 """
@@ -53,17 +53,17 @@ class FieldType:
 
     @property
     def is_primitive(self) -> bool:
-        """Whether it is built in, so that no other definition is needed to read it."""
+        """True if the type is built in and needs no other definition."""
         return self.base in PRIMITIVES
 
     @property
     def is_array(self) -> bool:
-        """Whether the field holds several values: a fixed array or a sequence."""
+        """True for several values: a fixed array or a sequence."""
         return self.is_sequence or self.length is not None
 
     @property
     def is_octets(self) -> bool:
-        """Whether the field holds raw bytes, which travel as base64."""
+        """True for raw bytes, which are base64 on the wire."""
         return self.is_array and self.base in OCTETS
 
     def __str__(self) -> str:
@@ -77,7 +77,7 @@ class FieldType:
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """One field of a message; ``default`` is ``None`` where the definition states none."""
+    """One field of a message; ``default`` is ``None`` if the definition has no default."""
 
     name: str
     type: FieldType
@@ -97,9 +97,9 @@ class Constant:
 
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """A message type: its full name (``pkg/msg/Name``), members, words and source text.
+    """A message type: its full name (``pkg/msg/Name``), members, comments and source text.
 
-    A part of a service or an action has the name that rosidl gives it: ``pkg/srv/Name_Request``.
+    A part of a service or an action has rosidl's name for it: ``pkg/srv/Name_Request``.
     """
 
     name: str
@@ -107,11 +107,11 @@ class Definition:
     constants: tuple[Constant, ...] = ()
     comment: str = ""
     text: str = ""
-    type_hash: str | None = None  # REP-2011, "RIHS01_..."; None where none is installed
+    type_hash: str | None = None  # REP-2011, "RIHS01_..."; None if none is installed
 
     @property
     def package(self) -> str:
-        """The package that the type belongs to."""
+        """The package of the type."""
         return self.name.split("/")[0]
 
     @property
@@ -121,7 +121,7 @@ class Definition:
 
     @property
     def title(self) -> str:
-        """What to call it to people: its name, or ``the pkg/srv/Name request``."""
+        """The name in error texts: the full name, or ``the pkg/srv/Name request``."""
         # no message has an underscore in its name
         interface, underscore, part = self.short_name.partition("_")
         if not underscore:
@@ -129,7 +129,7 @@ class Definition:
         return f"the {self.name.rsplit('/', 1)[0]}/{interface} {part.lower()}"
 
     def nested(self) -> tuple[str, ...]:
-        """Name the message types that the fields use directly, each once, in order."""
+        """The message types that the fields use directly, each once, in order."""
         return tuple(dict.fromkeys(f.type.base for f in self.fields if not f.type.is_primitive))
 
 
@@ -190,8 +190,8 @@ def parse_definition(
 def _declarations(text: str, first_line: int) -> Iterator[tuple[int, list[list[str]], str, str]]:
     """Yield line number, blocks of comments above, declaration, comment beside it.
 
-    A comment beside a declaration goes on in the indented comment lines right below it.
-    Ends with one empty declaration that carries the comments after the last one.
+    A comment beside a declaration continues in the indented comment lines right below it. The
+    last item is an empty declaration with the comments after the last one.
     """
     blocks: list[list[str]] = [[]]
     declared: tuple[int, list[list[str]], str, str] | None = None
@@ -223,7 +223,7 @@ def _uncommented(comment: str) -> str:
 
 
 def _split_comment(line: str) -> tuple[str, str]:
-    """Split a declaration from the comment behind it; a ``#`` inside quotes is no comment."""
+    """Split a declaration from the comment behind it; a ``#`` in quotes begins no comment."""
     quote = ""
     escaped = False
     for index, character in enumerate(line):
@@ -264,7 +264,7 @@ def parse_field_type(text: str, package: str) -> FieldType:
     """Parse a type such as ``float64[<=3]`` as written in a definition of *package*.
 
     Raises:
-        ValueError: the text is no type.
+        ValueError: the text is not a type.
     """
     match = _TYPE.fullmatch(text)
     if match is None:
@@ -311,7 +311,7 @@ def _parse_value(field_type: FieldType, text: str) -> Value:
 
 
 def _parse_strings(text: str) -> tuple[str, ...]:
-    """Split strings at their commas; as to rosidl, those without a comma need no quotes."""
+    """Split strings at their commas; as in rosidl, those without a comma need no quotes."""
     values: list[str] = []
     end = 0
     while end < len(text):
@@ -349,6 +349,6 @@ def _parse_scalar(base: str, text: str) -> Scalar:
 
 def _parse_integer(text: str) -> int:
     try:
-        return int(text)  # rosidl: decimal comes first, so 010 is 10
+        return int(text)  # as in rosidl, decimal comes first, so 010 is 10
     except ValueError:
         return int(text, 0)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Find the interface definitions that a ROS 2 installation (or its wheels) put on this machine.
+"""The interface definitions that a ROS 2 installation (or its wheels) put on this machine.
 
-A service or an action is a file of several messages, which have the names that rosidl gives
-them: ``std_srvs/srv/SetBool_Request``, ``test_msgs/action/Fibonacci_Feedback``.
+A service or an action is a file of several messages, which have rosidl's names:
+``std_srvs/srv/SetBool_Request``, ``test_msgs/action/Fibonacci_Feedback``.
 """
 
 import difflib
@@ -27,17 +27,16 @@ _EXPECTED: Final = {
     "srv": "service type name: expected pkg/srv/Name",
     "action": "action type name: expected pkg/action/Name",
 }
-# Of names that differ by a slip; difflib's own 0.6 takes two to three times as long.
+# Of names that differ by a typing error; difflib's own 0.6 takes two to three times as long.
 _LIKENESS: Final = 0.75
-# Characters of a name that are compared: it takes time in proportion, and clients write what they
-# like.
+# Characters of a name that are compared: the time is proportional, and clients may send any name.
 _MAX_GUESSED: Final = 128
 
 
 class UnknownTypeError(LookupError):
-    """No definition of *name* is installed, or it is no name; the text says which.
+    """No definition of *name* is installed, or it is not a type name; the text says which.
 
-    That may be a type which the one asked for nests.
+    *name* may be a type that the requested one nests.
     """
 
     def __init__(self, name: str, reason: str) -> None:
@@ -52,7 +51,7 @@ def installed_prefixes() -> tuple[Path, ...]:
 
 
 class InstalledDefinitions:
-    """The definitions below some prefixes, read when first asked for and then kept.
+    """The definitions below some prefixes, read on first use and then kept.
 
     An earlier prefix hides a later one, like an overlay in ROS.
     """
@@ -67,7 +66,7 @@ class InstalledDefinitions:
         """Return the definition of ``pkg/msg/Name``, or of a part of a service or an action.
 
         Raises:
-            UnknownTypeError: it is not installed, or *name* is no such name.
+            UnknownTypeError: it is not installed, or *name* is not a name of this form.
             DefinitionError: its text cannot be parsed.
         """
         known = self._known.get(name)
@@ -76,7 +75,7 @@ class InstalledDefinitions:
         return known
 
     def interface(self, name: str, kind: InterfaceKind | None = None) -> Interface:
-        """Return the definition of ``pkg/srv/Name`` or ``pkg/action/Name``, or only of one *kind*.
+        """Return the definition of ``pkg/srv/Name`` or ``pkg/action/Name``; *kind* admits only one.
 
         Raises:
             UnknownTypeError, DefinitionError: as for `get`.
@@ -99,11 +98,11 @@ class InstalledDefinitions:
         return sorted(found)
 
     def all_names(self) -> list[str]:
-        """List all that is installed: messages, then services, then actions."""
+        """List all installed types: messages, then services, then actions."""
         return [name for kind in get_args(Kind) for name in self.names(kind=kind)]
 
     def get_any(self, name: str) -> Definition | Interface:
-        """Return the definition of a service or an action, else what `get` returns.
+        """Return the definition of a service or an action, else that of `get`.
 
         Raises:
             UnknownTypeError, DefinitionError: as for `get`.
@@ -111,7 +110,7 @@ class InstalledDefinitions:
         return self.interface(name) if _roles_in(name) else self.get(name)
 
     def closure(self, names: Iterable[str]) -> list[Definition]:
-        """Return the definitions of *names* and of all they nest, nested ones first.
+        """Return the definitions of *names* and of all nested types, nested ones first.
 
         Raises:
             UnknownTypeError, DefinitionError: as for `get`; also for a type that nests itself.
@@ -132,9 +131,9 @@ class InstalledDefinitions:
         return list(ordered.values())
 
     def nearest(self, name: str) -> str | None:
-        """Guess what is meant by a type name that is none: one misspelt, or of another package.
+        """Guess the type that an unknown name means: misspelt, or of another package.
 
-        It compares with the types of one package, not with all that are installed.
+        It compares with the types of one package, not with all installed ones.
         """
         match = _TYPE_NAME.fullmatch(name[:_MAX_GUESSED])
         if match is None:
@@ -149,7 +148,7 @@ class InstalledDefinitions:
         return next((f"{owner}/{kind}/{short_name}" for owner in owners), None)
 
     def _list(self, kind: Kind) -> Mapping[str, Sequence[str]]:
-        """Name what is installed, by package; reading the directories takes milliseconds."""
+        """Return the installed types by package; reading the directories takes milliseconds."""
         listed = self._listed.get(kind)
         if listed is None:
             found: dict[str, set[str]] = {}
@@ -172,13 +171,13 @@ class InstalledDefinitions:
         raise UnknownTypeError(name, f"{name!r} is no message type name: expected pkg/msg/Name")
 
     def _text_and_hashes(self, name: str) -> tuple[str, dict[str, str]]:
-        """Read the file of ``pkg/KIND/Name``, and the hashes that stand beside it."""
+        """Read the file of ``pkg/KIND/Name``, and the hashes beside it."""
         package, kind, short_name = name.split("/")
         for prefix in self._prefixes:
             path = prefix / "share" / package / kind / f"{short_name}.{kind}"
             try:
                 if path.is_file():
-                    # what is no UTF-8 stands in comments, where it harms nobody
+                    # invalid UTF-8 is in comments, where it is harmless
                     text = path.read_text(encoding="utf-8", errors="replace")
                     return text, _type_hashes(path.with_suffix(".json"))
             except OSError as error:  # a name longer than any file's, a file that is not ours
@@ -206,9 +205,10 @@ def _close(name: str, names: Iterable[str]) -> list[str]:
 
 
 def _type_hashes(path: Path) -> dict[str, str]:
-    """Read the REP-2011 hashes that stand beside a definition.
+    """Read the REP-2011 hashes beside a definition.
 
-    ROS before Iron has none, and a file of the same name may be whatever else: then there are none.
+    ROS before Iron has no such file, and a file of that name may be something else: then return no
+    hashes.
     """
     try:
         entries = json.loads(path.read_bytes())["type_hashes"]

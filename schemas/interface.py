@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a service or an action is: the messages in a `.srv` or an `.action` file."""
+"""The definition of a service or an action: the messages in a `.srv` or an `.action` file."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,8 +11,8 @@ from schemas.definition import Definition, DefinitionError, parse_definition
 InterfaceKind = Literal["srv", "action"]
 Role = Literal["request", "response", "goal", "result", "feedback"]
 
-# The messages in a file of each kind, in order. What ROS derives from them (the event of a
-# service, the goal service and the feedback topic of an action) no client sends or gets.
+# The messages in a file of each kind, in order. No client sends or gets the types that ROS derives
+# from them (the event of a service, the goal service and the feedback topic of an action).
 ROLES: Final[Mapping[str, tuple[Role, ...]]] = MappingProxyType(
     {"srv": ("request", "response"), "action": ("goal", "result", "feedback")}
 )
@@ -26,16 +26,16 @@ class Interface:
     name: str
     parts: Mapping[Role, Definition]  # in the order of the file
     text: str = ""
-    type_hash: str | None = None  # REP-2011, of all that ROS derives; None where none is installed
+    type_hash: str | None = None  # REP-2011, of all that ROS derives; None if none is installed
 
     @property
     def package(self) -> str:
-        """The package that the type belongs to."""
+        """The package of the type."""
         return self.name.split("/")[0]
 
 
 def part_name(interface: str, role: Role) -> str:
-    """Name a message of a service or an action as rosidl does: ``pkg/srv/Name_Request``."""
+    """Return rosidl's name of a message of a service or an action: ``pkg/srv/Name_Request``."""
     return f"{interface}_{role.capitalize()}"
 
 
@@ -47,7 +47,7 @@ def parse_interface(name: str, text: str, hashes: Mapping[str, str] | None = Non
     """
     known = hashes or {}
     lines = text.splitlines()
-    # As rosidl has it: no blank beside it, or it is no separator.
+    # As in rosidl, a separator has no blank beside it.
     ends = [number for number, line in enumerate(lines) if line == _SEPARATOR]
     roles = ROLES[name.split("/")[1]]
     if len(ends) != len(roles) - 1:

@@ -2,9 +2,9 @@
 """The base of all message models, and the types of their fields.
 
 The generated classes read these names as ``ros.Float64``, ``ros.Field`` and so on. A message
-is what a client may send as JSON: strict in type and range, unknown fields refused, missing
-ones default. Nearly all of it is checked in pydantic's compiled core; Python is called only
-where a comment says so.
+describes the JSON that a client may send: strict in type and range, unknown fields refused,
+missing ones default. Pydantic's compiled core checks nearly all of it; it calls Python only where
+a comment says so.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -56,16 +56,15 @@ __all__ = [
 _T = TypeVar("_T")
 
 Clock: TypeAlias = int | Callable[[], int]
-"""ROS time in nanoseconds, or a function that tells it."""
+"""ROS time in nanoseconds, or a function that returns it."""
 
 
 class Message(BaseModel):
     """A ROS 2 message as a frozen model; fields are named by `schemas.naming.attribute`.
 
-    ``model_validate(value, context={"now_ns": ...})`` takes a decoded JSON object and the ROS
-    time that ``"now"`` and headers without a stamp stand for, or a function that tells it, which
-    is asked for each of them. Without the context ``"now"`` is refused and such headers keep the
-    stamp 0.
+    ``model_validate(value, context={"now_ns": ...})`` takes a decoded JSON object and the ROS time
+    for ``"now"`` and for headers without a stamp, or a function that returns it, called for each
+    of them. Without the context ``"now"`` is refused and such headers keep the stamp 0.
     """
 
     model_config = ConfigDict(
@@ -99,7 +98,7 @@ Nanoseconds: TypeAlias = Annotated[int, Field(ge=0, le=10**9 - 1)]
 # little below, but prints as 3.4028235e38, which must come back in.
 _FLOAT32_OVERFLOW: Final = 2.0**128 - 2.0**103
 
-# null is NaN, which JSON has not; integers pass as floats.
+# null is NaN, which JSON does not have; integers pass as floats.
 Float32: TypeAlias = Annotated[float, Field(gt=-_FLOAT32_OVERFLOW, lt=_FLOAT32_OVERFLOW)] | None
 Float64: TypeAlias = float | None
 
@@ -149,8 +148,8 @@ def _octets(value: object) -> object:
 
 
 def _octets_of_list(items: list[object]) -> bytes:
-    # bytes() would take True for 1; looking at the types as a set is five times as fast as
-    # looking at each item, which is left to the case that something is wrong.
+    # bytes() would take True for 1. Checking the types as a set is five times as fast as checking
+    # each item, which happens only if something is wrong.
     if set(map(type, items)) <= {int}:
         with suppress(ValueError):
             return bytes(items)  # type: ignore[arg-type]  # the line above saw integers only
@@ -164,7 +163,7 @@ def _octets_of_list(items: list[object]) -> bytes:
 Octets: TypeAlias = Annotated[bytes, BeforeValidator(_octets)]
 
 
-# One bad element is enough: collecting 100,000 complaints about one frame takes 0.1 s.
+# One bad element is enough: collecting 100,000 errors about one frame takes 0.1 s.
 Array: TypeAlias = Annotated[list[_T], FailFast()]
 
 
@@ -174,7 +173,7 @@ def fresh(values: Iterable[_T]) -> Callable[[], list[_T]]:
 
 
 class DurationMessage(Message):
-    """What builtin_interfaces/msg/Duration takes besides its fields: the names of ROS 1."""
+    """The base of builtin_interfaces/msg/Duration, which takes the names of ROS 1, too."""
 
     @model_validator(mode="before")
     @classmethod
@@ -183,7 +182,7 @@ class DurationMessage(Message):
 
 
 class TimeMessage(Message):
-    """What builtin_interfaces/msg/Time takes besides: the names of ROS 1, and ``"now"``."""
+    """The base of builtin_interfaces/msg/Time: it takes the names of ROS 1 and ``"now"``, too."""
 
     @model_validator(mode="before")
     @classmethod
@@ -198,9 +197,9 @@ class TimeMessage(Message):
 
 
 class HeaderMessage(Message):
-    """What std_msgs/msg/Header takes besides: ``seq`` as in ROS 1, ignored, and no stamp.
+    """The base of std_msgs/msg/Header, which accepts and ignores the ``seq`` of ROS 1.
 
-    A header that is there but has no ``stamp`` is stamped now, as rosbridge does it.
+    A header without a ``stamp`` is stamped now, as in rosbridge.
     """
 
     @model_validator(mode="before")
@@ -220,7 +219,7 @@ _ROS1_NAMES: Final = {"secs": "sec", "nsecs": "nanosec"}
 def _with_ros2_names(value: object) -> object:
     if not isinstance(value, dict) or not ("secs" in value or "nsecs" in value):
         return value
-    # Where both spellings are given, the old one stays and is refused as unknown.
+    # If both names are given, the old one stays and is refused as unknown.
     return {
         key if _ROS1_NAMES.get(key, key) in value else _ROS1_NAMES.get(key, key): item
         for key, item in value.items()

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How the fields and constants of ROS messages are called as Python attributes."""
+"""The names of ROS fields and constants as Python attributes."""
 
 import keyword
 from typing import Final
 
-# Public attributes of pydantic.BaseModel. Spelt out, so that what is generated does not
-# depend on the pydantic at hand; those that begin with "model_" are covered as such.
+# Public attributes of pydantic.BaseModel. Listed here, so that generated code does not depend on
+# the installed pydantic; names that begin with "model_" have a rule of their own.
 _BASE_MODEL: Final = frozenset(
     {
         "construct",
@@ -31,9 +31,9 @@ _TAKEN: Final = frozenset(keyword.kwlist) | _BASE_MODEL | _OF_GENERATED_CLASSES
 
 
 def attribute(field_name: str) -> str:
-    """Return the Python attribute that holds a field of a message: mostly its own name.
+    """Return the Python attribute for a field of a message: mostly its own name.
 
-    A trailing underscore is added where the name is taken: by Python (``from``), by the base
+    A trailing underscore is added if the name is taken: by Python (``from``), by the base
     class (``copy``, ``model_...``), or by classes and constants, which begin with a capital.
     Different fields always get different attributes.
     """
@@ -44,7 +44,7 @@ def attribute(field_name: str) -> str:
 
 
 def constant_attribute(constant_name: str) -> str:
-    """Return the Python attribute that holds a constant of a message."""
+    """Return the Python attribute for a constant of a message."""
     bare = constant_name.rstrip("_")
     if bare in _TAKEN or bare.startswith("model_"):
         return f"{constant_name}_"

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The message table: which types have a number, which way they travel and what they are for.
+"""The message table: types with their number, their direction and their purpose.
 
-Beside the messages stand the services and actions of which we ship models, without numbers.
+It also lists the services and actions that have models in this package, without numbers.
 """
 
 import re
@@ -24,7 +24,7 @@ _TYPE_SPELLING: Final = re.compile(
 _INTERFACE_SPELLING: Final = re.compile(
     r"(?P<package>[a-z][a-z0-9_]*)/(?:(?P<kind>srv|action)/)?(?P<name>[A-Z][A-Za-z0-9]*)"
 )
-# Ten times the digits that a table will ever need; int() of endless digits is slow.
+# Ten times the digits that a table will ever need; int() of very many digits is slow.
 _NUMBER: Final = re.compile(r"[0-9]{1,9}", re.ASCII)
 
 _R = TypeVar("_R", bound=BaseModel)
@@ -35,11 +35,11 @@ class TableError(ValueError):
 
 
 class TypeNameError(ValueError):
-    """What a client wrote as a type names none; the text says what was expected."""
+    """A client's text does not name a type; the exception's text says what was expected."""
 
 
 class Row(BaseModel):
-    """One type of the table, its number being part of the API."""
+    """One type of the table; its number is part of the API."""
 
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
 
@@ -92,10 +92,10 @@ class Table:
 
     @classmethod
     def load(cls, path: Path = TABLE_PATH) -> Self:
-        """Read a table; without *path* the one that comes with this package.
+        """Read a table; without *path*, the one in this package.
 
         Raises:
-            TableError: it is not TOML, a row is malformed, or two rows collide.
+            TableError: the file is not TOML, a row is malformed, or two rows collide.
             OSError: the file cannot be read.
         """
         try:
@@ -122,16 +122,16 @@ def _rows(adapter: TypeAdapter[list[_R]], key: str, value: object) -> list[_R]:
 
 
 def resolve_type(requested: str | int, table: Table) -> str:
-    """Return ``pkg/msg/Name`` for what clients write as a type.
+    """Return ``pkg/msg/Name`` for a type as requested.
 
-    That is ``pkg/Name``, ``pkg/msg/Name``, or a number of *table*, as a number or as text.
-    Whether the type is installed is not looked at.
+    Clients write ``pkg/Name``, ``pkg/msg/Name``, or a number of *table*, as a number or as text.
+    The type need not be installed.
 
     Raises:
-        TypeNameError: it is none of these, or the table has no such number.
+        TypeNameError: it has none of these forms, or the table does not have the number.
     """
     match requested:
-        case bool():  # JSON true is no number, though Python says so
+        case bool():  # JSON's true is not a number, but Python's is
             pass
         case int():
             return _numbered(requested, table)
@@ -145,12 +145,12 @@ def resolve_type(requested: str | int, table: Table) -> str:
 
 
 def resolve_interface(requested: str, kind: InterfaceKind) -> str:
-    """Return ``pkg/srv/Name`` for what clients write as the type of a service; so for actions.
+    """Return ``pkg/srv/Name`` for the type of a service as requested; likewise for actions.
 
-    That is ``pkg/Name`` or ``pkg/srv/Name``. Whether the type is installed is not looked at.
+    Clients write ``pkg/Name`` or ``pkg/srv/Name``. The type need not be installed.
 
     Raises:
-        TypeNameError: it is neither.
+        TypeNameError: it has neither form.
     """
     match = _INTERFACE_SPELLING.fullmatch(requested)
     if match is None or match["kind"] not in {None, kind}:
@@ -167,7 +167,7 @@ def resolve_any(requested: str | int, table: Table, known: Container[str]) -> st
     ``pkg/Name`` is the first of the three that is *known*, or a message if none is.
 
     Raises:
-        TypeNameError: it is no type, or the table has no such number.
+        TypeNameError: it is not a type name, or the table does not have the number.
     """
     text = str(requested)
     for kind in get_args(InterfaceKind):

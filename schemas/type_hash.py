@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The REP-2011 hash of a message type, computed where none is installed.
+"""The REP-2011 hash of a message type, computed if none is installed.
 
 ROS 2 before Iron installs no hashes. The hash covers names, types and order of the fields, of
-the type and of all it nests; defaults, constants and comments do not change it.
+the type and of all nested types; defaults, constants and comments do not change it.
 """
 
 import hashlib
@@ -32,7 +32,7 @@ _IDS: Final = {
     "wstring": 18,
 }
 _BOUNDED_STRINGS: Final = {"string": 21, "wstring": 22}
-# ... and what is added to it for several.
+# ... and the number added to it for several.
 _FIXED_ARRAY: Final = 48
 _BOUNDED_SEQUENCE: Final = 96
 _SEQUENCE: Final = 144
@@ -42,7 +42,7 @@ _PLACEHOLDER: Final = Field("structure_needs_at_least_one_member", FieldType("ui
 
 
 def type_hash(definition: Definition, definitions: InstalledDefinitions) -> str:
-    """Return the hash that is installed with *definition*, else compute it.
+    """Return the hash installed with *definition*, or compute it.
 
     Raises:
         UnknownTypeError: a type that it nests is not installed.
@@ -65,7 +65,7 @@ def computed_type_hash(definition: Definition, definitions: InstalledDefinitions
             _description(other) for other in sorted(nested, key=lambda other: other.name)
         ],
     }
-    # The text that is hashed is part of the standard, separators included.
+    # The hashed text is part of the standard, separators included.
     text = json.dumps(description, separators=(", ", ": "))
     return f"RIHS01_{hashlib.sha256(text.encode()).hexdigest()}"
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``python -m schemas.generate [--check]``: write what follows from the message table."""
+"""``python -m schemas.generate [--check]``: write the files that the message table determines."""
 
 import argparse
 import sys
@@ -26,7 +26,7 @@ def main(
     """Generate, or compare with ``--check``.
 
     Returns:
-        0: done, or nothing differs; 1: something differs; 2: it cannot be generated.
+        0: done, or nothing differs; 1: something differs; 2: generation is impossible.
     """
     parser = argparse.ArgumentParser(
         prog="python -m schemas.generate",

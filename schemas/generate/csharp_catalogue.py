@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write the C# class that makes a message of any type by name or number.
 
-It names every class, so that nothing is stripped which is only asked for by a text.
+It names every class, so that classes used only by name are not stripped.
 """
 
 from typing import Final
@@ -87,7 +87,7 @@ namespace Ros2Gateway.Messages
 
 def catalogue_source(catalogue: Catalogue) -> str:
     """Return the text of ``MessageCatalogue.cs``."""
-    names = ClassNames("")  # all classes are seen from outside
+    names = ClassNames("")  # the file is in no package's name space
     messages = sorted(catalogue.definitions)
     parts = sorted(part.name for part in catalogue.parts())
     inner = " " * 16

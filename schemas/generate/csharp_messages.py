@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write the C# messages of the Unity client: a file per package, a class per message type.
 
-A class is its ROS name and ``Msg``, so that none collides with UnityEngine or System; the parts of
-services and actions are ``SetBoolRequest``, ``FibonacciGoal`` and so on. Each reads itself from
-JSON and writes itself, without reflection.
+A class has its ROS name and ``Msg``, so that none collides with UnityEngine or System; the parts of
+services and actions are ``SetBoolRequest``, ``FibonacciGoal`` and so on. Each reads and writes
+itself as JSON, without reflection.
 """
 
 from collections.abc import Collection, Iterable, Mapping
@@ -54,7 +54,7 @@ A stamp of 0 is not written, so that the gateway stamps the message when it arri
 
 
 def write(catalogue: Catalogue) -> dict[str, str]:
-    """Return the file of each package, and that of the catalogue which lists all classes."""
+    """Return the file of each package, and that of the catalogue of all classes."""
     purposes = {row.name: row.purpose for row in catalogue.rows}
     for interface in catalogue.interfaces.values():
         for role, part in interface.parts.items():
@@ -154,7 +154,7 @@ def _element(kind: FieldType, names: ClassNames) -> str:
 
 
 def _default(field: Field, element: str) -> str:
-    """Return the initializer; none where C# itself begins with the same value."""
+    """Return the initializer, or nothing if it is C#'s own default."""
     kind = field.type
     if not kind.is_array:
         if not kind.is_primitive:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How what stands in definitions is written in C#: names, literals, documentation."""
+"""The parts of definitions as C# text: names, literals, documentation."""
 
 import math
 from collections.abc import Collection
@@ -32,7 +32,7 @@ TYPES: Final = {
     "wstring": "string",
 }
 _SUFFIXES: Final = {"int64": "L", "uint32": "U", "uint64": "UL", "float32": "f"}
-_FLOAT32_OVERFLOW: Final = 2.0**128 - 2.0**103  # the first that rounds to infinity
+_FLOAT32_OVERFLOW: Final = 2.0**128 - 2.0**103  # the smallest that rounds to infinity
 
 _KEYWORD_LIST: Final = """
     abstract as base bool break byte case catch char checked class const continue decimal default
@@ -42,7 +42,7 @@ _KEYWORD_LIST: Final = """
     string struct switch this throw true try typeof uint ulong unchecked unsafe ushort using virtual
     void volatile while
 """
-# What the generated classes have or use themselves, and what every object has.
+# The names that the generated classes have or use themselves, and those of every object.
 _TAKEN_LIST: Final = """
     Action Members Read RosType Service Type Write
     Array IMessage JsonMembers JsonReader JsonWriter NestedMessages Ros2Gateway
@@ -59,29 +59,29 @@ def namespace(package: str) -> str:
 
 
 class ClassNames:
-    """What classes are called in the file of one package."""
+    """The names of classes in the file of one package."""
 
     def __init__(self, package: str) -> None:
         self._package = package
 
     @staticmethod
     def own(name: str) -> str:
-        """Name the class of ``pkg/msg/Name`` or ``pkg/srv/Name_Request`` without its name space."""
+        """Return the class of ``pkg/msg/Name`` or ``pkg/srv/Name_Request`` without name space."""
         # no message has an underscore in its name
         short, _, role = name.rsplit("/", 1)[1].partition("_")
         return f"{short}{role}" if role in _ROLES else f"{short}Msg"
 
     def __getitem__(self, name: str) -> str:
-        """Name a class as the file sees it."""
+        """Return the name of a class for use in the file."""
         package = name.split("/")[0]
         own = self.own(name)
         return own if package == self._package else f"{namespace(package)}.{own}"
 
 
 def field_name(name: str, class_name: str) -> str:
-    """Return the C# field that holds a field of a message: mostly its own name.
+    """Return the C# field for a field of a message: mostly its own name.
 
-    A keyword gets an ``@``, which is no part of the name. A trailing underscore is added where the
+    A keyword gets an ``@``, which is not a part of the name. A trailing underscore is added if the
     class itself or one of its members has the name. Different fields always get different names.
     """
     bare = name.rstrip("_")  # "Read_" must make room for the "Read" beside it
@@ -91,7 +91,7 @@ def field_name(name: str, class_name: str) -> str:
 
 
 def constant_name(name: str, class_name: str, fields: Collection[str]) -> str:
-    """Return the C# constant that holds one of a message, by the rule of `field_name`."""
+    """Return the C# constant for one of a message, by the rule of `field_name`."""
     own = field_name(name, class_name)
     while own in fields:
         own += "_"
@@ -115,14 +115,14 @@ def literal(base: str, value: Scalar) -> str:
 
 
 def text_literal(text: str) -> str:
-    """Write a text; what is not printable ASCII becomes an escape."""
+    """Write a text; characters that are not printable ASCII become escapes."""
     units = text.encode("utf-16-be", "surrogatepass")
     pairs = (int.from_bytes(units[i : i + 2]) for i in range(0, len(units), 2))
     return '"' + "".join(_character(unit) for unit in pairs) + '"'
 
 
 def escaped(text: str) -> str:
-    """Make text fit for a documentation comment: XML, without control characters."""
+    """Escape a text for a documentation comment: XML, without control characters."""
     printable = "".join(c for c in text.replace("\t", "    ") if c.isprintable() or c == "\n")
     return escape(printable)
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Write JSON Schemas (2020-12): a self-contained file per type, describing what the wire carries.
+"""Write JSON Schemas (2020-12): a self-contained file per type, for messages on the wire.
 
-They cover both directions: what the gateway sends, and all that it takes. That of a service has
-its request and its response as properties, so for actions.
+They cover both directions: messages that the gateway sends, and all that it takes. The schema of a
+service has its request and its response as properties, and likewise for actions.
 """
 
 import json
@@ -44,9 +44,9 @@ def write(catalogue: Catalogue) -> dict[str, str]:
 
 
 def file_name(name: str) -> PurePosixPath:
-    """Return where the schema of a row's type is, relative to `SCHEMA_FOLDER`.
+    """Return the path of a type's schema, relative to `SCHEMA_FOLDER`.
 
-    That is ``pkg/Name.json`` for a message, ``pkg/srv/Name.json`` for a service.
+    It is ``pkg/Name.json`` for a message, ``pkg/srv/Name.json`` for a service.
     """
     package, kind, short_name = name.split("/")
     folder = PurePosixPath(package) if kind == "msg" else PurePosixPath(package, kind)
@@ -54,7 +54,7 @@ def file_name(name: str) -> PurePosixPath:
 
 
 def schema_of(definition: Definition, nested: Iterable[Definition], type_hash: str) -> Schema:
-    """Return the schema of one type, *nested* being all the types below it."""
+    """Return the schema of one type; *nested* are all the types below it."""
     schema: Schema = {"$schema": _DIALECT, "title": definition.name}
     schema |= _message(definition)
     if definition.constants:
@@ -144,7 +144,7 @@ def _single(field_type: FieldType) -> Schema:
         case "bool":
             return {"type": "boolean"}
         case "float32":
-            bound = 2.0**128 - 2.0**103  # from here on single precision rounds to infinity
+            bound = 2.0**128 - 2.0**103  # from here, single precision rounds to infinity
             return {
                 "type": ["number", "null"],
                 "exclusiveMinimum": -bound,
@@ -155,7 +155,7 @@ def _single(field_type: FieldType) -> Schema:
         case "string" | "wstring":
             schema: Schema = {"type": "string", "pattern": _NO_NUL}
             if field_type.string_bound is not None:
-                # Counted in characters; the gateway counts UTF-8 bytes or UTF-16 units.
+                # In characters; the gateway counts UTF-8 bytes or UTF-16 units.
                 schema["maxLength"] = field_type.string_bound
             return schema
         case base if base in INTEGER_RANGES:
@@ -166,7 +166,7 @@ def _single(field_type: FieldType) -> Schema:
 
 
 def _octets(field_type: FieldType) -> Schema:
-    """Base64 text, or the integers themselves."""
+    """Return the schema of base64 text, or of the integers themselves."""
     text: Schema = {"type": "string", "contentEncoding": "base64"}
     sizes = _sizes(FieldType("uint8", True, field_type.length, field_type.bound), "Length")
     text |= {name: math.ceil(size / 3) * 4 for name, size in sizes.items()}
@@ -185,7 +185,7 @@ def _key(name: str) -> str:
 
 
 def _finite(value: Value) -> Scalar | list[Scalar | None] | None:
-    """Return a value as JSON has it: what is not finite is null."""
+    """Return a value in JSON's form: numbers that are not finite are null."""
     if isinstance(value, tuple):
         return [None if isinstance(v, float) and not math.isfinite(v) else v for v in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -5,7 +5,7 @@ from schemas.definition import Constant, Definition, Field, Value
 
 
 def members(definition: Definition, page: str = "") -> list[str]:
-    """Return the tables of a type's fields and constants; *page* has the messages they nest."""
+    """Return the tables of a type's fields and constants; *page* has the nested messages."""
     lines = []
     if definition.fields:
         lines.append("| field | type | default | |\n|---|---|---|---|")
@@ -44,7 +44,7 @@ def _value(value: Value) -> str:
 
 def _cell(text: str) -> str:
     """Return a comment as one cell of a table."""
-    words = " ".join(text.split())
+    cell = " ".join(text.split())
     for character in "\\|<>*_`[]":
-        words = words.replace(character, f"\\{character}")
-    return words
+        cell = cell.replace(character, f"\\{character}")
+    return cell

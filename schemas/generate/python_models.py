@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write Pydantic models: a module per package, a class per message type.
 
-The parts of services and actions are classes like the others, with the names that rosidl gives
-them (``SetBool_Request``); no message has an underscore in its name.
-The same text, one class at a time, is what `schemas.build` executes for types outside the table.
+The parts of services and actions are classes like the others, with rosidl's names
+(``SetBool_Request``); no message has an underscore in its name.
+`schemas.build` executes the same text, one class at a time, for types outside the table.
 """
 
 import json
@@ -43,7 +43,7 @@ _ZEROS: Final[Mapping[str, Scalar]] = {
     "wstring": "",
 }
 
-# The types with rules of their own, which are written by hand in schemas.message.
+# The types with rules of their own, written by hand in schemas.message.
 _BASES: Final = {
     "builtin_interfaces/msg/Duration": "ros.DurationMessage",
     "builtin_interfaces/msg/Time": "ros.TimeMessage",
@@ -56,7 +56,7 @@ _FIELD_TYPES: Final = {
 
 
 def write(catalogue: Catalogue) -> dict[str, str]:
-    """Return the module of each package, and that of the package which holds them."""
+    """Return the module of each package, and the ``__init__`` of the package around them."""
     purposes = {row.name: row.purpose for row in catalogue.rows}
     for interface in catalogue.interfaces.values():
         for role, part in interface.parts.items():
@@ -82,9 +82,9 @@ def write(catalogue: Catalogue) -> dict[str, str]:
 
 
 def class_names(definitions: Iterable[Definition]) -> dict[str, str]:
-    """Name the classes that a module needs: of *definitions*, and of what they nest.
+    """Return the names of the classes in a module: of *definitions* and their nested types.
 
-    The short name, unless a type of another package has taken it.
+    It is the short name, unless a type of another package has taken it.
     """
     own = list(definitions)
     names = {definition.name: definition.short_name for definition in own}
@@ -116,7 +116,7 @@ def class_source(
         lines.append("")
     for field in definition.fields:
         lines += _field(definition, field, names)
-    # Constants come last: a class body sees what is above, so none can hide a type of a field.
+    # Constants come last: a class body sees the names above, so none can hide a type of a field.
     if definition.constants:
         lines.append("")
     for constant in definition.constants:
@@ -201,7 +201,7 @@ def _annotation(field_type: FieldType, names: Mapping[str, str]) -> str:
 
 
 def _default(field: Field, names: Mapping[str, str]) -> tuple[bool, str]:
-    """Return the source of a default, and whether it is that of a factory."""
+    """Return the source of a default, and whether it is a factory."""
     field_type = field.type
     if not field_type.is_primitive:
         name = names[field_type.base]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The writers, one per language, and the comparison of what they write with a tree."""
+"""The writers, one per language, and the comparison of their output with a tree."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ class Writer:
     """One language: its function, and the files of a tree that belong to it alone.
 
     ``write`` returns texts by path, relative to the root of the tree, with ``/``.
-    ``owns`` is a glob: what it finds and ``write`` does not return is out of date.
+    ``owns`` is a glob: files that it matches and ``write`` does not return are stale.
     """
 
     write: Callable[[Catalogue], Mapping[str, str]]
@@ -39,7 +39,7 @@ WRITERS: Final = (
 
 @dataclass(frozen=True, slots=True)
 class Output:
-    """What a tree should hold: texts by path, and the paths that should be gone."""
+    """The wanted content of a tree: texts by path, and the paths to remove."""
 
     texts: Mapping[Path, str]
     stale: tuple[Path, ...]
@@ -64,7 +64,7 @@ class Output:
         return sorted([*differing, *self.stale])
 
     def write(self) -> list[Path]:
-        """Bring the tree up to date; return what changed."""
+        """Bring the tree up to date; return the changed paths."""
         changed = self.differences()
         for path in changed:
             if path in self.texts:
