@@ -26,7 +26,7 @@ _INTERRUPTED = 130
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run what the command line names, and return the exit code."""
+    """Run the scenarios that the command line names, and return the exit code."""
     parser = _parser()
     options = parser.parse_args(arguments)
     unknown = [name for name in options.what if name not in SCENARIOS]
@@ -34,7 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.error(f"unknown WHAT: {', '.join(unknown)} (there are: {', '.join(SCENARIOS)})")
     if (options.beside is None) != (options.beside_port is None):
         parser.error("--beside and --beside-port go together")
-    if options.json is not None:  # now rather than when all is measured
+    if options.json is not None:  # now rather than after all measurements
         if not options.json.parent.is_dir():
             parser.error(f"--json {options.json}: there is no directory {options.json.parent}")
         if options.json.is_dir():
@@ -46,7 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.error(str(error))
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
     os.environ["ROS_DOMAIN_ID"] = str(1 + os.getpid() % 100)
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))  # ends what it started
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))  # ends its processes
     try:
         return _run(options, plan, stored)
     except (BenchmarkError, OSError) as error:
@@ -67,7 +67,7 @@ def _run(options: argparse.Namespace, plan: Plan, stored: list[Figure] | None) -
             except BenchmarkError as error:
                 print(f"{name}: {error}", file=sys.stderr)
                 failed = True
-    finally:  # also what stands at Ctrl-C
+    finally:  # also the figures so far, at Ctrl-C
         if options.json is not None and measured:
             figures.write(options.json, measured)
     if stored is None or failed:
@@ -140,7 +140,7 @@ def _positive(kind: type[Any]) -> Any:
             raise argparse.ArgumentTypeError(f"{text}: need a number above 0")
         return value
 
-    number.__name__ = "number"  # what argparse calls it
+    number.__name__ = "number"  # its name in argparse's errors
     return number
 
 

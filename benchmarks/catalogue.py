@@ -31,7 +31,7 @@ class Scenario:
 
     about: str
     takes: str
-    """How long, as people say it, with the usual rounds and seconds."""
+    """The duration, as a text, with the usual rounds and seconds."""
     measure: Callable[[Plan], Sequence[Figure]]
 
 
@@ -63,7 +63,7 @@ SCENARIOS: Final[dict[str, Scenario]] = {
     "unity": Scenario("the Unity client under Mono", "1 min", _unity),
 }
 
-# what a comparison measures by default: a few minutes, every kind of ratio
+# the default of a comparison: a few minutes, every kind of ratio
 COMPARED: Final = (
     *("string", "twist", "odometry", "laser-scan", "image", "compressed-image", "point-cloud"),
     *("inbound", "fan-out"),

@@ -10,7 +10,7 @@ from xml.sax.saxutils import escape
 from benchmarks.errors import BenchmarkError
 from benchmarks.figures import Figure, read
 
-# colours that can be told on light and on dark pages
+# colours that are distinct on light and on dark pages
 _TEXT: Final = "#7d8590"
 _BAR: Final = "#2f81f7"
 _LINE: Final = "#d29922"
@@ -24,10 +24,10 @@ _VALUE: Final = 50  # px behind the longest bar
 
 
 def draw(figures: Sequence[Figure]) -> str:
-    """Return an SVG with a bar for each ratio, and a line where the floor is.
+    """Return an SVG with a bar for each ratio, and a line at the floor.
 
     Raises:
-        BenchmarkError: there is no ratio among the figures.
+        BenchmarkError: the figures have no ratio.
     """
     ratios = [one for one in figures if one.is_ratio]
     if not ratios:
@@ -63,7 +63,7 @@ def _text(x: int, y: int, text: str, anchor: str) -> str:
 
 
 def main() -> None:
-    """Draw what the command line names."""
+    """Draw the figures that the command line names."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.chart", description=__doc__)
     parser.add_argument("figures", help="a file that --json wrote, or a name in reference/")
     parser.add_argument("picture", type=Path, help="the SVG to write")

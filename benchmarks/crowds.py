@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a server spends on many clients, while a stream is under way."""
+"""The cost of many clients to a server, while samples flow."""
 
 import contextlib
 import time
@@ -14,7 +14,7 @@ _WARM_UP_S: Final = 1.0
 
 @dataclass(frozen=True)
 class Load:
-    """What was delivered, and what the server spent meanwhile."""
+    """The frames delivered, and the CPU time that the server used meanwhile."""
 
     seconds: float
     frames: int
@@ -23,17 +23,17 @@ class Load:
 
     @property
     def frames_per_s(self) -> float:
-        """How many frames all clients got."""
+        """The frames that all clients got, per second."""
         return self.frames / self.seconds
 
     @property
     def core_share(self) -> float:
-        """How much of a core the server used."""
+        """The share of a core that the server used."""
         return self.spent_s / self.seconds
 
     @property
     def us_per_frame(self) -> float:
-        """CPU time of the server for each frame."""
+        """The CPU time of the server for each frame."""
         return self.spent_s / self.frames * 1e6
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What can go wrong with a measurement."""
+"""The error of a measurement."""
 
 
 class BenchmarkError(RuntimeError):

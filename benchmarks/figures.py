@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What was measured, as numbers with names: stored as JSON, and compared with what was stored."""
+"""Measured numbers with names: stored as JSON, and compared with stored ones."""
 
 import json
 import statistics
@@ -16,7 +16,7 @@ TOLERANCE: Final = 0.15  # machines are noisy: two runs of the same code differ 
 
 @dataclass(frozen=True)
 class Figure:
-    """One number. Only ratios are the same on another machine; of those less is better."""
+    """One number. Only ratios can be compared between machines; of those less is better."""
 
     scenario: str
     name: str
@@ -26,7 +26,7 @@ class Figure:
 
     @property
     def key(self) -> tuple[str, str]:
-        """What tells it from all others."""
+        """The unique key: scenario and name."""
         return self.scenario, self.name
 
 
@@ -41,7 +41,7 @@ class Verdict:
 
     @property
     def word(self) -> str:
-        """What became of it."""
+        """The verdict in one word."""
         if self.now > self.stored * (1 + TOLERANCE):
             return "WORSE"
         return "better" if self.now < self.stored * (1 - TOLERANCE) else "same"
@@ -57,10 +57,10 @@ def compare(
     measured: Iterable[Figure],
     measure_again: Callable[[str], Sequence[Figure]],
 ) -> list[Verdict]:
-    """Judge every ratio that is among both.
+    """Judge every ratio that both have.
 
-    What looks worse is measured once more, all its scenario, and is worse only where the median of
-    both runs still is.
+    If a ratio looks worse, its whole scenario is measured once more; it is worse only if the median
+    of both runs still is.
     """
     known = {one.key: one.value for one in stored if one.is_ratio}
     verdicts = [
@@ -74,7 +74,7 @@ def compare(
 
 
 def table(verdicts: Sequence[Verdict]) -> str:
-    """Return all in one table."""
+    """Return all verdicts in one table."""
     names = [f"{one.scenario}: {one.name}" for one in verdicts]
     width = max(map(len, names), default=0)
     lines = [f"{'':{width}}{'stored':>9}{'now':>9}  verdict"]
@@ -84,16 +84,16 @@ def table(verdicts: Sequence[Verdict]) -> str:
 
 
 def write(path: Path, figures: Iterable[Figure]) -> None:
-    """Store figures, one a line, so that a change shows which."""
+    """Store figures, one per line, so that a diff shows which have changed."""
     lines = ",\n".join(f" {json.dumps(asdict(one))}" for one in figures)
     path.write_text(f"[\n{lines}\n]\n")
 
 
 def read(reference: str) -> list[Figure]:
-    """Read what was stored under a name, or in a file.
+    """Read the figures stored under a name, or in a file.
 
     Raises:
-        BenchmarkError: if there is none, or it holds something else.
+        BenchmarkError: they do not exist, or the file holds something else.
     """
     named = REFERENCES / f"{reference}.json"
     path = named if named.is_file() else Path(reference)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How thoroughly to measure, and whom."""
+"""The plan of a run: precision and servers."""
 
 from dataclasses import dataclass
 
@@ -8,11 +8,11 @@ from benchmarks.servers import Server
 
 @dataclass(frozen=True)
 class Plan:
-    """What the command line asks of every scenario."""
+    """The options of the command line that every scenario follows."""
 
     rounds: int
     seconds: float
     """Of each measurement."""
     servers: tuple[Server, ...]
-    """The gateway, then what is measured beside it."""
+    """The gateway, then the servers measured beside it."""
     seeks_highest_rates: bool = True

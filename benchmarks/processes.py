@@ -20,7 +20,7 @@ from benchmarks.errors import BenchmarkError
 
 _TICKS_PER_S: Final = os.sysconf("SC_CLK_TCK")
 _LIBC: Final = ctypes.CDLL(None)
-_ANSWER_S: Final = 30.0  # also for what starts: rclpy, and a picture of 1080p to be made
+_ANSWER_S: Final = 30.0  # also for a start: rclpy, and making a picture of 1080p
 _END_S: Final = 10.0
 
 
@@ -51,7 +51,7 @@ class Process:
             raise BenchmarkError(f"{self.name} has ended") from None
 
     def answer(self, timeout_s: float = _ANSWER_S) -> Any:
-        """Return what an actor tells next."""
+        """Return the next answer of an actor."""
         return json.loads(self._line(time.monotonic() + timeout_s))
 
     def ask(self, *words: object, timeout_s: float = _ANSWER_S) -> Any:
@@ -60,18 +60,18 @@ class Process:
         return self.answer(timeout_s)
 
     def line_with(self, pattern: str, timeout_s: float = _ANSWER_S) -> str:
-        """Return the first match in what the process prints."""
+        """Return the first match in the output of the process."""
         deadline_s = time.monotonic() + timeout_s
         while True:
             if found := re.search(pattern, self._line(deadline_s)):
                 return found[0]
 
     def is_running(self) -> bool:
-        """Tell whether it has not ended yet."""
+        """Return whether it is still running."""
         return self._popen.poll() is None
 
     def end(self) -> None:
-        """End it and all of its group: at its stdin's end or at SIGINT, at the latest by force."""
+        """End it and its group: by the end of its stdin or by SIGINT, and in the end by force."""
         if self._popen.stdin is not None:
             with contextlib.suppress(BrokenPipeError):
                 self._popen.stdin.close()
@@ -82,7 +82,7 @@ class Process:
         except subprocess.TimeoutExpired:
             print(f"{self.name} does not end, killing it", file=sys.stderr)
         finally:
-            self._signal(signal.SIGKILL)  # also children that it has left behind
+            self._signal(signal.SIGKILL)  # also its remaining children
             self._popen.wait()
         self._reader.join(_END_S)
 
@@ -130,7 +130,7 @@ def acting(name: str, *arguments: object) -> Iterator[Process]:
 
 
 def wait_until(condition: Callable[[], bool], what: str, timeout_s: float = _ANSWER_S) -> None:
-    """Ask again and again."""
+    """Poll until the condition holds."""
     deadline_s = time.monotonic() + timeout_s
     while not condition():
         if time.monotonic() > deadline_s:
@@ -147,7 +147,7 @@ def cpu_s(pid: int) -> float:
 
 
 def memory_mb(pid: int) -> float:
-    """Return what of a process and its children is in memory."""
+    """Return the resident memory of a process and its children."""
     pages = sum(int(_read(one, "statm", "0 0").split()[1]) for one in _family(pid))
     return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
 
@@ -159,15 +159,15 @@ def _family(pid: int) -> list[int]:
         if fields:
             parents[int(path.name)] = int(fields[1])
     family = [pid]
-    for one in family:  # grows while it is walked
+    for one in family:  # grows during the loop
         family += [child for child, parent in parents.items() if parent == one]
     return family
 
 
 def _cpu_s(pid: int) -> float:
-    """Return the time of one process by its clock, which counts nanoseconds where proc has 10 ms.
+    """Return the time of one process by its clock, which counts nanoseconds; proc has only 10 ms.
 
-    Of its ended children there is no such clock.
+    Its ended children have no such clock.
     """
     clock = ctypes.c_int()
     if _LIBC.clock_getcpuclockid(pid, ctypes.byref(clock)) != 0:

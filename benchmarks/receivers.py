@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who receives a sample, and at what cost: a bare rclpy subscriber, or a server with a client."""
+"""Receivers of a sample, and their cost: a bare rclpy subscriber, or a server with a client."""
 
 import contextlib
 import time
@@ -17,7 +17,7 @@ _WARM_UP_S = 2.0  # discovery, and code that is compiled at first use
 
 @dataclass(frozen=True)
 class Receipt:
-    """What one receiver saw, and what the process under test spent meanwhile."""
+    """The messages of one receiver, and the CPU time of the measured process meanwhile."""
 
     rate_hz: float
     p50_ms: float
@@ -29,27 +29,27 @@ class Receipt:
 
 @dataclass(frozen=True)
 class Reception:
-    """A receiver at work: the actor that notes ages, and the process that is measured."""
+    """A running receiver: the actor that records ages, and the measured process."""
 
     actor: Process
     tested_pid: int
     sample: str
 
     def count(self) -> int:
-        """Return how many messages have come since the last `clear`."""
+        """Return the number of messages since the last `clear`."""
         return int(self.actor.ask("count"))
 
     def report(self) -> dict[str, Any]:
-        """Return the summary of what has come since then."""
+        """Return the summary of these messages."""
         result: dict[str, Any] = self.actor.ask("report")[self.sample]
         return result
 
     def clear(self) -> None:
-        """Forget what has come; call it while nothing does."""
+        """Forget the messages so far; call it while none arrive."""
         self.actor.ask("clear")
 
     def receipt(self, seconds: float) -> Receipt:
-        """Let a stream that is under way go on for a while, and return what that cost."""
+        """Let the flow of samples continue for a while, and return its cost."""
         wait_until(lambda: self.count() > 0, f"{self.actor.name} gets a first {self.sample}")
         time.sleep(_WARM_UP_S)
         before, before_s, started_s = self.count(), cpu_s(self.tested_pid), time.monotonic()
@@ -74,7 +74,7 @@ class Receiver(Protocol):
 
     @property
     def name(self) -> str:
-        """What tables call it."""
+        """The name in tables."""
 
     def receiving(self, sample: str) -> AbstractContextManager[Reception]:
         """Receive until the end."""
@@ -102,7 +102,7 @@ class Client:
 
     @property
     def name(self) -> str:
-        """What tables call it."""
+        """The name in tables."""
         return self.server.name
 
     @contextlib.contextmanager
@@ -117,7 +117,7 @@ class Client:
 def publishing(
     sample: str, rate_hz: float = 0.0, *, topics: int = 1, share: str = "0/1"
 ) -> Iterator[Process]:
-    """Publish at a rate until the end, or by 0 as ordered."""
+    """Publish at a rate until the end; with 0, as ordered."""
     with acting("publisher", sample, topics, share, "now") as publisher:
         publisher.answer()
         if rate_hz:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The messages that are measured, as CDR in which the time of sending can be renewed in place.
+"""The measured messages, as CDR in which the time of sending can be replaced in place.
 
-Types with a header carry it as their stamp; a String as its text, a Twist as its first number.
+It is the stamp of types with a header, the text of a String, the first number of a Twist.
 """
 
 import re
@@ -24,16 +24,16 @@ _DIGITS: Final = 19  # of nanoseconds since 1970, until 2286
 
 @dataclass(frozen=True)
 class Clockwork:
-    """Where a type carries the time of sending, and how to read it again."""
+    """Functions that write and read the time of sending in messages of a type."""
 
     write: Callable[[bytearray, int], None]
-    """Renew it, in nanoseconds, in a message as CDR."""
+    """Write it, in nanoseconds, into a message as CDR."""
     read: Callable[[Any], int]
     """Read it from a message of rclpy's."""
     pattern: "re.Pattern[bytes]"
-    """Finds it in a frame, in JSON however a server spaces it.
+    """Finds it in a frame, in JSON with any white space.
 
-    A full parse would make the client what is measured.
+    A full parse would measure the client instead.
     """
     parse: Callable[["re.Match[bytes]"], int]
 
@@ -46,7 +46,7 @@ class Sample:
     rate_hz: float
     clockwork: Clockwork
     compression: str = "none"
-    """How a client asks for it."""
+    """The ``compression`` of a client's subscription."""
 
     def cdr(self) -> bytearray:
         """Return the message serialised."""
@@ -65,7 +65,7 @@ _HEADER: Final = Clockwork(
     re.compile(rb'"stamp": ?\{"sec": ?(\d+), ?"nanosec": ?(\d+)\}'),
     lambda found: _nanoseconds(int(found[1]), int(found[2])),
 )
-# the same in CDR within CBOR, where 0x5a and 4 bytes tell the length (RFC 8949, section 3)
+# the same in CDR within CBOR, where 0x5a and 4 bytes are the length (RFC 8949, section 3)
 _RAW_HEADER: Final = replace(
     _HEADER,
     pattern=re.compile(rb"bytes\x5a.{4}\0\x01..(.{8})", re.DOTALL),
@@ -150,7 +150,7 @@ def image(width: int = 640, height: int = 480) -> Image:
 
 
 def compressed_image() -> CompressedImage:
-    """Return 60 kB, which nobody decodes on the way."""
+    """Return 60 kB, which nothing decodes on its path."""
     message = CompressedImage(format="jpeg")
     message.header.frame_id = "camera"
     message.data = np.random.default_rng(1).bytes(60_000)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Find the highest rate that is held."""
+"""The search for the highest rate that is held."""
 
 import math
 from collections.abc import Callable
@@ -8,12 +8,12 @@ from enum import Enum, auto
 from typing import Final
 
 _PRECISION: Final = 1.1  # between the highest rate held and the lowest that is not
-_STEP_DOWN: Final = 0.9  # where a confirmation fails
+_STEP_DOWN: Final = 0.9  # if a confirmation fails
 _LEAST_SHARE: Final = 1 / 64  # of the start rate: below, nothing works at all
 
 
 class Outcome(Enum):
-    """How a run at some rate ended."""
+    """The outcome of a run at some rate."""
 
     HELD = auto()
     LOST = auto()
@@ -39,7 +39,7 @@ def highest_rate(
 ) -> Highest:
     """Double from *start_hz* until *hold* fails, bisect to 10 %, and step down to what *confirm*s.
 
-    *hold* may forgive a run that failed by chance, as a wrong turn of the search is not mended.
+    *hold* may repeat a run that failed by chance, as the search never takes back a step.
     """
     held_hz, failed_hz, failure = _bracket(hold, start_hz)
     if not held_hz:
@@ -60,7 +60,7 @@ def highest_rate(
 
 
 def _bracket(hold: Callable[[float], Outcome], start_hz: float) -> tuple[float, float, Outcome]:
-    """Return a rate that is held, or 0, one above it that is not, and why not."""
+    """Return a rate that is held, or 0, one above it that is not, and the reason."""
     rate_hz = start_hz
     outcome = hold(rate_hz)
     if outcome is Outcome.HELD:

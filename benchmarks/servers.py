@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is measured: the gateway, or any other server of the rosbridge protocol."""
+"""The measured servers: the gateway, or any other server of the rosbridge protocol."""
 
 import contextlib
 import shlex
@@ -14,13 +14,13 @@ from benchmarks.processes import Process, running, wait_until
 
 Limits = Mapping[str, int]
 
-# for scenarios that measure speed, not the limits that keep a robot's network safe
+# for scenarios that measure speed, not the limits that protect a robot's network
 NO_INBOUND_LIMITS: Final[Limits] = {"operations_per_s": 0, "frames_per_s": 0}
 
 
 @dataclass(frozen=True)
 class Server:
-    """How to start a server; without a command it is the gateway."""
+    """A server and its command; without a command it is the gateway."""
 
     name: str = "gateway"
     command: tuple[str, ...] = ()
@@ -30,8 +30,8 @@ class Server:
     def running(self, limits: Limits | None = None) -> Iterator[tuple[str, Process]]:
         """Run it until the end; yield its URL and its process once it accepts connections.
 
-        *limits* are lifted as far as a scenario needs, by the names of the gateway's configuration;
-        another server is started as it is.
+        *limits* are the limits that a scenario raises, by the names of the gateway's configuration;
+        another server starts unchanged.
         """
         if not self.command:
             with running(self.name, *gateway_command(0, limits)) as process:
@@ -58,20 +58,20 @@ def gateway_command(port: int, limits: Limits | None = None) -> list[str]:
 
 
 def require_free(port: int) -> None:
-    """Raise BenchmarkError if something listens there already: that would be measured."""
+    """Raise BenchmarkError if something listens there already: it would be measured instead."""
     if is_taken(port):
         raise BenchmarkError(f"port {port} is taken, by something that would be measured instead")
 
 
 def is_taken(port: int) -> bool:
-    """Tell whether something accepts connections there."""
+    """Return whether something accepts connections there."""
     with socket.socket() as probe:
         probe.settimeout(1)
         return probe.connect_ex(("127.0.0.1", port)) == 0
 
 
 def free_port() -> int:
-    """Return a port that nobody uses right now."""
+    """Return a port that is free now."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return int(probe.getsockname()[1])

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the Unity client costs, under Mono: reading messages, and receiving them as a scene does.
+"""The cost of the Unity client, under Mono: reading messages, and receiving them like a scene.
 
-The frames are those that the gateway sends; a server in this process sends them as fast as the
-client takes them, or at a rate.
+The frames are the gateway's; a server in this process sends them as fast as the client takes them,
+or at a rate.
 """
 
 import asyncio
@@ -30,7 +30,7 @@ _PICTURE: Final = "picture, 640x480 JPEG"
 _PICTURE_HZ: Final = 30
 _SECONDS: Final = 6
 _BATCH: Final = 64  # frames per write: Python alone would be the limit
-_ENOUGH_BYTES: Final = 1024 * 1024  # waiting to be sent: the client is what limits
+_ENOUGH_BYTES: Final = 1024 * 1024  # waiting to be sent: the client is the limit
 _POSE: Final = (
     b'{"header":{"stamp":{"sec":1700000000,"nanosec":123456789},"frame_id":"base_footprint"},'
     b'"pose":{"position":{"x":1.2345678901234567,"y":-0.9876543210987654,"z":0.010000000149011612},'
@@ -64,7 +64,7 @@ def main() -> None:
 
 
 def _messages() -> dict[str, tuple[str, bytes]]:
-    """Return types and JSON of what is read."""
+    """Return the types and the JSON of the messages to read."""
     types = Types(InstalledDefinitions())
     decode = types.get("nav_msgs/msg/Odometry").decode
     odometry = dumps(decode(bytes(SAMPLES["odometry"].cdr())))

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Keep a ``.meta`` beside every asset of the Unity package: ``python -m tools.unity_metas``.
 
-Without it Unity ignores a file of a package that came by git, for packages are read-only. An
-asset's GUID is the md5 of its path; once written it is never changed, since scenes refer to it.
+Without it Unity ignores a file of a package installed by git, for packages are read-only. An
+asset's GUID is the md5 of its path; once written it never changes, since scenes refer to it.
 """
 
 import argparse
@@ -80,7 +80,7 @@ _IMPORTERS: Final = {
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Write what is missing and remove orphans, or with ``--check`` say what is wrong."""
+    """Write missing metas and remove orphans, or with ``--check`` report errors."""
     parser = argparse.ArgumentParser(description="Keep a .meta beside every asset.")
     parser.add_argument("--check", action="store_true", help="change nothing, exit 1 if needed")
     check = parser.parse_args(arguments).check
@@ -91,7 +91,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def update(package: Path) -> Iterator[str]:
-    """Write missing metas and remove orphans; yield what was done."""
+    """Write missing metas and remove orphans; yield each change."""
     expected = {meta_of(asset): asset for asset in assets(package)}
     for meta, asset in expected.items():
         if not meta.exists():
@@ -103,7 +103,7 @@ def update(package: Path) -> Iterator[str]:
 
 
 def wrong(package: Path) -> Iterator[str]:
-    """Yield what `update` would do, and what it cannot: a GUID that is there twice, or missing."""
+    """Yield what `update` would do, and errors beyond it: a GUID that is duplicate or missing."""
     expected = {meta_of(asset): asset for asset in assets(package)}
     present = set(package.rglob("*.meta"))
     for meta in sorted(set(expected) - present):
@@ -128,12 +128,12 @@ def assets(package: Path) -> Iterator[Path]:
 
 
 def meta_of(asset: Path) -> Path:
-    """Return where an asset's meta is."""
+    """Return the path of an asset's meta."""
     return asset.with_name(f"{asset.name}.meta")
 
 
 def content(package: Path, asset: Path) -> str:
-    """Return a new meta's text."""
+    """Return the text of a new meta."""
     path = asset.relative_to(package).as_posix()
     # Unity wants a GUID, and only that it is unique: no security in it
     guid = hashlib.md5(f"{_NAMESPACE}{path}".encode(), usedforsecurity=False).hexdigest()
@@ -150,7 +150,7 @@ def _importer(path: str) -> tuple[str, str]:
 
 def _below(folder: Path) -> Iterator[Path]:
     for entry in sorted(folder.iterdir()):
-        # what Unity passes over, besides the metas themselves
+        # Unity ignores these, besides the metas themselves
         hidden = entry.name.startswith(".") or entry.name.endswith("~")
         if hidden or entry.name.lower() == "cvs" or entry.suffix in {".meta", ".tmp"}:
             continue

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""WebSocket clients that are written to and, once they are in, never read from."""
+"""A WebSocket server that only writes to its clients after their handshake."""
 
 import asyncio
 from typing import cast
@@ -9,13 +9,13 @@ from websockets.server import ServerProtocol
 
 
 class Audience:
-    """Shakes hands by the library's sans-I/O protocol, and then only writes."""
+    """Shakes hands with the library's sans-I/O protocol, and then only writes."""
 
     def __init__(self) -> None:
         self._clients: list[asyncio.Transport] = []
 
     async def listen(self) -> str:
-        """Let clients in from now on; return the URL."""
+        """Start to accept clients; return the URL."""
         loop = asyncio.get_running_loop()
         server = await loop.create_server(lambda: _Client(self._clients), "127.0.0.1", 0)
         return f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A WebSocket client in a process of its own that notes how old each message is.
+"""A WebSocket client in a process of its own that records the age of each message.
 
 ``URL SAMPLE ...`` as arguments. Orders: ``count`` (of all), ``report`` (by sample), ``clear``.
 """
@@ -12,7 +12,7 @@ from benchmarks.actors.orders import obey, tell
 from benchmarks.actors.report import Ages
 from benchmarks.samples import SAMPLES, message_type, topic
 
-_HEAD = 160  # bytes of a frame in which its topic is
+_HEAD = 160  # bytes of a frame that contain its topic
 
 
 def main(url: str, *names: str) -> None:
@@ -51,7 +51,7 @@ def _note(payload: memoryview, ages: dict[str, Ages]) -> None:
     name = next(iter(ages)) if len(ages) == 1 else _name(bytes(payload[:_HEAD]), ages)
     clockwork = SAMPLES[name].clockwork
     found = clockwork.pattern.search(payload)
-    if found is not None:  # otherwise a word about a topic that is still being discovered
+    if found is not None:  # otherwise a status about a topic that is still being discovered
         ages[name].add(clockwork.parse(found), now_ns)
 
 

@@ -42,11 +42,11 @@ class Connection:
         self._socket.close()
 
     def fileno(self) -> int:
-        """Return what a selector waits for."""
+        """Return the file descriptor, for a selector."""
         return self._socket.fileno()
 
     def limit(self, timeout_s: float) -> None:
-        """Let nothing take longer than that; then TimeoutError is raised."""
+        """Bound every send and receive, which raise TimeoutError after that."""
         self._socket.settimeout(timeout_s)
 
     def send(self, operation: dict[str, Any]) -> None:
@@ -54,14 +54,14 @@ class Connection:
         self.send_text(json.dumps(operation).encode())
 
     def send_text(self, text: bytes) -> None:
-        """Send what is JSON already."""
+        """Send a text that is JSON already."""
         self._write(client_frame(TEXT, text))
 
     def receive(self) -> Iterator[memoryview]:
-        """Wait for bytes once, and yield every payload that they complete; each until the next.
+        """Wait for bytes once, and yield every payload that they complete; valid until the next.
 
         Raises:
-            ConnectionError: if the server has closed, or `stop` was called.
+            ConnectionError: the server has closed, or `stop` was called.
         """
         room = self._walker.room()
         size = self._socket.recv_into(room)
@@ -70,7 +70,7 @@ class Connection:
         return self._payloads(size)
 
     def answer_pings(self) -> None:
-        """Read on in a thread: a server cuts off who does not answer its pings."""
+        """Keep reading in a thread: a server cuts off clients that do not answer its pings."""
         threading.Thread(target=self._ignore, daemon=True).start()
 
     def stop(self) -> None:
@@ -85,7 +85,7 @@ class Connection:
                     pass
 
     def _write(self, frame: bytes) -> None:
-        with self._writing:  # a pong must not come between the parts of a frame
+        with self._writing:  # a pong must not split a frame
             self._socket.sendall(frame)
 
     def _payloads(self, size: int) -> Iterator[memoryview]:
@@ -104,7 +104,7 @@ class Connection:
             self._socket.sendall(chunk)
         head = bytearray()
         while not head.endswith(_HEAD_END):
-            byte = self._socket.recv(1)  # no more: what follows is the walker's
+            byte = self._socket.recv(1)  # no more: the walker reads the bytes that follow
             if not byte:
                 raise ConnectionError("the server has closed during the handshake")
             head += byte

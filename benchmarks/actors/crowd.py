@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A process with many WebSocket clients, which only counts what all of them get.
+"""A process with many WebSocket clients, which only counts the frames of all of them.
 
 ``URL SAMPLE CLIENTS TOPICS`` as arguments: each client subscribes to all topics of the sample.
 It is ready when all are subscribed. Orders: ``count``, and ``clients`` that have got a frame.
@@ -14,7 +14,7 @@ from benchmarks.actors.orders import obey, tell
 from benchmarks.samples import message_type, topic
 
 _ROOM: Final = 1 << 16  # bytes for each client: a few dozen frames
-_LOOK_S: Final = 0.2  # how soon the end is noticed
+_LOOK_S: Final = 0.2  # the delay at the end
 
 
 class _Crowd:
@@ -32,7 +32,7 @@ def main(url: str, name: str, clients: int, topics: int) -> None:
     crowd = _Crowd()
     obey({"count": lambda: crowd.frames, "clients": lambda: len(crowd.served)}, crowd.end)
     selector = selectors.DefaultSelector()
-    for _ in range(clients):  # one after the other: a server may cut off a crowd at its door
+    for _ in range(clients):  # one after the other: a server may bound its handshakes
         connection = Connection(url, _ROOM)
         selector.register(connection, selectors.EVENT_READ, connection)
         for number in range(topics):

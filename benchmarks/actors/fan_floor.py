@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A WebSocket server that only writes: what no server in Python can go below.
+"""A WebSocket server that only writes: the floor for any server in Python.
 
-It shakes hands by the library's sans-I/O protocol under uvloop, ignores whatever comes, and writes
+It shakes hands with the library's sans-I/O protocol under uvloop, ignores all input, and writes
 one prepared frame to every client, ``BYTES RATE_HZ`` as arguments.
 """
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A process with rclpy subscribers that come to be when ordered, and end with their first message.
+"""A process with rclpy subscribers, each created by an order and closed by its first message.
 
-``SAMPLE`` as argument. Order: ``subscribe``; answers with when it was asked and when the message
-came, in nanoseconds, after telling ``waiting`` once the subscription exists.
+``SAMPLE`` as argument. Order: ``subscribe``; answers with ``waiting`` once the subscription
+exists, then with the times of the order and of the message, in nanoseconds.
 """
 
 import queue

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The floor: a process with a bare rclpy subscriber that only notes how old each message is.
+"""The floor: a process with a bare rclpy subscriber that only records the age of each message.
 
-``SAMPLE HOW`` as arguments. HOW is ``plain`` for what people write, on the standard executor, or
-``raw`` for what costs least: CDR on the events executor, to hear what others send, as a Twist only.
+``SAMPLE HOW`` as arguments. HOW is ``plain`` for the usual code, on the standard executor, or
+``raw`` for the least cost: CDR on the events executor, to receive samples of others, Twists only.
 Orders: as those of the client.
 """
 
@@ -22,7 +22,7 @@ from benchmarks.actors.report import Ages
 from benchmarks.samples import SAMPLES, topic
 
 _DEPTH: Final = 32  # as many as the gateway keeps: the losses of both mean the same
-_DEPTH_RAW: Final = 1000  # what is asked is whether a sample was sent
+_DEPTH_RAW: Final = 1000  # the question is whether a sample was sent
 _SPIN_S: Final = 1e6  # without an end, the events executor of rclpy 7.1 delivers nothing
 
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""WebSocket frames, as cheaply as Python gets at them: for benchmarks only.
+"""WebSocket frames, parsed as cheaply as Python can: for benchmarks only.
 
-A library takes some 30 us for a message, more than what is measured. This walks the frames of a
-server that behaves, where they lie; it checks nothing that the library would check, and joins no
-fragments: each gives a payload of its own.
+A library takes some 30 us for a message, more than the measured cost. This walks the frames of a
+correct server in place; it omits the library's checks and joins no fragments: each is a payload of
+its own.
 """
 
 import struct
@@ -31,26 +31,26 @@ class Frame(NamedTuple):
 
 
 class FrameWalker:
-    """Finds the frames of a server in the bytes of a connection, which it keeps."""
+    """Finds the frames of a server in the bytes of a connection, in its own buffer."""
 
     def __init__(self, room: int = 1 << 20) -> None:
         self._buffer = bytearray(room)
-        self._start = 0  # of what is not walked yet
-        self._end = 0  # of what has been received
+        self._start = 0  # of the bytes not walked yet
+        self._end = 0  # of the bytes received
 
     def room(self) -> memoryview:
-        """Return where to receive the next bytes, at least a quarter of all room."""
+        """Return the room for the next bytes, at least a quarter of all."""
         if self._start:
             waiting = self._end - self._start
             self._buffer[:waiting] = self._buffer[self._start : self._end]
             self._start, self._end = 0, waiting
         if len(self._buffer) - self._end < len(self._buffer) // 4:
-            # anew, as a buffer of which a payload is still held cannot grow
+            # a new one, as a buffer whose payload is still in use cannot grow
             self._buffer = self._buffer + bytearray(len(self._buffer))
         return memoryview(self._buffer)[self._end :]
 
     def received(self, size: int) -> Iterator[Frame]:
-        """Take *size* more bytes in that room, and yield every frame that is complete."""
+        """Take *size* more bytes in that room, and yield every complete frame."""
         self._end += size
         view = memoryview(self._buffer)
         while True:
@@ -66,7 +66,7 @@ class FrameWalker:
 
 
 def client_frame(opcode: int, payload: bytes) -> bytes:
-    """Return a frame as a client sends it."""
+    """Return a client's frame."""
     first = _FINAL | opcode
     length = len(payload)
     if length < _TWO_BYTES:
@@ -79,7 +79,7 @@ def client_frame(opcode: int, payload: bytes) -> bytes:
 
 
 def _header(buffer: bytearray, start: int, end: int) -> tuple[int, int] | None:
-    """Return where the payload of the frame at *start* begins, and its length."""
+    """Return the start and the length of the payload of the frame at *start*."""
     if end - start < 2:
         return None
     length = buffer[start + 1]

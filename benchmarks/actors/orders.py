@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How the programs are spoken to: a line on stdin is an order, a line of JSON answers it.
+"""Orders to the programs: a line on stdin is an order, a line of JSON answers it.
 
 The end of stdin ends the program, so that none outlives the benchmark, however that ends. SIGINT
 does the same.
@@ -21,14 +21,14 @@ def tell(value: object) -> None:
 
 
 def obey(orders: Mapping[str, Callable[..., object]], on_end: Callable[[], object]) -> None:
-    """Carry out each line ``WORD ARGUMENT ...``, in a thread of its own; from the main thread.
+    """Carry out each line ``WORD ARGUMENT ...`` in a thread of its own; call it in the main thread.
 
-    What an order returns is told, except ``None``: such an order answers later. *on_end* must make
-    the main thread end, wherever it waits.
+    The answer is what the order returns; after ``None``, the order answers later. *on_end* must
+    make the main thread end, wherever it waits.
     """
     woken, wake = os.pipe()
     os.set_blocking(wake, False)
-    # the wake-up is written by the signal itself, even while the main thread waits inside rclpy
+    # the signal itself writes the wake-up, even while the main thread waits inside rclpy
     signal.signal(signal.SIGINT, lambda *_: None)
     signal.set_wakeup_fd(wake)
     threading.Thread(target=_obey, args=(orders, on_end, woken), daemon=True).start()

@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""When samples are sent, and the stamps that tell each from every other."""
+"""The times at which samples are sent, and stamps that are unique."""
 
 import time
 from collections.abc import Callable
 from typing import Final
 
-# What may be sent at once. Receivers take what comes together for less, so up to 10 kHz nothing
-# does; beyond, sleeps are not exact enough.
+# Samples that may be sent at once. Receivers take samples that come together for less, so up to
+# 10 kHz none do; beyond, sleeps are not exact enough.
 _BURST_S: Final = 0.0002
 _UNIT_NS: Final = 1000  # a Twist carries microseconds
 
 
 class Stamps:
-    """Times of sending, strictly increasing, no two alike even between *parts* processes."""
+    """Times of sending, strictly increasing and unique, even between *parts* processes."""
 
     def __init__(self, part: int = 0, parts: int = 1) -> None:
         self._offset_ns = part * _UNIT_NS
@@ -33,8 +33,8 @@ def paced(
 ) -> float:
     """Send *count* times, each when it is due, and return the seconds from first to last.
 
-    Due times are absolute: what is sent late delays nothing after it. What is late is caught up at
-    twice the rate at most, so that a pause of this process is no flood for the receiver.
+    Due times are absolute: a late sample delays none after it. Late samples are sent at twice the
+    rate at most, so that a pause of this process does not flood the receiver.
     """
     burst = max(1, int(rate_hz * _BURST_S))
     started_s = begun_s = time.monotonic()

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The gateway's way from DDS to a socket, cut off behind one of its steps.
+"""The gateway's path from DDS to a socket, cut off behind one of its steps.
 
-``SAMPLE COUNT`` as arguments: how many of `steps` are taken, by the gateway's own parts. What the
-gateway itself adds to all of them is routing, bounds and counters.
+``SAMPLE COUNT`` as arguments: the gateway's own parts take COUNT of the `steps`. The gateway itself
+adds routing, bounds and counters to all of them.
 """
 
 import asyncio
@@ -38,7 +38,7 @@ Work = Callable[[bytes], object]
 
 
 def steps(name: str) -> tuple[str, ...]:
-    """Return what the steps for a sample are called."""
+    """Return the names of the steps for a sample."""
     is_image = message_type(name) == _IMAGE
     rendering = ("colours and JPEG", "base64 and JSON") if is_image else ("JSON",)
     return (*_RECEIVING, "decoding", *rendering, "framing", "writing to the socket")
@@ -67,7 +67,7 @@ async def main(name: str, count: int) -> None:
 def _receive(
     node: Node, loop: asyncio.AbstractEventLoop, name: str, count: int, works: Sequence[Work]
 ) -> Callable[[], object]:
-    """Go as far with every sample as *count* says; return what ends it."""
+    """Take *count* steps with every sample; return the function that ends it."""
     message_class = type(SAMPLES[name].make())
 
     def create() -> Any:
@@ -90,7 +90,7 @@ def _receive(
 
 
 def _works(name: str, audience: Audience) -> list[Work]:
-    """Return what is done with a sample that was taken: by each step with all before it."""
+    """Return the work on a sample: for each step, that step and all before it."""
     known = Types(InstalledDefinitions()).get(message_type(name))
     decode: Callable[[bytes], Any] = known.decoder(octets="raw")
     encoding: list[Work] = []

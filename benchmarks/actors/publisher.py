@@ -2,9 +2,9 @@
 """A process that publishes stamped samples as ordered, in turn to each of its topics.
 
 ``SAMPLE TOPICS PART/PARTS WHEN`` as arguments. PARTS processes may share a topic, as one call takes
-some 20 us in Python. WHEN is ``now``, or ``late`` for publishers that come to be with the first
-sample. Beside the orders of `runs`, ``matched`` answers with the subscriptions of the topic that
-has fewest.
+some 20 us in Python. WHEN is ``now``, or ``late`` for publishers created with the first sample. In
+addition to the orders of `runs`, ``matched`` answers with the number of subscriptions of the topic
+that has fewest.
 """
 
 import itertools
@@ -23,7 +23,7 @@ os.environ.setdefault(
     "FASTRTPS_DEFAULT_PROFILES_FILE", str(Path(gateway_sim.__path__[0]) / "fastdds_profile.xml")
 )
 
-# A writer that keeps ten samples drops what a reader's process has not acknowledged after 10 ms at
+# A writer that keeps ten samples drops those that a reader has not acknowledged after 10 ms at
 # 1 kHz: that would measure how the system schedules processes. It keeps the last thousand instead,
 # fewer of large samples, but at least ROS' ten.
 _KEPT_BYTES: Final = 16 * 1024**2

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a receiver notes about messages, and how it sums that up."""
+"""A receiver's record of messages, and its summary."""
 
 import statistics
 from array import array
@@ -10,7 +10,7 @@ from typing import Any
 class Ages:
     """The stamps of messages and their ages on arrival, in nanoseconds.
 
-    One thread adds, another may ask: each stamp is added last, and only what has one counts.
+    One thread adds, another may read: each stamp is added last, and only messages with one count.
     """
 
     def __init__(self) -> None:
@@ -21,17 +21,17 @@ class Ages:
         return len(self._stamps_ns)
 
     def add(self, stamp_ns: int, now_ns: int) -> None:
-        """Note one message."""
+        """Record one message."""
         self._ages_ns.append(now_ns - stamp_ns)
         self._stamps_ns.append(stamp_ns)
 
     def clear(self) -> bool:
-        """Forget what has come so far, while nothing comes."""
+        """Forget the messages so far; call it while none arrive."""
         self._ages_ns, self._stamps_ns = array("q"), array("q")
         return True
 
     def summary(self) -> dict[str, Any]:
-        """Return counts, percentiles of the ages in ms, and when the first message arrived.
+        """Return counts, percentiles of the ages in ms, and the arrival of the first message.
 
         ``distinct`` counts every stamp once; ``tail_ms`` is the median age of the last tenth.
         """

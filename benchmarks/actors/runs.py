@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a program that sends is ordered to.
+"""The orders of a program that sends.
 
-``run RATE COUNT`` sends so many samples at that rate, and answers with how many it sent and in what
-time; ``go RATE`` sends until the end, and answers with the time of the first. ``count`` answers
-with the samples sent so far.
+``run RATE COUNT`` sends COUNT samples at that rate, and answers with the number and the time that
+it took; ``go RATE`` sends until the end, and answers with the time of the first. ``count`` answers
+with the number of samples so far.
 """
 
 import math
@@ -19,7 +19,7 @@ from benchmarks.actors.pace import paced
 def do_runs(
     send: Callable[[], object], further_orders: Mapping[str, Callable[..., object]] | None = None
 ) -> None:
-    """Obey until the end of stdin, sending in this thread; tell that it is ready."""
+    """Report readiness, and obey until the end of stdin, sending in this thread."""
     jobs: queue.SimpleQueue[tuple[float, float] | None] = queue.SimpleQueue()
     over = threading.Event()
     sent = 0

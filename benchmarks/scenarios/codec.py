@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What rendering costs: from the CDR of one message to its JSON, and to its CBOR."""
+"""The cost of rendering: from the CDR of one message to its JSON, and to its CBOR."""
 
 import statistics
 import time
@@ -60,7 +60,7 @@ def _as_json(message_type: MessageType) -> Callable[[bytes], bytes]:
 
 
 def _cost(render: Callable[[bytes], bytes], cdr: bytes) -> tuple[float, int]:
-    """Return the CPU time of one message in microseconds, and the bytes that come out."""
+    """Return the CPU time of one message in microseconds, and the bytes of its rendering."""
     size = len(render(cdr))
     started = time.thread_time()
     render(cdr)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What each further client of a topic costs: a frame is made once, and sent often.
+"""The cost of each further client of a topic: a frame is made once, and sent often.
 
 The floor is a server without ROS that only writes one prepared frame of the same size to all.
 """
@@ -33,8 +33,8 @@ _Serving = Callable[[], AbstractContextManager[tuple[str, Process]]]
 def measure(plan: Plan) -> list[Figure]:
     """Print a table and return the figures.
 
-    Between the first and the last number of clients lies the slope, measured in every round; what
-    lies between shows that it is one, measured once.
+    The first and the last number of clients give the slope and are measured in every round; those
+    between show that the cost is linear and are measured once.
     """
     serving: dict[str, _Serving] = {"floor": _floor}
     serving |= {server.name: partial(server.running, _ROOM) for server in plan.servers}

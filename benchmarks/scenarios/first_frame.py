@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How long a client waits for its first frame, whoever was there first: publisher or client.
+"""The time to a client's first frame, whether the publisher or the client comes first.
 
 The floor is a bare rclpy subscriber in the same place. At 50 Hz half a period, 10 ms, passes on
 average before there is anything to receive.
@@ -48,7 +48,7 @@ def _floor_subscribes() -> list[float]:
     waits_ms = []
     with acting("first_floor", _SAMPLE) as subscriber:
         subscriber.answer()
-        time.sleep(_SETTLED_S)  # the participants know each other, as a server's do
+        time.sleep(_SETTLED_S)  # the participants have discovered each other, as a server's have
         for number in range(_SUBSCRIPTIONS):
             subscriber.ask("subscribe")
             asked_ns, came_ns = subscriber.answer(_TIMEOUT_S)
@@ -77,7 +77,7 @@ def _client_subscribes(server: Server) -> list[float]:
 def _pause_s(number: int) -> float:
     """Return a pause that spreads the subscriptions evenly over the period.
 
-    Each ends with a frame, so that after equal pauses all would begin at the same time before one.
+    Each ends with a frame, so after equal pauses all would begin at the same time before a frame.
     """
     return _PAUSE_S + number / _SUBSCRIPTIONS / _RATE_HZ
 
@@ -89,7 +89,7 @@ def _late_publisher(receiver: Receiver) -> float:
         acting("publisher", _SAMPLE, 1, "0/1", "late") as publisher,
     ):
         publisher.answer()
-        time.sleep(_SETTLED_S)  # the participants know each other
+        time.sleep(_SETTLED_S)  # the participants have discovered each other
         published_ns = publisher.ask("go", _RATE_HZ)
         wait_until(lambda: reception.count() > 1, f"{receiver.name} gets a first message")
         return (int(reception.report()["first_ns"]) - int(published_ns)) / 1e6

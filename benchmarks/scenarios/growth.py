@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether cost grows as it should: with what is delivered, and with nothing else."""
+"""The growth of cost: it should grow with the delivered frames, and with nothing else."""
 
 import contextlib
 import statistics
@@ -65,7 +65,7 @@ def _by_clients(server: Server, seconds: float) -> list[Figure]:
 
 
 def _by_bystanders(server: Server, plan: Plan) -> list[Figure]:
-    """Measure in turns: a difference that is none is smaller than a machine's drift."""
+    """Measure in turns: the expected difference of 0 is smaller than a machine's drift."""
     rounds = []
     for _ in range(plan.rounds):
         without = _load(server, "0 idle topics beside", _STEADY_HZ, 1, plan.seconds)
@@ -80,7 +80,7 @@ def _by_bystanders(server: Server, plan: Plan) -> list[Figure]:
 def _by_uptime(server: Server, plan: Plan) -> list[Figure]:
     """Measure a server that has been busy for a while beside one that has just been started.
 
-    Both at once, as minutes later the machine may be another one. A server with a port of its own
+    Both run at once, as minutes later the machine's speed may differ. A server with a fixed port
     cannot run twice.
     """
     if server.command:
@@ -102,7 +102,7 @@ def _by_uptime(server: Server, plan: Plan) -> list[Figure]:
 
 
 def _beside(one: _Working, other: _Working, seconds: float) -> float:
-    """Return the CPU time per frame of one server as a multiple of the other's, both at work."""
+    """Return the CPU time per frame of one server as a multiple of the other's, both busy."""
     before = [(crowd.ask("count"), cpu_s(server.pid)) for server, crowd in (one, other)]
     time.sleep(seconds)
     after = [(crowd.ask("count"), cpu_s(server.pid)) for server, crowd in (one, other)]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The highest rate that is held: everything arrives, and nothing is late at the end.
 
-A run sends an exact number of samples, each with a stamp of its own; those are what is counted.
+A run sends an exact number of samples, each with a stamp of its own, and counts the stamps.
 """
 
 import contextlib
@@ -32,7 +32,7 @@ Sending = Callable[[str], AbstractContextManager[Process]]
 
 
 def highest_of(receiver: Receiver, sample: str, seconds: float) -> Highest:
-    """Search the highest rate at which a receiver gets all of a sample."""
+    """Search the highest rate at which a receiver gets every sample."""
     with (
         senders(lambda share: publishing(sample, share=share)) as publishers,
         receiver.receiving(sample) as reception,
@@ -91,7 +91,7 @@ def _run(
     count = max(2, round(share_hz * seconds))
     for sender in sending:
         sender.send("run", share_hz, count)
-    # a sender that is too slow takes as long as it takes
+    # a sender that is too slow takes longer
     runs = [sender.answer(_MARGIN_S + 30 * seconds) for sender in sending]
     total = count * len(sending)
     deadline_s = time.monotonic() + _GRACE_S
@@ -112,7 +112,7 @@ def _run(
 
 
 def _calm(reception: Reception) -> None:
-    """Wait until the rest of the last run has come, and forget it."""
+    """Wait until the rest of the last run has arrived, and forget it."""
     last = -1
 
     def is_calm() -> bool:

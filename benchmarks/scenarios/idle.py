@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a server takes while nothing happens: topics are there and subscribed to, but silent."""
+"""The cost of an idle server: topics exist and have subscribers, but are silent."""
 
 import time
 from typing import Final

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A whole robot's topics to a handful of clients: what a frame costs, and whether all arrive."""
+"""A whole robot's topics to a few clients: the cost of a frame, and the share that arrives."""
 
 import time
 from typing import Final
@@ -43,7 +43,7 @@ def _measure(server: Server, seconds: float) -> list[Figure]:
         time.sleep(_GRACE_S)
         frames, spent_s = crowd.ask("count") - before, cpu_s(process.pid) - before_s
     if not frames:
-        frames = 1  # nothing came: the share below says so
+        frames = 1  # nothing arrived: the share below shows it
     delivered = frames / (count * _CLIENTS)
     us_per_frame, core_share = spent_s / frames * 1e6, spent_s / took_s
     print(

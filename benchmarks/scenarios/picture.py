@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How much of a picture's cost is the JPEG encoder's, which nothing but a faster encoder lowers."""
+"""The JPEG encoder's share of a picture's cost, which only a faster encoder lowers."""
 
 import statistics
 import time
@@ -19,7 +19,7 @@ _REPEATS = 60
 
 
 def encoder_share(cpu_us: float) -> str:
-    """Say what the encoder takes, of the rendering and of *cpu_us*, a picture's whole cost."""
+    """Format the encoder's share of the rendering, and of *cpu_us*, a picture's whole cost."""
     keep_large_blocks()
     confine_to_calling_thread()
     encoder_us = _encoder_us()
@@ -31,7 +31,7 @@ def encoder_share(cpu_us: float) -> str:
 
 
 def _encoder_us() -> float:
-    """Return the CPU time of cv2.imencode for the picture that is published."""
+    """Return the CPU time of cv2.imencode for the published picture."""
     message = SAMPLES["image"].make()
     rgb = np.frombuffer(message.data, np.uint8).reshape(message.height, message.width, 3)
     bgr = cv2.cvtColor(rgb, cv2.COLOR_RGB2BGR)

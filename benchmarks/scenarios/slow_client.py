@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One client that reads nothing beside some that do: what these get, and what memory it takes."""
+"""One client that reads nothing beside some that do: the frames of these, and the memory."""
 
 import contextlib
 import statistics
@@ -17,7 +17,7 @@ _SCENARIO: Final = "slow-client"
 _RATES_HZ: Final = {"image": 30.0, "odometry": 100.0}
 _FAST: Final = 3
 _WARM_UP_S: Final = 3.0
-_SECONDS: Final = 20.0  # enough for a server that cuts the slow one off to do so
+_SECONDS: Final = 20.0  # enough for a server to cut the slow client off
 
 
 def measure(plan: Plan) -> list[Figure]:
@@ -59,7 +59,7 @@ def _measure(server: Server, publishers: dict[str, Process], *, slow: bool) -> l
     name = f"{server.name} {case} a slow client"
     figures = [Figure(_SCENARIO, f"{name}, memory grows", most_mb - before_mb, "MB")]
     for sample in _RATES_HZ:
-        # what is on its way at either end counts as got
+        # frames in transit at either end count as received
         share = min(1.0, min((one[sample]["count"] + 1) / sent[sample] for one in seen))
         p99_ms = statistics.median(one[sample]["p99_ms"] for one in seen)
         line += f"{share * 100:18.1f}{p99_ms:8.1f}"
@@ -75,7 +75,7 @@ def _has_all(client: Process) -> bool:
 
 
 def _most_memory_mb(process: Process) -> float:
-    """Return the most that the process takes within the time."""
+    """Return the most memory that the process uses within the time."""
     most_mb = 0.0
     end_s = time.monotonic() + _SECONDS
     while time.monotonic() < end_s:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How long a server takes from its start to the first WebSocket handshake, and at what cost."""
+"""The time and the cost from a server's start to the first WebSocket handshake."""
 
 import statistics
 import time
