@@ -107,7 +107,7 @@ class Parameters:
     ) -> dict[str, SetResult]:
         """Set values, each by itself; ``None`` undeclares a parameter.
 
-        A value is sent with the type of the parameter, or with its own if there is none.
+        A value is sent with the type of the parameter, or with its own if that has none.
         """
         conversation = self._conversation(node, timeout_s)
         present = await conversation.ask_each(_DESCRIBE, list(values))

@@ -47,7 +47,7 @@ class Fixed:
 
     @property
     def is_octets(self) -> bool:
-        """Whether it is an array of raw bytes."""
+        """True for an array of raw bytes."""
         return self.length is not None and self.base in OCTETS
 
 
@@ -78,7 +78,7 @@ class Numbers:
 
     @property
     def is_octets(self) -> bool:
-        """Whether it is an array of raw bytes."""
+        """True for an array of raw bytes."""
         return self.base in OCTETS
 
 
