@@ -8,7 +8,7 @@ import sys
 import time
 
 from benchmarks.actors.connection import Connection
-from benchmarks.actors.orders import obey, tell
+from benchmarks.actors.orders import obey, reply
 from benchmarks.actors.report import Ages
 from benchmarks.samples import SAMPLES, message_type, topic
 
@@ -36,7 +36,7 @@ def main(url: str, *names: str) -> None:
                     "compression": SAMPLES[name].compression,
                 }
             )
-        tell("ready")
+        reply("ready")
         try:
             while True:
                 for payload in connection.receive():

@@ -10,7 +10,7 @@ import sys
 from typing import Final
 
 from benchmarks.actors.connection import Connection
-from benchmarks.actors.orders import obey, tell
+from benchmarks.actors.orders import obey, reply
 from benchmarks.samples import message_type, topic
 
 _ROOM: Final = 1 << 16  # bytes for each client: a few dozen frames
@@ -39,7 +39,7 @@ def main(url: str, name: str, clients: int, topics: int) -> None:
             connection.send(
                 {"op": "subscribe", "topic": topic(name, number), "type": message_type(name)}
             )
-    tell("ready")
+    reply("ready")
     while not crowd.is_over:
         for key, _ in selector.select(_LOOK_S):
             connection = key.data

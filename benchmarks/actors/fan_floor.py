@@ -11,7 +11,7 @@ import sys
 import uvloop
 
 from benchmarks.actors.audience import Audience
-from benchmarks.actors.orders import obey, tell
+from benchmarks.actors.orders import obey, reply
 
 
 async def main(size: int, rate_hz: float) -> None:
@@ -20,7 +20,7 @@ async def main(size: int, rate_hz: float) -> None:
     over = asyncio.Event()
     audience = Audience()
     obey({}, lambda: loop.call_soon_threadsafe(over.set))
-    tell(await audience.listen())
+    reply(await audience.listen())
     frame = b"\x81\x7e" + size.to_bytes(2, "big") + b'{"op":"publish"}'.ljust(size)
     due_s = loop.time()
     while not over.is_set():

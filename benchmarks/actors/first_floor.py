@@ -16,7 +16,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.utilities import try_shutdown
 
-from benchmarks.actors.orders import obey, tell
+from benchmarks.actors.orders import obey, reply
 from benchmarks.samples import SAMPLES, topic
 
 
@@ -34,7 +34,7 @@ def main(name: str) -> None:
         try_shutdown()  # wakes the executor
 
     obey({"subscribe": lambda: jobs.put(True)}, end)
-    tell("ready")
+    reply("ready")
     while jobs.get():
         first: Any = Future(executor=executor)
 
@@ -44,11 +44,11 @@ def main(name: str) -> None:
 
         asked_ns = time.time_ns()
         subscription = node.create_subscription(message_class, topic(name), note, 10)
-        tell("waiting")
+        reply("waiting")
         executor.spin_until_future_complete(first)
         node.destroy_subscription(subscription)
         if first.done():
-            tell([asked_ns, first.result()])
+            reply([asked_ns, first.result()])
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
-from benchmarks.actors.orders import obey, tell
+from benchmarks.actors.orders import obey, reply
 from benchmarks.actors.report import Ages
 from benchmarks.samples import SAMPLES, topic
 
@@ -56,7 +56,7 @@ def main(name: str, *, raw: bool) -> None:
         },
         end,
     )
-    tell("ready")
+    reply("ready")
     executor.spin_until_future_complete(over, _SPIN_S)
     rclpy.shutdown()
 

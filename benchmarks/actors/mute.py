@@ -5,7 +5,7 @@ import sys
 import threading
 
 from benchmarks.actors.connection import Connection
-from benchmarks.actors.orders import obey, tell
+from benchmarks.actors.orders import obey, reply
 from benchmarks.samples import message_type, topic
 
 
@@ -16,7 +16,7 @@ def main(url: str, *names: str) -> None:
     with Connection(url) as connection:
         for name in names:
             connection.send({"op": "subscribe", "topic": topic(name), "type": message_type(name)})
-        tell("ready")
+        reply("ready")
         over.wait()
 
 

@@ -14,7 +14,7 @@ import threading
 from collections.abc import Callable, Mapping
 
 
-def tell(value: object) -> None:
+def reply(value: object) -> None:
     """Answer with one line of JSON."""
     sys.stdout.write(json.dumps(value) + "\n")
     sys.stdout.flush()
@@ -49,4 +49,4 @@ def _obey(
             word, *arguments = line.decode().split()
             answer = orders[word](*arguments)
             if answer is not None:
-                tell(answer)
+                reply(answer)

@@ -17,7 +17,7 @@ from rclpy.qos import QoSProfile
 from rclpy.signals import SignalHandlerOptions
 
 from benchmarks.actors.audience import Audience
-from benchmarks.actors.orders import obey, tell
+from benchmarks.actors.orders import obey, reply
 from benchmarks.samples import SAMPLES, message_type, topic
 from gateway.codec.image import ImageOptions, RawImage, compress, confine_to_calling_thread
 from gateway.codec.json import dumps
@@ -57,7 +57,7 @@ async def main(name: str, count: int) -> None:
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node("benchmark_path")
     stop = _receive(node, loop, name, count, works)
-    tell(url)
+    reply(url)
     await over.wait()
     stop()
     node.destroy_node()

@@ -12,7 +12,7 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 
-from benchmarks.actors.orders import obey, tell
+from benchmarks.actors.orders import obey, reply
 from benchmarks.actors.pace import paced
 
 
@@ -42,12 +42,12 @@ def do_runs(
         },
         end,
     )
-    tell("ready")
+    reply("ready")
     while (job := jobs.get()) is not None:
         rate_hz, count = job
         before = sent
         if math.isinf(count):
-            tell(time.time_ns())
+            reply(time.time_ns())
         seconds = paced(send_one, rate_hz, count, over.is_set)
         if not math.isinf(count):
-            tell({"sent": sent - before, "seconds": seconds})
+            reply({"sent": sent - before, "seconds": seconds})

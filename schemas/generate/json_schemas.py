@@ -111,10 +111,10 @@ def _message(definition: Definition) -> Schema:
     if definition.name not in _TIMES:
         return this
     ros1 = {_ROS1_NAMES.get(name, name): field for name, field in properties.items()}
-    spellings = [_object(properties), _object(ros1)]
+    forms = [_object(properties), _object(ros1)]
     if definition.name == "builtin_interfaces/msg/Time":
-        spellings.append({"description": "The ROS time when it arrives", "const": "now"})
-    return schema | {"anyOf": spellings}
+        forms.append({"description": "The ROS time when it arrives", "const": "now"})
+    return schema | {"anyOf": forms}
 
 
 def _object(properties: Mapping[str, Schema]) -> Schema:
