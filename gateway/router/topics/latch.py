@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a transient-local topic keeps for clients that come later."""
+"""The samples that a transient-local topic keeps for later clients."""
 
 import logging
 from collections import deque
@@ -13,7 +13,7 @@ from gateway.ports import Sample
 from gateway.tf import TF_MESSAGE
 from gateway.tf.buffer import MAX_FRAME_CHARACTERS, MAX_FRAMES
 
-# Two maps of a large building; of bigger messages the newest one alone is kept.
+# Two maps of a large building; of bigger messages, only the newest one is kept.
 MAX_BYTES: Final = 8 * 1024**2
 _MAX_SEC: Final = 2**31 - 1
 
@@ -28,7 +28,7 @@ class Latch:
         self._size = 0
 
     def keep(self, samples: Sequence[Sample], first_seq: int, count: int) -> None:
-        """Add samples, the first of which has number *first_seq*; keep *count* in all."""
+        """Add samples, numbered from *first_seq*; keep *count* in all."""
         for seq, sample in enumerate(samples, start=first_seq):
             self._kept.append((seq, sample))
             self._size += len(sample.cdr)
@@ -41,18 +41,18 @@ class Latch:
         return list(self._kept)[-count:]
 
     def clear(self) -> None:
-        """Forget all: the topic keeps nothing any more."""
+        """Forget all samples."""
         self._kept.clear()
         self._size = 0
 
 
 class TransformLatch:
-    """The newest transform of each child frame, whoever published it, as one message.
+    """The newest transform of each child frame, from all publishers, as one message.
 
-    It stands in for `Latch` on ``/tf_static``: what one publisher said in several messages, and
-    what several publishers said, all of it still holds. At most as many frames are kept as a
-    transform buffer has, and none with names too long for it, so that they fit into 1.1 MB; the one
-    that was said longest ago makes room.
+    It replaces `Latch` on ``/tf_static``: the transforms in several messages of one publisher, and
+    those of several publishers, all remain valid. It keeps at most as many frames as a transform
+    buffer, and none with names too long for it, so that they fit into 1.1 MB; the frame that was
+    published longest ago makes room.
     """
 
     def __init__(self, message_type: MessageType) -> None:
@@ -62,22 +62,22 @@ class TransformLatch:
         self._is_merged = False
 
     def keep(self, samples: Sequence[Sample], first_seq: int, count: int) -> None:
-        """Add samples, the first of which has number *first_seq*; *count* does not matter."""
+        """Add samples, numbered from *first_seq*; *count* does not matter."""
         del count
         for seq, sample in enumerate(samples, start=first_seq):
             try:
                 message: Any = self._type.decode(sample.cdr)
             except CodecError:
-                continue  # those who are subscribed hear of it
+                continue  # its subscribers are warned of it
             for transform in message["transforms"]:
                 self._put(transform)
             self._newest = seq, sample
             self._is_merged = False
 
     def newest(self, count: int) -> list[tuple[int, Sample]]:
-        """Return the one message, with number and time of the newest that is part of it.
+        """Return the one message, with number and time of its newest transform.
 
-        In it infinities are NaN: neither is a place.
+        Infinities become NaN: neither is a position.
         """
         if self._newest is None or not count:
             return []
@@ -91,7 +91,7 @@ class TransformLatch:
         return [self._newest]
 
     def clear(self) -> None:
-        """Forget all: the topic keeps nothing any more."""
+        """Forget all samples."""
         self._transforms.clear()
         self._newest = None
 
@@ -100,7 +100,7 @@ class TransformLatch:
         if max(len(child), len(header["frame_id"])) > MAX_FRAME_CHARACTERS:
             return
         stamp = header["stamp"]
-        # a message holds whatever was put into it, but validation insists on less than a second
+        # a message holds any value, but validation requires less than a second
         sec, stamp["nanosec"] = divmod(stamp["nanosec"], 1_000_000_000)
         stamp["sec"] = min(stamp["sec"] + sec, _MAX_SEC)
         self._transforms.pop(child, None)
@@ -109,12 +109,12 @@ class TransformLatch:
             del self._transforms[next(iter(self._transforms))]
 
     def _merged(self, now_ns: int) -> bytes:
-        # as a client would send it back: NaN as null
+        # in the form that clients send: NaN as null
         values = loads(dumps({"transforms": list(self._transforms.values())}))
         return self._type.encode(self._type.validate(values, now_ns))
 
 
 def make_latch(topic: str, message_type: MessageType) -> Latch | TransformLatch:
-    """Return what a topic's samples are kept in."""
+    """Return the latch for the samples of a topic."""
     is_tf_static = topic.endswith("/tf_static") and message_type.name == TF_MESSAGE
     return TransformLatch(message_type) if is_tf_static else Latch()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What clients publish: their advertisements, and their messages on the way into ROS."""
+"""Publishing by clients: their advertisements, and their messages into ROS."""
 
 from dataclasses import dataclass, field
 
@@ -33,11 +33,11 @@ class Publications:
 
     @property
     def publishers(self) -> int:
-        """How many ROS publishers are open."""
+        """The number of open ROS publishers."""
         return sum(map(len, self._advertised.values()))
 
     def advertise(self, session: Session, request: Advertise) -> None:
-        """Open a publisher, or add one more id to the one that the client has.
+        """Open a publisher, or add an id to the one that the client has.
 
         Raises:
             ProtocolError: it is refused, and nothing has changed.
@@ -54,10 +54,10 @@ class Publications:
         known.ids.add(request.id)
 
     def unadvertise(self, session: Session, request: Unadvertise) -> None:
-        """Take one advertisement back, or without an id all of the client's on the topic.
+        """Withdraw one advertisement, or without an id all of the client's on the topic.
 
         Raises:
-            ProtocolError: there is none.
+            ProtocolError: the client has not advertised it.
         """
         topic = resolve_topic(request.topic, session.limits.max_name_characters)
         own = self._advertised.get(session, {})
@@ -73,10 +73,10 @@ class Publications:
                 del self._advertised[session]
 
     def publish(self, session: Session, request: Publish) -> None:
-        """Publish one message, advertising the topic first where the client did not.
+        """Publish one message; advertise the topic first if the client has not.
 
         Raises:
-            ProtocolError: the topic, its type or the message is not right.
+            ProtocolError: the topic, its type or the message is wrong.
             RosError: ROS refuses to create the publisher.
         """
         topic = resolve_topic(request.topic, session.limits.max_name_characters)
@@ -94,7 +94,7 @@ class Publications:
         known.publisher.publish(cdr)
 
     def leave(self, session: Session) -> None:
-        """Close everything that a client advertised."""
+        """Close all advertisements of a client."""
         for known in self._advertised.pop(session, {}).values():
             known.publisher.close()
 
@@ -115,8 +115,8 @@ class Publications:
         self._advertised.setdefault(session, {})[topic] = known
         return known
 
-    def _check_type(self, topic: TopicName, known: Advertised, spelling: str | int) -> None:
-        named = self._types.named(spelling)
+    def _check_type(self, topic: TopicName, known: Advertised, requested: str | int) -> None:
+        named = self._types.named(requested)
         if named.name != known.message_type.name:
             raise ProtocolError(
                 "type_conflict",

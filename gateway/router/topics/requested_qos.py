@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From the quality of service that a client writes to the one that ROS is asked for."""
+"""Translation of the quality of service in clients' requests to that of ROS."""
 
 from dataclasses import replace
 
@@ -9,7 +9,7 @@ from gateway.protocol.operations.topics import Advertise, Duration, QosRequest, 
 
 
 def requested(request: QosRequest) -> Qos:
-    """Translate a `qos` object; what it leaves out, or calls best available, is adopted."""
+    """Translate a `qos` object; members that are missing or best available are adopted."""
     return Qos(
         reliability=None if request.reliability == "best_available" else request.reliability,
         durability=None if request.durability == "best_available" else request.durability,
@@ -21,10 +21,10 @@ def requested(request: QosRequest) -> Qos:
 
 
 def offered(request: Advertise) -> Qos:
-    """Return what a publisher offers: `qos` if given, else what latch and queue_size say."""
+    """Return the offer of a publisher: `qos` if given, else one from latch and queue_size."""
     asked = requested(request.qos or QosRequest())
     if request.latch:
-        # a latched topic of ROS 1: the last message, for everyone who comes later
+        # a latched topic of ROS 1: the last message, for all later subscribers
         durability = asked.durability or "transient_local"
         return replace(asked, durability=durability, depth=asked.depth or 1)
     if request.queue_size and asked.depth is None:
