@@ -31,7 +31,7 @@ _Maps = NDArray[np.float32]
 
 
 class Camera:
-    """Draws what the robot sees; one picture takes some milliseconds of one core."""
+    """Draws the robot's view; one picture takes some milliseconds of one core."""
 
     def __init__(self, world: World) -> None:
         self._world = world

@@ -76,7 +76,7 @@ class Loop:
 def ros_context() -> Iterator[Context]:
     """Provide a ROS context of its own that leaves signals alone and writes no log files.
 
-    Pictures then travel through shared memory, unless the environment names a profile itself.
+    Pictures travel through shared memory, unless the environment names a profile itself.
     """
     arguments = ["--ros-args", "--disable-external-lib-logs"]
     context = Context()

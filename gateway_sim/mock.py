@@ -40,7 +40,7 @@ class MockOptions:
     types: tuple[str | int, ...] = ()  # names, or numbers of the message table; none: all of it
     publish: bool = True
     listen: bool = True
-    write: Callable[[str], None] = print  # takes each line about what arrives
+    write: Callable[[str], None] = print  # gets a line for each message that arrives
 
     def __post_init__(self) -> None:
         if not 0 < self.rate_hz <= MAX_RATE_HZ:

@@ -67,7 +67,7 @@ class SimOptions:
 def run(options: SimOptions) -> int:
     """Run the simulated robot until SIGINT or SIGTERM; return the exit code 0."""
     stop = threading.Event()
-    # Drawing takes 3 ms: more threads would cost more than they win.
+    # Drawing takes 3 ms: more threads would cost more than they save.
     cv2.setNumThreads(1)
     with stopped_by_signals(stop), ros_context() as context:
         robot = SimulatedRobot(context, options)

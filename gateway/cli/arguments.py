@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The commands of ``ros2-gateway`` and what each takes, with their help."""
+"""The commands of ``ros2-gateway`` and their arguments, with their help."""
 
 import argparse
 import sys

@@ -45,8 +45,8 @@ class RawImage(NamedTuple):
 class ImageOptions:
     """The options of a picture; equal options give equal pictures.
 
-    ``quality`` concerns lossy formats only, ``depth_range_m`` only depth in a format of 8 bits. A
-    bound of ``None`` is none.
+    ``quality`` applies to lossy formats only, ``depth_range_m`` only to depth in a format of 8
+    bits. A bound of ``None`` means that there is no bound.
 
     Raises:
         ValueError: an option is out of its range.
@@ -80,9 +80,9 @@ class ImageOptions:
 class Picture(NamedTuple):
     """A compressed picture.
 
-    ``depth_range_m`` is the range that depth in a format of 8 bits shows, else ``None``: in it the
-    nearest is 255, the farthest 1, linear in between, nearer and farther clamped, and 0 is no
-    measurement. A PNG of depth holds 16-bit millimetres, 0 being no measurement.
+    ``depth_range_m`` is the range that depth in a format of 8 bits shows, else ``None``: the
+    nearest depth is 255, the farthest 1, linear in between, depths outside are clamped, and 0 means
+    no measurement. A PNG of depth holds 16-bit millimetres; 0 means no measurement.
     """
 
     data: bytes
@@ -304,7 +304,7 @@ def _sampled(depth: MatLike, size: tuple[int, int]) -> MatLike:
 def _encoded(pixels: MatLike, picture_format: PictureFormat, quality: int) -> bytes:
     parameters = picture_format.parameters(quality)
     done, encoded = cv2.imencode(picture_format.extension, pixels, parameters)
-    if not done:  # OpenCV says no more than that
+    if not done:  # OpenCV gives no reason
         height, width = pixels.shape[:2]
         raise ImageError(f"{picture_format.name} encoder refused a picture of {width}x{height} px")
     return encoded.tobytes()

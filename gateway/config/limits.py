@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The bounds of clients and their connections, as the operator sets and all parts read them."""
+"""The bounds of clients and their connections: set by the operator, read by all parts."""
 
 from typing import Annotated, Final
 
@@ -16,7 +16,7 @@ Seconds = Annotated[float, Field(gt=0, le=3600, allow_inf_nan=False)]
 
 
 class Limits(Section):
-    """What clients may use up; a robot's computer must survive a client gone wild.
+    """The limits of clients; a robot's computer must survive a runaway client.
 
     A field that `hello` reports has its name on the wire as `serialization_alias`.
     """

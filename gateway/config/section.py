@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the sections of the configuration have in common."""
+"""The base of all sections of the configuration."""
 
 from typing import ClassVar
 

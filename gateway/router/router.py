@@ -224,7 +224,7 @@ class Router:
             case gateway.SetLevel():
                 session.set_level(operation.level)
             case gateway.Auth():
-                pass  # nobody is asked for a password, so every one is right
+                pass  # there are no passwords, so every one is right
             case _:
                 assert_never(operation)
 

@@ -363,7 +363,7 @@ class Connection(asyncio.BufferedProtocol):
         if not self._paused or unsent_bytes < self._unsent_bytes:
             self._progress_s = now_s
             if self._paused and self._pinged_s is not None:
-                self._pinged_s = now_s  # our ping is still behind what is being taken
+                self._pinged_s = now_s  # our ping is still behind the bytes being taken
         elif now_s - self._progress_s > self._limits.send_deadline_s:
             logger.warning(
                 "%s took nothing for %g s, cut off", self.address, self._limits.send_deadline_s

@@ -46,7 +46,7 @@ class Output:
 
     @classmethod
     def of(cls, catalogue: Catalogue, root: Path) -> "Output":
-        """Run the writers for the tree below *root*; nothing is written."""
+        """Run the writers for the tree below *root*, without writing files."""
         texts: dict[Path, str] = {}
         owned: set[Path] = set()
         for writer in WRITERS:

@@ -69,7 +69,7 @@ class Values:
         return octets if octets.startswith("memoryview") else f"memoryview({octets})"
 
     def numbers(self, member: Numbers, order: ByteOrder, source: Source) -> str:
-        """Make a numpy view, or a tuple where that is faster."""
+        """Make a numpy view, or a tuple if that is faster."""
         code = CODES[member.base]
         if member.base == "bool":
             # Any octet but 0 is true, and a view must not show other octets as bools.

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Topics: one ROS subscription for many subscribers, and what clients publish."""
+"""Topics: one ROS subscription for many subscribers, and publishing by clients."""
