@@ -19,7 +19,7 @@ class ServiceClients:
 
     @property
     def clients(self) -> int:
-        """How many ROS clients are open."""
+        """The number of ROS clients that are open."""
         return len(self._clients)
 
     async def call(
@@ -50,10 +50,10 @@ class ServiceClients:
 
 
 def encode_values(message_type: MessageType, values: object, now_ns: Clock, root: str) -> bytes:
-    """Turn what a client wrote for a request, goal or the like into CDR.
+    """Turn the values of a request, a goal or the like into CDR.
 
-    That is an object, or as rosbridge allows an array with the values of the fields in order, or
-    nothing at all. *now_ns* and *root* are as for `MessageType.validate`.
+    They are an object, or as rosbridge allows an array with the values of the fields in order, or
+    missing. *now_ns* and *root* are as for `MessageType.validate`.
 
     Raises:
         ProtocolError: ``invalid_value``, with the path.

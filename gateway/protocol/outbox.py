@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What waits for one client: control frames, which overtake, and a bounded queue per subscription.
+"""All that waits for one client: control frames, which overtake, and bounded queues.
 
 No entry is encoded before its turn to be sent: a sample that is dropped was never decoded. An entry
 that comes while nothing waits and the socket takes has its turn at once; it is written directly.

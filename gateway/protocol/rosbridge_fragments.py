@@ -146,7 +146,7 @@ class Assembly:
         self._refused[fragment_id] = _Refused(message.total, missing, now_ns)
 
     def _is_of_refused(self, fragment: Fragment, now_ns: int) -> bool:
-        """Whether a piece belongs to a message that was refused, and note that it has come."""
+        """Return whether a piece belongs to a refused message, and note that it has come."""
         refused = self._refused.get(fragment.id)
         if refused is None:
             return False

@@ -16,7 +16,7 @@ _COMPRESSIONS: Final[tuple[Compression, ...]] = get_args(Compression)  # later o
 
 @dataclass(frozen=True, slots=True)
 class SubscriptionOptions:
-    """What a client's `subscribe` requests for one topic amount to.
+    """The sum of a client's `subscribe` requests for one topic.
 
     A `publish` frame does not say which request it is for, so several requests of one client for
     one topic are one subscription, as in rosbridge: the shortest throttle and queue, the strongest

@@ -28,7 +28,7 @@ _pack_medium: Final = struct.Struct(">BBH").pack
 _pack_long: Final = struct.Struct(">BBQ").pack
 
 Compression = Literal["none", "png", "cbor", "cbor-raw"]
-"""How messages travel: as JSON, as JSON in a picture, as CBOR, or as CDR in CBOR."""
+"""The form of messages on the wire: JSON, JSON in a picture, CBOR, or CDR in CBOR."""
 
 
 def header(kind: int, length: int) -> bytes:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which service or action type is meant: by name, or by what the ROS graph says."""
+"""Service and action types by name, or as the ROS graph has them."""
 
 import contextlib
 import difflib
@@ -21,7 +21,7 @@ T = TypeVar("T", ServiceType, ActionType)
 
 
 class InterfaceTypes:
-    """Turns what clients write as a type, and what ROS knows, into service and action types."""
+    """Finds the type that a client asks for, or that a service or an action has."""
 
     def __init__(self, ros: Ros, types: Types) -> None:
         self._ros = ros
@@ -31,7 +31,7 @@ class InterfaceTypes:
         """Return the service type that a client names.
 
         Raises:
-            ProtocolError: it is none, or none that is installed here.
+            ProtocolError: the name is malformed, or the type is not installed here.
         """
         return self._known(self._types.service, requested, "srv")
 
@@ -39,15 +39,15 @@ class InterfaceTypes:
         """Return the action type that a client names.
 
         Raises:
-            ProtocolError: it is none, or none that is installed here.
+            ProtocolError: the name is malformed, or the type is not installed here.
         """
         return self._known(self._types.action, requested, "action")
 
     def described(self, requested: str | int) -> ServiceType | ActionType | None:
-        """Return the service or action type that a name means which is no message's.
+        """Return the service or action type of a name; ``None`` if it names a message type.
 
         Raises:
-            ProtocolError: it says that it is one, and there is none.
+            ProtocolError: it names a service or action type that is not installed here.
         """
         if not isinstance(requested, str):
             return None
@@ -63,7 +63,7 @@ class InterfaceTypes:
         return None
 
     def of_service(self, service: ServiceName, requested: str | None) -> ServiceType:
-        """Return the type to call a service with; *spelling* is what the client says, if it does.
+        """Return the type to call a service with; *requested* is the one that the client names.
 
         Raises:
             ProtocolError: nobody provides it, or not with that type.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Operations that take longer than the moment in which they came."""
+"""Operations that are answered later, each by a task of its own."""
 
 import asyncio
 import logging

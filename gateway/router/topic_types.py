@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which message type is meant: by name, by number, or by what the ROS graph says."""
+"""Message types by name, by number, or as the ROS graph has them."""
 
 from gateway.codec.types import MessageType, Types
 from gateway.ports import Ros
@@ -12,7 +12,7 @@ from schemas.table import Table, TypeNameError, resolve_type
 
 
 class TopicTypes:
-    """Turns what clients write as a type, and what ROS knows, into message types."""
+    """Finds the message type that a client asks for, or that a topic has."""
 
     def __init__(self, ros: Ros, types: Types, table: Table) -> None:
         self._ros = ros
@@ -23,7 +23,7 @@ class TopicTypes:
         """Return the type that a client names, as a name or a number of the table.
 
         Raises:
-            ProtocolError: it is no type, or none that is installed here.
+            ProtocolError: the name is malformed, or the type is not installed here.
         """
         try:
             return self.get(resolve_type(requested, self._table))
@@ -42,10 +42,10 @@ class TopicTypes:
             raise bad_type(error, self._types.definitions) from error
 
     def on_topic(self, topic: TopicName, requested: str | int | None) -> MessageType | None:
-        """Return the type to use on a topic; ``None`` while neither client nor ROS names one.
+        """Return the type to use on a topic; ``None`` if neither client nor ROS names one yet.
 
         Raises:
-            ProtocolError: the type is none, contradicts the topic's, or must be chosen.
+            ProtocolError: the type is not installed, contradicts the topic's, or must be chosen.
         """
         known = self._ros.topic_types(topic)
         if requested is not None:

@@ -48,7 +48,7 @@ class Encoding:
         return False
 
     def encode(self, shared: "SharedFrame") -> Frame:
-        """Return a sample as a message for a frame, or why there is none."""
+        """Return a sample as a message that a frame can hold, or why it cannot be one."""
         try:
             return self._encode(shared.cdr)
         except CodecError as error:

@@ -128,7 +128,7 @@ class Subscription:
         self.session.outbox.close_queue(self.queue)
 
     def warn(self, error: ProtocolError) -> None:
-        """Tell the client of something that its subscription suffers from."""
+        """Warn the client of something that its subscription suffers from."""
         request = self.newest_request
         self.session.warn(error, request.op, request.id)
 

@@ -137,11 +137,11 @@ class Topic:
         subscription.offer(PerClientFrame(shared, subscription, received_ns), now_ns, more=more)
 
     def _on_incompatible(self, text: str) -> None:
-        """Tell the clients of a publisher that cannot be matched."""
+        """Warn the clients of a publisher that cannot be matched."""
         self._warn_all(ProtocolError("qos_incompatible", text))
 
     def _on_codec_error(self, error: CodecError) -> None:
-        """Tell the clients that a message of this topic cannot be encoded; once."""
+        """Warn the clients of a sample that cannot be encoded; once."""
         text = f"{self.key.name}: {error}"
         if text not in self._broken and len(self._broken) < MAX_BROKEN:
             self._broken.add(text)
