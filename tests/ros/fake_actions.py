@@ -92,6 +92,12 @@ class FakeGoal:
     server: FakeActionServer | None = None
     request: FakeGoalRequest | None = None
 
+    @property
+    def is_accepted(self) -> bool:
+        decision = self.decision
+        is_decided = decision.done() and not decision.cancelled() and not decision.exception()
+        return is_decided and decision.result()
+
     async def result(self) -> GoalResult:
         return await asyncio.shield(self.outcome)
 
@@ -141,6 +147,8 @@ class FakeActionClient:
         try:
             accepted = await sent.decision
         except asyncio.CancelledError:
+            if sent.is_accepted:  # in this very turn of the loop
+                sent.cancel()
             sent.fail("nobody is waiting")
             raise
         if not accepted:
