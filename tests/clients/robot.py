@@ -15,6 +15,7 @@ from test_msgs.action import Fibonacci
 
 from tests.client import TIMEOUT_S, eventually
 from tests.ros.outside import Outside
+from tests.ros.outside_actions import LockedActionClient
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 POLL_S = 0.05  # well below the operations that a client may send
@@ -82,7 +83,7 @@ class Robot:
 
     async def action_client(self, name: str) -> ActionClient:
         """Return a client of somebody else's Fibonacci once that is there."""
-        client = ActionClient(self.node, Fibonacci, name)
+        client = LockedActionClient(self.node, Fibonacci, name)
         self._ends.append(client.destroy)
         await eventually(client.server_is_ready)
         return client

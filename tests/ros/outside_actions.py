@@ -2,6 +2,7 @@
 """Actions of the rest of the robot, by rclpy's own clients and servers."""
 
 import asyncio
+import threading
 from collections.abc import Callable
 from typing import Any
 
@@ -15,6 +16,34 @@ from rclpy.task import Future
 from gateway.ports import ABORTED, CANCELED, SUCCEEDED, GoalOutcome, GoalRequest, GoalResult
 from gateway.ros.interfaces import action_class
 from tests.ros.outside_services import arrived
+
+
+class LockedActionClient(ActionClient):
+    """rclpy's client, for a thread beside the executor's.
+
+    rclpy 7.1 sends a request and notes then that it waits for the response: one that the executor
+    takes in between, as it may on a busy machine, is thrown away. Of services it locks both.
+    """
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        self._noting = threading.Lock()
+        super().__init__(*args, **options)
+
+    def send_goal_async(self, *args: Any, **options: Any) -> Any:
+        with self._noting:
+            return super().send_goal_async(*args, **options)
+
+    def _cancel_goal_async(self, *args: Any) -> Any:
+        with self._noting:
+            return super()._cancel_goal_async(*args)
+
+    def _get_result_async(self, *args: Any) -> Any:
+        with self._noting:
+            return super()._get_result_async(*args)
+
+    def take_data(self) -> Any:
+        with self._noting:
+            return super().take_data()
 
 
 class OutsideGoalRequest:
@@ -101,7 +130,7 @@ class OutsideGoal:
 class OutsideActionClient:
     def __init__(self, node: Node, name: str, type_name: str) -> None:
         self._action = action_class(type_name)
-        self._client: Any = ActionClient(node, self._action, name)
+        self._client: Any = LockedActionClient(node, self._action, name)
 
     async def send_goal(
         self, goal: bytes, on_feedback: Callable[[bytes], None]
