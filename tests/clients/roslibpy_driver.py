@@ -17,7 +17,7 @@ from urllib.parse import urlsplit
 
 import roslibpy  # type: ignore[import-not-found]  # on the path that this is started with
 
-_PATIENCE_S = 30
+_PATIENCE_S = 120  # as long as `tests.client.TIMEOUT_S`
 
 _writing = threading.Lock()
 
@@ -60,6 +60,25 @@ class Answer:
         threading.Thread(target=run, daemon=True).start()
 
 
+class Ros(roslibpy.Ros):  # type: ignore[misc]  # of a library without types
+    """A connection that is told of from its first attempt on, which is made by the constructor."""
+
+    def __init__(self, url: str, tell: Callable[[str, str, Any], None]) -> None:
+        self._tell = tell
+        address = urlsplit(url)
+        super().__init__(address.hostname, address.port)
+
+    def connect(self) -> None:
+        self.factory.setProtocolOptions(openHandshakeTimeout=_PATIENCE_S)
+        # Of its attempts to connect again. They would come ever more rarely, each 2.7 times as long
+        # after the last, while a gateway starts slowly.
+        self.factory.initialDelay = 0.1
+        self.factory.maxDelay = 1.0
+        self.on("close", lambda _: self._tell("closed", "", None))
+        self.on("ready", lambda _: self._tell("connected", "", None))
+        super().connect()
+
+
 class Connection:
     """One connection, and what was made on it, each by its name.
 
@@ -71,13 +90,9 @@ class Connection:
         self._made: dict[tuple[type, str], Any] = {}
 
     def connect(self, answer: Answer, url: str, again: bool = False) -> bool:
-        address = urlsplit(url)
-        self._ros = roslibpy.Ros(address.hostname, address.port)
-        self._ros.factory.initialDelay = 0.1  # of its attempts to connect again
+        self._ros = Ros(url, self._tell)
         # Version 1 connects outside the reactor's thread, which then sleeps on for up to a second.
         self._ros.call_later(0, lambda: None)
-        self._ros.on("close", lambda _: self._tell("closed", "", None))
-        self._ros.on("ready", lambda _: self._tell("connected", "", None))
         answer.of(lambda: self._ros.run(_PATIENCE_S))
         return False
 
