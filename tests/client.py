@@ -9,7 +9,7 @@ from typing import Any
 
 from websockets.asyncio.client import ClientConnection, connect
 
-TIMEOUT_S = 30  # a busy machine may take its time; nothing here measures it
+TIMEOUT_S = 120  # a busy machine may take its time; nothing here measures it
 
 Frame = dict[str, Any]
 

@@ -10,8 +10,8 @@ from asyncio.subprocess import PIPE, Process
 from collections.abc import AsyncIterator
 from dataclasses import dataclass, field
 
-STARTUP_S = 60  # a busy machine imports for a while
-SHUTDOWN_S = 30
+STARTUP_S = 180  # a busy machine imports for a while
+SHUTDOWN_S = 120
 
 _ADDRESS = re.compile(r"ws://\S+")
 

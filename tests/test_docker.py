@@ -14,7 +14,7 @@ from socket import AF_INET, AF_INET6
 import pytest
 
 ROOT = Path(__file__).parents[1]
-TIMEOUT_S = 60
+TIMEOUT_S = 180
 
 
 class Health(BaseHTTPRequestHandler):

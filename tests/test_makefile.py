@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-TIMEOUT_S = 60
+TIMEOUT_S = 180
 PAGE = "Words.\n\n| key | default |\n| old | 1 |\n"
 
 

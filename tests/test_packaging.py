@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-TIMEOUT_S = 100
+TIMEOUT_S = 400
 
 
 def run(*command: str | Path, cwd: Path) -> subprocess.CompletedProcess[str]:

@@ -18,7 +18,7 @@ import pytest
 from gateway.cli import main as cli
 
 ROOT = Path(__file__).parents[2]
-TIMEOUT_S = 60  # generous: other tests share the machine
+TIMEOUT_S = 180  # generous: other tests share the machine
 
 
 def ros2_gateway(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import pytest_asyncio
 
-from tests.client import Client, client, eventually
+from tests.client import TIMEOUT_S, Client, client, eventually
 from tests.gateway_process import GatewayProcess, gateway_process
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
@@ -111,7 +111,7 @@ async def test_a_client_that_vanishes_leaves_no_ros_entity(demo: GatewayProcess,
         await vanishing.sync()
         assert "/ghost" in await topics(speaker)
         vanishing.socket.transport.abort()
-    async with asyncio.timeout(30):
+    async with asyncio.timeout(TIMEOUT_S):
         while "/ghost" in await topics(speaker):
             pass
 

@@ -15,7 +15,7 @@ import pytest
 from websockets.asyncio.client import connect
 
 from gateway.ports import CANCELED, GoalRequest, Request
-from tests.client import Client, client, eventually
+from tests.client import TIMEOUT_S, Client, client, eventually
 from tests.gateway_process import GatewayProcess, gateway_process
 from tests.ros.outside import Outside
 
@@ -64,7 +64,7 @@ async def vanish(url: str, number: int) -> None:
 
 def health(url: str) -> dict[str, Any]:
     port = url.split(":")[2].split("/")[0]
-    with urllib.request.urlopen(f"http://127.0.0.1:{port}/healthz", timeout=30) as response:
+    with urllib.request.urlopen(f"http://127.0.0.1:{port}/healthz", timeout=TIMEOUT_S) as response:
         return json.load(response)
 
 
@@ -87,7 +87,7 @@ OPENED = (
 async def at_rest(gateway: GatewayProcess, most: dict[str, int] | None = None) -> dict[str, int]:
     """Wait until nothing is open that a client opened, and no more of the rest than *most*."""
     loop = asyncio.get_running_loop()
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(TIMEOUT_S):
         while True:
             found = await loop.run_in_executor(None, left_behind, gateway)
             if not any(found[name] for name in OPENED) and (

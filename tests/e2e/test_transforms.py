@@ -53,7 +53,7 @@ async def found(speaker: Client, request_id: str) -> Any:
 
 async def test_where_the_laser_is_on_the_map_is_one_question(speaker: Client):
     await speaker.send(
-        op="lookup_transform", id="a", target_frame="map", source_frame="base_scan", timeout=30
+        op="lookup_transform", id="a", target_frame="map", source_frame="base_scan", timeout=60
     )
     transform = await found(speaker, "a")
     assert (transform["header"]["frame_id"], transform["child_frame_id"]) == ("map", "base_scan")
@@ -77,7 +77,7 @@ async def test_a_driving_robot_is_followed_at_a_rate(speaker: Client):
 
 async def test_a_frame_that_is_not_there_is_told_with_the_one_that_was_meant(speaker: Client):
     await speaker.send(
-        op="lookup_transform", id="ready", target_frame="map", source_frame="base_link", timeout=30
+        op="lookup_transform", id="ready", target_frame="map", source_frame="base_link", timeout=60
     )
     await found(speaker, "ready")
     await speaker.send(

@@ -15,7 +15,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from gateway_sim.loop import Loop
 
-TIMEOUT_S = 30  # of whatever a test waits for: generous, as the machine may be busy
+TIMEOUT_S = 120  # of whatever a test waits for: generous, as the machine may be busy
 
 
 @contextmanager

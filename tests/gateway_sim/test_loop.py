@@ -10,6 +10,7 @@ import xml.etree.ElementTree as ET
 import pytest
 
 from gateway_sim.loop import PROFILE, Loop, ros_context, stopped_by_signals
+from tests.gateway_sim.ros import TIMEOUT_S
 
 PICTURE_BYTES = 640 * 480 * 3
 
@@ -62,7 +63,7 @@ def test_a_stop_ends_a_loop_that_has_nothing_to_do(loop):
     thread = threading.Thread(target=loop.run, args=(stop,))
     thread.start()
     stop.set()
-    thread.join(10)
+    thread.join(TIMEOUT_S)
     assert not thread.is_alive()
 
 
@@ -72,7 +73,7 @@ def test_signals_set_the_stop_and_are_given_back(number):
     stop = threading.Event()
     with stopped_by_signals(stop):
         os.kill(os.getpid(), number)
-        assert stop.wait(10)
+        assert stop.wait(TIMEOUT_S)
     assert signal.getsignal(number) == before
 
 

@@ -14,7 +14,7 @@ from gateway.ports import Qos
 from gateway.ros import RosOptions
 from gateway.ros.graph import MAX_SETTLE_S, SETTLE_S, GraphChanges, read_offers
 from gateway.ros.port import RclpyRos
-from tests.client import eventually
+from tests.client import TIMEOUT_S, eventually
 from tests.ros.outside import Outside
 
 INT32 = "std_msgs/msg/Int32"
@@ -100,7 +100,7 @@ class _WaitSetThatIsClosedWhileLooking:
         yield self._wait
 
     def _wait(self, timeout_ns: int = -1) -> None:
-        stopping = self.stopping.result(30)
+        stopping = self.stopping.result(TIMEOUT_S)
         if timeout_ns == 0:
             stopping.set()
         elif self._changes:
@@ -140,7 +140,7 @@ class _WaitSetOfChanges:
 
     def _wait(self, timeout_ns: int = -1) -> None:
         if timeout_ns < 0:
-            self.changes.acquire(timeout=30)
+            self.changes.acquire(timeout=TIMEOUT_S)
             if self.is_broken:
                 raise RuntimeError("failed to wait on wait set")
 

@@ -132,7 +132,7 @@ async def test_ending_from_within_a_callback_is_clean(outside: Outside) -> None:
     ros.subscribe("/flood", INT32, Qos(), on_samples, ignore)
     flood = Flood(outside.add_publisher("/flood", INT32))
     try:
-        async with asyncio.timeout(30):
+        async with asyncio.timeout(TIMEOUT_S):
             await done.wait()
         await tasks[0]
     finally:
@@ -144,7 +144,7 @@ async def test_ros_leaves_signals_to_the_loop() -> None:
     asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, stop.set)
     async with open_ros() as ros:
         os.kill(os.getpid(), signal.SIGTERM)
-        async with asyncio.timeout(30):
+        async with asyncio.timeout(TIMEOUT_S):
             await stop.wait()
         await hears_itself(ros)  # rclpy's own handler would have ended the context
 

@@ -11,7 +11,7 @@ from typing import TypeVar
 
 T = TypeVar("T")
 
-TIMEOUT_S = 90  # a gateway imports for a while on a busy machine
+TIMEOUT_S = 240  # a gateway imports for a while on a busy machine
 
 
 @contextlib.contextmanager

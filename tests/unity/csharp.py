@@ -18,8 +18,8 @@ from tests.unity.package import ANDROID, EDITOR, Target
 IN_EDITOR: Final = EDITOR.with_everything()
 AHEAD_OF_TIME: Final = ANDROID.with_everything()
 
-LIST_TIMEOUT_S: Final = 60
-EXIT_TIMEOUT_S: Final = 20  # what a test left running has that long to end
+LIST_TIMEOUT_S: Final = 240
+EXIT_TIMEOUT_S: Final = 120  # what a test left running has that long to end
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from tests.unity import mono
 from tests.unity.mono import Binary
 
 _SOURCES: Final = sorted((Path(__file__).parent / "json_probe").glob("*.cs"))
-EXIT_TIMEOUT_S: Final = 20
+EXIT_TIMEOUT_S: Final = 120
 # Less than a pipe holds, so that nobody waits to write while the other does not read.
 _CHUNK_BYTES: Final = 32_768
 

@@ -5,7 +5,7 @@ import pytest
 
 from tests.unity import csharp
 
-pytestmark = pytest.mark.timeout(300)  # the first test waits for the translation
+pytestmark = pytest.mark.timeout(1800)  # the first test waits for the translation
 
 
 @pytest.mark.parametrize("test", csharp.parameters("Ros2Gateway.Core.Tests"))

@@ -12,15 +12,13 @@ from fractions import Fraction
 import numpy as np
 import pybase64
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from tests.unity import mono, package
 from tests.unity.probe import Probe, Refusal
 
 pytestmark = pytest.mark.skipif(mono.missing() != "", reason=mono.missing())
-
-UNHURRIED = settings(deadline=None)  # another process answers
 
 MAX_DEPTH = 64
 SAMPLES = 10_000
@@ -141,7 +139,6 @@ def nearest_single(text):
 
 
 @given(VALUES, st.booleans(), st.sampled_from([None, 1, "\t"]))
-@UNHURRIED
 def test_a_tree_is_what_python_reads(probe, value, ascii_only, indent):
     text = json.dumps(value, ensure_ascii=ascii_only, indent=indent)
     answer = json.loads(probe.ask("tree", text.encode()))
@@ -213,7 +210,6 @@ def mutated(draw):
 @example(b'"\\')
 @example(b"\xa01")
 @example(b"")
-@UNHURRIED
 def test_the_verdict_on_any_bytes_is_that_of_python(probe, data):
     answer = probe.ask("tree", data)
     expected = python_reads(data)
@@ -224,7 +220,6 @@ def test_the_verdict_on_any_bytes_is_that_of_python(probe, data):
 
 
 @given(st.sampled_from(TYPED), mutated() | st.binary())
-@UNHURRIED
 def test_no_bytes_get_anything_but_a_value_or_a_format_error_from_any_read(probe, typed, data):
     probe.ask(typed, data)  # which raises otherwise
 
@@ -232,7 +227,6 @@ def test_no_bytes_get_anything_but_a_value_or_a_format_error_from_any_read(probe
 @given(
     st.sampled_from(["bools", "int8s", "float32s", "uint8s", "strings", "octets", "skip"]), VALUES
 )
-@UNHURRIED
 def test_valid_json_of_another_kind_gets_no_other_error(probe, typed, value):
     probe.ask(typed, json.dumps(value).encode())
 
@@ -252,7 +246,6 @@ def test_nesting_ends_at_64_levels(probe, operation, opening, closing):
 
 
 @given(mutated())
-@UNHURRIED
 def test_what_is_json_can_be_skipped(probe, data):
     if python_reads(data) is not None:
         assert probe.ask("skip", data) == b"null"
@@ -333,7 +326,6 @@ def test_integers_are_exact_to_the_ends_of_their_range(probe, kind):
 
 
 @given(st.binary(max_size=100))
-@UNHURRIED
 def test_octets_travel_as_base64(probe, octets):
     text = json.dumps(pybase64.b64encode(octets).decode())
     assert probe.ask("octets", text.encode()) == text.encode()
@@ -346,7 +338,6 @@ def test_octets_travel_as_base64(probe, octets):
 @example("Zm9=")
 @example("Zg==")
 @example("Zh==")
-@UNHURRIED
 def test_text_that_is_no_base64_is_refused(probe, text):
     try:
         octets = pybase64.b64decode(text, validate=True)

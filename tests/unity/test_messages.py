@@ -140,7 +140,7 @@ def test_a_message_of_the_table_comes_back_as_it_went(name, probe, types):
         check_round_trip(probe, message_type, values)
 
 
-@pytest.mark.timeout(300)  # the first test waits for the translation
+@pytest.mark.timeout(1800)  # the first test waits for the translation
 @pytest.mark.skipif(
     mono.missing_ahead_of_time() != "", reason=mono.missing_ahead_of_time() or "nothing is missing"
 )

@@ -13,7 +13,7 @@ def test_stage(test, check_csharp):
     check_csharp(test)
 
 
-@pytest.mark.timeout(300)  # the first one waits for the translation
+@pytest.mark.timeout(1800)  # the first one waits for the translation
 @pytest.mark.parametrize("test", stage.parameters())
 def test_stage_ahead_of_time(test, check_ahead_of_time):
     check_ahead_of_time(test)

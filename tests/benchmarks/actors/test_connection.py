@@ -9,7 +9,7 @@ from websockets.sync.server import serve
 
 from benchmarks.actors.connection import Connection
 
-TIMEOUT_S = 10
+TIMEOUT_S = 120
 
 
 @contextlib.contextmanager

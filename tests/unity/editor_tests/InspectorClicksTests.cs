@@ -16,7 +16,7 @@ namespace Ros2Gateway.Editor.Tests
     [TestFixture]
     public sealed class InspectorClicksTests
     {
-        private const int PatienceMilliseconds = 30000; // a machine may be busy with other things
+        private const int PatienceMilliseconds = 120000; // a machine may be busy with other things
 
         private GameObject _holder;
         private GatewaySettings _settings;

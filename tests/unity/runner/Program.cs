@@ -12,7 +12,7 @@ namespace Ros2Gateway.Runner
     /// result; <c>--list</c> prints the names as JSON; <c>--serve</c> runs what it reads.</summary>
     public static class Program
     {
-        private const double TestTimeoutS = 60;  // a deadlock is one, and a busy machine is none
+        private const double TestTimeoutS = 240;  // a deadlock is one, and a busy machine is none
 
         public static int Main(string[] arguments)
         {

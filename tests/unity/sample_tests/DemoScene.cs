@@ -11,7 +11,7 @@ namespace Ros2Gateway.Samples.Tests
     /// <summary>One of the demonstrations, as somebody starts it: its builder on an empty object.</summary>
     internal sealed class DemoScene : IDisposable
     {
-        private const int PatienceMilliseconds = 30000; // a machine may be busy with other things
+        private const int PatienceMilliseconds = 120000; // a machine may be busy with other things
 
         internal readonly GameObject Root = new GameObject("demonstration");
 

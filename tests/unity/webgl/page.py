@@ -17,7 +17,7 @@ CONNECTING: Final = 0
 OPEN: Final = 1
 CLOSED: Final = 3
 
-TIMEOUT_S: Final = 30  # a busy machine takes its time
+TIMEOUT_S: Final = 120  # a busy machine takes its time
 _INTERVAL_S: Final = 0.005  # between two looks, as a player looks once a frame
 _LINE_BYTES: Final = 64 * 1024 * 1024  # a frame in base64
 

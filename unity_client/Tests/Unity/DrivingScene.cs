@@ -29,7 +29,7 @@ namespace Ros2Gateway.Unity.Tests
         internal const string Gateway = "ROS2GATEWAY_TEST_URL";
         internal const string Rogue = "ROS2GATEWAY_ROGUE_URL";
 
-        private const int PatienceMilliseconds = 30000; // a machine may be busy with other things
+        private const int PatienceMilliseconds = 120000; // a machine may be busy with other things
 
         internal readonly GatewayConnection Connection;
         internal readonly GatewayClient Observer;
