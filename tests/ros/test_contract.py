@@ -400,12 +400,5 @@ async def test_changes_close_together_are_one_call(robot: Robot) -> None:
     assert len(calls) < 20
 
 
-async def test_logging_takes_every_level(robot: Robot) -> None:
-    robot.ros.log("debug", "one")
-    robot.ros.log("info", "two")
-    robot.ros.log("warning", "three")
-    robot.ros.log("error", "four")
-
-
 def nodes_publishing(robot: Robot, topic: str) -> tuple[str, ...]:
     return next((t.publishers for t in robot.ros.graph().topics if t.name == topic), ())
