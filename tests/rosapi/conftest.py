@@ -2,6 +2,7 @@
 """Parameters of real nodes, asked for over real ROS."""
 
 from collections.abc import AsyncIterator, Iterator
+from typing import Any
 
 import pytest
 
@@ -9,9 +10,10 @@ from gateway.codec.types import Types
 from gateway.ports import Ros
 from gateway.ros import RosOptions, open_ros
 from gateway.rosapi import Parameters
+from gateway.rosapi.node_parameters import NODE_TIMEOUT_S
 from gateway.service_clients import ServiceClients
 from schemas.installed import InstalledDefinitions
-from tests.client import eventually
+from tests.client import TIMEOUT_S, eventually
 from tests.rosapi.robot import NodeWithParameters, declare
 from tests.rosapi.scripted import ScriptedNodes
 
@@ -37,11 +39,23 @@ async def ros() -> AsyncIterator[Ros]:
         yield ros
 
 
+class UnhurriedParameters(Parameters):
+    """`Parameters` that wait for nodes on a busy machine, but where a test says how long."""
+
+    def _conversation(self, requested: str, timeout_s: float) -> Any:
+        timeout_s = TIMEOUT_S if timeout_s == NODE_TIMEOUT_S else timeout_s
+        return super()._conversation(requested, timeout_s)
+
+
 @pytest.fixture
-async def parameters(ros: Ros, robot: NodeWithParameters) -> AsyncIterator[Parameters]:
+async def parameters(
+    ros: Ros, robot: NodeWithParameters, monkeypatch: pytest.MonkeyPatch
+) -> AsyncIterator[Parameters]:
+    monkeypatch.setattr("gateway.rosapi.node_parameters.NODE_TIMEOUT_S", TIMEOUT_S)
+    monkeypatch.setattr("gateway.rosapi.parameter_services.ALL_NODES_TIMEOUT_S", TIMEOUT_S)
     await discovered(ros, robot)
     calls = ServiceClients(ros)
-    yield Parameters(ros, Types(InstalledDefinitions()), calls)
+    yield UnhurriedParameters(ros, Types(InstalledDefinitions()), calls)
     calls.close()
 
 
