@@ -5,12 +5,13 @@ What Unity's editor and desktop players run on is Mono, too; the full ahead-of-t
 JIT compiler, stands in for IL2CPP.
 """
 
+import fcntl
 import hashlib
 import os
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -18,8 +19,8 @@ from typing import Final
 ROOT: Final = Path(__file__).resolve().parents[2]
 CACHE: Final = ROOT / ".cache" / "unity"
 
-COMPILE_TIMEOUT_S: Final = 100  # takes 1 to 3 s, on a machine that does nothing else
-TRANSLATE_TIMEOUT_S: Final = 300
+COMPILE_TIMEOUT_S: Final = 300  # takes 1 to 3 s, on a machine that does nothing else
+TRANSLATE_TIMEOUT_S: Final = 900
 
 # By default there is room for 4096 delegates and lazily bound calls in a process; one that runs
 # hundreds of tests needs more.
@@ -108,12 +109,14 @@ def compile_assembly(
     for source in sources:
         digest.update(f"\n{source}\n".encode() + source.read_bytes())
     binary = Binary(CACHE / digest.hexdigest()[:16] / filename, tuple(references))
-    if not binary.path.exists():
-        if not sources:
-            raise CompileError(f"{name} has no sources")
-        with _new_directory(binary.path.parent) as directory:
-            command = ["mcs", *arguments, f"-out:{directory / filename}", *map(str, sources)]
-            _run(command, COMPILE_TIMEOUT_S)
+    if not sources:
+        raise CompileError(f"{name} has no sources")
+
+    def fill(directory: Path) -> None:
+        command = ["mcs", *arguments, f"-out:{directory / filename}", *map(str, sources)]
+        _run(command, COMPILE_TIMEOUT_S)
+
+    _make(binary.path.parent, fill)
     return binary
 
 
@@ -146,14 +149,12 @@ def _translated(binary: Binary, references: tuple[Binary, ...]) -> Binary:
     key = "\n".join(str(path) for path in (binary.path, *(r.path for r in references)))
     digest = hashlib.sha256(key.encode() + binary.path.read_bytes()).hexdigest()[:16]
     translated = Binary(CACHE / f"{digest}-aot" / binary.path.name, references)
-    if not translated.path.exists():
-        with _new_directory(translated.path.parent) as directory:
-            _copy(binary.path, directory)
-            _run(
-                ["mono", _TRANSLATE, str(directory / binary.path.name)],
-                TRANSLATE_TIMEOUT_S,
-                environment(*references),
-            )
+
+    def fill(directory: Path) -> None:
+        _copy(binary.path, directory)
+        _translate(directory / binary.path.name, environment(*references))
+
+    _make(translated.path.parent, fill)
     return translated
 
 
@@ -164,17 +165,19 @@ def _translated_framework() -> Binary:
     for source in sources:
         digest.update(source.read_bytes())
     framework = CACHE / f"{digest.hexdigest()[:16]}-framework"
-    if not framework.exists():
-        with _new_directory(framework) as directory:
-            for source in sources:
-                _copy(source, directory)
-            for source in sources:
-                _run(
-                    ["mono", _TRANSLATE, str(directory / source.name)],
-                    TRANSLATE_TIMEOUT_S,
-                    {**os.environ, "MONO_PATH": str(directory)},
-                )
+
+    def fill(directory: Path) -> None:
+        for source in sources:
+            _copy(source, directory)
+        for source in sources:
+            _translate(directory / source.name, {**os.environ, "MONO_PATH": str(directory)})
+
+    _make(framework, fill)
     return Binary(framework / "mscorlib.dll")
+
+
+def _translate(library: Path, env: dict[str, str]) -> None:
+    _run(["mono", _TRANSLATE, str(library)], TRANSLATE_TIMEOUT_S, env)
 
 
 def _copy(binary: Path, directory: Path) -> None:
@@ -184,25 +187,21 @@ def _copy(binary: Path, directory: Path) -> None:
             shutil.copy(symbols, directory)
 
 
-class _new_directory:  # noqa: N801  # used as a function
-    """A directory that comes into being complete, or not at all, also with other processes."""
-
-    def __init__(self, path: Path) -> None:
-        self._path = path
-
-    def __enter__(self) -> Path:
-        CACHE.mkdir(parents=True, exist_ok=True)
-        self._temporary = Path(tempfile.mkdtemp(prefix="new-", dir=CACHE))
-        return self._temporary
-
-    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        if kind is None and not self._path.exists():
-            try:
-                self._temporary.rename(self._path)
-            except OSError:
-                if not self._path.exists():
-                    raise
-        shutil.rmtree(self._temporary, ignore_errors=True)
+def _make(path: Path, fill: Callable[[Path], None]) -> None:
+    """Have a directory filled unless it is there: once, whoever else wants it, or not at all."""
+    if path.exists():
+        return
+    CACHE.mkdir(parents=True, exist_ok=True)
+    with (CACHE / f"{path.name}.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if path.exists():
+            return
+        temporary = Path(tempfile.mkdtemp(prefix="new-", dir=CACHE))
+        try:
+            fill(temporary)
+            temporary.rename(path)
+        finally:
+            shutil.rmtree(temporary, ignore_errors=True)
 
 
 def _run(arguments: list[str], timeout_s: float, env: dict[str, str] | None = None) -> None:
