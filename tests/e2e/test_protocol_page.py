@@ -9,7 +9,7 @@ from typing import Any
 
 from schemas.installed import InstalledDefinitions
 from tests.client import Client, client
-from tests.gateway_process import gateway_process
+from tests.demonstration import demonstration
 
 PAGE = Path(__file__).parents[2] / "docs" / "protocol.md"
 CONVERSATIONS = re.findall(r"^```wscat\n(.*?)^```", PAGE.read_text(), re.DOTALL | re.MULTILINE)
@@ -65,28 +65,12 @@ async def test_every_example_of_the_page_holds():
     assert len(CONVERSATIONS) > 25
     has_tf = bool(InstalledDefinitions().names(["tf2_msgs"]))
     examples = [each for each in CONVERSATIONS if has_tf or "lookup_transform" not in each]
-    async with gateway_process("demo", "--set", "limits.max_clients_per_address=32") as gateway:
-        await wait_for_the_robot(gateway.url)
+    async with demonstration("--set", "limits.max_clients_per_address=32") as gateway:
         surprises = await asyncio.gather(
             *(on_its_own_connection(gateway.url, each) for each in examples)
         )
         assert [surprise for surprise in surprises if surprise] == []
         assert await gateway.stop() == 0
-
-
-async def wait_for_the_robot(url: str) -> None:
-    async with client(url) as speaker:
-        await speaker.send(op="subscribe", topic="/odom", type="nav_msgs/msg/Odometry")
-        await speaker.message("/odom")
-        for service in ("/motor_power", "/simulated_robot/list_parameters"):
-            answer: dict[str, Any] = {}
-            while not answer.get("type"):
-                await speaker.send(
-                    op="call_service", service="/rosapi/service_type", args={"service": service}
-                )
-                frame = await speaker.receive(lambda frame: frame["op"] == "service_response")
-                answer = frame["values"]
-                await asyncio.sleep(0.02)  # below the operations that a client may send
 
 
 async def on_its_own_connection(url: str, conversation: str) -> str | None:

@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterator, Mapping
 import pytest
 
 from tests.clients.robot import Robot
-from tests.gateway_process import GatewayProcess, gateway_process
+from tests.demonstration import demonstration
+from tests.gateway_process import GatewayProcess
 from tests.ros.outside import Outside
 from tests.unity import csharp, mono
 from tests.unity.background import in_background
@@ -17,7 +18,7 @@ from tests.unity.rogue import deaf, rogue
 @pytest.fixture(scope="session")
 def gateway() -> Iterator[GatewayProcess]:
     """``ros2-gateway demo`` on a free port, for the whole session."""
-    with in_background(gateway_process("demo")) as process:
+    with in_background(demonstration()) as process:
         yield process
 
 

@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The gateway with the simulated robot, for tests that talk to the robot."""
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator
+
+from tests.client import client
+from tests.gateway_process import GatewayProcess, gateway_process
+
+ROBOT = "/simulated_robot"
+POLL_S = 0.05  # well below the operations that a client may send
+
+_SERVICES = {"/motor_power", "/reset", f"{ROBOT}/list_parameters"}
+
+
+@contextlib.asynccontextmanager
+async def demonstration(*arguments: str) -> AsyncIterator[GatewayProcess]:
+    """Run ``ros2-gateway demo`` until the context ends, and enter once the robot is known."""
+    async with gateway_process("demo", *arguments) as gateway:
+        await _wait_for_the_robot(gateway.url)
+        yield gateway
+
+
+async def _wait_for_the_robot(url: str) -> None:
+    async with client(url) as speaker:
+        await speaker.send(op="subscribe", topic="/odom", type="nav_msgs/msg/Odometry")
+        await speaker.message("/odom")
+        provided: set[str] = set()
+        while not provided >= _SERVICES:
+            await asyncio.sleep(POLL_S)
+            await speaker.send(op="graph")
+            graph = await speaker.receive(lambda frame: frame["op"] == "graph")
+            provided = {each["name"] for each in graph["services"] if ROBOT in each["nodes"]}
