@@ -3,6 +3,8 @@
 
 import asyncio
 
+import pytest
+
 from tests.client import Client, client
 from tests.gateway_process import gateway_process
 
@@ -43,7 +45,10 @@ async def _carry_out_goals(caller: Client, server: Client, count: int) -> None:
     await asyncio.sleep(HANDSHAKE_S)
     for number in range(count):
         await caller.send(op="send_action_goal", id=str(number), action="/count", args={"order": 1})
-        goal = await server.receive(lambda frame: frame["op"] == "send_action_goal")
+        try:
+            goal = await server.receive(lambda frame: frame["op"] == "send_action_goal")
+        except TimeoutError:
+            pytest.fail(f"goal {number} has not come, and its sender got {await caller.sync()}")
         await server.send(
             op="action_result",
             id=goal["id"],
