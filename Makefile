@@ -15,6 +15,9 @@ ARGS ?=
 WHAT ?=
 COMPARE ?=
 PYTEST_ARGS ?= $(ARGS)
+# As many workers as tests/conftest.py says. Each begins with a part of the tests in their order, so that those that share
+# a gateway or a Mono process stay together; one that has done its own takes over from the others.
+WORKERS := -n auto --dist worksteal
 
 .DEFAULT_GOAL := help
 .PHONY: help demo serve test lint format docs bench clean
@@ -28,11 +31,12 @@ demo: $(READY) ## start the simulated robot and the gateway (make demo ARGS='--p
 serve: $(READY) ## start the gateway alone (make serve ARGS='--domain-id 7')
 	@$(BIN)/ros2-gateway serve $(ARGS)
 
-test: lint $(CLIENTS) ## check and test everything (make test ARGS='tests/cli/test_main.py -x')
+test: lint $(CLIENTS) ## check and test everything, some 5 minutes (make test ARGS='tests/cli/test_main.py -x -n0')
 	$(BIN)/python -m schemas.generate --check
 	@$(BIN)/python -m tests.interfaces
 	@sh tools/make-mono.sh
-	$(BIN)/python -m pytest $(PYTEST_ARGS)
+	@$(if $(PYTEST_ARGS),:,echo "testing takes about five minutes on two quiet cores, the first time seven ...")
+	$(BIN)/python -m pytest $(WORKERS) $(PYTEST_ARGS)
 
 lint: $(READY_FOR_TESTS) ## check style, types and layers
 	$(BIN)/ruff check

@@ -1,14 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Keeps the tests' ROS apart from everybody else's, before anything imports rclpy."""
+"""Keeps the tests' ROS apart from everybody else's, before anything imports rclpy.
+
+Each worker of pytest-xdist is a process of its own, and imports this.
+"""
 
 import os
 import signal
 
-from tests import interfaces
+import pytest
+from hypothesis import HealthCheck, settings
+
+from tests import dds_domain, interfaces
 
 # Also where the developer's shell is set up for a real robot: no test may ever move it.
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
-os.environ["ROS_DOMAIN_ID"] = str(1 + os.getpid() % 100)  # above 101 its ports are others', too
+os.environ["ROS_DOMAIN_ID"] = str(dds_domain.claim())
 for variable in [name for name in os.environ if name.startswith("ROS2_GATEWAY_")]:
     del os.environ[variable]
 interfaces.use()
@@ -16,3 +22,20 @@ interfaces.use()
 # A shell ignores it for what it starts in the background, and so would every process that a test
 # starts and means to end by it.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+WORKERS_PER_CORE = 2  # tests wait half of their time: for DDS, processes, a robot that drives
+MAX_WORKERS = 8  # more collect tests for longer than they run them
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers() -> int:
+    """Say how many workers ``-n auto`` starts."""
+    return min(WORKERS_PER_CORE * len(os.sched_getaffinity(0)), MAX_WORKERS)
+
+
+# How fast an example is made or tested says more about the machine than about the code.
+_UNTIMED = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
+# The same examples each time: a failure is that of the change at hand, and comes again.
+settings.register_profile("ci", _UNTIMED, max_examples=50, derandomize=True, database=None)
+settings.register_profile("deep", _UNTIMED, max_examples=2000)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))
