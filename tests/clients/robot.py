@@ -27,7 +27,7 @@ class Robot:
 
     def __init__(self, outside: Outside) -> None:
         self.node = outside.node
-        self._wake = outside._executor.wake
+        self._wake = outside._guard.trigger
         self._ends: list[Callable[[], object]] = []
 
     def publish(self, topic: str, *messages: Any) -> None:
