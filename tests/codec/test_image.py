@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 
 from gateway.codec.errors import CodecError
 from gateway.codec.image import (
+    _LAYOUTS,
     ENCODINGS,
     MAX_DEPTH_M,
     MAX_PIXELS,
@@ -125,13 +126,14 @@ DEPTHS = {
     "32FC": (DEPTH_MM / 1000).astype(np.float32),
     "32FC1": (DEPTH_MM / 1000).astype(np.float32),
 }
-PACKED_422 = {"uyvy", "yuv422", "yuyv", "yuv422_yuy2"}
+PACKED_422 = {name for name, layout in _LAYOUTS.items() if layout.subsampling == (2, 1)}
+SEMI_PLANAR_420 = {name for name, layout in _LAYOUTS.items() if layout.subsampling == (2, 2)}
 ROWS = {encoding: rows for encoding, (rows, _) in INTENSITIES.items()} | DEPTHS
 
 
 def image_of(encoding, rows, *, big=False, padding=0):
     """An Image message of some rows in memory, each followed by dirty padding."""
-    height = rows.shape[0] * 2 // 3 if encoding.startswith("nv") else rows.shape[0]
+    height = rows.shape[0] * 2 // 3 if encoding in SEMI_PLANAR_420 else rows.shape[0]
     width = rows.shape[1] // 2 if encoding in PACKED_422 else rows.shape[1]
     stored = np.ascontiguousarray(rows, rows.dtype.newbyteorder(">" if big else "<"))
     octets = stored.view(np.uint8).reshape(len(rows), -1)
@@ -177,6 +179,35 @@ def test_a_jpeg_shows_the_known_picture(encoding):
     # a colour interpolated across an edge spoils the JPEG block that it is in
     margin = 16 if encoding.startswith("bayer") else 2
     assert_similar(seen(picture), INTENSITIES[encoding][1], tolerance=6, margin=margin)
+
+
+SIGNATURES = {"jpeg": b"\xff\xd8\xff", "png": b"\x89PNG\r\n"}
+
+
+@pytest.mark.parametrize("name", PICTURE_FORMATS)
+def test_every_format_is_what_its_name_says_and_shows_the_known_picture(name):
+    picture = compress(image("rgb8"), ImageOptions(name, quality=95))
+    assert picture.format == name
+    assert picture.data.startswith(SIGNATURES[name])
+    assert_similar(seen(picture), RGB, tolerance=12, margin=2)
+
+
+@pytest.mark.parametrize("name", PICTURE_FORMATS)
+def test_every_lossy_format_gets_smaller_with_its_quality(name):
+    sizes = [len(compress(image("bgr8"), ImageOptions(name, quality)).data) for quality in (90, 10)]
+    is_lossy = PICTURE_FORMATS[name].quality_parameter is not None
+    assert (sizes[0] > sizes[1]) == is_lossy
+
+
+@pytest.mark.parametrize("name", PICTURE_FORMATS)
+def test_every_format_has_depth_as_grey_or_in_millimetres(name):
+    picture = compress(image("16UC1"), ImageOptions(name))
+    if PICTURE_FORMATS[name].has_8_bits:
+        assert decoded(picture).dtype == np.uint8
+        assert picture.depth_range_m == ImageOptions().depth_range_m
+    else:
+        assert np.array_equal(decoded(picture), DEPTH_MM)
+        assert picture.depth_range_m is None
 
 
 @pytest.mark.parametrize(
@@ -508,9 +539,9 @@ def test_any_content_of_the_right_size_gives_a_picture(
     encoding, half_size, odd, big, padding, options, content
 ):
     height, width = (2 * half - is_odd for half, is_odd in zip(half_size, odd, strict=True))
-    if encoding in PACKED_422 or encoding.startswith("nv"):
+    if encoding in PACKED_422 | SEMI_PLANAR_420:
         height, width = 2 * half_size[0], 2 * half_size[1]
-    rows = height * 3 // 2 if encoding.startswith("nv") else height
+    rows = height * 3 // 2 if encoding in SEMI_PLANAR_420 else height
     sample = ROWS[encoding]
     bytes_per_pixel = sample[0].nbytes // image(encoding).width
     step = width * bytes_per_pixel + padding

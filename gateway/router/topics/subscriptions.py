@@ -45,7 +45,11 @@ class Subscriptions:
 
     def rates_hz(self, now_ns: int) -> dict[str, float]:
         """Return how often samples arrive on the topics that are being received."""
-        return {topic.key.name: topic.rate_hz(now_ns) for topic in self._topics.values()}
+        rates_hz: dict[str, float] = {}
+        for topic in self._topics.values():  # of one name there may be several, by QoS and type
+            name = topic.key.name
+            rates_hz[name] = max(rates_hz.get(name, 0.0), topic.rate_hz(now_ns))
+        return rates_hz
 
     def subscribe(self, session: Session, request: Subscribe) -> None:
         """Add a request to a subscription, or replace the one with the same id.

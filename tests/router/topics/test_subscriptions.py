@@ -494,12 +494,13 @@ async def test_unsubscribing_a_throttled_topic_delivers_nothing_more(bench: Benc
         bench.ros.publish("/chatter", bench.cdr(STRING, data=text))
     await client.sees(1)
     client.send(op="unsubscribe", topic="/chatter")
+    before = list(client.messages)
     other = bench.client()
     other.send(op="subscribe", topic="/chatter", throttle_rate=50)
     for text in ("a", "b"):  # another client's interval is over later than ours would be
         bench.ros.publish("/chatter", bench.cdr(STRING, data=text))
     await other.sees(2)
-    assert client.messages == [{"data": "first"}]
+    assert client.messages == before
 
 
 async def test_subscribing_again_does_not_cut_a_throttle_interval_short(bench: Bench):
@@ -564,3 +565,20 @@ async def test_a_topic_with_two_types_is_told_once_and_fed_when_one_is_left(benc
     await eventually(lambda: bench.ros.entity_count() == 1)
     right.publish(bench.cdr(STRING, data="clear now"))
     assert (await client.sees(1))[0]["msg"] == {"data": "clear now"}
+
+
+async def test_a_topic_that_is_received_twice_has_the_rate_of_the_one_that_gets_samples(
+    bench: Bench,
+):
+    bench.ros.add_publisher("/chatter", STRING, Qos(reliability="best_effort"))
+    receiving, deaf = bench.client(), bench.client()
+    receiving.send(op="subscribe", topic="/chatter")
+    deaf.send(op="subscribe", topic="/chatter", qos={"reliability": "reliable"})
+    assert bench.ros.entity_count() == 2
+    for _ in range(2):
+        bench.ros.publish("/chatter", bench.cdr(STRING))
+        await bench.settle()
+    receiving.send(op="graph")
+    (graph,) = receiving.of("graph")
+    (topic,) = (each for each in graph["topics"] if each["name"] == "/chatter")
+    assert topic["rate_hz"] > 0
