@@ -56,8 +56,7 @@ class ReadyEvents(Protocol):
     ) -> EventSource:
         """Create an entity; *on_ready* is called on the loop's thread while it has something.
 
-        One call may stand for many events, or for none. *on_ready* takes until `count_take` returns
-        false, or asks to be notified again. Raises what *create* raises.
+        One call may stand for many events, or for none. Raises what *create* raises.
         """
 
 
@@ -83,9 +82,16 @@ class EventfdReadyEvents:
         create: Callable[[], Any],
         destroy: Callable[[Any], object],
         on_ready: Callable[[], None],
+        *,
+        is_counted: bool = True,
     ) -> "EventfdSource":
-        """Create an entity; see `ReadyEvents`."""
-        return EventfdSource(self._loop, self._hooks, kind, create, destroy, on_ready)
+        """Create an entity; see `ReadyEvents`.
+
+        If it is not counted, *on_ready* must call `EventfdSource.clear`, and nobody `count_take`.
+        """
+        return EventfdSource(
+            self._loop, self._hooks, kind, create, destroy, on_ready, is_counted=is_counted
+        )
 
 
 class EventfdSource:
@@ -99,7 +105,10 @@ class EventfdSource:
         create: Callable[[], Any],
         destroy: Callable[[Any], object],
         on_ready: Callable[[], None],
+        *,
+        is_counted: bool,
     ) -> None:
+        self._on_ready = on_ready
         self._pending = 0  # arrivals that were counted and not taken yet
         self._repeats = 0  # of what the eventfd counts, those by `notify_again`
         with contextlib.ExitStack() as undo:
@@ -108,14 +117,14 @@ class EventfdSource:
             undo.callback(os.close, self._fd)
             self.entity = create()
             undo.callback(destroy, self.entity)
-            loop.add_reader(self._fd, on_ready)
+            loop.add_reader(self._fd, self._count_and_notify if is_counted else on_ready)
             undo.callback(loop.remove_reader, self._fd)
             hooks.count(kind, self.entity, self._fd)
             undo.callback(hooks.stop, kind, self.entity)
             self._undo = undo.pop_all()
         # Bound rather than wrapped: the data path calls it for every batch.
         self.clear: Callable[[], object] = partial(os.eventfd_read, self._fd)
-        """Forget what has arrived so far, uncounted; it must be called from *on_ready*."""
+        """Forget what has arrived so far; from *on_ready* of a source that is not counted."""
 
     def notify_again(self) -> None:
         """Call *on_ready* once more, after other callbacks have had their turn."""
@@ -137,10 +146,15 @@ class EventfdSource:
         """
         self._undo.close()
 
+    def _count_and_notify(self) -> None:
+        # Before *on_ready*: whatever that raises, the loop does not call it again for nothing new.
+        self._count()
+        self._on_ready()
+
     def _count(self) -> None:
         try:
             arrived = os.eventfd_read(self._fd) - self._repeats
-        except BlockingIOError:  # nothing has arrived since
+        except BlockingIOError:  # nothing has arrived since, or a take has read it
             return
         self._repeats = 0
         self._pending = min(self._pending + arrived, MAX_QUEUE_DEPTH)  # DDS has dropped the rest

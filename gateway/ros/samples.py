@@ -90,7 +90,7 @@ class _EventfdReader:
         self._on_samples = on_samples
         self._is_closed = False
         self._source = ready_events.open(
-            "subscription", create, node.destroy_subscription, self._deliver
+            "subscription", create, node.destroy_subscription, self._deliver, is_counted=False
         )
         self._subscription = self._source.entity
         self._take_message = rclpy_private.message_taker(self._subscription)

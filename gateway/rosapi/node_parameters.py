@@ -12,6 +12,7 @@ from gateway.codec.error_text import MAX_ECHO, truncate
 from gateway.codec.types import Types
 from gateway.deadline import Deadline
 from gateway.ports import Ros, RosError
+from gateway.protocol.bad_type import bad_type
 from gateway.protocol.errors import ProtocolError
 from gateway.rosapi.graph_services import is_hidden
 from gateway.rosapi.parameter_values import (
@@ -23,6 +24,8 @@ from gateway.rosapi.parameter_values import (
 )
 from gateway.rosapi.unresponsive_nodes import UnresponsiveNodes
 from gateway.service_clients import ServiceClients
+from schemas.definition import DefinitionError
+from schemas.installed import UnknownTypeError
 
 # A node that spins answers within milliseconds, after some tenths of a second for discovery.
 NODE_TIMEOUT_S: Final = 1.0
@@ -177,7 +180,10 @@ class Parameters:
         self, node: str, service: _Service, request: dict[str, object], deadline: Deadline
     ) -> dict[str, Any]:
         """Call a parameter service of a node; raises what `ServiceClients.call` raises."""
-        service_type = self._types.service(service.type_name)
+        try:
+            service_type = self._types.service(service.type_name)
+        except (UnknownTypeError, DefinitionError) as error:
+            raise bad_type(error, self._types.definitions) from error
         name = f"{node}/{service.name}"
         return await self._service_clients.call(name, service_type, request, deadline)
 

@@ -47,7 +47,7 @@ class Tasks:
         """Do *work*, and answer the operation if it fails.
 
         As many operations of a session as its limits allow are under way at once, the others
-        wait for their turn, until the deadline. Later it is the work's to keep it.
+        wait for their turn, until the deadline; *work* keeps its own.
 
         Raises:
             ProtocolError: too many of them wait.

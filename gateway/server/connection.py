@@ -22,7 +22,7 @@ from websockets.server import ServerProtocol
 from gateway.config.limits import Limits
 from gateway.protocol import messages
 from gateway.protocol.errors import ProtocolError
-from gateway.protocol.outbox import NOT_READY, NOTHING, Entry
+from gateway.protocol.outbox import Entry, NoFrame
 from gateway.protocol.session import Session
 from gateway.protocol.token_bucket import TokenBucket
 
@@ -167,12 +167,12 @@ class Connection(asyncio.BufferedProtocol):
         """Send from the outbox, as far as the socket takes it."""
         if self._flushing or self._paused or self._session is None:
             return
-        self._flushing = True  # rendering may report an error, which wakes us again
+        self._flushing = True  # encoding may report an error, which wakes us again
         outbox = self._session.outbox
         try:
             while outbox.size and not self._paused and self._protocol.state is OPEN:
                 batch = outbox.take(WRITE_HIGH_WATER_BYTES)
-                if not batch and not outbox.has_control:  # rendering may have added a status
+                if not batch and not outbox.has_control:  # encoding may have added a status
                     break
                 self._transport.writelines(batch)
         except Exception:  # our bug, see buffer_updated
@@ -332,7 +332,7 @@ class Connection(asyncio.BufferedProtocol):
             return False
         try:
             frame = entry.frame()
-            if frame is NOT_READY or frame is NOTHING:
+            if isinstance(frame, NoFrame):
                 return False
             self._transport.write(frame)
         except Exception:  # our bug, see buffer_updated

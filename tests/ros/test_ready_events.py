@@ -3,6 +3,7 @@
 
 import asyncio
 import os
+from unittest.mock import Mock
 
 import pytest
 
@@ -91,3 +92,26 @@ async def test_another_look_comes_in_the_next_turn() -> None:
         turns += 1
     source.close()
     assert turns >= 100
+
+
+async def test_a_take_that_raises_is_not_repeated_for_nothing_new(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    calls: list[None] = []
+    raised = asyncio.Event()
+    loop = asyncio.get_running_loop()
+    loop.set_exception_handler(lambda *_: raised.set())
+    ready_events = EventfdReadyEvents(loop)
+    monkeypatch.setattr(ready_events, "_hooks", Mock())
+
+    def take() -> None:
+        calls.append(None)
+        raise RuntimeError("failed to take request")
+
+    source = ready_events.open("service", Entity, lambda _: None, take)
+    source.notify_again()
+    await raised.wait()
+    for _ in range(50):
+        await asyncio.sleep(0)
+    source.close()
+    assert len(calls) == 1

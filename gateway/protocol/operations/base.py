@@ -16,8 +16,8 @@ def _without_zero(value: Any) -> Any:
     return None if type(value) is int and value == 0 else value
 
 
-# An outgoing message longer than this, in characters, is sent in pieces. Below 64 the envelopes
-# would be most of the bytes; some clients send 0 for no fragments.
+# An outgoing message longer than this, in characters, is sent in pieces. Below 64 the members
+# around a piece would be most of the bytes; some clients send 0 for no fragments.
 FragmentSize = Annotated[Annotated[int, Field(ge=64)] | None, BeforeValidator(_without_zero)]
 
 

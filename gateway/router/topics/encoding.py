@@ -18,7 +18,7 @@ from gateway.codec.png import text_as_png
 from gateway.codec.types import MessageType
 from gateway.ports import Sample
 from gateway.protocol import messages
-from gateway.protocol.outbox import NOT_READY, NOTHING, Frame
+from gateway.protocol.outbox import NOT_READY, NOTHING, Frame, NoFrame
 from gateway.protocol.websocket_frames import Meta, PerClient, publish_frames
 from gateway.router.topics.subscription import EncodingKey, Subscription
 
@@ -134,7 +134,7 @@ class SharedFrame:
         """Return the frame that all subscriptions share."""
         if self._frame is None:
             message = self.message()
-            if message is NOT_READY or message is NOTHING:
+            if isinstance(message, NoFrame):
                 return message
             self._frame = self.encoding.frames.shared(message)
             self._message = NOT_READY
@@ -163,7 +163,10 @@ class PerClientFrame:
 
     __slots__ = ("_received_ns", "_shared", "_subscription", "size")
 
-    def __init__(self, shared: SharedFrame, subscription: Subscription, received_ns: int) -> None:
+    def __init__(
+        self, shared: SharedFrame, subscription: Subscription, received_ns: int | None
+    ) -> None:
+        """*received_ns* is ROS time, ``None`` if the subscription had no meta when it came."""
         self._shared = shared
         self._subscription = subscription
         self._received_ns = received_ns
@@ -178,11 +181,11 @@ class PerClientFrame:
         """Return the frame, or frames in a row, of this subscription."""
         shared, subscription = self._shared, self._subscription
         message = shared.message()
-        if message is NOT_READY or message is NOTHING:
+        if isinstance(message, NoFrame):
             return message
         options = subscription.options
         meta = None
-        if options.meta:
+        if options.meta and self._received_ns is not None:
             meta = Meta(shared.seq, self._received_ns, subscription.queue.dropped)
         own = PerClient(shared.seq, meta, options.fragment_size, subscription.session.is_ros_sharp)
         return shared.encoding.frames.per_client(message, own)

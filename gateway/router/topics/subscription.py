@@ -52,6 +52,7 @@ class Subscription:
     __slots__ = (
         "_throttle",
         "_timer",
+        "last_refusal",
         "options",
         "queue",
         "requested_name",
@@ -60,7 +61,6 @@ class Subscription:
         "shares_frames",
         "source",
         "topic_name",
-        "warning",
     )
 
     def __init__(
@@ -79,7 +79,7 @@ class Subscription:
         self.options = options
         self.shares_frames = not options.needs_own_frames
         self.source: Source | None = None
-        self.warning = ""  # the reason, as last told to the client, why nothing can feed it
+        self.last_refusal = ""  # of another source, as the client was warned
         self.queue = session.outbox.open_queue(*options.queue_bounds)
         self._throttle = _throttle(options)
         self._timer: asyncio.TimerHandle | None = None  # while the throttle holds an entry

@@ -81,7 +81,7 @@ class Subscriptions:
         if subscription is None:
             subscription = Subscription(session, request.topic, name, requests, options)
             self._subscriptions.setdefault(session, {})[request.topic] = subscription
-        self._feed(subscription, requests, options, source)
+        self._apply(subscription, requests, options, source)
         self._report(session, request, name, source)
 
     def unsubscribe(self, session: Session, request: Unsubscribe) -> None:
@@ -104,7 +104,7 @@ class Subscriptions:
             else:
                 del requests[request.id]
             if requests:
-                self._feed_again(subscription, requests)
+                self._reapply(subscription, requests)
             else:
                 self._close(subscription)
         if not found:
@@ -115,6 +115,8 @@ class Subscriptions:
         """End everything that a client subscribed to."""
         for subscription in list(self._subscriptions.get(session, {}).values()):
             self._close(subscription)
+        for key in list(self._topics):  # also one that a fault of ours left without subscriptions
+            self._close_if_idle(key)
 
     def refresh(self) -> None:
         """Follow the graph: topics that appeared, topics that came back with another type."""
@@ -129,7 +131,7 @@ class Subscriptions:
                 waiting.append(subscription)
         # One participant cannot have a topic with two types: only now is the old one closed.
         for subscription in waiting:
-            self._feed_again(subscription, subscription.requests)
+            self._reapply(subscription, subscription.requests)
 
     def _all(self) -> Iterator[Subscription]:
         for own in self._subscriptions.values():
@@ -155,12 +157,12 @@ class Subscriptions:
             EncodingKey(requested_name, options.fields, image, options.compression),
         )
 
-    def _feed_again(
+    def _reapply(
         self, subscription: Subscription, requests: Mapping[str | int | None, Subscribe]
     ) -> None:
-        """Feed a subscription as its requests ask now.
+        """Feed a subscription as these requests ask now.
 
-        If that fails, the client is told, once, and the subscription is fed as before.
+        If that is refused, it is fed as before, and its client is warned, once.
         """
         options = SubscriptionOptions.merge(requests.values())
         try:
@@ -169,16 +171,16 @@ class Subscriptions:
             )
             if source is not None:
                 self._open(source.topic)
-            self._feed(subscription, requests, options, source)
-            subscription.warning = ""
+            self._apply(subscription, requests, options, source)
+            subscription.last_refusal = ""
         except (ProtocolError, RosError) as error:
             subscription.requests = requests
-            if str(error) != subscription.warning:
-                subscription.warning = str(error)
+            if str(error) != subscription.last_refusal:
+                subscription.last_refusal = str(error)
                 text = f"{error}; waiting for {subscription.topic_name} to change"
                 subscription.warn(ProtocolError(error.code, text))
 
-    def _feed(
+    def _apply(
         self,
         subscription: Subscription,
         requests: Mapping[str | int | None, Subscribe],
@@ -191,17 +193,17 @@ class Subscriptions:
 
     def _move(self, subscription: Subscription, source: Source | None) -> None:
         """Feed a subscription from another source, whose topic is open, or from none."""
-        former, subscription.source = subscription.source, source
+        former = subscription.source
         if source == former:
             return
         is_same_topic = source is not None and former is not None and source.topic == former.topic
         if not is_same_topic:
             subscription.clear()
         if source is not None:
-            topic = self._topics[source.topic]
-            topic.add(subscription, source.encoding)
-            if not is_same_topic:
-                topic.replay(subscription, source.encoding)
+            self._topics[source.topic].add(subscription, source.encoding)
+        subscription.source = source
+        if source is not None and not is_same_topic:
+            self._topics[source.topic].replay(subscription, source.encoding)
         if former is not None:
             self._topics[former.topic].remove(subscription, former.encoding)
             self._close_if_idle(former.topic)

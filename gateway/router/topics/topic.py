@@ -84,7 +84,7 @@ class Topic:
             subscription.warn(ProtocolError("qos_incompatible", text))
         now_ns = time.monotonic_ns()
         for seq, sample in self._latch.newest(self._retained):
-            shared = SharedFrame(self._encodings[key], sample, seq)
+            shared = SharedFrame(self._encodings[key], sample, seq)  # with nobody: others had it
             self._offer_own(shared, subscription, now_ns, more=True)
 
     def close(self) -> None:
@@ -133,7 +133,7 @@ class Topic:
     def _offer_own(
         self, shared: SharedFrame, subscription: Subscription, now_ns: int, *, more: bool
     ) -> None:
-        received_ns = self._ros.now_ns() if subscription.options.meta else 0
+        received_ns = self._ros.now_ns() if subscription.options.meta else None
         subscription.offer(PerClientFrame(shared, subscription, received_ns), now_ns, more=more)
 
     def _on_incompatible(self, text: str) -> None:

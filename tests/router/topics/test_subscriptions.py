@@ -295,6 +295,7 @@ async def test_a_former_interval_does_not_cut_the_new_one_short(bench: Bench):
     for text in ("3", "4"):
         bench.ros.publish("/chatter", bench.cdr(STRING, data=text))
     await other.sees(2)  # by then the former interval is over, too
+    await one.sees(3)
     assert [message["data"] for message in one.messages] == ["1", "2", "3"]
 
 
@@ -582,3 +583,37 @@ async def test_a_topic_that_is_received_twice_has_the_rate_of_the_one_that_gets_
     (graph,) = receiving.of("graph")
     (topic,) = (each for each in graph["topics"] if each["name"] == "/chatter")
     assert topic["rate_hz"] > 0
+
+
+async def test_meta_that_is_asked_for_while_a_sample_waits_is_not_made_up(bench: Bench):
+    publisher = bench.ros.add_publisher("/map", STRING, LATCHED)
+    publisher.publish(bench.cdr(STRING, data="walls"))
+    first = bench.client()
+    first.send(op="subscribe", topic="/map")
+    await first.sees(1)
+    late = bench.client()
+    late.is_paused = True
+    late.send(op="subscribe", id="a", topic="/map")
+    late.send(op="subscribe", id="a", topic="/map", meta=True)
+    late.is_paused = False
+    late.flush()
+    (frame,) = await late.sees(1)
+    assert frame == {"op": "publish", "topic": "/map", "msg": {"data": "walls"}}
+
+
+async def test_a_fault_of_ours_in_subscribing_leaves_nothing_open(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+):
+    def fail(*_: object, **__: object) -> None:
+        raise ZeroDivisionError
+
+    for topic in ("/a", "/b"):
+        bench.ros.add_publisher(topic, STRING)
+    client = bench.client()
+    client.send(op="subscribe", topic="/a")
+    with monkeypatch.context() as patch:
+        patch.setattr("gateway.router.topics.topic.make_encoding", fail)
+        with pytest.raises(ZeroDivisionError):
+            client.send(op="subscribe", topic="/b")
+    bench.router.leave(client.session)
+    assert bench.ros.entity_count() == 0
