@@ -19,7 +19,6 @@ from gateway.codec.image import (
     _LAYOUTS,
     ENCODINGS,
     MAX_DEPTH_M,
-    MAX_PIXELS,
     MAX_SIDE_PX,
     ImageError,
     ImageOptions,
@@ -328,7 +327,9 @@ def test_depth_outside_the_range_is_clamped_to_it(encoding, range_m, metres, gre
     options = ImageOptions(quality=100, depth_range_m=range_m)
     picture = compress(depth_row(encoding, metres), options)
     assert picture.depth_range_m == range_m
-    assert np.abs(decoded(picture)[8, 8::16].astype(int) - greys).max() <= 1
+    shown = decoded(picture)[8, 8::16].astype(int)
+    assert np.abs(shown - greys).max() <= 1
+    assert (shown > 0).tolist() == [depth > 0 for depth in metres]  # 0 is no measurement
 
 
 NO_MEASUREMENTS = [0.0, -0.0, np.nan, np.inf, -np.inf, -1.0, 1e-40]
@@ -428,8 +429,9 @@ BAD = {
     "largest header": Bad(
         RawImage(2**32 - 1, 2**32 - 1, "rgba16", False, 2**32 - 1, b""), "at most 8192 px a side"
     ),
-    "too large": Bad(
-        RawImage(8192, 8192, "mono8", False, 8192, b""), f"at most {MAX_PIXELS} px in all"
+    "too large": Bad(RawImage(4321, 7680, "mono8", False, 7680, b""), "at most 33177600 px in all"),
+    "as large as may be": Bad(
+        RawImage(4320, 7680, "mono8", False, 7680, b""), "image data has 0 bytes"
     ),
     "odd width": Bad(
         RawImage(2, 3, "yuyv", False, 6, b"0" * 12), "yuyv image is 3x2, needs an even width"
@@ -481,6 +483,7 @@ def test_an_encoder_that_refuses_raises_image_error(monkeypatch):
         ({"max_width": 0}, "max_width is 0, needs at least 1 px"),
         ({"max_height": -1}, "max_height is -1, needs at least 1 px"),
         ({"depth_range_m": (2.0, 2.0)}, "depth range is 2.0 to 2.0, needs 0 to 1000 m, rising"),
+        ({"depth_range_m": (0.0, 0.09)}, "depth range is 0.0 to 0.09, needs .* at least 0.1 m"),
         ({"depth_range_m": (-1.0, 2.0)}, "depth range is -1.0 to 2.0"),
         (
             {"depth_range_m": (0.0, MAX_DEPTH_M + 1)},

@@ -80,6 +80,10 @@ def test_the_offset_counts_octets():
         ('{"a":1,"a":1}', "a"),
         ('{"a" :1,"a":1}', "a"),
         ('{"a"\n:1,"a":":"}', "a"),
+        ('{"a" :1,"a":2}', "a"),
+        ('{"a"\n:1,"a":2}', "a"),
+        ('{"a"\r:1,"a":2}', "a"),
+        ('{"a"\t:1,"a":2}', "a"),
         ('{"msg":[{"x":1,"y":2,"x":3}]}', "x"),
         ('{"a":":","a":1}', "a"),
         ('{"a":1,"a":"\\u003a"}', "a"),
@@ -96,13 +100,20 @@ def test_a_duplicate_key_raises_json_error_naming_it(text, key):
     assert str(caught.value) == f'duplicate key "{key}"'
 
 
+def test_the_name_of_a_duplicate_key_comes_back_truncated():
+    name = "k" * 200
+    with pytest.raises(JsonError) as caught:
+        loads(f'{{"{name}":1,"{name}":2}}')
+    assert str(caught.value) == f'duplicate key "{name[:128]}"'
+
+
 SCALARS = st.one_of(
     st.sampled_from(
         ["1", "null", '":"', '"\\":"', '"\\u003a"', '"a"', '" :"', '"\\\\"', "[]", "{}"]
     )
 )
 NAMES = st.sampled_from(['"a"', '"b"', '":"', '"\\":"', '"\\u0061"', '" :"'])
-COLONS = st.sampled_from([":", " :", ": ", "\n:\t"])
+COLONS = st.sampled_from([":", " :", ": ", "\n:\t", "\r:", "\t:"])
 
 
 def objects(texts):
@@ -152,6 +163,12 @@ def test_depth_is_bounded(brackets):
         loads(opening * 33 + inner + closing * 33)
     with pytest.raises(JsonError, match=r"^JSON nests deeper than 2 levels$"):
         loads(opening * 3 + inner + closing * 3, max_depth=2)
+
+
+@pytest.mark.parametrize("levels", [600, 2000])  # orjson has two words for it
+def test_a_text_that_only_opens_nests_too_deep(levels):
+    with pytest.raises(JsonError, match=r"^JSON nests deeper than 32 levels$"):
+        loads("[" * levels)
 
 
 @pytest.mark.parametrize("text", ["[" + "0," * 100_000 + "0]", "[" + "[]," * 100_000 + "0]"])

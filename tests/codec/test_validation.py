@@ -109,6 +109,16 @@ def test_an_unknown_field_is_named_with_what_there_is(types, name, value, reason
     assert reason_of(types, name, value) == reason
 
 
+def test_an_unknown_field_is_compared_by_its_first_128_characters(tmp_path):
+    name = "a" * 128
+    path = tmp_path / "share/some_msgs/msg/Long.msg"
+    path.parent.mkdir(parents=True)
+    path.write_text(f"bool {name}\n")
+    some = Types(InstalledDefinitions([tmp_path]))
+    reason = reason_of(some, "some_msgs/msg/Long", {name + "b" * 1000: True})
+    assert reason.endswith(f"did you mean {name}?")
+
+
 def test_three_problems_are_named_and_the_others_counted(types):
     value = {"linear": {"x": "a", "y": "b"}, "angular": {"x": "c", "y": "d", "q": 1}}
     assert reason_of(types, TWIST, value) == (

@@ -303,6 +303,12 @@ def test_what_was_meant_is_guessed(name, meant):
     assert InstalledDefinitions().nearest(name) == meant
 
 
+def test_a_name_is_guessed_by_its_first_128_characters(tmp_path):
+    name = f"some_msgs/msg/{'A' * 114}"
+    write_definition(tmp_path, name, "")
+    assert InstalledDefinitions([tmp_path]).nearest(name + "B" * 1000) == name
+
+
 def test_guessing_reads_the_directories_once_and_compares_within_one_package(tmp_path, monkeypatch):
     for package in range(20):
         for number in range(20):

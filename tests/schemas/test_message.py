@@ -18,11 +18,17 @@ from schemas.models.sensor_msgs import CompressedImage, LaserScan
 from schemas.models.std_msgs import (
     Bool,
     ColorRGBA,
+    Float64MultiArray,
     Header,
+    Int8,
     Int8MultiArray,
+    Int16,
+    Int32,
     Int64,
     String,
     UInt8,
+    UInt16,
+    UInt32,
     UInt64,
 )
 
@@ -118,11 +124,27 @@ def test_a_float32_is_taken_exactly_if_single_precision_holds_it(sent):
 def test_a_float32_beyond_its_range_is_refused():
     assert refusal(ColorRGBA, {"r": 1e39})[1] == "less_than"
     assert refusal(ColorRGBA, {"r": -(10**39)})[1] == "greater_than"
+    first_infinite = 2.0**128 - 2.0**103  # half way from the largest to what would be the next
+    assert refusal(ColorRGBA, {"r": first_infinite})[1] == "less_than"
+    ColorRGBA.model_validate({"r": math.nextafter(first_infinite, 0)})
+
+
+def test_one_bad_element_of_an_array_is_enough():
+    assert refusal(Float64MultiArray, {"data": ["x"] * 1000})[0] == ("data", 0)
 
 
 @pytest.mark.parametrize(
     ("model", "low", "high"),
-    [(UInt8, 0, 255), (UInt64, 0, 2**64 - 1), (Int64, -(2**63), 2**63 - 1)],
+    [
+        (UInt8, 0, 255),
+        (UInt16, 0, 65_535),
+        (UInt32, 0, 4_294_967_295),
+        (UInt64, 0, 2**64 - 1),
+        (Int8, -128, 127),
+        (Int16, -32_768, 32_767),
+        (Int32, -2_147_483_648, 2_147_483_647),
+        (Int64, -(2**63), 2**63 - 1),
+    ],
 )
 def test_an_integer_has_the_exact_range_of_its_type(model, low, high):
     assert model.model_validate({"data": low}).data == low

@@ -17,6 +17,7 @@ from rclpy.serialization import serialize_message
 from gateway.codec.cdr import compile_decoder
 from gateway.codec.errors import CodecError, FieldError
 from gateway.codec.json import dumps
+from schemas.definition import parse_definition
 from schemas.installed import InstalledDefinitions
 from tests.codec.cdr.reference import Writer
 from tests.messages import RandomMessages, normalized, to_json, to_ros
@@ -186,6 +187,13 @@ def test_a_count_beyond_what_is_left_raises_codec_error_before_the_first_element
     broken = cdr[:4] + struct.pack("<I", 2**20) + cdr[8:]
     with pytest.raises(CodecError, match=r"^need \d{9} bytes at offset 8, message has \d+$"):
         decoder_of(MARKERS)(broken)
+
+
+def test_a_count_of_strings_is_checked_before_the_first_of_them_by_what_each_takes_at_least():
+    definition = parse_definition("some_msgs/msg/Names", "string[] names")
+    decode = compile_decoder(definition, DEFINITIONS)
+    with pytest.raises(CodecError, match=r"^need 4000 bytes at offset 8, message has 8$"):
+        decode(b"\0\1\0\0" + struct.pack("<I", 1000))
 
 
 @pytest.mark.parametrize(

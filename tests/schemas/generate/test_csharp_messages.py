@@ -47,6 +47,7 @@ def of_interfaces(*names):
         ("string x", 'string x = ""'),
         ("string<=5 x 'a\"b'", 'string x = "a\\"b"'),
         ("wstring x 'ü'", 'string x = "\\u00fc"'),
+        ("string x 'a~\x7f'", 'string x = "a~\\u007f"'),
         ("uint8[] x", "byte[] x = Array.Empty<byte>()"),
         ("char[2] x", "byte[] x = new byte[2]"),
         ("int8[<=2] x", "sbyte[] x = Array.Empty<sbyte>()"),

@@ -69,6 +69,13 @@ def test_a_class_reads_from_words_to_fields_to_constants():
     )
 
 
+def test_no_control_character_of_a_comment_gets_into_the_source():
+    text = source("# above \x1b[31m\x85\n\nint32 x  # beside \x00\x07\nint32 Y=1  # more \x08")
+    assert [character for character in text if not character.isprintable()] == ["\n"] * (
+        text.count("\n")
+    )
+
+
 def test_a_name_that_two_packages_share_is_prefixed_where_it_is_imported():
     definition = parse_definition("some_msgs/msg/A", "a_msgs/A x\nb_msgs/B y\nc_msgs/B z")
 
