@@ -118,6 +118,12 @@ def test_a_wrong_value_is_named_with_its_variable():
     )
 
 
+def test_a_long_wrong_value_is_shortened():
+    (problem,) = problems([Given("port", "7" * 10_000, "--port")])
+    assert problem.startswith("--port: got '777777")
+    assert len(problem) < 100
+
+
 def test_a_wrong_value_is_named_with_its_flag():
     assert problems([Given("port", "70000", "--port")]) == (
         "--port: got '70000', expected an integer from 0 to 65535",

@@ -87,3 +87,80 @@ def test_a_fragment_size_of_nothing_means_no_fragments(size, wanted):
 def test_a_fragment_size_that_is_too_small_or_no_integer_is_refused(size):
     with pytest.raises(ValidationError):
         CallService.model_validate({"service": "/s", "fragment_size": size})
+
+
+LOOKUP = {"op": "lookup_transform", "target_frame": "map", "source_frame": "odom"}
+SUBSCRIBE = {"op": "subscribe", "topic": "/t"}
+QOS = SUBSCRIBE | {"qos": {}}
+IMAGE = SUBSCRIBE | {"image": {}}
+LIFESPAN = SUBSCRIBE | {"qos": {"lifespan": {}}}
+TIME = LOOKUP | {"time": {"sec": 0}}
+
+
+def with_value(operation: dict[str, Any], path: str, value: Any) -> dict[str, Any]:
+    """Return an operation with one value of it, or of an object within it, changed."""
+    name, _, below = path.partition(".")
+    return operation | {name: with_value(operation[name], below, value) if below else value}
+
+
+@pytest.mark.parametrize(
+    ("operation", "path", "allowed", "refused"),
+    [
+        ({"op": "ping"}, "id", "x" * 256, "x" * 257),
+        ({"op": "call_service", "service": "/s"}, "timeout", 1e9, 1.1e9),
+        ({"op": "call_service", "service": "/s"}, "timeout", 0, -0.1),
+        (SUBSCRIBE, "throttle_rate", 3_600_000, 3_600_001),
+        (SUBSCRIBE, "throttle_rate", 0, -0.1),
+        (SUBSCRIBE, "queue_length", 0, -1),
+        (SUBSCRIBE, "fragment_size", 64, 63),
+        (SUBSCRIBE, "fields", ["x"] * 64, ["x"] * 65),
+        (SUBSCRIBE, "fields", ["x"], []),
+        (QOS, "qos.depth", 1024, 1025),
+        (QOS, "qos.depth", 1, 0),
+        (QOS, "qos.deadline", 1e9, 1.1e9),
+        (LIFESPAN, "qos.lifespan.secs", 10**9, 10**9 + 1),
+        (LIFESPAN, "qos.lifespan.secs", 0, -1),
+        (LIFESPAN, "qos.lifespan.nsecs", 10**9 - 1, 10**9),
+        (LIFESPAN, "qos.lifespan.nsecs", 0, -1),
+        (IMAGE, "image.quality", 100, 101),
+        (IMAGE, "image.quality", 1, 0),
+        (IMAGE, "image.max_width", 8192, 8193),
+        (IMAGE, "image.max_width", 1, 0),
+        (IMAGE, "image.max_height", 8192, 8193),
+        (IMAGE, "image.max_height", 1, 0),
+        (IMAGE, "image.max_fps", 1000, 1000.1),
+        (IMAGE, "image.max_fps", 0.001, 0),
+        (IMAGE, "image.depth_range_m", [0, 0.1], [-0.1, 0.1]),
+        (IMAGE, "image.depth_range_m", [1, 2], [2, 2]),
+        ({"op": "advertise", "topic": "/t", "type": "x"}, "queue_size", 0, -1),
+        (LOOKUP, "target_frame", "x" * 256, "x" * 257),
+        (LOOKUP, "source_frame", "x" * 256, "x" * 257),
+        (LOOKUP, "timeout", 60, 60.1),
+        (LOOKUP, "timeout", 0, -0.1),
+        (LOOKUP, "rate", 200, 200.1),
+        (LOOKUP, "rate", 0.001, 0),
+        (TIME, "time.sec", 2**31 - 1, 2**31),
+        (TIME, "time.sec", 0, -1),
+        (TIME, "time.nanosec", 10**9 - 1, 10**9),
+        (TIME, "time.nanosec", 0, -1),
+        ({"op": "list_parameters", "node": "/n"}, "prefixes", ["x"] * 1024, ["x"] * 1025),
+        ({"op": "get_parameters", "node": "/n"}, "names", ["x"] * 1024, ["x"] * 1025),
+        ({"op": "describe_parameters", "node": "/n"}, "names", ["x"] * 1024, ["x"] * 1025),
+        (
+            {"op": "set_parameters", "node": "/n"},
+            "values",
+            dict.fromkeys(map(str, range(1024))),
+            dict.fromkeys(map(str, range(1025))),
+        ),
+        ({"op": "set_parameters", "node": "/n"}, "values", {"x": 1}, {}),
+        ({"op": "fragment", "id": 1, "total": 1, "data": ""}, "num", 0, -1),
+        ({"op": "fragment", "id": 1, "num": 0, "data": ""}, "total", 1, 0),
+    ],
+)  # fmt: skip
+def test_the_last_value_within_a_bound_is_taken_and_the_first_beyond_it_refused(
+    operation, path, allowed, refused
+):
+    model = OPERATIONS[operation["op"]]
+    model.model_validate(with_value(operation, path, allowed))
+    with pytest.raises(ValidationError):
+        model.model_validate(with_value(operation, path, refused))

@@ -12,7 +12,6 @@ from gateway.protocol.rosbridge_fragments import (
     MAX_AGE_NS,
     MAX_INCOMPLETE,
     MAX_PIECES,
-    MAX_REFUSED,
     Assembly,
 )
 from gateway.protocol.websocket_frames import text_frames
@@ -163,11 +162,23 @@ def test_a_refused_message_may_be_sent_again_smaller(total):
 
 def test_a_refused_message_is_forgotten_in_time_and_when_there_are_many():
     assembly = Assembly(LIMIT)
-    for fragment_id in range(MAX_REFUSED + 1):
+    for fragment_id in range(5):  # one more than are remembered
         refused(assembly, fragment(0, 2, "x" * (LIMIT + 1), fragment_id))
     for fragment_id, now_ns in ((0, 0), (1, MAX_AGE_NS + 1)):
         assembly.add(fragment(1, 2, "x", fragment_id), now_ns)
         assert assembly.add(fragment(0, 2, "x", fragment_id), now_ns) == b"xx"
+
+
+def test_a_refused_message_all_of_which_has_come_takes_no_place():
+    assembly = Assembly(LIMIT)
+    too_large = "x" * (LIMIT + 1)
+    refused(assembly, fragment(0, 2, too_large, "still to come"))
+    refused(assembly, fragment(0, 2, too_large, "complete"))
+    assembly.add(fragment(1, 2, "x", "complete"), 0)
+    for number in range(3):
+        refused(assembly, fragment(0, 2, too_large, number))
+    assembly.add(fragment(1, 2, "x", "still to come"), 0)
+    assert len(assembly) == 0
 
 
 def test_a_whole_message_may_be_as_large_as_the_limit():

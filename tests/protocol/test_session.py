@@ -10,8 +10,10 @@ from gateway.protocol.operations.gateway import Ping
 from gateway.protocol.operations.services import CallService
 from gateway.protocol.operations.topics import Subscribe
 from gateway.protocol.rosbridge_fragments import MAX_AGE_NS
-from gateway.protocol.session import ROS_SHARP_FRAGMENT_SIZE, Session
+from gateway.protocol.session import Session
 from tests.wire import unpacked, websocket_frames
+
+ROS_SHARP_FRAGMENT_SIZE = 2**31 - 1  # int.MaxValue in C#
 
 LIMITS = Limits(operations_per_s=1, operation_burst=10, max_message_bytes=2000)
 
@@ -102,6 +104,29 @@ def test_what_is_rate_limited_gets_the_answer_that_is_waited_for():
     call, goal, ping = client.answers
     assert (call, goal) == (response(text), result(text))
     assert (ping["op"], ping["id"], ping["code"]) == ("status", 1, "rate_limited")
+
+
+def test_json_is_read_within_the_limits_of_the_client():
+    client = Client(Limits(max_json_depth=3, max_json_items=8))
+    assert client.send(op="ping", value=[[1, 2, 3, 4]]) is not None
+    client.send(op="ping", value=[[[1]]])
+    client.send(op="ping", value=[[1, 2, 3, 4, 5, 6]])
+    assert [answer["msg"] for answer in client.answers] == [
+        "JSON nests deeper than 3 levels",
+        "JSON has over 8 items",
+    ]
+
+
+def test_what_waits_for_a_client_is_bounded_by_its_limit():
+    assert Client(Limits(send_queue_bytes=100_000)).session.outbox.max_bytes == 100_000
+
+
+def test_the_id_and_the_name_of_what_is_no_operation_come_back_truncated():
+    client = Client()
+    client.send(op="x" * 300, id="y" * 300)
+    (answer,) = client.answers
+    assert answer["id"] == "y" * 256
+    assert f"op: '{'x' * 125}...' is unknown" in answer["msg"]
 
 
 def test_refusing_an_operation_answers_it_in_its_own_way():
@@ -278,6 +303,10 @@ def test_each_fragment_counts_as_an_operation_and_the_whole_does_not():
         (
             {"op": "subscribe", "topic": "/a", "image": {"format": 5}},
             "image.format: expected 'jpeg', 'png' or 'raw', got 5",
+        ),
+        (
+            {"op": "subscribe", "topic": "/a", "qos": {"x" * 300: 1}},
+            f"qos.{'x' * 121}...: unknown",
         ),
     ],
 )

@@ -3,11 +3,13 @@ from typing import Any
 
 import pytest
 
-from gateway.protocol.limits import DEFAULT_QUEUE_BYTES, DEFAULT_QUEUE_LENGTH
 from gateway.protocol.operations.topics import Subscribe
 from gateway.protocol.subscription_options import SubscriptionOptions
 
 MS = 1_000_000
+
+DEFAULT_QUEUE_LENGTH = 100
+DEFAULT_QUEUE_BYTES = 256 * 1024
 
 
 def merged(*requests: dict[str, Any]) -> SubscriptionOptions:

@@ -3,7 +3,7 @@ import json
 
 import cbor2
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from websockets.frames import Frame, Opcode
 
@@ -105,6 +105,10 @@ def test_json_is_escaped_where_that_is_asked_for():
     assert json.loads(bytes(frame.data))["msg"] == {"text": "ü\U0001f916"}
 
 
+@example(125)
+@example(126)
+@example(65_535)
+@example(65_536)
 @given(st.one_of(st.integers(0, 300), st.integers(65_500, 65_600)))
 def test_frames_are_what_websockets_would_send(length):
     payload = b"x" * length
