@@ -216,6 +216,26 @@ async def test_sockets_that_never_shake_hands_are_cut_off_and_bounded(serve: Ser
             await speaker.sync()
 
 
+class Waiting:
+    """A connection whose handshake is under way; it is never looked at again."""
+
+    session = None
+
+    def __init__(self, address: str) -> None:
+        self.address = address
+
+    def tick(self, now_s: float) -> None: ...
+
+
+@pytest.mark.parametrize(("addresses", "room"), [(1, 32), (2, 64), (64, 64)])
+async def test_so_many_handshakes_are_under_way_at_once(serve: Serve, addresses, room):
+    async with serve() as served:
+        waiting = [Waiting(f"10.0.0.{number % addresses}") for number in range(room + 1)]
+        assert [served.server.arrive(each) for each in waiting] == [True] * room + [False]
+        for each in waiting:
+            served.server.left(each, None)
+
+
 async def test_a_client_that_answers_no_ping_is_closed_with_4408(serve: Serve):
     async with serve({"ping_interval_s": 0.1, "ping_timeout_s": 0.1}) as served:
         reader, writer = await handshake(served)
@@ -312,6 +332,14 @@ async def test_health_is_json_on_the_same_port(serve: Serve):
         assert (status, content_type) == (200, "application/json; charset=utf-8")
         health = json.loads(body)
         assert (health["status"], health["clients"], health["subscriptions"]) == ("ok", 1, 1)
+
+
+async def test_health_is_never_cached(serve: Serve):
+    async with serve() as served:
+        reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
+        writer.write(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        assert b"cache-control: no-store\r\n" in (await reader.read()).lower()
+        writer.close()
 
 
 async def test_a_browser_is_told_how_to_connect(serve: Serve):
