@@ -4,8 +4,11 @@
 import pytest
 
 from gateway import client_cache
-from gateway.client_cache import MAX_IDLE, ClientCache
+from gateway.client_cache import ClientCache
 from tests.client import eventually
+from tests.clock import StoppedClock
+
+MAX_IDLE = 128
 
 
 class Thing:
@@ -40,6 +43,19 @@ async def test_a_thing_is_closed_a_while_after_its_last_use(
     assert not thing.is_closed
     await eventually(lambda: thing.is_closed)
     assert len(things) == 0
+
+
+async def test_what_nobody_uses_stays_open_for_5_s(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = StoppedClock(monkeypatch)
+    things: ClientCache[Thing] = ClientCache()
+    with things.use("a", Thing) as thing:
+        with things.use("a", Thing):
+            pass
+        await clock.advance(10)
+    await clock.advance(4.99)
+    assert not thing.is_closed
+    await clock.advance(0.02)
+    assert thing.is_closed
 
 
 async def test_what_is_used_again_stays(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -5,6 +5,7 @@ import pytest
 
 from gateway.deadline import Deadline
 from gateway.protocol.errors import ProtocolError
+from tests.clock import StoppedClock
 
 
 async def test_what_is_not_done_by_the_deadline_is_cancelled_and_named():
@@ -21,6 +22,24 @@ async def test_a_second_step_does_not_begin_the_time_anew():
         with pytest.raises(ProtocolError, match=r"within 0\.01 s"):
             async with deadline.limit("nobody has answered"):
                 await asyncio.get_running_loop().create_future()
+
+
+async def test_a_later_step_has_the_time_that_is_left(monkeypatch: pytest.MonkeyPatch):
+    clock = StoppedClock(monkeypatch)
+    deadline = Deadline.within(5)
+    await clock.advance(4)
+
+    async def wait() -> None:
+        async with deadline.limit("nobody has answered"):
+            await asyncio.get_running_loop().create_future()
+
+    waiting = asyncio.ensure_future(wait())
+    await clock.advance(0.99)
+    assert not waiting.done()
+    await clock.advance(0.02)
+    assert waiting.done()
+    with pytest.raises(ProtocolError, match="within 5 s"):
+        await waiting
 
 
 async def test_what_is_done_in_time_is_not_disturbed():

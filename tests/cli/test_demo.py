@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from gateway.cli import demo
+from gateway.config.model import Config
 from gateway.errors import RobotDiedError
 
 ROOT = Path(__file__).parents[2]
@@ -107,6 +108,10 @@ def test_a_robot_that_ends_while_the_gateway_starts_is_named_and_not_what_it_bro
 
     with pytest.raises(RobotDiedError, match="exit code 7"):
         demo.run(serve, python("raise SystemExit(7)"))
+
+
+def test_the_gateway_and_then_the_robot_end_within_two_seconds():
+    assert demo.STOP_TIMEOUT_S + Config().limits.close_timeout_s <= 2
 
 
 def test_a_robot_that_does_not_end_is_killed(tmp_path):

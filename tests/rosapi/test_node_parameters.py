@@ -10,14 +10,17 @@ from gateway.codec.json import dumps
 from gateway.ports import Ros
 from gateway.protocol.errors import ProtocolError
 from gateway.rosapi import Parameters, SetResult
-from gateway.rosapi.node_parameters import NODE_TIMEOUT_S, NODES_AT_ONCE
 from tests.client import TIMEOUT_S, eventually
+from tests.clock import StoppedClock
 from tests.ros.fake_services import FakeClient
 from tests.rosapi.conftest import discovered
 from tests.rosapi.robot import NAMES, NodeWithParameters
 from tests.rosapi.scripted import ScriptedNodes
 
 OK = SetResult(successful=True)
+
+NODE_TIMEOUT_S = 1.0
+NODES_AT_ONCE = 32
 
 
 async def test_names_are_listed_sorted(parameters: Parameters) -> None:
@@ -61,6 +64,24 @@ async def test_an_undeclared_parameter_is_not_found_but_guessed(parameters: Para
         await parameters.get("/robot", ["verbose", "sped"])
     assert caught.value.code == "not_found"
     assert str(caught.value) == ("node /robot has not declared parameter sped; did you mean speed?")
+
+
+async def test_names_that_are_unknown_come_back_truncated(parameters: Parameters) -> None:
+    with pytest.raises(ProtocolError) as caught:
+        await parameters.get("/robot", ["x" * 200])
+    assert f"declared parameter {'x' * 125}..." in str(caught.value)
+    with pytest.raises(ProtocolError) as caught:
+        await parameters.get("/" + "x" * 200, ["speed"])
+    assert str(caught.value) == f"node /{'x' * 124}... does not exist"
+
+
+async def test_a_node_is_guessed_by_the_first_128_characters_of_its_name(
+    nodes: ScriptedNodes,
+) -> None:
+    name = "/" + "x" * 127
+    nodes.add(name, "speed")
+    with pytest.raises(ProtocolError, match=f"did you mean {name}[?]$"):
+        await Parameters(nodes.ros, nodes.types, nodes.calls).get(name + "y" * 1000, ["speed"])
 
 
 async def test_an_unknown_node_is_not_found_but_guessed(parameters: Parameters) -> None:
@@ -301,6 +322,29 @@ async def test_looking_at_all_nodes_ends_however_many_are_dead(
     async with asyncio.timeout(TIMEOUT_S):
         found = await nodes.parameters.names_by_node(timeout_s=0.1)
     assert found == {"/alive": ["speed"]}
+
+
+async def test_all_nodes_together_have_two_seconds(
+    nodes: ScriptedNodes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for number in range(4 * NODES_AT_ONCE):
+        nodes.add_silent(f"/dead{number}")
+    clock = StoppedClock(monkeypatch)
+    parameters = Parameters(nodes.ros, nodes.types, nodes.calls)
+    looking = asyncio.ensure_future(parameters.names_by_node())
+    for _ in range(NODES_AT_ONCE):
+        await clock.advance(0)
+    assert len(nodes.calls.asked) == NODES_AT_ONCE
+    await clock.advance(0.99)
+    assert len(nodes.calls.asked) == NODES_AT_ONCE
+    for _ in range(NODES_AT_ONCE):
+        await clock.advance(0.02 / NODES_AT_ONCE)
+    assert len(nodes.calls.asked) == 2 * NODES_AT_ONCE
+    await clock.advance(0.98)
+    assert not looking.done()
+    await clock.advance(0.02)
+    assert looking.done()
+    assert await looking == {}
 
 
 async def test_nodes_that_were_silent_before_are_asked_last(

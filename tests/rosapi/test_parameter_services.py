@@ -83,6 +83,11 @@ async def test_a_long_text_that_is_no_json_comes_back_shortened(rosapi: Rosapi) 
     assert len(answered["reason"]) < 2 * MAX_ECHO
 
 
+async def test_a_long_name_that_is_none_comes_back_shortened(rosapi: Rosapi) -> None:
+    answered = await answer(rosapi, "delete_param", "x" * 10_000)
+    assert answered["reason"] == f"name: expected node:parameter, got {'x' * 125 + '...'!r}"
+
+
 async def test_what_the_node_refuses_comes_with_its_reason(rosapi: Rosapi) -> None:
     answered = await answer(rosapi, "set_param", "/robot:firmware", '"2.0"')
     assert not answered["successful"]

@@ -60,6 +60,7 @@ def test_whatever_a_client_sends_is_a_valid_message_or_refused(
 @pytest.mark.parametrize(
     ("value", "wanted", "reason"),
     [
+        (True, ParameterType.INTEGER, "expected an integer of 64 bits, got true"),
         (2**63, ParameterType.INTEGER, "expected an integer of 64 bits, got 9223372036854775808"),
         (math.inf, ParameterType.DOUBLE, "expected a finite number, got Infinity"),
         ("a\0b", ParameterType.STRING, "expected a string without U+0000, got a string"),

@@ -71,6 +71,7 @@ async def test_a_watched_graph_sends_what_changed_and_nothing_else(bench: Bench)
     frames = await client.sees(2, "graph")
     assert [topic["name"] for topic in frames[1]["changes"]["topics"]] == ["/odom"]
     assert frames[1]["changes"]["nodes"] == ["/robot"]
+    bench.router._on_graph_change()  # which was of nothing that is in it
     bench.ros.remove_publisher(publisher)
     frames = await client.sees(3, "graph")
     assert frames[2]["changes"] == {"gone_topics": ["/odom"], "gone_nodes": ["/robot"]}
@@ -78,6 +79,26 @@ async def test_a_watched_graph_sends_what_changed_and_nothing_else(bench: Bench)
     bench.ros.add_publisher("/odom", "nav_msgs/msg/Odometry")
     await bench.settle()
     assert len(client.of("graph")) == 4  # the answer to the last operation was the last one
+
+
+async def test_a_watched_topic_that_changes_is_sent_anew(bench: Bench):
+    client = bench.client()
+    bench.ros.add_publisher("/odom", "nav_msgs/msg/Odometry", node="/robot")
+    client.send(op="graph", id="g", watch=True)
+    bench.ros.add_publisher("/odom", "nav_msgs/msg/Odometry", node="/other")
+    frames = await client.sees(2, "graph")
+    (topic,) = frames[1]["changes"]["topics"]
+    assert topic["publishers"] == ["/other", "/robot"]
+
+
+async def test_what_ros_refuses_comes_back_truncated(bench: Bench, monkeypatch):
+    def refuse(*_: object) -> None:
+        raise RosError("internal", "x" * 1000)
+
+    monkeypatch.setattr(bench.ros, "subscribe", refuse)
+    client = bench.client()
+    client.send(op="subscribe", topic="/odom", type="nav_msgs/Odometry")
+    assert client.statuses == [("internal", "x" * 125 + "...")]
 
 
 async def test_the_graph_knows_the_rate_of_received_topics(bench: Bench):

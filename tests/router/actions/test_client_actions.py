@@ -102,6 +102,9 @@ async def test_cancelling_reaches_the_client_which_says_when(bench: Bench) -> No
     ]
     client.send(op="action_result", id=frame["id"], action="fib", values={}, status=5)
     assert await person.result(goal) == (CANCELED, [])
+    (provided,) = bench.router._actions._provided.values()
+    assert len(provided.goals) == 1
+    assert not provided.canceling
 
 
 async def test_a_result_that_does_not_fit_is_refused_and_aborts_the_goal(bench: Bench) -> None:

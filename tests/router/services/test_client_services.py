@@ -7,12 +7,13 @@ from typing import Any
 import pytest
 
 from gateway.ports import RosError
-from gateway.router.services.client_services import MAX_PENDING
 from tests.client import TIMEOUT_S, eventually
+from tests.clock import StoppedClock
 from tests.ros.fake_services import FakeRequest
 from tests.router.conftest import LIMITS, Bench, Socketless
 
 SET_BOOL = "std_srvs/srv/SetBool"
+MAX_PENDING = 64
 
 
 class Caller:
@@ -104,12 +105,19 @@ async def test_values_that_do_not_fit_are_refused_and_fail_the_call(bench: Bench
     assert (await response)["success"] is False
 
 
-async def test_a_client_that_never_answers_lets_the_call_fail_in_time(bench: Bench) -> None:
-    bench.router._limits = LIMITS.model_copy(update={"service_timeout_s": 0.05})
+async def test_a_client_that_never_answers_lets_the_call_fail_in_time(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bench.router._limits = LIMITS.model_copy(update={"service_timeout_s": 7})
+    clock = StoppedClock(monkeypatch)
     client = provider(bench)
     response = Caller(bench).call()
+    await bench.settle()
+    await clock.advance(6.99)
+    assert not response.done()
+    await clock.advance(0.02)
     assert await response == {"success": False, "message": "service's client did not answer"}
-    await client.sees(1, "status")
+    assert len(client.of("status")) == 1
     call_id = client.of("call_service")[0]["id"]
     client.send(op="service_response", id=call_id, service="arm", values={"success": True})
     assert client.of("status")[-1]["code"] == "not_found"

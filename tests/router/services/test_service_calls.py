@@ -8,12 +8,14 @@ from typing import Any
 import pytest
 
 from gateway.ports import Request
-from gateway.protocol.limits import MAX_WAITING_CALLS
 from tests.client import eventually
+from tests.clock import StoppedClock
 from tests.router.conftest import LIMITS, Bench
 
 SET_BOOL = "std_srvs/srv/SetBool"
 TRIGGER = "std_srvs/srv/Trigger"
+
+MAX_WAITING_CALLS = 256
 
 
 class Arm:
@@ -163,6 +165,7 @@ async def test_more_calls_than_may_be_under_way_wait_for_their_turn(bench: Bench
         arm.answer(request)
     frames = await client.sees(count, "service_response")
     assert sorted(frame["id"] for frame in frames) == list(range(count))
+    assert all(frame["result"] for frame in frames)
 
 
 async def test_a_client_cannot_let_calls_wait_without_end(bench: Bench) -> None:
@@ -227,14 +230,17 @@ async def test_shutdown_leaves_no_task(bench: Bench) -> None:
 
 
 async def test_no_time_limit_is_a_long_one(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("gateway.router.services.service_calls.MAX_TIMEOUT_S", 0.05)
+    clock = StoppedClock(monkeypatch)
     Arm(bench, at_once=False)
     client = bench.client()
-    for number, timeout in enumerate([0, 1e9, 0.01]):
+    for number, timeout in enumerate([0, 1e9, 3599]):
         client.send(op="call_service", id=number, service="/arm", timeout=timeout)
-    frames = await client.sees(3, "service_response")
-    limits = {frame["id"]: frame["values"].split("within ")[1] for frame in frames}
-    assert limits == {0: "0.05 s", 1: "0.05 s", 2: "0.01 s"}
+    await bench.settle()
+    await clock.advance(3599.9)
+    assert [frame["id"] for frame in client.of("service_response")] == [2]
+    await clock.advance(0.2)
+    limits = {f["id"]: f["values"].split("within ")[1] for f in client.of("service_response")}
+    assert limits == {0: "3600 s", 1: "3600 s", 2: "3599 s"}
 
 
 async def test_the_time_limit_counts_while_a_call_waits_for_its_turn(bench: Bench) -> None:
@@ -254,7 +260,8 @@ async def test_the_time_limit_counts_while_a_call_waits_for_its_turn(bench: Benc
         arm.answer(request)
     await client.sees(LIMITS.max_pending_calls + 1, "service_response")
     client.send(op="call_service", id="next", service="/arm")  # every slot is free again
-    await client.sees(LIMITS.max_pending_calls + 2, "service_response")
+    frames = await client.sees(LIMITS.max_pending_calls + 2, "service_response")
+    assert (frames[-1]["id"], frames[-1]["result"]) == ("next", True)
 
 
 async def test_a_long_response_comes_in_the_pieces_that_were_asked_for(bench: Bench) -> None:

@@ -38,6 +38,13 @@ def test_bytes_are_bounded_but_one_sample_always_fits(monkeypatch):
     assert [seq for seq, _ in kept.newest(9)] == [5]
 
 
+def test_eight_mebibytes_are_kept():
+    kept = Latch()
+    for seq in range(1, 20):
+        kept.keep(samples(bytes(1024**2)), seq, count=100)
+    assert [seq for seq, _ in kept.newest(100)] == list(range(12, 20))
+
+
 @pytest.fixture
 def tf_type():
     try:
@@ -73,6 +80,14 @@ def test_of_fixed_transforms_the_newest_of_each_child_is_kept_as_one_message(tf_
     assert (seq, places(tf_type, sample)) == (4, {"arm": 3.0, "camera": 4.0, "laser": 5.0})
     kept.clear()
     assert kept.newest(1) == []
+
+
+def test_fixed_transforms_of_512_frames_are_kept(tf_type):
+    kept = make_latch("/tf_static", tf_type)
+    for number in range(514):
+        kept.keep([transforms(tf_type, **{f"frame_{number}": 1.0})], number, count=1)
+    [(_, sample)] = kept.newest(1)
+    assert list(places(tf_type, sample)) == [f"frame_{number}" for number in range(2, 514)]
 
 
 def test_fixed_transforms_are_bounded_and_what_is_no_message_harms_nothing(tf_type, monkeypatch):

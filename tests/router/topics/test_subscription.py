@@ -3,12 +3,15 @@
 
 from typing import Any
 
+import pytest
+
 from gateway.config.limits import Limits
 from gateway.protocol.names import TopicName
 from gateway.protocol.operations.topics import Subscribe
 from gateway.protocol.session import Session
 from gateway.protocol.subscription_options import SubscriptionOptions
 from gateway.router.topics.subscription import Subscription
+from tests.clock import StoppedClock
 from tests.protocol.entries import Item
 
 MS = 1_000_000
@@ -53,6 +56,19 @@ def test_changed_options_keep_what_waits():
     subscription.change(*requested(throttle_rate=100, queue_length=7))
     assert subscription.queue.depth == 7
     assert waiting(subscription) == [b"1"]
+
+
+async def test_what_a_throttle_holds_passes_at_the_end_of_its_interval(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    clock = StoppedClock(monkeypatch)
+    subscription = subscribed(throttle_rate=100)
+    offer(subscription, 1, 1000 * MS)
+    offer(subscription, 2, 1060 * MS)
+    await clock.advance(0.039)
+    assert waiting(subscription) == [b"1"]
+    await clock.advance(0.002)
+    assert waiting(subscription) == [b"2"]
 
 
 async def test_another_throttle_begins_at_once_and_keeps_the_order():

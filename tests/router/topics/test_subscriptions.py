@@ -177,6 +177,30 @@ async def test_subscriptions_are_limited_per_client(bench: Bench):
     assert bench.ros.entity_count() == 4
 
 
+async def test_each_request_counts_as_a_subscription(bench: Bench):
+    client = bench.client()
+    for number in range(5):
+        client.send(op="subscribe", id=number, topic="/t", type=STRING)
+    assert client.statuses == [("limit_exceeded", "at most 4 subscriptions per client")]
+
+
+async def test_a_queue_is_no_longer_than_its_limit(bench: Bench):
+    client = bench.client()
+    for length in (1024, 1025):
+        client.send(op="subscribe", topic="/t", type=STRING, queue_length=length)
+    assert client.statuses == [("limit_exceeded", "queue_length: 1025, at most 1024 allowed")]
+
+
+async def test_what_a_subscription_names_comes_back_truncated(bench: Bench):
+    client = bench.client()
+    client.send(op="subscribe", topic="/a", type=STRING, compression="x" * 200)
+    client.send(op="subscribe", topic="/b", type=STRING, fields=["x" * 200])
+    assert client.statuses == [
+        ("bad_request", f"compression: '{'x' * 125}...' is not available; sending plain JSON"),
+        ("bad_request", f"fields: unknown field {'x' * 111}..."),
+    ]
+
+
 async def test_meta_numbers_samples_and_counts_what_was_dropped(bench: Bench):
     bench.ros.add_publisher("/chatter", STRING)
     client = bench.client()

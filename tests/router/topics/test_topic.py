@@ -16,7 +16,7 @@ from gateway.protocol.operations.topics import Subscribe
 from gateway.protocol.session import Session
 from gateway.protocol.subscription_options import SubscriptionOptions
 from gateway.router.topics.subscription import EncodingKey, Subscription, TopicKey
-from gateway.router.topics.topic import MAX_BROKEN, RATE_BATCHES, Topic
+from gateway.router.topics.topic import Topic
 from schemas.installed import InstalledDefinitions
 from tests.client import eventually
 from tests.ros.fake import FakeRos
@@ -27,6 +27,9 @@ STRING = "std_msgs/msg/String"
 TYPES = Types(InstalledDefinitions())
 NAME = TopicName("/t")
 PLAIN = EncodingKey("/t", None, None)
+
+MAX_BROKEN = 16
+RATE_BATCHES = 16
 
 
 @pytest.fixture

@@ -19,6 +19,7 @@ from schemas.installed import InstalledDefinitions
 from schemas.table import Table
 from tests import interfaces
 from tests.client import eventually
+from tests.clock import StoppedClock
 from tests.ros.fake import FakePublisher
 from tests.router.conftest import LIMITS, Bench, Socketless
 
@@ -256,6 +257,53 @@ async def test_a_repeated_lookup_sends_at_most_so_often(robot: Robot, client: So
     await eventually(lambda: (30, 1.0) in xs(client))
 
 
+async def test_the_beat_of_a_repeated_lookup_does_not_drift_with_a_busy_loop(
+    robot: Robot, client: Socketless, monkeypatch: pytest.MonkeyPatch
+):
+    clock = StoppedClock(monkeypatch)
+    ask(client, rate=10)
+    await robot.bench.settle()
+    for sec, wait_s in ((1, 0.02), (2, 0.14), (3, 0.061)):  # due at 0.02, 0.12 and 0.22 s
+        robot.drive(sec, 0.0)
+        await robot.bench.settle()
+        await clock.advance(wait_s)
+        assert len(xs(client)) == sec
+    robot.drive(4, 0.0)
+    await clock.advance(0.09)
+    assert len(xs(client)) == 3
+
+
+async def test_who_waits_looks_again_after_a_pause_however_much_comes(
+    robot: Robot,
+    client: Socketless,
+    looks: list[tuple[str, str]],
+    monkeypatch: pytest.MonkeyPatch,
+):
+    clock = StoppedClock(monkeypatch)
+    ask(client, timeout=30)
+    await robot.bench.settle()
+    looks.clear()
+    for number in range(10):
+        robot.say(robot.moving, f"other_{number}", "odom", 1, 0.0)
+        await robot.bench.settle()
+    await clock.advance(0.019)
+    assert looks == []
+    await clock.advance(0.002)
+    assert looks == [("odom", "laser")]
+
+
+async def test_a_lookup_without_a_timeout_waits_for_a_second(
+    robot: Robot, client: Socketless, monkeypatch: pytest.MonkeyPatch
+):
+    clock = StoppedClock(monkeypatch)
+    ask(client)
+    await robot.bench.settle()
+    await clock.advance(0.99)
+    assert client.statuses == []
+    await clock.advance(0.02)
+    assert client.statuses == [("not_found", "frame 'odom' is unknown")]
+
+
 async def test_what_comes_late_is_sent_at_once_at_any_rate(robot: Robot, client: Socketless):
     ask(client, rate=0.001, timeout=0)
     await client.sees(1, "status")
@@ -356,6 +404,18 @@ async def test_for_a_slow_client_only_the_newest_waits(robot: Robot, client: Soc
     assert client.session.outbox.dropped == 7
 
 
+async def test_a_client_that_leaves_waits_for_no_transform(robot: Robot, client: Socketless):
+    ask(client, timeout=30)
+    await robot.bench.settle()
+    assert robot.bench.router.counts()["calls"] == 1
+    robot.bench.router.leave(client.session)
+    await robot.bench.settle()
+    assert robot.bench.router.counts()["calls"] == 0
+    robot.drive(1, 1.0)
+    await robot.bench.settle()
+    assert client.frames == []
+
+
 async def test_repeated_lookups_are_limited_per_client_and_replaced_by_id(
     robot: Robot, client: Socketless
 ):
@@ -393,6 +453,19 @@ async def test_listening_goes_on_for_a_while_and_ends(
     ask(client, id="pose", rate=10)
     robot.bench.router.leave(client.session)
     await eventually(lambda: not robot.subscriptions)
+
+
+async def test_listening_goes_on_for_30_s_with_room_for_100_messages(
+    robot: Robot, client: Socketless, monkeypatch: pytest.MonkeyPatch
+):
+    clock = StoppedClock(monkeypatch)
+    ask(client, id="pose", rate=10)
+    assert [each.qos.depth for each in robot.bench.ros.subscriptions] == [100, 100]
+    client.send(op="cancel_transform", id="pose")
+    await clock.advance(29.9)
+    assert len(robot.subscriptions) == 2
+    await clock.advance(0.2)
+    assert robot.subscriptions == []
 
 
 async def test_after_a_single_lookup_listening_ends_and_all_is_forgotten(
@@ -484,6 +557,15 @@ async def test_of_each_kind_of_fault_some_frames_are_logged_until_listening_ends
         ]
         client.send(op="cancel_transform", id="pose")
         await eventually(lambda: not robot.subscriptions)
+
+
+async def test_of_one_kind_of_fault_eight_frames_are_logged(robot: Robot, client: Socketless):
+    ask(client, rate=200)
+    await robot.bench.settle()
+    for number in range(10):
+        robot.say(robot.moving, f"frame_{number}", f"frame_{number}", 1, 0.0)
+    await robot.bench.settle()
+    assert [text.split("'")[1] for text in robot.complaints] == [f"frame_{n}" for n in range(8)]
 
 
 async def test_a_message_with_too_many_frames_does_no_harm(
