@@ -10,6 +10,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import Image, LaserScan
 from std_msgs.msg import Bool, ByteMultiArray, String
 from test_msgs.msg import Arrays, BoundedSequences, UnboundedSequences, WStrings
+from visualization_msgs.msg import Marker, MarkerArray
 
 from gateway_sim.content import Inventor
 from gateway_sim.instances import Builder, message_class, one_line
@@ -63,6 +64,12 @@ def test_a_long_array_is_cut_and_counted():
 def test_a_long_string_is_cut():
     line = one_line(String(data="x" * 10_000))
     assert line == '{data: "' + "x" * 80 + '..."}'
+
+
+def test_a_long_line_is_cut():
+    line = one_line(MarkerArray(markers=[Marker(ns=str(number)) for number in range(8)]))
+    assert len(line) == 2000 + len(" ...")
+    assert line.endswith(" ...")
 
 
 def test_control_characters_do_not_reach_the_terminal():

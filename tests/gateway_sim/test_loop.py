@@ -6,9 +6,11 @@ import signal
 import threading
 import time
 import xml.etree.ElementTree as ET
+from types import SimpleNamespace
 
 import pytest
 
+from gateway_sim import loop as module
 from gateway_sim.loop import PROFILE, Loop, ros_context, stopped_by_signals
 from tests.gateway_sim.ros import TIMEOUT_S
 
@@ -38,6 +40,28 @@ def test_periods_do_not_drift(loop):
     # each call is at or after its instant, however late those before it were
     assert times_ns == sorted(times_ns)
     assert times_ns[-1] - times_ns[0] >= 18.5 * 10_000_000
+
+
+def test_a_late_call_does_not_make_the_later_ones_late(loop, monkeypatch):
+    now_ns = 0
+    late_ns = 1_000_000
+    times_ns = []
+    stop = threading.Event()
+
+    def turn(timeout_s):
+        nonlocal now_ns
+        now_ns += round(timeout_s * 1e9) + late_ns
+
+    def task():
+        times_ns.append(now_ns)
+        if len(times_ns) == 20:
+            stop.set()
+
+    monkeypatch.setattr(module, "time", SimpleNamespace(monotonic_ns=lambda: now_ns))
+    monkeypatch.setattr(loop, "turn", turn)
+    loop.every(10_000_000, task)
+    loop.run(stop)
+    assert times_ns == [0, *(number * 10_000_000 + late_ns for number in range(1, 20))]
 
 
 def test_missed_periods_are_skipped(loop):

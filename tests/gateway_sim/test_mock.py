@@ -67,7 +67,7 @@ def test_types_are_chosen_by_name_or_number():
     [
         ({"rate_hz": 0}, "rate_hz 0 is not above 0"),
         ({"rate_hz": math.nan}, "rate_hz nan"),
-        ({"rate_hz": 1e6}, "up to 1000 Hz"),
+        ({"rate_hz": 1000.1}, "up to 1000 Hz"),
         ({"types": (9999,)}, "no number 9999"),
         ({"types": ("nonsense",)}, "'nonsense' is no message type"),
     ],

@@ -277,6 +277,7 @@ def test_a_signal_ends_it_with_zero(number):
     [
         ({"namespace": "1st robot"}, "namespace '1st robot' is no ROS namespace"),
         ({"camera_hz": 0}, "camera_hz 0 is not from 0.1 to 60 Hz"),
+        ({"camera_hz": 60.1}, "camera_hz 60.1 is not from 0.1 to 60 Hz"),
         ({"camera_hz": math.nan}, "camera_hz nan"),
         ({"seed": -5}, "seed -5 is below 0"),
     ],

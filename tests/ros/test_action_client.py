@@ -184,6 +184,15 @@ async def test_what_else_a_client_waits_for_fails_when_it_closes_though_it_stays
     assert heard == []
 
 
+async def test_a_closed_client_waits_for_a_decision_for_30_s(ros: RclpyRos, slow: Slow) -> None:
+    client = ros.action_client("/dock", FIBONACCI)
+    await slow.gets_goal_that_is_given_up(client)
+    loop = asyncio.get_running_loop()
+    before = loop.time()
+    client.close()
+    assert before + 30 <= client._destroy_timer.when() <= loop.time() + 30
+
+
 async def test_a_closed_client_waits_for_a_decision_only_so_long(
     ros: RclpyRos, slow: Slow, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -116,14 +116,11 @@ async def test_a_goal_id_is_accepted_once(caller: Caller) -> None:
     assert len(caller.provider.goals) == 1
 
 
-async def test_goals_beyond_the_limit_are_rejected_until_one_ends(
-    caller: Caller, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(limits, "MAX_GOALS", 2)
-    [first, _] = await started(caller, 1, 2)
-    assert not (await caller.send(goal_id(3))).accepted
+async def test_goals_beyond_the_limit_are_rejected_until_one_ends(caller: Caller) -> None:
+    [first, *_] = await started(caller, *range(64))
+    assert not (await caller.send(goal_id(64))).accepted
     first.finish(SUCCEEDED, sequence())
-    assert (await caller.send(goal_id(4))).accepted
+    assert (await caller.send(goal_id(65))).accepted
 
 
 async def test_a_late_request_gets_the_result(caller: Caller) -> None:
@@ -137,6 +134,14 @@ async def test_the_result_of_an_unknown_goal_is_unknown(caller: Caller) -> None:
     assert await caller.result(goal_id(9)) == (0, [])
 
 
+async def test_a_result_is_kept_for_15_minutes(caller: Caller) -> None:
+    [goal] = await started(caller, 1)
+    loop = asyncio.get_running_loop()
+    before = loop.time()
+    goal.finish(SUCCEEDED, sequence(4))
+    assert before + 900 <= goal.expiry.when() <= loop.time() + 900
+
+
 async def test_a_result_is_forgotten_after_a_time(
     caller: Caller, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -147,13 +152,11 @@ async def test_a_result_is_forgotten_after_a_time(
     assert await caller.result(goal_id(1)) == (0, [])
 
 
-async def test_the_oldest_results_make_room_for_new_ones(
-    caller: Caller, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(limits, "MAX_RESULTS_KEPT", 2)
-    for goal in await started(caller, 1, 2, 3):
+async def test_the_oldest_results_make_room_for_new_ones(caller: Caller) -> None:
+    for number in range(65):
+        [goal] = await started(caller, number)
         goal.finish(SUCCEEDED, sequence(4))
-    statuses = [(await caller.result(goal_id(number)))[0] for number in (1, 2, 3)]
+    statuses = [(await caller.result(goal_id(number)))[0] for number in (0, 1, 64)]
     assert statuses == [0, SUCCEEDED, SUCCEEDED]
 
 
@@ -168,6 +171,16 @@ async def test_who_comes_too_late_to_wait_takes_nobody_s_place(
     assert (await caller.result(goal_id(1)))[0] == 0  # unknown
     goal.finish(SUCCEEDED, sequence(4))
     assert [await each for each in first] == [(SUCCEEDED, [4])] * 2
+
+
+async def test_sixteen_may_wait_for_the_result_of_one_goal(caller: Caller) -> None:
+    [goal] = await started(caller, 1)
+    for _ in range(20):
+        caller.server._answer_result(
+            ACTION.Impl.GetResultService.Request(goal_id=goal.status.goal_info.goal_id),
+            lambda response: None,
+        )
+    assert len(goal.waiting) == 16
 
 
 async def test_every_change_of_a_status_is_published(caller: Caller) -> None:

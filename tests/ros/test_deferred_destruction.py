@@ -9,15 +9,17 @@ import pytest
 
 from gateway.ports import SUCCEEDED, Qos
 from gateway.ros import RosOptions
-from gateway.ros.deferred_destruction import MAX_DEFERRED, DeferredDestruction
+from gateway.ros.deferred_destruction import DeferredDestruction
 from gateway.ros.port import RclpyRos
 from tests.client import eventually
+from tests.clock import StoppedClock
 from tests.ros.outside import Outside
 from tests.ros.test_contract_actions import FIBONACCI, goal, ignore, sequence
 from tests.ros.test_contract_services import SET_BOOL, TRIGGER, echo, request, soon
 
 INT32 = "std_msgs/msg/Int32"
 STRING = "std_msgs/msg/String"
+MAX_DEFERRED = 64
 SEVEN = b"\0\1\0\0\7\0\0\0"
 
 
@@ -37,12 +39,29 @@ def services(ros: RclpyRos, name: str) -> list[Any]:
     return [each for each in node.services if each.service_name == name]
 
 
-async def test_what_is_kept_is_destroyed_later() -> None:
+async def test_what_is_kept_is_destroyed_half_a_second_later(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    clock = StoppedClock(monkeypatch)
     deferred = DeferredDestruction(asyncio.get_running_loop())
     destroyed: list[str] = []
     deferred.defer("topic /a", INT32, lambda: destroyed.append("a"))
+    await clock.advance(0.49)
     assert destroyed == []
-    await eventually(lambda: destroyed == ["a"])
+    await clock.advance(0.02)
+    assert destroyed == ["a"]
+
+
+async def test_what_is_left_when_all_ends_is_destroyed_once_it_may_have_been_heard(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    happened: list[object] = []
+    monkeypatch.setattr("gateway.ros.deferred_destruction.time.sleep", happened.append)
+    deferred = DeferredDestruction(asyncio.get_running_loop())
+    deferred.defer("topic /a", INT32, lambda: happened.append("a"))
+    deferred.close()
+    deferred.close()
+    assert happened == [0.05, "a"]
 
 
 async def test_what_is_used_again_is_not_destroyed() -> None:

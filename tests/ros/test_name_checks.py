@@ -46,6 +46,13 @@ def test_a_refusal_says_what_a_name_looks_like(check: Callable[[str], None], wor
         check("a/")
 
 
+@pytest.mark.parametrize("name", ["/a b", "/a\n", "/a/", "/a\0b", "/a-b", "/1a", "/ä", ""])
+@pytest.mark.parametrize("check", [check_topic, check_service, check_action])
+def test_nothing_else_stands_in_a_name(check: Callable[[str], None], name: str) -> None:
+    with pytest.raises(RosError, match="is no fully qualified"):
+        check(name)
+
+
 def test_a_type_name_is_split() -> None:
     assert split_type("std_msgs/msg/String") == ("std_msgs", "String")
     assert split_type("std_srvs/srv/SetBool", "srv") == ("std_srvs", "SetBool")

@@ -5,10 +5,8 @@ import itertools
 
 import pytest
 
-from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.ports import Durability, Qos, Reliability
 from gateway.ros.qos import (
-    NEEDED_DEPTH,
     UNKNOWN_NODE,
     Offer,
     adopt,
@@ -18,6 +16,8 @@ from gateway.ros.qos import (
 )
 
 TYPE = "std_msgs/msg/String"
+MAX_QUEUE_DEPTH = 1024
+NEEDED_DEPTH = 32
 RELIABLE = Offer("/a", TYPE)
 BEST_EFFORT = Offer("/b", TYPE, "best_effort")
 LATCHED = Offer("/c", TYPE, durability="transient_local")

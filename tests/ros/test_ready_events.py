@@ -9,6 +9,7 @@ import pytest
 
 from gateway.ros.ready_events import EventfdReadyEvents, PolledReadyEvents, UnsupportedError
 from tests.client import eventually
+from tests.clock import StoppedClock
 
 
 class Entity:
@@ -73,6 +74,21 @@ async def test_looking_goes_on_until_closed() -> None:
     await eventually(lambda: len(other) > 2)
     witness.close()
     assert len(looks) == seen
+
+
+async def test_a_look_comes_every_10_ms(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = StoppedClock(monkeypatch)
+    looks: list[None] = []
+    source = PolledReadyEvents(asyncio.get_running_loop()).open(
+        "service", Entity, lambda _: None, lambda: looks.append(None)
+    )
+    await clock.advance(0)
+    assert len(looks) == 1
+    await clock.advance(0.0099)
+    assert len(looks) == 1
+    await clock.advance(0.0002)
+    assert len(looks) == 2
+    source.close()
 
 
 async def test_another_look_comes_in_the_next_turn() -> None:

@@ -11,13 +11,15 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from gateway.ports import Request, RosError
 from gateway.ros import RosOptions, endpoints
-from gateway.ros.endpoints import MAX_IN_FLIGHT, MAX_STALLS
 from gateway.ros.interfaces import service_class
 from gateway.ros.port import RclpyRos
 from gateway.ros.service_entities import RclpyClient
 from tests.client import eventually
 from tests.ros.outside import Outside
 from tests.ros.test_contract_services import SET_BOOL, echo, request, response, soon, text_of
+
+MAX_IN_FLIGHT = 10
+MAX_STALLS = 3
 
 
 @pytest.fixture
@@ -330,8 +332,12 @@ async def test_a_server_is_found_though_nothing_tells_of_it(
     ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(ros._services, "follow_graph", lambda: None)
-    calling = asyncio.ensure_future(ros.client("/arm", SET_BOOL).call(request(True)))
+    client = ros.client("/arm", SET_BOOL)
+    loop = asyncio.get_running_loop()
+    before = loop.time()
+    calling = asyncio.ensure_future(client.call(request(True)))
     await asyncio.sleep(0)
+    assert before + 0.02 <= client._requester._next_look.when() <= loop.time() + 0.02
     outside.add_service("/arm", SET_BOOL, echo)
     assert text_of(await soon(calling)) == "got True"
 
@@ -354,6 +360,7 @@ async def test_a_client_that_no_response_can_reach_stops_the_loop_only_so_often(
             each.answer(response("unheard"))
     stalls = ["service /arm: a client's QoS does not let it get responses"] * MAX_STALLS
     assert caplog.messages == [*stalls, "service /arm: no responses for 10 s"]
+    assert service._replier._silent_until - asyncio.get_running_loop().time() > 5
     service._replier._silent_until = 0.0  # later
     calling = asyncio.ensure_future(client.call(request(True)))
     await eventually(lambda: len(requests) > 2 * MAX_STALLS)
@@ -368,6 +375,20 @@ async def test_what_is_closed_leaves_the_callback_group_of_its_node(ros: RclpyRo
         ros.client("/arm", SET_BOOL).close()
         ros.serve("/arm", SET_BOOL, echo).close()
     assert len(group.entities) == before
+
+
+async def test_a_silent_server_gets_one_more_request_after_a_second(
+    ros: RclpyRos, outside: Outside
+) -> None:
+    requests: list[Request] = []
+    outside.add_service("/arm", SET_BOOL, requests.append, depth=100)
+    client = ros.client("/arm", SET_BOOL)
+    loop = asyncio.get_running_loop()
+    before = loop.time()
+    calling = asyncio.ensure_future(client.call(request(True)))
+    await eventually(lambda: client._requester._pacing is not None)
+    assert before + 1 <= client._requester._pacing.when() <= loop.time() + 1
+    calling.cancel()
 
 
 async def test_a_silent_server_gets_one_more_request_at_a_time(
