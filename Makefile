@@ -20,7 +20,7 @@ PYTEST_ARGS ?= $(ARGS)
 WORKERS := -n auto --dist worksteal
 
 .DEFAULT_GOAL := help
-.PHONY: help demo serve test lint format docs bench clean
+.PHONY: help demo serve test lint format docs bench mutants clean
 
 help: ## list the targets
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
@@ -51,12 +51,17 @@ format: $(READY_FOR_TESTS) ## repair what style repairs can
 docs: $(READY_FOR_TESTS) ## write the generated parts of code and documentation anew
 	$(BIN)/python -m schemas.generate
 	$(BIN)/python -m tools.unity_metas
+	@page=$$($(BIN)/python -m tools.mutants --page) && printf '%s\n' "$$page" > docs/mutants.md
 	@keys=$$($(BIN)/ros2-gateway check-config --keys) \
 	    && sed -i '/^| key |/,$$d' docs/configuration.md \
 	    && printf '%s\n' "$$keys" >> docs/configuration.md
 
 bench: $(READY) ## measure speed, some 50 minutes (make bench WHAT=odometry, make bench COMPARE=ref)
 	@$(BIN)/python -m benchmarks $(WHAT) $(if $(COMPARE),--compare $(COMPARE)) $(ARGS)
+
+mutants: $(READY_FOR_TESTS) ## break lines on purpose, see that tests notice (make mutants WHAT=codec)
+	@$(BIN)/python -m tests.interfaces
+	@$(BIN)/python -m tools.mutants $(WHAT) $(ARGS)
 
 clean: ## remove .venv and all caches
 	rm -rf $(VENV) dist build .cache .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis

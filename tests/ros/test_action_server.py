@@ -134,6 +134,12 @@ async def test_the_result_of_an_unknown_goal_is_unknown(caller: Caller) -> None:
     assert await caller.result(goal_id(9)) == (0, [])
 
 
+async def test_a_goal_that_nobody_wants_cancelled_ends_as_aborted(caller: Caller) -> None:
+    [goal] = await started(caller, 1)
+    goal.finish(CANCELED, sequence(4))
+    assert await caller.result(goal_id(1)) == (ABORTED, [4])
+
+
 async def test_a_result_is_kept_for_15_minutes(caller: Caller) -> None:
     [goal] = await started(caller, 1)
     loop = asyncio.get_running_loop()

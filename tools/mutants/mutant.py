@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The list of mutants: which line is broken how, and which tests must notice."""
+
+import tomllib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+ROOT: Final = Path(__file__).parents[2]
+FOLDER: Final = Path(__file__).parent
+
+_PAGE: Final = """\
+# Mutants
+
+`make mutants` breaks lines of the code on purpose, one at a time, in a copy of the tree, and runs
+the tests that belong to each; `make mutants WHAT=codec` takes those whose path or rule contains
+that word. A mutant that no test notices survives: either a test is missing, or there is a reason,
+and it stands below. The command fails below {share:.0%} killed, and where a survivor has no reason.
+
+The lists are `tools/mutants/*.toml`: a file, the rule that the line keeps, the line and what it
+becomes. Where a listed line changes, its entry changes with it; `tests/tools/test_mutants.py` sees
+to that. `make docs` writes this page.
+
+| package | mutants | expected to survive |
+|---|---|---|
+{counts}
+
+## Survivors
+
+{survivors}
+"""
+
+
+class MutantError(Exception):
+    """Raised when the list does not fit the code; the text says which entry and why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Mutant:
+    """One broken line: *old*, which occurs once in *file*, becomes *new*.
+
+    *rule* is what the line keeps, and *survives* why no test notices, if none does.
+    """
+
+    file: str
+    rule: str
+    old: str
+    new: str
+    tests: tuple[str, ...]
+    survives: str | None = None
+
+    def broken(self, root: Path) -> str:
+        """Return the text of the file below *root* with the line broken.
+
+        Raises:
+            MutantError: the line is not there, or more than once, or what it becomes is no Python.
+        """
+        text = (root / self.file).read_text()
+        count = text.count(self.old)
+        if count != 1:
+            raise MutantError(
+                f"{self.file}: {self.rule}: the line has changed, update the list: expected"
+                f" {self.old!r} once, found it {count} times"
+            )
+        broken = text.replace(self.old, self.new)
+        try:
+            compile(broken, self.file, "exec")
+        except SyntaxError as error:
+            raise MutantError(f"{self.file}: {self.rule}: {error}") from None
+        return broken
+
+
+def load(tables: Iterable[Path] | None = None, root: Path = ROOT) -> list[Mutant]:
+    """Read the list, by default all of it.
+
+    Raises:
+        MutantError: an entry is incomplete, or names no test that there is.
+    """
+    paths = sorted(FOLDER.glob("*.toml")) if tables is None else tables
+    return [mutant for path in paths for mutant in _of_table(path, root)]
+
+
+def page(mutants: Sequence[Mutant], share: float) -> str:
+    """Return docs/mutants.md."""
+    packages = sorted({_package(mutant) for mutant in mutants})
+    counts = []
+    for package in packages:
+        of_package = [mutant for mutant in mutants if _package(mutant) == package]
+        surviving = sum(mutant.survives is not None for mutant in of_package)
+        counts.append(f"| `{package}` | {len(of_package)} | {surviving} |")
+    survivors = [
+        f"- `{mutant.file}`, {mutant.rule}: {mutant.survives}"
+        for mutant in mutants
+        if mutant.survives is not None
+    ]
+    return _PAGE.format(
+        share=share, counts="\n".join(counts), survivors="\n".join(survivors) or "None."
+    )
+
+
+def _of_table(path: Path, root: Path) -> list[Mutant]:
+    table = tomllib.loads(path.read_text())
+    tests = table.pop("tests", {})
+    found = []
+    for file, entries in table.items():
+        own = tests.pop(file, None)
+        found += [_mutant(path, file, entry, own, root) for entry in entries]
+    if tests:
+        raise MutantError(f"{path.name}: tests of files without mutants: {', '.join(tests)}")
+    return found
+
+
+def _mutant(
+    path: Path, file: str, entry: dict[str, Any], own: list[str] | None, root: Path
+) -> Mutant:
+    where = f"{path.name}: {file}: {entry.get('rule')}"
+    unknown = entry.keys() - {"rule", "old", "new", "tests", "survives"}
+    missing = {"rule", "old", "new"} - entry.keys()
+    if unknown or missing:
+        raise MutantError(f"{where}: unknown {sorted(unknown)}, missing {sorted(missing)}")
+    if entry["old"] == entry["new"]:
+        raise MutantError(f"{where}: nothing is broken")
+    tests = tuple(entry.get("tests") or own or [_mirror(file)])
+    for test in tests:
+        if not (root / test.partition("::")[0]).exists():
+            raise MutantError(f"{where}: there is no {test}; name its tests")
+    if not (root / file).exists():
+        raise MutantError(f"{where}: there is no such file")
+    return Mutant(file, entry["rule"], entry["old"], entry["new"], tests, entry.get("survives"))
+
+
+def _mirror(file: str) -> str:
+    """Return the test of a file: `gateway/x/y.py` has `tests/x/test_y.py`."""
+    path = Path(file)
+    folder = Path(*path.parts[1:-1]) if path.parts[0] == "gateway" else path.parent
+    return str(Path("tests", folder, f"test_{path.name}"))
+
+
+def _package(mutant: Mutant) -> str:
+    parts = Path(mutant.file).parts
+    return "/".join(parts[:2]) if parts[0] == "gateway" else parts[0]
