@@ -3,11 +3,17 @@
 
 import asyncio
 import os
+from typing import Any
 from unittest.mock import Mock
 
 import pytest
 
-from gateway.ros.ready_events import EventfdReadyEvents, PolledReadyEvents, UnsupportedError
+from gateway.ros.ready_events import (
+    EventfdReadyEvents,
+    EventfdSource,
+    PolledReadyEvents,
+    UnsupportedError,
+)
 from tests.client import eventually
 from tests.clock import StoppedClock
 
@@ -53,6 +59,31 @@ async def test_an_entity_that_cannot_be_created_leaves_no_descriptor() -> None:
     again = os.eventfd(0)
     os.close(again)
     assert again == free
+
+
+class Callbacks:
+    """Stands in for those of rcl: the test writes the eventfd itself."""
+
+    fd = -1
+
+    def count(self, kind: object, entity: object, fd: int) -> None:
+        self.fd = fd
+
+    def stop(self, kind: object, entity: object) -> None: ...
+
+
+async def test_takes_are_counted_against_what_has_arrived_and_dds_can_have_kept() -> None:
+    callbacks: Any = Callbacks()
+    loop = asyncio.get_running_loop()
+    source = EventfdSource(loop, callbacks, "client", Entity, lambda _: None, lambda: None)
+    assert not source.count_take()
+    for _ in range(3):
+        source.notify_again()  # which is no arrival
+    os.eventfd_write(callbacks.fd, 2)
+    assert [source.count_take() for _ in range(4)] == [True, True, False, False]
+    os.eventfd_write(callbacks.fd, 5000)
+    assert [source.count_take() for _ in range(1025)] == [True] * 1024 + [False]
+    source.close()
 
 
 async def test_looking_goes_on_until_closed() -> None:

@@ -1,13 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 import base64
 import json
+from concurrent.futures import Future
+from typing import Any
 
 import cbor2
 import cv2
 import numpy as np
 import pytest
 
-from gateway.router.topics.encoding import PerClientFrame, SharedFrame
+from gateway.ports import Sample
+from gateway.protocol.outbox import NOT_READY
+from gateway.router.topics.encoding import PerClientFrame, SharedFrame, WorkerEncoding
+from gateway.router.topics.subscription import EncodingKey
+from tests.client import eventually
 from tests.router.conftest import Bench
 from tests.wire import untagged, websocket_frames
 
@@ -226,3 +232,32 @@ async def test_what_cannot_be_decoded_is_reported_once(bench: Bench, compression
     await client.sees(1, "status")
     await bench.settle()
     assert [code for code, _ in client.statuses] == ["invalid_value"]
+
+
+class Workers:
+    """An executor whose work a test finishes by hand."""
+
+    def __init__(self) -> None:
+        self.futures: list[Future[bytes]] = []
+
+    def submit(self, *_: object) -> "Future[bytes]":
+        self.futures.append(Future())
+        return self.futures[-1]
+
+
+async def test_one_sample_is_encoded_at_a_time():
+    workers: Any = Workers()
+    key = EncodingKey("/camera", None, None)
+    ready: list[None] = []
+    encoding = WorkerEncoding(
+        key, bytes, lambda error: None, on_ready=lambda: ready.append(None), workers=workers
+    )
+    one, other = (SharedFrame(encoding, Sample(b"cdr", 0), seq) for seq in (1, 2))
+    assert [each.frame() for each in (one, other, one, other)] == [NOT_READY] * 4
+    assert [one.is_being_encoded, other.is_being_encoded] == [True, False]
+    assert len(workers.futures) == 1
+    workers.futures[0].set_result(b"{}")
+    await eventually(lambda: bool(ready))
+    assert b"{}" in one.frame()
+    assert other.frame() is NOT_READY
+    assert len(workers.futures) == 2
