@@ -141,7 +141,7 @@ def _try(copies: Copies, mutant: Mutant) -> Outcome:
             fate = Fate.TIMED_OUT
         case int() if code == _PASSED:
             fate = Fate.SURVIVED
-        case int() if code in {_FAILED, _INTERRUPTED}:
+        case int() if code in {_FAILED, _INTERRUPTED} or code < 0:  # by a signal: it crashed
             fate = Fate.KILLED
         case _:
             raise MutantError(f"{mutant.file}: {mutant.rule}: pytest ended with {code}\n{output}")
