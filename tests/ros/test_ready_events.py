@@ -75,7 +75,9 @@ class Callbacks:
 async def test_takes_are_counted_against_what_has_arrived_and_dds_can_have_kept() -> None:
     callbacks: Any = Callbacks()
     loop = asyncio.get_running_loop()
-    source = EventfdSource(loop, callbacks, "client", Entity, lambda _: None, lambda: None)
+    source = EventfdSource(
+        loop, callbacks, "client", Entity, lambda _: None, lambda: None, is_counted=True
+    )
     assert not source.count_take()
     for _ in range(3):
         source.notify_again()  # which is no arrival
