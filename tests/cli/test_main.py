@@ -242,15 +242,15 @@ def test_print_config_tells_each_value_and_its_origin_without_serving(command):
 
 def test_schema_prints_a_json_schema_by_name_short_name_and_number():
     outputs = {
-        ros2_gateway("schema", spelling).stdout
-        for spelling in ("geometry_msgs/msg/Twist", "geometry_msgs/Twist", "1")
+        ros2_gateway("schema", form).stdout
+        for form in ("geometry_msgs/msg/Twist", "geometry_msgs/Twist", "1")
     }
     (output,) = outputs
     assert "linear" in json.loads(output)["properties"]
 
 
 @pytest.mark.parametrize(
-    ("spellings", "parts"),
+    ("forms", "parts"),
     [
         (("std_srvs/srv/SetBool", "std_srvs/SetBool"), ["request", "response"]),
         (
@@ -259,17 +259,17 @@ def test_schema_prints_a_json_schema_by_name_short_name_and_number():
         ),
     ],
 )
-def test_schema_prints_that_of_a_service_and_of_an_action(spellings, parts):
-    (output,) = {ros2_gateway("schema", spelling).stdout for spelling in spellings}
+def test_schema_prints_that_of_a_service_and_of_an_action(forms, parts):
+    (output,) = {ros2_gateway("schema", form).stdout for form in forms}
     schema = json.loads(output)
-    assert schema["title"] == spellings[0]
+    assert schema["title"] == forms[0]
     assert list(schema["properties"]) == parts
 
 
 def test_schema_prefers_the_message_where_a_service_has_its_name():
     titles = [
-        json.loads(ros2_gateway("schema", spelling).stdout)["title"]
-        for spelling in ("test_msgs/BasicTypes", "test_msgs/srv/BasicTypes")
+        json.loads(ros2_gateway("schema", form).stdout)["title"]
+        for form in ("test_msgs/BasicTypes", "test_msgs/srv/BasicTypes")
     ]
     assert titles == ["test_msgs/msg/BasicTypes", "test_msgs/srv/BasicTypes"]
 
@@ -280,7 +280,7 @@ def test_schema_prints_the_definition():
 
 
 @pytest.mark.parametrize(
-    ("spelling", "name", "close"),
+    ("form", "name", "close"),
     [
         ("std_msgs/msg/Strng", "std_msgs/msg/Strng", "std_msgs/msg/String"),
         ("std_srvs/SetBol", "std_srvs/msg/SetBol", "std_srvs/srv/SetBool"),
@@ -288,21 +288,21 @@ def test_schema_prints_the_definition():
         ("test_msgs/action/Fibo", "test_msgs/action/Fibo", "test_msgs/action/Fibonacci"),
     ],
 )
-def test_an_unknown_type_is_one_sentence_with_the_closest_one(spelling, name, close):
+def test_an_unknown_type_is_one_sentence_with_the_closest_one(form, name, close):
     sentence = f"no definition of {name} is installed, did you mean {close}"
-    assert refusal("schema", spelling) == (2, sentence)
+    assert refusal("schema", form) == (2, sentence)
 
 
 @pytest.mark.parametrize(
-    ("spelling", "reason"),
+    ("form", "reason"),
     [
         ("twist", "'twist' is no message type: expected pkg/msg/Name, pkg/Name or a table number"),
         ("std_srvs/srv/setbool", "'std_srvs/srv/setbool' is no service type: expected pkg/srv/"),
         ("a/action/b", "'a/action/b' is no action type: expected pkg/action/Name"),
     ],
 )
-def test_what_is_no_type_is_one_sentence(spelling, reason):
-    code, sentence = refusal("schema", spelling)
+def test_what_is_no_type_is_one_sentence(form, reason):
+    code, sentence = refusal("schema", form)
     assert code == 2
     assert sentence.startswith(reason)
 
@@ -335,8 +335,8 @@ def test_without_ros_schema_prints_the_shipped_schema_of_a_service(monkeypatch, 
     monkeypatch.delenv("AMENT_PREFIX_PATH", raising=False)
     monkeypatch.setattr(sys, "prefix", str(tmp_path))
     shipped = (ROOT / "schemas" / "json" / "std_srvs" / "srv" / "SetBool.json").read_text("utf-8")
-    for spelling in ("std_srvs/srv/SetBool", "std_srvs/SetBool"):
-        assert cli.main(["schema", spelling]) == 0
+    for form in ("std_srvs/srv/SetBool", "std_srvs/SetBool"):
+        assert cli.main(["schema", form]) == 0
         assert capsys.readouterr().out == shipped
     assert cli.main(["schema", "std_srvs/SetBool", "--definition"]) == 2
     assert "needs the message package installed" in capsys.readouterr().err

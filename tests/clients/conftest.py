@@ -58,5 +58,5 @@ async def client(library: Driver, gateway: GatewayProcess) -> AsyncIterator[Conn
     await connection.connect(gateway)
     yield connection
     await connection.close()
-    assert library.take("complaint") == []
+    assert library.take("warning") == []
     library.events.clear()

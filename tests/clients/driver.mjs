@@ -6,7 +6,7 @@
  *
  * A command is `{"n": 1, "do": "subscribe", "connection": "a", ...}`; its answer has the same `n`
  * and a `result` or a `failure`. What comes unasked is `{"event": ..., "connection": ..., "name":
- * ..., "value": ...}`. What roslib complains about is the event `complaint`.
+ * ..., "value": ...}`. What roslib complains about is the event `warning`.
  */
 
 import { readFileSync } from "node:fs";
@@ -38,7 +38,7 @@ function say(line) {
 }
 
 console.error = console.warn = (...words) => {
-  say({ event: "complaint", connection: "", name: "", value: words.map(String).join(" ") });
+  say({ event: "warning", connection: "", name: "", value: words.map(String).join(" ") });
 };
 
 /** One connection, and what was made on it, each by its name. */
@@ -67,7 +67,7 @@ class Connection {
     this.ros = new ROSLIB.Ros({ encoding: "utf8" });
     this.ros.on("error", (error) => {
       if (!this.again) {
-        this.tell("complaint", "", String(error?.message ?? error));
+        this.tell("warning", "", String(error?.message ?? error));
       }
     });
     this.ros.on("close", () => {
@@ -81,7 +81,7 @@ class Connection {
     const { emit } = this.ros;
     this.ros.emit = (event, ...values) => {
       if (event.startsWith("status")) {
-        this.tell("complaint", "", values[0]);
+        this.tell("warning", "", values[0]);
       }
       return emit.call(this.ros, event, ...values);
     };

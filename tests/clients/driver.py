@@ -76,7 +76,7 @@ LIBRARIES = (ROSLIBPY_1, ROSLIBPY_2, ROSLIBPY_2_ASYNCIO, ROSLIB_1, ROSLIB_2)
 
 @dataclass(frozen=True)
 class Event:
-    """What a library told unasked: a message, a request, feedback, a complaint ..."""
+    """What a library told unasked: a message, a request, feedback, a warning ..."""
 
     kind: str
     connection: str

@@ -33,7 +33,7 @@ class Complaints(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         text = logging.Formatter().format(record)
-        say(event="complaint", connection="", name="", value=text)
+        say(event="warning", connection="", name="", value=text)
 
 
 class Answer:

@@ -18,10 +18,10 @@ async def make_mistakes(client: Connection) -> None:
 
 async def test_a_mistake_is_told_of(client: Connection):
     await make_mistakes(client)
-    assert client.driver.take("complaint")
+    assert client.driver.take("warning")
 
 
 async def test_a_client_that_wants_no_status_gets_none(client: Connection):
     await client.do("set_status_level", level="none")
     await make_mistakes(client)
-    assert client.driver.take("complaint") == []
+    assert client.driver.take("warning") == []

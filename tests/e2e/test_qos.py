@@ -289,7 +289,7 @@ async def test_who_insists_on_what_is_not_offered_is_told_and_nobody_else(
 
 
 @pytest.mark.parametrize(
-    ("offer", "wish", "words"),
+    ("offer", "options", "words"),
     [
         (QoSProfile(depth=1), {"durability": "transient_local"}, "durability volatile"),
         (QoSProfile(depth=1), {"deadline": 0.1}, "no deadline"),
@@ -297,9 +297,14 @@ async def test_who_insists_on_what_is_not_offered_is_told_and_nobody_else(
     ],
 )
 async def test_each_thing_that_is_not_offered_is_told_in_words(
-    speaker: Client, robot: Robot, topic: str, offer: QoSProfile, wish: dict[str, Any], words: str
+    speaker: Client,
+    robot: Robot,
+    topic: str,
+    offer: QoSProfile,
+    options: dict[str, Any],
+    words: str,
 ):
-    await speaker.send(op="subscribe", topic=topic, type=STRING, qos=wish)
+    await speaker.send(op="subscribe", topic=topic, type=STRING, qos=options)
     robot.publisher(offer)
     status = await speaker.receive(is_complaint)
     assert words in status["msg"]

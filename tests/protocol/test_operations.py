@@ -68,8 +68,8 @@ def test_null_stays_a_value_where_any_value_may_stand():
 
 
 def test_null_within_an_object_of_an_operation_counts_as_absent_too():
-    wish = {"topic": "/t", "qos": {"depth": 3, "deadline": None}, "image": {"format": None}}
-    subscribe = Subscribe.model_validate(wish)
+    options = {"topic": "/t", "qos": {"depth": 3, "deadline": None}, "image": {"format": None}}
+    subscribe = Subscribe.model_validate(options)
     assert subscribe.image == ImageRequest()
     assert subscribe.qos == QosRequest(depth=3)
 

@@ -50,7 +50,7 @@ def test_the_type_asked_for_comes_first_and_each_nested_one_once(
     ]
 
 
-def test_every_nested_type_of_a_field_is_found_by_its_spelling(
+def test_every_nested_type_of_a_field_is_found_by_its_form(
     definitions: InstalledDefinitions,
 ) -> None:
     all_of: list[Any] = typedefs("sensor_msgs/msg/PointCloud2", definitions)

@@ -277,12 +277,12 @@ def test_null_in_an_array_of_floats_is_kept():
         {"sec": -1, "nsecs": 5},
     ],
 )
-def test_a_time_is_taken_in_the_spellings_of_ros_1_and_2(model, sent):
+def test_a_time_is_taken_in_the_forms_of_ros_1_and_2(model, sent):
     assert model.model_validate(sent) == model(sec=-1, nanosec=5)
 
 
 @pytest.mark.parametrize("model", [Time, Duration])
-def test_a_time_in_both_spellings_at_once_is_refused(model):
+def test_a_time_in_both_forms_at_once_is_refused(model):
     assert refusal(model, {"sec": 1, "secs": 2})[:2] == (("secs",), "extra_forbidden")
 
 

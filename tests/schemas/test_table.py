@@ -110,11 +110,9 @@ def test_every_service_says_what_it_is_for(table):
     assert all(row.purpose[0].isupper() and row.purpose[-1] != "." for row in table.interfaces)
 
 
-@pytest.mark.parametrize(
-    "spelling", ["geometry_msgs/Twist", "geometry_msgs/msg/Twist", 1, "1", "01"]
-)
-def test_a_type_is_resolved_in_every_spelling(table, spelling):
-    assert resolve_type(spelling, table) == "geometry_msgs/msg/Twist"
+@pytest.mark.parametrize("form", ["geometry_msgs/Twist", "geometry_msgs/msg/Twist", 1, "1", "01"])
+def test_a_type_is_resolved_in_every_form(table, form):
+    assert resolve_type(form, table) == "geometry_msgs/msg/Twist"
 
 
 def test_a_type_outside_the_table_is_resolved_too(table):
@@ -122,7 +120,7 @@ def test_a_type_outside_the_table_is_resolved_too(table):
 
 
 @pytest.mark.parametrize(
-    "spelling",
+    "form",
     [
         "",
         "Twist",
@@ -139,19 +137,19 @@ def test_a_type_outside_the_table_is_resolved_too(table):
         True,
     ],
 )
-def test_what_is_no_type_is_refused_with_the_spellings_that_are(table, spelling):
+def test_what_is_no_type_is_refused_with_the_forms_that_are(table, form):
     with pytest.raises(TypeNameError, match="expected pkg/msg/Name, pkg/Name or a table"):
-        resolve_type(spelling, table)
+        resolve_type(form, table)
 
 
 @pytest.mark.parametrize("kind", ["srv", "action"])
-def test_a_service_or_an_action_is_resolved_in_every_spelling(kind):
+def test_a_service_or_an_action_is_resolved_in_every_form(kind):
     assert resolve_interface("some_msgs/Thing", kind) == f"some_msgs/{kind}/Thing"
     assert resolve_interface(f"some_msgs/{kind}/Thing", kind) == f"some_msgs/{kind}/Thing"
 
 
 @pytest.mark.parametrize(
-    "spelling",
+    "form",
     [
         "",
         "1",
@@ -163,18 +161,18 @@ def test_a_service_or_an_action_is_resolved_in_every_spelling(kind):
         "../srv/SetBool",
     ],
 )
-def test_what_is_no_service_type_is_refused_with_the_spellings_that_are(spelling):
+def test_what_is_no_service_type_is_refused_with_the_forms_that_are(form):
     with pytest.raises(TypeNameError, match="no service type: expected pkg/srv/Name or pkg/"):
-        resolve_interface(spelling, "srv")
+        resolve_interface(form, "srv")
 
 
-def test_what_is_no_action_type_is_refused_with_the_spellings_that_are():
+def test_what_is_no_action_type_is_refused_with_the_forms_that_are():
     with pytest.raises(TypeNameError, match="no action type: expected pkg/action/Name or pkg/"):
         resolve_interface("std_srvs/srv/SetBool", "action")
 
 
 @pytest.mark.parametrize(
-    ("spelling", "name"),
+    ("form", "name"),
     [
         ("a/srv/B", "a/srv/B"),
         ("a/action/B", "a/action/B"),
@@ -189,16 +187,16 @@ def test_what_is_no_action_type_is_refused_with_the_spellings_that_are():
     ],
 )
 def test_a_name_without_kind_is_a_message_unless_only_a_service_or_an_action_has_it(
-    table, spelling, name
+    table, form, name
 ):
     known = {"a/msg/Message", "a/srv/Service", "a/action/Action", "a/msg/All", "a/srv/All"}
-    assert resolve_any(spelling, table, known) == name
+    assert resolve_any(form, table, known) == name
 
 
-@pytest.mark.parametrize("spelling", ["", "a", "a/srv/b", "a/foo/B", 99999, "a/srv/action/B"])
-def test_what_is_no_type_of_any_kind_is_refused(table, spelling):
+@pytest.mark.parametrize("form", ["", "a", "a/srv/b", "a/foo/B", 99999, "a/srv/action/B"])
+def test_what_is_no_type_of_any_kind_is_refused(table, form):
     with pytest.raises(TypeNameError):
-        resolve_any(spelling, table, {})
+        resolve_any(form, table, {})
 
 
 @pytest.mark.parametrize("number", [99999, "99999", -1])

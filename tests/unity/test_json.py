@@ -345,7 +345,7 @@ def test_text_that_is_no_base64_is_refused(probe, text):
         octets = None
     answer = probe.ask("octets", json.dumps(text).encode())
     if octets is None or pybase64.b64encode(octets).decode() != text:
-        # what Python takes with bits that stand for nothing is not the one spelling of its octets
+        # what Python takes with bits that stand for nothing is not the one form of its octets
         assert isinstance(answer, Refusal)
     else:
         assert json.loads(answer) == text

@@ -34,7 +34,7 @@ class Arm:
         request.answer(self.bench.cdr(f"{SET_BOOL}_Response", success=True, message=message))
 
 
-async def test_a_response_comes_with_the_id_and_the_spelling_of_the_call(bench: Bench) -> None:
+async def test_a_response_comes_with_the_id_and_the_form_of_the_call(bench: Bench) -> None:
     Arm(bench)
     client = bench.client()
     client.send(op="call_service", id="c1", service="arm", args={"data": True})
@@ -63,22 +63,22 @@ async def test_arguments_may_come_in_order_or_not_at_all(
     assert "id" not in frame
 
 
-@pytest.mark.parametrize("spelling", ["std_srvs/SetBool", "std_srvs/srv/SetBool"])
-async def test_the_type_may_be_said(bench: Bench, spelling: str) -> None:
+@pytest.mark.parametrize("form", ["std_srvs/SetBool", "std_srvs/srv/SetBool"])
+async def test_the_type_may_be_said(bench: Bench, form: str) -> None:
     Arm(bench)
     client = bench.client()
-    client.send(op="call_service", service="/arm", type=spelling)
+    client.send(op="call_service", service="/arm", type=form)
     (frame,) = await client.sees(1, "service_response")
     assert frame["result"] is True
 
 
-@pytest.mark.parametrize("spelling", ["std_srvs/Trigger", "SetBool", "none_msgs/None"])
+@pytest.mark.parametrize("form", ["std_srvs/Trigger", "SetBool", "none_msgs/None"])
 async def test_a_wrong_type_is_a_warning_for_rosbridge_does_not_look_at_it(
-    bench: Bench, spelling: str
+    bench: Bench, form: str
 ) -> None:
     Arm(bench)
     client = bench.client()
-    client.send(op="call_service", id="c1", service="/arm", type=spelling, args=[True])
+    client.send(op="call_service", id="c1", service="/arm", type=form, args=[True])
     (frame,) = await client.sees(1, "service_response")
     assert frame["values"]["message"] == "got true"
     (status,) = client.of("status")

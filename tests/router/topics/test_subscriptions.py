@@ -35,10 +35,10 @@ async def test_a_topic_comes_back_as_the_client_spelt_it(bench: Bench):
     assert bench.ros.entity_count() == 1
 
 
-@pytest.mark.parametrize("spelling", [9, "9", "nav_msgs/Odometry", "nav_msgs/msg/Odometry"])
-async def test_a_type_may_be_a_number_or_a_name_in_both_spellings(bench: Bench, spelling):
+@pytest.mark.parametrize("form", [9, "9", "nav_msgs/Odometry", "nav_msgs/msg/Odometry"])
+async def test_a_type_may_be_a_number_or_a_name_in_both_forms(bench: Bench, form):
     client = bench.client()
-    client.send(op="subscribe", topic="/odom", type=spelling)
+    client.send(op="subscribe", topic="/odom", type=form)
     assert [subscription.type_name for subscription in bench.ros.subscriptions] == [ODOMETRY]
     assert client.statuses == []
 
@@ -132,7 +132,7 @@ async def test_a_type_that_contradicts_the_topic_is_refused(bench: Bench):
 
 
 @pytest.mark.parametrize(
-    ("wish", "code", "words"),
+    ("options", "code", "words"),
     [
         ({"type": "no/Such"}, "bad_type", "no definition of no/msg/Such"),
         ({"type": "nonsense"}, "bad_type", "is no message type"),
@@ -149,10 +149,10 @@ async def test_a_type_that_contradicts_the_topic_is_refused(bench: Bench):
     ],
 )
 async def test_a_subscription_that_cannot_be_is_refused_and_leaves_nothing(
-    bench: Bench, wish, code, words
+    bench: Bench, options, code, words
 ):
     client = bench.client()
-    client.send(**{"op": "subscribe", "id": "s", "topic": "/t", **wish})
+    client.send(**{"op": "subscribe", "id": "s", "topic": "/t", **options})
     (answer,) = client.of("status")
     assert (answer["code"], answer["id"], answer["level"]) == (code, "s", "error")
     assert words in answer["msg"]
@@ -378,16 +378,16 @@ async def test_a_subscription_that_is_replaced_has_the_newest_word(bench: Bench)
 
 
 @pytest.mark.parametrize(
-    ("wish", "words"),
+    ("options", "words"),
     [
         ({"fields": ["nonsense"]}, "fields: "),
         ({"fields": ["data"], "compression": "cbor-raw"}, "cbor-raw is CDR untouched"),
     ],
 )
-async def test_fields_are_checked_beside_a_subscription_to_everything(bench: Bench, wish, words):
+async def test_fields_are_checked_beside_a_subscription_to_everything(bench: Bench, options, words):
     client = bench.client()
     client.send(op="subscribe", id="all", topic="/t", type=STRING)
-    client.send(**{"op": "subscribe", "id": "wrong", "topic": "/t", **wish})
+    client.send(**{"op": "subscribe", "id": "wrong", "topic": "/t", **options})
     (status,) = client.of("status")
     assert (status["code"], status["id"]) == ("bad_request", "wrong")
     assert words in status["msg"]

@@ -54,7 +54,7 @@ class Robot:
         self.say(self.moving, "base_link", "odom", sec, x)
 
     @property
-    def complaints(self) -> list[str]:
+    def warnings(self) -> list[str]:
         return [text for _, text in self.bench.ros.logged if text.startswith("tf: ")]
 
     @property
@@ -516,7 +516,7 @@ async def test_what_is_no_transform_is_logged_once_and_harms_nothing(
         robot.moving.publish(b"\0\1\0\0")
     robot.drive(1, 0.0)
     await client.sees(1, "lookup_transform")
-    first, second = robot.complaints
+    first, second = robot.warnings
     assert first == "tf: frame 'odom': it is said to be in itself"
     assert second.startswith("tf: tf2_msgs/msg/TFMessage: need 8 bytes")
 
@@ -530,7 +530,7 @@ async def test_a_frame_that_is_fixed_and_moves_is_logged_once(robot: Robot, clie
         robot.say(robot.fixed, "base_link", "odom", 0, x)
     robot.drive(2, 0.0)
     await client.sees(2, "lookup_transform")
-    assert robot.complaints == [
+    assert robot.warnings == [
         "tf: frame 'base_link': it is said to be fixed and to move, so it moves"
     ]
 
@@ -549,7 +549,7 @@ async def test_of_each_kind_of_fault_some_frames_are_logged_until_listening_ends
             robot.say(robot.moving, frame, "odom", 1, 0.0, rotation={"w": 0.0})
         robot.drive(sec, 0.0)
         await client.sees(sec, "lookup_transform")
-        assert robot.complaints == sec * [
+        assert robot.warnings == sec * [
             "tf: frame 'a': it is said to be in itself",
             "tf: frame 'b': it is said to be in itself",
             f"tf: frame '{'x' * 125}...': its quaternion has no direction",
@@ -565,7 +565,7 @@ async def test_of_one_kind_of_fault_eight_frames_are_logged(robot: Robot, client
     for number in range(10):
         robot.say(robot.moving, f"frame_{number}", f"frame_{number}", 1, 0.0)
     await robot.bench.settle()
-    assert [text.split("'")[1] for text in robot.complaints] == [f"frame_{n}" for n in range(8)]
+    assert [text.split("'")[1] for text in robot.warnings] == [f"frame_{n}" for n in range(8)]
 
 
 async def test_a_message_with_too_many_frames_does_no_harm(
@@ -579,4 +579,4 @@ async def test_a_message_with_too_many_frames_does_no_harm(
         robot.say(robot.moving, frame, "odom", 1, 0.0)
     robot.drive(2, 0.0)
     await eventually(lambda: (2, 1.0) in xs(client))
-    assert robot.complaints == [f"tf: frame '{frame}': at most 4 frames are kept" for frame in "bc"]
+    assert robot.warnings == [f"tf: frame '{frame}': at most 4 frames are kept" for frame in "bc"]

@@ -78,9 +78,9 @@ def test_every_schema_has_the_fields_of_its_model_and_no_loose_reference():
 
 
 def test_a_time_may_be_spelt_in_three_ways():
-    spellings = Models.installed().json_schema("builtin_interfaces/msg/Time")["anyOf"]
+    forms = Models.installed().json_schema("builtin_interfaces/msg/Time")["anyOf"]
 
-    assert [list(spelling.get("properties", spelling)) for spelling in spellings] == [
+    assert [list(form.get("properties", form)) for form in forms] == [
         ["sec", "nanosec"],
         ["secs", "nsecs"],
         ["description", "const"],
