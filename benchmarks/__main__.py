@@ -19,7 +19,7 @@ from benchmarks.catalogue import COMPARED, SCENARIOS
 from benchmarks.errors import BenchmarkError
 from benchmarks.figures import Figure
 from benchmarks.plan import Plan
-from benchmarks.servers import Server, require_free
+from benchmarks.servers import MeasuredServer, require_free
 
 _FAILED = 1
 _INTERRUPTED = 130
@@ -86,7 +86,7 @@ def _measure(name: str, plan: Plan) -> Sequence[Figure]:
 
 
 def _plan(options: argparse.Namespace) -> Plan:
-    servers = [Server()]
+    servers = [MeasuredServer()]
     if options.beside is not None:
         try:
             command = tuple(shlex.split(options.beside))
@@ -95,7 +95,7 @@ def _plan(options: argparse.Namespace) -> Plan:
         if not command:
             raise BenchmarkError("--beside names no command")
         require_free(options.beside_port)
-        servers.append(Server("other", command, options.beside_port))
+        servers.append(MeasuredServer("other", command, options.beside_port))
     brief = options.quick
     return Plan(
         rounds=options.rounds or (1 if brief else 3),

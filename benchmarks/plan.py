@@ -3,7 +3,7 @@
 
 from dataclasses import dataclass
 
-from benchmarks.servers import Server
+from benchmarks.servers import MeasuredServer
 
 
 @dataclass(frozen=True)
@@ -13,6 +13,6 @@ class Plan:
     rounds: int
     seconds: float
     """Of each measurement."""
-    servers: tuple[Server, ...]
+    servers: tuple[MeasuredServer, ...]
     """The gateway, then the servers measured beside it."""
     seeks_highest_rates: bool = True

@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 from benchmarks.errors import BenchmarkError
 from benchmarks.processes import Process, acting, cpu_s, memory_mb, wait_until
-from benchmarks.servers import Server
+from benchmarks.servers import MeasuredServer
 
 _WARM_UP_S = 2.0  # discovery, and code that is compiled at first use
 
@@ -28,7 +28,7 @@ class Receipt:
 
 
 @dataclass(frozen=True)
-class Reception:
+class Receiving:
     """A running receiver: the actor that records ages, and the measured process."""
 
     actor: Process
@@ -76,7 +76,7 @@ class Receiver(Protocol):
     def name(self) -> str:
         """The name in tables."""
 
-    def receiving(self, sample: str) -> AbstractContextManager[Reception]:
+    def receiving(self, sample: str) -> AbstractContextManager[Receiving]:
         """Receive until the end."""
 
 
@@ -87,18 +87,18 @@ class Floor:
     name: str = "floor"
 
     @contextlib.contextmanager
-    def receiving(self, sample: str) -> Iterator[Reception]:
+    def receiving(self, sample: str) -> Iterator[Receiving]:
         """Receive until the end."""
         with acting("floor", sample, "plain") as actor:
             actor.answer()
-            yield Reception(actor, actor.pid, sample)
+            yield Receiving(actor, actor.pid, sample)
 
 
 @dataclass(frozen=True)
-class Client:
+class ReceivingClient:
     """A server with one client; the server is measured."""
 
-    server: Server
+    server: MeasuredServer
 
     @property
     def name(self) -> str:
@@ -106,11 +106,11 @@ class Client:
         return self.server.name
 
     @contextlib.contextmanager
-    def receiving(self, sample: str) -> Iterator[Reception]:
+    def receiving(self, sample: str) -> Iterator[Receiving]:
         """Receive until the end."""
         with self.server.running() as (url, process), acting("client", url, sample) as actor:
             actor.answer()
-            yield Reception(actor, process.pid, sample)
+            yield Receiving(actor, process.pid, sample)
 
 
 @contextlib.contextmanager

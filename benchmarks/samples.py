@@ -39,7 +39,7 @@ class Clockwork:
 
 
 @dataclass(frozen=True)
-class Sample:
+class SampleKind:
     """One kind of message, and the rate at which it is compared with the floor."""
 
     make: Callable[[], Any]
@@ -169,14 +169,14 @@ def point_cloud() -> PointCloud2:
     return message
 
 
-SAMPLES: Final[dict[str, Sample]] = {
-    "string": Sample(string, 1000, _TEXT),
-    "twist": Sample(twist, 1000, _NUMBER),
-    "odometry": Sample(odometry, 1000, _HEADER),
-    "laser-scan": Sample(laser_scan, 1000, _HEADER),
-    "image": Sample(image, 30, _HEADER),
-    "image-1080p": Sample(lambda: image(1920, 1080), 30, _HEADER),
-    "compressed-image": Sample(compressed_image, 200, _HEADER),
-    "point-cloud": Sample(point_cloud, 30, _HEADER),
-    "point-cloud-raw": Sample(point_cloud, 30, _RAW_HEADER, "cbor-raw"),
+SAMPLES: Final[dict[str, SampleKind]] = {
+    "string": SampleKind(string, 1000, _TEXT),
+    "twist": SampleKind(twist, 1000, _NUMBER),
+    "odometry": SampleKind(odometry, 1000, _HEADER),
+    "laser-scan": SampleKind(laser_scan, 1000, _HEADER),
+    "image": SampleKind(image, 30, _HEADER),
+    "image-1080p": SampleKind(lambda: image(1920, 1080), 30, _HEADER),
+    "compressed-image": SampleKind(compressed_image, 200, _HEADER),
+    "point-cloud": SampleKind(point_cloud, 30, _HEADER),
+    "point-cloud-raw": SampleKind(point_cloud, 30, _RAW_HEADER, "cbor-raw"),
 }

@@ -19,7 +19,7 @@ NO_INBOUND_LIMITS: Final[Limits] = {"operations_per_s": 0, "frames_per_s": 0}
 
 
 @dataclass(frozen=True)
-class Server:
+class MeasuredServer:
     """A server and its command; without a command it is the gateway."""
 
     name: str = "gateway"

@@ -86,7 +86,7 @@ class Graph:
     actions: tuple[ServerInfo, ...] = ()
 
 
-class Subscription(Protocol):
+class RosSubscription(Protocol):
     """A ROS subscription that delivers raw samples until closed."""
 
     @property
@@ -118,7 +118,7 @@ class Publisher(Protocol):
         """Destroy it. Closing twice is harmless."""
 
 
-class Client(Protocol):
+class ServiceClient(Protocol):
     """A client of a ROS service; its requests and responses are CDR."""
 
     async def call(self, request: bytes) -> bytes:
@@ -194,7 +194,7 @@ class ActionClient(Protocol):
         the server still accepts it, it is cancelled.
 
         Raises:
-            RosError: ``not_found``, as for `Client.call`.
+            RosError: ``not_found``, as for `ServiceClient.call`.
         """
 
     def close(self) -> None:
@@ -269,7 +269,7 @@ class Ros(Protocol):
         qos: Qos,
         on_samples: Callable[[Sequence[Sample]], None],
         on_incompatible: Callable[[str], None],
-    ) -> Subscription:
+    ) -> RosSubscription:
         """Subscribe to a fully resolved topic name.
 
         *on_samples* gets the samples since its last call, oldest first, never empty, at most
@@ -288,7 +288,7 @@ class Ros(Protocol):
             RosError: as for `subscribe`.
         """
 
-    def client(self, service: str, type_name: str) -> Client:
+    def client(self, service: str, type_name: str) -> ServiceClient:
         """Create a client of a service by its fully resolved name.
 
         Raises:

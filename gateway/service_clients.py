@@ -5,7 +5,7 @@ from gateway.client_cache import ClientCache
 from gateway.codec.errors import CodecError
 from gateway.codec.types import MessageType, ServiceType
 from gateway.deadline import Deadline
-from gateway.ports import Client, Ros
+from gateway.ports import Ros, ServiceClient
 from gateway.protocol.errors import ProtocolError
 from schemas.message import Clock
 
@@ -15,7 +15,7 @@ class ServiceClients:
 
     def __init__(self, ros: Ros) -> None:
         self._ros = ros
-        self._clients: ClientCache[Client] = ClientCache()
+        self._clients: ClientCache[ServiceClient] = ClientCache()
 
     @property
     def clients(self) -> int:

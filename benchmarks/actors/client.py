@@ -7,7 +7,7 @@
 import sys
 import time
 
-from benchmarks.actors.connection import Connection
+from benchmarks.actors.connection import RawConnection
 from benchmarks.actors.orders import obey, reply
 from benchmarks.actors.report import Ages
 from benchmarks.samples import SAMPLES, message_type, topic
@@ -18,7 +18,7 @@ _HEAD = 160  # bytes of a frame that contain its topic
 def main(url: str, *names: str) -> None:
     """Receive until the end of stdin."""
     ages = {name: Ages() for name in names}
-    with Connection(url) as connection:
+    with RawConnection(url) as connection:
         obey(
             {
                 "count": lambda: sum(map(len, ages.values())),

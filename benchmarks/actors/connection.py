@@ -18,7 +18,7 @@ _HANDSHAKE_S: Final = 10.0
 _HEAD_END: Final = b"\r\n\r\n"
 
 
-class Connection:
+class RawConnection:
     """Connected on return; operations go out, payloads come in."""
 
     def __init__(self, url: str, room: int = 1 << 20) -> None:

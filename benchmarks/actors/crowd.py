@@ -9,7 +9,7 @@ import selectors
 import sys
 from typing import Final
 
-from benchmarks.actors.connection import Connection
+from benchmarks.actors.connection import RawConnection
 from benchmarks.actors.orders import obey, reply
 from benchmarks.samples import message_type, topic
 
@@ -33,7 +33,7 @@ def main(url: str, name: str, clients: int, topics: int) -> None:
     obey({"count": lambda: crowd.frames, "clients": lambda: len(crowd.served)}, crowd.end)
     selector = selectors.DefaultSelector()
     for _ in range(clients):  # one after the other: a server may bound its handshakes
-        connection = Connection(url, _ROOM)
+        connection = RawConnection(url, _ROOM)
         selector.register(connection, selectors.EVENT_READ, connection)
         for number in range(topics):
             connection.send(

@@ -4,7 +4,7 @@
 import sys
 import threading
 
-from benchmarks.actors.connection import Connection
+from benchmarks.actors.connection import RawConnection
 from benchmarks.actors.orders import obey, reply
 from benchmarks.samples import message_type, topic
 
@@ -13,7 +13,7 @@ def main(url: str, *names: str) -> None:
     """Keep the connection open until the end of stdin."""
     over = threading.Event()
     obey({}, over.set)
-    with Connection(url) as connection:
+    with RawConnection(url) as connection:
         for name in names:
             connection.send({"op": "subscribe", "topic": topic(name), "type": message_type(name)})
         reply("ready")

@@ -7,7 +7,7 @@ Orders: as those of the publisher.
 import sys
 import time
 
-from benchmarks.actors.connection import Connection
+from benchmarks.actors.connection import RawConnection
 from benchmarks.actors.pace import Stamps
 from benchmarks.actors.runs import do_runs
 from benchmarks.samples import message_type, topic
@@ -23,7 +23,7 @@ def main(url: str, share: str) -> None:
     part, parts = map(int, share.split("/"))
     stamps = Stamps(part, parts)
     destination = topic("twist").encode()
-    with Connection(url) as connection:
+    with RawConnection(url) as connection:
         connection.send({"op": "advertise", "topic": topic("twist"), "type": message_type("twist")})
         connection.answer_pings()
 

@@ -7,7 +7,7 @@ from dataclasses import astuple
 
 from benchmarks.figures import Figure, ratio
 from benchmarks.plan import Plan
-from benchmarks.receivers import Client, Floor, Receipt, Receiver, publishing
+from benchmarks.receivers import Floor, Receipt, Receiver, ReceivingClient, publishing
 from benchmarks.samples import SAMPLES
 from benchmarks.scenarios.held_rate import highest_of
 from benchmarks.scenarios.picture import encoder_share
@@ -16,7 +16,7 @@ from benchmarks.search import Highest
 
 def measure(name: str, plan: Plan) -> list[Figure]:
     """Measure one kind of message, print a table and return the figures."""
-    receivers: list[Receiver] = [Floor(), *(Client(server) for server in plan.servers)]
+    receivers: list[Receiver] = [Floor(), *(ReceivingClient(server) for server in plan.servers)]
     with publishing(name, SAMPLES[name].rate_hz):
         rounds = [
             [_receipt(one, name, plan.seconds) for one in receivers] for _ in range(plan.rounds)

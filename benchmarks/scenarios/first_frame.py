@@ -9,13 +9,13 @@ import statistics
 import time
 from typing import Final
 
-from benchmarks.actors.connection import Connection
+from benchmarks.actors.connection import RawConnection
 from benchmarks.figures import Figure
 from benchmarks.plan import Plan
 from benchmarks.processes import acting, wait_until
-from benchmarks.receivers import Client, Floor, Receiver, publishing
+from benchmarks.receivers import Floor, Receiver, ReceivingClient, publishing
 from benchmarks.samples import SAMPLES, topic
-from benchmarks.servers import Server
+from benchmarks.servers import MeasuredServer
 
 _SCENARIO: Final = "first-frame"
 _SAMPLE: Final = "odometry"
@@ -37,7 +37,7 @@ def measure(plan: Plan) -> list[Figure]:
         figures += _row("publisher first", "floor", _floor_subscribes())
         for server in plan.servers:
             figures += _row("publisher first", server.name, _client_subscribes(server))
-    receivers: list[Receiver] = [Floor(), *(Client(server) for server in plan.servers)]
+    receivers: list[Receiver] = [Floor(), *(ReceivingClient(server) for server in plan.servers)]
     for receiver in receivers:
         waits_ms = [_late_publisher(receiver) for _ in range(_LATE_PUBLISHERS)]
         figures += _row("subscriber first", receiver.name, waits_ms)
@@ -57,13 +57,13 @@ def _floor_subscribes() -> list[float]:
     return waits_ms
 
 
-def _client_subscribes(server: Server) -> list[float]:
+def _client_subscribes(server: MeasuredServer) -> list[float]:
     waits_ms = []
     pattern = SAMPLES[_SAMPLE].clockwork.pattern
     with server.running() as (url, _):
         time.sleep(_SETTLED_S)
         for number in range(_SUBSCRIPTIONS):
-            with Connection(url) as connection:
+            with RawConnection(url) as connection:
                 connection.limit(_TIMEOUT_S)
                 asked_s = time.perf_counter()
                 connection.send({"op": "subscribe", "topic": topic(_SAMPLE)})

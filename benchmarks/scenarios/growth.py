@@ -11,7 +11,7 @@ from benchmarks.figures import Figure, ratio
 from benchmarks.plan import Plan
 from benchmarks.processes import Process, cpu_s, wait_until
 from benchmarks.receivers import publishing
-from benchmarks.servers import Server
+from benchmarks.servers import MeasuredServer
 
 _SCENARIO: Final = "growth"
 _SAMPLE: Final = "odometry"
@@ -40,7 +40,7 @@ def measure(plan: Plan) -> list[Figure]:
     return figures
 
 
-def _by_rate(server: Server, seconds: float) -> list[Figure]:
+def _by_rate(server: MeasuredServer, seconds: float) -> list[Figure]:
     loads = [_load(server, f"{rate:.0f} Hz", rate, 1, seconds) for rate in _RATES_HZ]
     slope, fixed = statistics.linear_regression(
         [one.frames_per_s for one in loads], [one.core_share for one in loads]
@@ -56,7 +56,7 @@ def _by_rate(server: Server, seconds: float) -> list[Figure]:
     ]
 
 
-def _by_clients(server: Server, seconds: float) -> list[Figure]:
+def _by_clients(server: MeasuredServer, seconds: float) -> list[Figure]:
     return [
         _us_per_frame(server, case, _load(server, case, _CLIENTS_HZ, clients, seconds))
         for clients in _CLIENTS
@@ -64,7 +64,7 @@ def _by_clients(server: Server, seconds: float) -> list[Figure]:
     ]
 
 
-def _by_bystanders(server: Server, plan: Plan) -> list[Figure]:
+def _by_bystanders(server: MeasuredServer, plan: Plan) -> list[Figure]:
     """Measure in turns: the expected difference of 0 is smaller than a machine's drift."""
     rounds = []
     for _ in range(plan.rounds):
@@ -77,7 +77,7 @@ def _by_bystanders(server: Server, plan: Plan) -> list[Figure]:
     return [ratio(_SCENARIO, f"{server.name}, CPU with idle topics beside that without", beside)]
 
 
-def _by_uptime(server: Server, plan: Plan) -> list[Figure]:
+def _by_uptime(server: MeasuredServer, plan: Plan) -> list[Figure]:
     """Measure a server that has been busy for a while beside one that has just been started.
 
     Both run at once, as minutes later the machine's speed may differ. A server with a fixed port
@@ -113,7 +113,7 @@ def _beside(one: _Working, other: _Working, seconds: float) -> float:
     return costs[0] / costs[1]
 
 
-def _load(server: Server, case: str, rate_hz: float, clients: int, seconds: float) -> Load:
+def _load(server: MeasuredServer, case: str, rate_hz: float, clients: int, seconds: float) -> Load:
     with (
         publishing(_SAMPLE, rate_hz),
         server.running(_ROOM) as (url, process),
@@ -132,5 +132,5 @@ def _print_row(name: str, case: str, one: Load) -> None:
     )
 
 
-def _us_per_frame(server: Server, case: str, one: Load) -> Figure:
+def _us_per_frame(server: MeasuredServer, case: str, one: Load) -> Figure:
     return Figure(_SCENARIO, f"{server.name}, {case}", one.us_per_frame, "us per frame")

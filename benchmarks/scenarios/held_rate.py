@@ -12,7 +12,7 @@ from contextlib import AbstractContextManager
 from typing import Final
 
 from benchmarks.processes import Process, wait_until
-from benchmarks.receivers import Receiver, Reception, publishing
+from benchmarks.receivers import Receiver, Receiving, publishing
 from benchmarks.samples import SAMPLES
 from benchmarks.search import Highest, Outcome, highest_rate
 
@@ -54,7 +54,7 @@ def senders(sending: Sending) -> Iterator[list[Process]]:
 
 def search(
     sending: Sequence[Process],
-    reception: Reception,
+    reception: Receiving,
     start_hz: float,
     seconds: float,
     backlog_ms: float = _BACKLOG_MS,
@@ -81,7 +81,7 @@ def search(
 
 def _run(
     sending: Sequence[Process],
-    reception: Reception,
+    reception: Receiving,
     rate_hz: float,
     seconds: float,
     backlog_ms: float,
@@ -111,7 +111,7 @@ def _run(
     return outcome
 
 
-def _calm(reception: Reception) -> None:
+def _calm(reception: Receiving) -> None:
     """Wait until the rest of the last run has arrived, and forget it."""
     last = -1
 

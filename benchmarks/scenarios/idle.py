@@ -9,7 +9,7 @@ from benchmarks.figures import Figure
 from benchmarks.plan import Plan
 from benchmarks.processes import cpu_s, wait_until
 from benchmarks.receivers import publishing
-from benchmarks.servers import Server
+from benchmarks.servers import MeasuredServer
 
 _SCENARIO: Final = "idle"
 _SAMPLE: Final = "odometry"
@@ -24,7 +24,7 @@ def measure(plan: Plan) -> list[Figure]:
     return [figure for server in plan.servers for figure in _measure(server)]
 
 
-def _measure(server: Server) -> list[Figure]:
+def _measure(server: MeasuredServer) -> list[Figure]:
     with (
         publishing(_SAMPLE, topics=_TOPICS) as publisher,
         server.running() as (url, process),

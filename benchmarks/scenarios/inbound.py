@@ -13,10 +13,10 @@ from typing import Final
 from benchmarks.figures import Figure, ratio
 from benchmarks.plan import Plan
 from benchmarks.processes import Process, acting
-from benchmarks.receivers import Floor, Receipt, Reception, publishing
+from benchmarks.receivers import Floor, Receipt, Receiving, publishing
 from benchmarks.scenarios.held_rate import search, senders
 from benchmarks.search import Highest
-from benchmarks.servers import NO_INBOUND_LIMITS, Server
+from benchmarks.servers import NO_INBOUND_LIMITS, MeasuredServer
 
 _SCENARIO: Final = "inbound"
 _SAMPLE: Final = "twist"
@@ -45,7 +45,7 @@ def _floor(seconds: float) -> Receipt:
         return reception.receipt(seconds)
 
 
-def _inbound(server: Server, seconds: float) -> Receipt:
+def _inbound(server: MeasuredServer, seconds: float) -> Receipt:
     with (
         _heard(server) as (url, reception),
         _speaking(url) as speaker,
@@ -54,19 +54,19 @@ def _inbound(server: Server, seconds: float) -> Receipt:
         return reception.receipt(seconds)
 
 
-def _highest(server: Server, seconds: float) -> Highest:
+def _highest(server: MeasuredServer, seconds: float) -> Highest:
     with _heard(server) as (url, reception), senders(lambda share: _speaking(url, share)) as all_:
         return search(all_, reception, _RATE_HZ, seconds)
 
 
 @contextlib.contextmanager
-def _heard(server: Server) -> Iterator[tuple[str, Reception]]:
+def _heard(server: MeasuredServer) -> Iterator[tuple[str, Receiving]]:
     with (
         server.running(NO_INBOUND_LIMITS) as (url, process),
         acting("floor", _SAMPLE, "raw") as listener,
     ):
         listener.answer()
-        yield url, Reception(listener, process.pid, _SAMPLE)
+        yield url, Receiving(listener, process.pid, _SAMPLE)
 
 
 @contextlib.contextmanager

@@ -9,7 +9,7 @@ from benchmarks.figures import Figure
 from benchmarks.plan import Plan
 from benchmarks.processes import cpu_s, wait_until
 from benchmarks.receivers import publishing
-from benchmarks.servers import Server
+from benchmarks.servers import MeasuredServer
 
 _SCENARIO: Final = "many-topics"
 _SAMPLE: Final = "odometry"
@@ -27,7 +27,7 @@ def measure(plan: Plan) -> list[Figure]:
     return [figure for server in plan.servers for figure in _measure(server, plan.seconds)]
 
 
-def _measure(server: Server, seconds: float) -> list[Figure]:
+def _measure(server: MeasuredServer, seconds: float) -> list[Figure]:
     rate_hz = _TOPICS * _RATE_HZ
     count = round(rate_hz * seconds)
     with (

@@ -11,7 +11,7 @@ from benchmarks.figures import Figure
 from benchmarks.plan import Plan
 from benchmarks.processes import Process, acting, memory_mb, wait_until
 from benchmarks.receivers import publishing
-from benchmarks.servers import Server
+from benchmarks.servers import MeasuredServer
 
 _SCENARIO: Final = "slow-client"
 _RATES_HZ: Final = {"image": 30.0, "odometry": 100.0}
@@ -37,7 +37,7 @@ def measure(plan: Plan) -> list[Figure]:
     return figures
 
 
-def _measure(server: Server, publishers: dict[str, Process], *, slow: bool) -> list[Figure]:
+def _measure(server: MeasuredServer, publishers: dict[str, Process], *, slow: bool) -> list[Figure]:
     case = "with" if slow else "without"
     with contextlib.ExitStack() as stack:
         url, process = stack.enter_context(server.running())

@@ -5,12 +5,12 @@ import statistics
 import time
 from typing import Final
 
-from benchmarks.actors.connection import Connection
+from benchmarks.actors.connection import RawConnection
 from benchmarks.errors import BenchmarkError
 from benchmarks.figures import Figure
 from benchmarks.plan import Plan
 from benchmarks.processes import cpu_s, memory_mb, running
-from benchmarks.servers import Server, free_port, gateway_command, require_free
+from benchmarks.servers import MeasuredServer, free_port, gateway_command, require_free
 
 _SCENARIO: Final = "start-up"
 _STARTS: Final = 5
@@ -35,7 +35,7 @@ def measure(plan: Plan) -> list[Figure]:
     return figures
 
 
-def _start(server: Server) -> tuple[float, float, float]:
+def _start(server: MeasuredServer) -> tuple[float, float, float]:
     """Return seconds, seconds of CPU and memory up to the first handshake."""
     port = server.port or free_port()
     require_free(port)
@@ -44,7 +44,7 @@ def _start(server: Server) -> tuple[float, float, float]:
     with running(server.name, *command) as process:
         while True:
             try:
-                with Connection(f"ws://127.0.0.1:{port}"):
+                with RawConnection(f"ws://127.0.0.1:{port}"):
                     took_s = time.perf_counter() - started_s
                     return took_s, cpu_s(process.pid), memory_mb(process.pid)
             except OSError as error:

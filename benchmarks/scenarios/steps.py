@@ -13,9 +13,9 @@ from benchmarks.actors.path import steps
 from benchmarks.figures import Figure
 from benchmarks.plan import Plan
 from benchmarks.processes import acting, cpu_s
-from benchmarks.receivers import Client, publishing
+from benchmarks.receivers import ReceivingClient, publishing
 from benchmarks.samples import SAMPLES
-from benchmarks.servers import Server
+from benchmarks.servers import MeasuredServer
 
 _SCENARIO: Final = "steps"
 _SAMPLES: Final = ("odometry", "image")
@@ -35,7 +35,7 @@ def _measure(name: str, plan: Plan) -> list[Figure]:
         for _ in range(plan.rounds):
             counts = range(1, len(steps(name)) + 1)
             spent_us = [_path_us(name, count, rate_hz, plan.seconds) for count in counts]
-            with Client(Server()).receiving(name) as reception:
+            with ReceivingClient(MeasuredServer()).receiving(name) as reception:
                 rounds.append([*spent_us, reception.receipt(plan.seconds).cpu_us_per_message])
     print(f"{name} at {rate_hz:g} Hz, CPU us per message")
     print(f"  {'':44}{'in all':>8}{'step':>8}")

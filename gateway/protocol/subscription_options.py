@@ -5,9 +5,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final, TypeVar, get_args
 
-from gateway.protocol.limits import DEFAULT_QUEUE_BYTES, DEFAULT_QUEUE_LENGTH
 from gateway.protocol.operations.topics import ImageRequest, QosRequest, Subscribe
 from gateway.protocol.websocket_frames import Compression
+
+DEFAULT_QUEUE_LENGTH: Final = 100  # 1 s at 100 Hz: rides out a WiFi hiccup without losing odometry
+DEFAULT_QUEUE_BYTES: Final = 256 * 1024  # but of big messages the newest few: pictures stay fresh
 
 T = TypeVar("T")
 

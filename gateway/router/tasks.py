@@ -11,10 +11,10 @@ from gateway.codec.error_text import truncate
 from gateway.deadline import Deadline
 from gateway.ports import RosError
 from gateway.protocol.errors import ProtocolError
-from gateway.protocol.limits import MAX_WAITING_CALLS
 from gateway.protocol.operations import ClientOperation
 from gateway.protocol.session import Session
 
+MAX_WAITING_CALLS: Final = 256  # a page that asks for all parameters of a robot when it starts
 # Parameters and transforms have deadlines of seconds: a turn comes soon, or something is wrong.
 ASKING_S: Final = 10.0
 

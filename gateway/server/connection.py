@@ -45,7 +45,7 @@ HEARTBEAT_TIMEOUT: Final = 4408
 SLOW_CONSUMER: Final = 4503
 
 
-class Reception(Protocol):
+class Acceptor(Protocol):
     """A connection's interface to the server that accepted it."""
 
     limits: Limits
@@ -72,9 +72,9 @@ class Reception(Protocol):
 class Connection(asyncio.BufferedProtocol):
     """A client from TCP accept to the end. Everything runs on the event loop's thread."""
 
-    def __init__(self, reception: Reception) -> None:
-        self._reception = reception
-        self._limits = reception.limits
+    def __init__(self, acceptor: Acceptor) -> None:
+        self._acceptor = acceptor
+        self._limits = acceptor.limits
         self._protocol = ServerProtocol(
             max_size=self._limits.max_message_bytes, logger=_quiet_logger()
         )
@@ -110,7 +110,7 @@ class Connection(asyncio.BufferedProtocol):
         peer = transport.get_extra_info("peername")
         self.address = str(peer[0]) if peer else "?"
         _tune(transport.get_extra_info("socket"), self._limits.send_deadline_s)
-        if not self._reception.arrive(self):
+        if not self._acceptor.arrive(self):
             self.abort()
 
     def get_buffer(self, sizehint: int) -> bytearray:
@@ -143,7 +143,7 @@ class Connection(asyncio.BufferedProtocol):
         del exc
         self._protocol.receive_eof()
         session, self._session = self._session, None
-        self._reception.left(self, session)
+        self._acceptor.left(self, session)
 
     def pause_writing(self) -> None:
         """Stop taking from the outbox: the socket is full."""
@@ -281,19 +281,19 @@ class Connection(asyncio.BufferedProtocol):
                 pass  # `websockets` answers pings, records pongs and closes
 
     def _open(self, request: Request) -> None:
-        response = self._reception.respond(self._protocol, request)
+        response = self._acceptor.respond(self._protocol, request)
         self._protocol.send_response(response)
         self._write_protocol_output()
         if self._protocol.state is not OPEN:
             return
-        refusal = self._reception.admit(self)
+        refusal = self._acceptor.admit(self)
         if refusal is not None:
             # Also as a frame: .NET's WebSocket takes close codes that are newer than itself (1012
             # to 1014) for an error, and gives its program neither code nor reason.
             self._protocol.send_text(messages.status("error", refusal, code="limit_exceeded"))
             self.close(OVER_CAPACITY, refusal)
             return
-        self._session = self._reception.enter(self)
+        self._session = self._acceptor.enter(self)
         self._session.outbox.write_directly = self._write_directly
         logger.info("client %s connected", self.address)
 
@@ -311,7 +311,7 @@ class Connection(asyncio.BufferedProtocol):
                 self._session.refuse(ProtocolError("bad_json", text))
                 self.close(INVALID_DATA, text)
                 return
-        self._reception.receive(self._session, message)
+        self._acceptor.receive(self._session, message)
 
     def _explain_failure(self) -> None:
         """Report in a `status` why `websockets` is about to close, if a client can know."""

@@ -86,7 +86,7 @@ class Server:
             **totals,
         }
 
-    # For connections: see `Reception`
+    # For connections: see `Acceptor`
 
     def arrive(self, connection: Connection) -> bool:
         """Add a connection; return false if clients and handshakes leave no room for it."""

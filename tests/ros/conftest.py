@@ -9,13 +9,13 @@ import pytest
 
 from gateway.ports import (
     ActionClient,
-    Client,
     GoalRequest,
     Publisher,
     Qos,
     Request,
     Ros,
     Sample,
+    ServiceClient,
 )
 from gateway.ros import RosOptions, open_ros
 from tests.ros.fake import FakeRos
@@ -40,7 +40,7 @@ class World(Protocol):
         qos: Qos | None = None,
     ) -> Any: ...
 
-    def add_client(self, name: str, type_name: str) -> Client: ...
+    def add_client(self, name: str, type_name: str) -> ServiceClient: ...
 
     def add_service(
         self, name: str, type_name: str, on_request: Callable[[Request], None]

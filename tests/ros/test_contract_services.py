@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from gateway.ports import Client, Request, RosError
+from gateway.ports import Request, RosError, ServiceClient
 from tests.client import TIMEOUT_S, eventually
 from tests.ros.conftest import Robot
 from tests.ros.test_contract import BAD_NAMES
@@ -129,7 +129,7 @@ async def test_a_client_calls_a_server_that_has_come_back(robot: Robot) -> None:
         await eventually(lambda: robot.ros.service_types("/arm") == ())
 
 
-async def call_until_answered(client: Client) -> bytes:
+async def call_until_answered(client: ServiceClient) -> bytes:
     """Call again where the call went to the server that was just closed."""
     while True:
         with contextlib.suppress(RosError):

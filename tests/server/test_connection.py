@@ -61,7 +61,7 @@ class Transport(asyncio.Transport):
         self.is_aborted = True
 
 
-class Reception:
+class Acceptor:
     """The server that a connection comes to, which takes no note of it."""
 
     def __init__(self, server: Server) -> None:
@@ -89,7 +89,7 @@ class Wire:
         monkeypatch.setattr(module, "time", clock)
         monkeypatch.setattr(module, "asyncio", SimpleNamespace(get_running_loop=lambda: loop))
         self.transport = Transport()
-        self.connection = Connection(Reception(server))
+        self.connection = Connection(Acceptor(server))
         self.connection.connection_made(self.transport)
         if not is_upgraded:
             return

@@ -27,7 +27,7 @@ from gateway.codec.cdr.layout import (
     least_size,
 )
 from gateway.codec.cdr.selection import Selection, select
-from gateway.codec.cdr.source import Source, variable
+from gateway.codec.cdr.source import SourceCode, variable
 from gateway.codec.cdr.target import Octets, Target, Value, Values
 from gateway.codec.cdr.to_cbor import Cbor
 from gateway.codec.errors import CodecError
@@ -102,13 +102,13 @@ def _compile(
 
     @cache
     def big_endian() -> Callable[[bytes], Any]:
-        writer = _Writer(">", target, definitions)
+        writer = _DecoderWriter(">", target, definitions)
         return writer.write(definition, members, selection, f"{title}, big-endian", _refuse)
 
     def other_encapsulation(cdr: bytes) -> object:
         return big_endian()(cdr)
 
-    writer = _Writer("<", target, definitions)
+    writer = _DecoderWriter("<", target, definitions)
     return writer.write(definition, members, selection, title, other_encapsulation)
 
 
@@ -132,7 +132,7 @@ def _wide_text(units: bytes, order: ByteOrder) -> str:
     return narrow.tobytes().decode("utf-16-le", "replace")
 
 
-class _Writer(Generic[Value]):
+class _DecoderWriter(Generic[Value]):
     """Writes the source of one decoder.
 
     Its variables: ``data`` and its ``size``; ``offset``, the position of the next read;
@@ -146,7 +146,7 @@ class _Writer(Generic[Value]):
         self._order: ByteOrder = order
         self._target = target
         self._definitions = definitions
-        self._source = Source()
+        self._source = SourceCode()
         self._slots: list[Slot] = []
         self._targets: list[str] = []
         self._residue: int | None = 0  # of the offset modulo 8, if known

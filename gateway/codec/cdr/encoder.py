@@ -24,7 +24,7 @@ from gateway.codec.cdr.layout import (
     flatten,
     item_path,
 )
-from gateway.codec.cdr.source import Source, variable
+from gateway.codec.cdr.source import SourceCode, variable
 from gateway.codec.errors import CodecError
 from schemas.definition import FLOATS, Definition
 from schemas.installed import InstalledDefinitions
@@ -56,12 +56,12 @@ def compile_encoder(definition: Definition, definitions: InstalledDefinitions) -
 
     @cache
     def with_nan() -> Encoder:
-        return _Writer(is_lenient=True).write(members, f"{title}, null as NaN", refuse)
+        return _EncoderWriter(is_lenient=True).write(members, f"{title}, null as NaN", refuse)
 
     def retry(message: object, _error: Exception) -> bytes:
         return with_nan()(message)
 
-    return _Writer(is_lenient=False).write(members, title, retry)
+    return _EncoderWriter(is_lenient=False).write(members, title, retry)
 
 
 def _float(value: float | None) -> float:
@@ -77,7 +77,7 @@ def _bad_length(path: str, count: int, expected: str) -> CodecError:
     return CodecError(f"{path} has {count} elements, expected {expected}")
 
 
-class _Writer:
+class _EncoderWriter:
     """Writes the source of one encoder: ``out`` grows, run by run.
 
     The lenient encoder accepts ``None`` as a float. A check at every float would slow down all
@@ -86,7 +86,7 @@ class _Writer:
 
     def __init__(self, *, is_lenient: bool) -> None:
         self._is_lenient = is_lenient
-        self._source = Source()
+        self._source = SourceCode()
         self._slots = [Slot("s", HEADER_BYTES)]
         self._values = ["CDR_LE"]
         self._residue: int | None = 0  # of the length of out modulo 8, if known

@@ -10,7 +10,7 @@ from typing import Any
 from gateway.codec.cdr.layout import Path
 
 
-class Source:
+class SourceCode:
     """The lines of a function and the constants that they use."""
 
     def __init__(self) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from pybase64 import b64encode_as_string
 
 from gateway.codec.cdr.layout import CODES, NUMPY_LENGTH, ByteOrder, Numbers
-from gateway.codec.cdr.source import Source
+from gateway.codec.cdr.source import SourceCode
 from schemas.definition import FieldType
 
 Octets = Literal["base64", "raw"]
@@ -37,7 +37,7 @@ class Target(Protocol[Value]):
     def octets(self, octets: str) -> str:
         """Return the source for an array of octets, given the source of its bytes or a view."""
 
-    def numbers(self, member: Numbers, order: ByteOrder, source: Source) -> str:
+    def numbers(self, member: Numbers, order: ByteOrder, source: SourceCode) -> str:
         """Return the source for the ``count`` numbers or booleans at ``offset``."""
 
     def value(self, kind: FieldType, name: str) -> Value:
@@ -46,7 +46,7 @@ class Target(Protocol[Value]):
     def message(self, members: Sequence[tuple[str, Value]]) -> Value:
         """Return a message with these members."""
 
-    def expression(self, value: Value, source: Source) -> str:
+    def expression(self, value: Value, source: SourceCode) -> str:
         """Return the source that makes a value."""
 
 
@@ -68,7 +68,7 @@ class Values:
             return f"base64({octets})"
         return octets if octets.startswith("memoryview") else f"memoryview({octets})"
 
-    def numbers(self, member: Numbers, order: ByteOrder, source: Source) -> str:
+    def numbers(self, member: Numbers, order: ByteOrder, source: SourceCode) -> str:
         """Make a numpy view, or a tuple if that is faster."""
         code = CODES[member.base]
         if member.base == "bool":
@@ -95,7 +95,7 @@ class Values:
         entries = [f'"{name}": {value}' for name, value in members]
         return f"{{{', '.join(entries)}}}"
 
-    def expression(self, value: str, source: Source) -> str:
+    def expression(self, value: str, source: SourceCode) -> str:
         """Return the source unchanged."""
         del source
         return value

@@ -11,7 +11,7 @@ import numpy as np
 
 from gateway.codec import cbor
 from gateway.codec.cdr.layout import CODES, ByteOrder, Numbers
-from gateway.codec.cdr.source import Source
+from gateway.codec.cdr.source import SourceCode
 from schemas.definition import FLOATS, INTEGER_RANGES, OCTETS, STRINGS, FieldType
 
 # Any octet but 0 is true.
@@ -54,7 +54,7 @@ class Cbor:
         """Keep the bytes, or the view."""
         return octets
 
-    def numbers(self, member: Numbers, order: ByteOrder, source: Source) -> str:
+    def numbers(self, member: Numbers, order: ByteOrder, source: SourceCode) -> str:
         """Make little-endian bytes, a slice of the CDR if that is little-endian."""
         if member.base == "bool":
             return "data[offset:end].translate(BOOLEANS)"
@@ -88,7 +88,7 @@ class Cbor:
             pieces += (Piece(cbor.text(name)), *value)
         return tuple(pieces)
 
-    def expression(self, value: Pieces, source: Source) -> str:
+    def expression(self, value: Pieces, source: SourceCode) -> str:
         """Join the pieces, neighbours of fixed size in one."""
         parts = []
         for is_fixed, group in groupby(value, key=lambda piece: piece.is_fixed):
@@ -123,7 +123,7 @@ def _counted(major: int, kind: FieldType, name: str, size: int = 1) -> Pieces:
     return (Piece(f"head({major}, len({name}))"), Piece(name))
 
 
-def _packed(pieces: Iterable[Piece], source: Source) -> str:
+def _packed(pieces: Iterable[Piece], source: SourceCode) -> str:
     """Write pieces of fixed size at once, adjacent constants as one."""
     form = ">"
     values: list[str] = []

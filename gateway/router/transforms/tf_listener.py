@@ -11,7 +11,7 @@ from typing import Any, Final
 from gateway.codec.error_text import truncate
 from gateway.codec.errors import CodecError
 from gateway.codec.types import MessageType
-from gateway.ports import Qos, Ros, RosError, Sample, Subscription
+from gateway.ports import Qos, Ros, RosError, RosSubscription, Sample
 from gateway.protocol.errors import ProtocolError
 from gateway.router.topic_types import TopicTypes
 from gateway.tf import TF_MESSAGE
@@ -39,7 +39,7 @@ class TfListener:
         self._ros = ros
         self._types = types
         self._on_change = on_change
-        self._open: list[Subscription] = []
+        self._open: list[RosSubscription] = []
         self._users = 0
         self._end: asyncio.TimerHandle | None = None
         self._newest_now_ns = 0

@@ -7,7 +7,7 @@ import threading
 import pytest
 from websockets.sync.server import serve
 
-from benchmarks.actors.connection import Connection
+from benchmarks.actors.connection import RawConnection
 
 TIMEOUT_S = 120
 
@@ -26,7 +26,7 @@ def serving(handler):
 
 @contextlib.contextmanager
 def connected(handler):
-    with serving(handler) as url, Connection(url) as connection:
+    with serving(handler) as url, RawConnection(url) as connection:
         connection.limit(TIMEOUT_S)
         yield connection
 
@@ -103,6 +103,6 @@ def test_a_refused_handshake_is_an_error():
         thread = threading.Thread(target=server.serve_forever)
         thread.start()
         with pytest.raises(ConnectionError, match="403"):
-            Connection(f"ws://127.0.0.1:{server.socket.getsockname()[1]}")
+            RawConnection(f"ws://127.0.0.1:{server.socket.getsockname()[1]}")
         server.shutdown()
         thread.join()
