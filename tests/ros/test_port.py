@@ -366,12 +366,18 @@ async def test_two_hundred_rounds_of_each_kind_leave_nothing(taking: Taking) -> 
             with pytest.raises(RosError, match="is closed"):
                 await task
 
+    async def destroyed() -> None:
+        """Wait for an action that had just answered: it is destroyed a little later."""
+        await eventually(lambda: not ros._deferred._deferred)
+
     try:
         await round_of_each()
+        await destroyed()
         before = (entities(), resources())
         for _ in range(200):
             await round_of_each()
         assert ros.entity_count() == 0
+        await destroyed()
         assert entities() == before[0]
         await eventually(lambda: resources() <= before[1])
     finally:

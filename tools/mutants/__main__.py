@@ -34,7 +34,7 @@ _PASSED, _FAILED, _INTERRUPTED = 0, 1, 2
 
 
 class Fate(Enum):
-    """What became of a mutant."""
+    """The end of a mutant."""
 
     KILLED = "killed"
     TIMED_OUT = "timed out"  # counts as killed
