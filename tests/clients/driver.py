@@ -188,6 +188,16 @@ class Connection:
         """Publish, advertising the topic first if it is not."""
         await self.do("publish", topic=topic, type_name=type_name, message=message, options=options)
 
+    async def is_awaited(self, topic: str) -> None:
+        """Wait until the gateway knows a subscriber: what is published before reaches nobody."""
+        about = {"topic": topic}
+        async with asyncio.timeout(TIMEOUT_S):
+            while True:
+                known = await self.call("/rosapi/subscribers", "rosapi/Subscribers", about)
+                if known["subscribers"]:
+                    return
+                await asyncio.sleep(0.05)
+
     async def call(
         self, service: str, type_name: str, args: Any, *, timeout_s: float | None = None
     ) -> Any:

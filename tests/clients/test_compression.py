@@ -85,6 +85,7 @@ async def test_fragments_bring_the_message(client: Connection, robot: Robot):
 async def test_an_operation_in_fragments_is_carried_out(client: Connection, robot: Robot):
     topic = client.own("in")
     heard = robot.hear(String, topic)
+    await client.is_awaited(topic)
     text = json.dumps({"op": "publish", "topic": topic, "type": STRING, "msg": {"data": "x" * 100}})
     pieces = [text[at : at + 20] for at in range(0, len(text), 20)]
     for num, piece in enumerate(pieces):

@@ -33,6 +33,7 @@ async def test_thirty_connections_at_once_all_get_everything(gateway: GatewayPro
             while await client.next("message", "/many") != {"data": "9"}:
                 pass
         heard = robot.hear(String, "/back", 100)
+        await clients[0].is_awaited("/back")
         for client in clients:
             await client.publish("/back", STRING, {"data": client.name})
         await eventually(lambda: len(heard) == len(clients))

@@ -35,6 +35,7 @@ async def test_a_restart_of_the_gateway_is_survived(library: Driver, robot: Robo
         await client.next("connected")
         await client.subscribe(out, STRING)
         await client.next("message", out)
+        await client.is_awaited(into)
         await client.publish(into, STRING, {"data": "before"})
         await eventually(lambda: heard == [String(data="before")])
         if provides:

@@ -24,6 +24,7 @@ async def test_what_a_robot_publishes_reaches_a_client(client: Connection, robot
 async def test_what_a_client_publishes_reaches_a_robot(client: Connection, robot: Robot):
     topic = client.own("in")
     heard = robot.hear(Twist, topic)
+    await client.is_awaited(topic)
     message = {"linear": {"x": 0.26}, "angular": {"z": -1.82}}
     await client.publish(topic, "geometry_msgs/Twist", message)
     await eventually(lambda: bool(heard))
