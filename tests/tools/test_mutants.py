@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from tools.mutants.__main__ import MIN_KILLED, Fate, Verdict, run, verdict
+from tools.mutants.__main__ import MIN_KILLED, Fate, Trial, run, verdict
 from tools.mutants.mutant import ROOT, Mutant, MutantError, load, page
 
 SOURCE = "LIMIT = 3\n\n\ndef is_allowed(count):\n    return count <= LIMIT\n"
@@ -27,8 +27,8 @@ def tree(tmp_path):
 
 def test_a_mutant_that_a_test_notices_is_killed_and_one_that_none_notices_survives(tree):
     lines = []
-    verdicts = run([KILLED, SURVIVOR], 1, tree, lines.append)
-    assert [outcome.fate for outcome in verdicts] == [Fate.KILLED, Fate.SURVIVED]
+    trials = run([KILLED, SURVIVOR], 1, tree, lines.append)
+    assert [outcome.fate for outcome in trials] == [Fate.KILLED, Fate.SURVIVED]
     assert "[2/2] SURVIVED  thing.py: four are not" in lines[-1]
     assert (tree / "thing.py").read_text() == SOURCE
     assert (tree / "tests/test_thing.py").read_text() == TEST
@@ -59,11 +59,11 @@ def test_tests_that_fail_without_a_mutant_kill_none(tree):
     [(0, None, True), (1, None, False), (1, "a reason", True), (3, "a reason", False)],
 )
 def test_enough_must_be_killed_and_each_survivor_have_a_reason(survivors, why, is_good):
-    killed = Verdict(KILLED, Fate.KILLED, 1.0)
-    survived = Verdict(replace(SURVIVOR, survives=why), Fate.SURVIVED, 1.0)
+    killed = Trial(KILLED, Fate.KILLED, 1.0)
+    survived = Trial(replace(SURVIVOR, survives=why), Fate.SURVIVED, 1.0)
     lines = []
-    verdicts = [killed] * (20 - survivors) + [survived] * survivors
-    assert verdict(verdicts, lines.append) is is_good
+    trials = [killed] * (20 - survivors) + [survived] * survivors
+    assert verdict(trials, lines.append) is is_good
     share = 100 - 5 * survivors
     assert lines[-1].strip() == (
         f"20 mutants, {20 - survivors} killed ({share} %), {survivors} survive"

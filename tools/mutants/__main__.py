@@ -42,7 +42,7 @@ class Fate(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class Trial:
     """A mutant, what became of it, and in how many seconds."""
 
     mutant: Mutant
@@ -84,8 +84,8 @@ def run(
     jobs: int,
     root: Path = ROOT,
     report: Callable[[str], None] = print,
-) -> list[Verdict]:
-    """Try all mutants and return the verdicts in the list's order.
+) -> list[Trial]:
+    """Try all mutants and return the trials in the list's order.
 
     Raises:
         MutantError: a line has changed, or tests fail without any mutant.
@@ -114,26 +114,25 @@ def run(
         return [tried.result() for tried in tries]
 
 
-def verdict(verdicts: Sequence[Verdict], report: Callable[[str], None] = print) -> bool:
+def verdict(trials: Sequence[Trial], report: Callable[[str], None] = print) -> bool:
     """Report survivors and sum; return whether enough are killed, and the rest explained."""
-    survivors = [outcome.mutant for outcome in verdicts if outcome.fate is Fate.SURVIVED]
+    survivors = [outcome.mutant for outcome in trials if outcome.fate is Fate.SURVIVED]
     for mutant in survivors:
         why = mutant.survives or "NO REASON GIVEN: write a test, or why none can tell"
         report(f"\n{mutant.file}: {mutant.rule}\n- {mutant.old}\n+ {mutant.new}\n  {why}")
-    for outcome in verdicts:
+    for outcome in trials:
         mutant = outcome.mutant
         if mutant.survives is not None and outcome.fate is not Fate.SURVIVED:
             report(f"\n{mutant.file}: {mutant.rule}\n  is listed as a survivor and was noticed")
-    killed = len(verdicts) - len(survivors)
-    share = killed / len(verdicts) if verdicts else 1.0
+    killed = len(trials) - len(survivors)
+    share = killed / len(trials) if trials else 1.0
     report(
-        f"\n{len(verdicts)} mutants, {killed} killed ({int(share * 100)} %),"
-        f" {len(survivors)} survive"
+        f"\n{len(trials)} mutants, {killed} killed ({int(share * 100)} %), {len(survivors)} survive"
     )
     return share >= MIN_KILLED and all(mutant.survives is not None for mutant in survivors)
 
 
-def _try(copies: Copies, mutant: Mutant) -> Verdict:
+def _try(copies: Copies, mutant: Mutant) -> Trial:
     started_s = time.monotonic()
     code, output = copies.run(mutant.tests, mutant)
     match code:
@@ -145,7 +144,7 @@ def _try(copies: Copies, mutant: Mutant) -> Verdict:
             fate = Fate.KILLED
         case _:
             raise MutantError(f"{mutant.file}: {mutant.rule}: pytest ended with {code}\n{output}")
-    return Verdict(mutant, fate, time.monotonic() - started_s)
+    return Trial(mutant, fate, time.monotonic() - started_s)
 
 
 def _check(copies: Copies, path: str) -> None:
