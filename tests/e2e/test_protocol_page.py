@@ -4,6 +4,7 @@
 import asyncio
 import json
 import re
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,8 @@ from tests.demonstration import demonstration
 
 PAGE = Path(__file__).parents[2] / "docs" / "protocol.md"
 CONVERSATIONS = re.findall(r"^```wscat\n(.*?)^```", PAGE.read_text(), re.DOTALL | re.MULTILINE)
+
+ATTEMPTS = 10  # at an example: on a busy machine, nodes of ROS answer later than the page expects
 
 ANY = "*any*"  # stands for `...` as a value
 MORE = "*more*"  # stands for `...` as a further member or element
@@ -46,19 +49,35 @@ def fits(expected: Any, got: Any) -> bool:
     return type(expected) is type(got) and expected == got
 
 
+class TooBusyError(Exception):
+    """A node of ROS has not answered in time."""
+
+
 async def hold(conversation: str, speaker: Client) -> str | None:
-    """Speak one example; return what was expected and did not come, if anything."""
+    """Speak one example; return what was expected and did not come, if anything.
+
+    Raises:
+        TooBusyError: a request timed out where the page has another answer.
+    """
     for line in conversation.splitlines():
         if line.startswith("> "):
             await speaker.socket.send(line.removeprefix("> "))
         else:
             expected = expectation(line.removeprefix("< "))
             try:
-                await speaker.receive(lambda frame, expected=expected: fits(expected, frame))
+                frame = await speaker.receive(
+                    lambda frame, expected=expected: fits(expected, frame) or is_timeout(frame)
+                )
             except TimeoutError:
                 others = "\n".join(json.dumps(frame)[:500] for frame in speaker.seen[-5:])
                 return f"no answer {line}\nbut among others\n{others}"
+            if not fits(expected, frame):
+                raise TooBusyError(line)
     return None
+
+
+def is_timeout(frame: Any) -> bool:
+    return frame.get("code") == "timeout"
 
 
 async def test_every_example_of_the_page_holds():
@@ -74,8 +93,11 @@ async def test_every_example_of_the_page_holds():
 
 
 async def on_its_own_connection(url: str, conversation: str) -> str | None:
-    async with client(url) as speaker:
-        return await hold(conversation, speaker)
+    for _ in range(ATTEMPTS):
+        async with client(url) as speaker:
+            with suppress(TooBusyError):
+                return await hold(conversation, speaker)
+    return f"timed out {ATTEMPTS} times: {conversation}"
 
 
 def test_the_examples_tell_a_wrong_frame_from_a_right_one():
