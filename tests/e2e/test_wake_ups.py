@@ -36,16 +36,18 @@ async def test_no_timer_is_started_for_each_message_that_a_client_publishes() ->
     heard: list[Sample] = []
     lifted = ("--set", "limits.operations_per_s=0", "--set", "limits.frames_per_s=0")
     with contextlib.closing(Outside()) as outside:
-        outside.add_subscription("/cmd_vel", TWIST, heard.extend, Qos(depth=1000))
+        outside.add_subscription("/twist", TWIST, heard.extend, Qos(depth=MESSAGES))
         async with gateway_process("serve", *lifted) as gateway, client(gateway.url) as driver:
-            await driver.send(op="advertise", topic="/cmd_vel", type=TWIST)
+            # deep enough for a reader that the machine holds up
+            qos = {"depth": MESSAGES}
+            await driver.send(op="advertise", topic="/twist", type=TWIST, qos=qos)
             while not heard:  # discovery takes what it takes
-                await driver.send(op="publish", topic="/cmd_vel", msg={})
+                await driver.send(op="publish", topic="/twist", msg={})
                 await driver.sync()
             heard.clear()
             before, started_s = timer_wake_ups(gateway.process.pid), time.monotonic()
             for _ in range(MESSAGES):
-                await driver.send(op="publish", topic="/cmd_vel", msg={})
+                await driver.send(op="publish", topic="/twist", msg={})
             await driver.sync()
             await eventually(lambda: len(heard) >= MESSAGES)
             woken = timer_wake_ups(gateway.process.pid) - before

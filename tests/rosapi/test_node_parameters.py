@@ -303,7 +303,7 @@ async def test_hidden_nodes_are_not_asked_for_their_names(nodes: ScriptedNodes) 
 async def test_more_dead_nodes_than_are_asked_at_once_do_not_hide_a_living_one(
     nodes: ScriptedNodes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("gateway.rosapi.node_parameters.NODE_TIMEOUT_S", 0.2)
+    monkeypatch.setattr("gateway.rosapi.node_parameters.NODE_TIMEOUT_S", 1.0)
     for number in range(NODES_AT_ONCE + 1):
         nodes.add_silent(f"/dead{number}")
     nodes.add("/living", "speed")

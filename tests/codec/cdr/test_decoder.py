@@ -167,7 +167,7 @@ def test_a_hostile_count_allocates_nothing(name, count):
             tracemalloc.reset_peak()
             assert decode_or_codec_error(decode, broken)
             _, peak = tracemalloc.get_traced_memory()
-            assert peak - before < 200_000
+            assert peak - before < 450_000  # the shortest list of so many takes 524,288
     finally:
         tracemalloc.stop()
 
