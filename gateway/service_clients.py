@@ -7,7 +7,7 @@ from gateway.codec.types import MessageType, ServiceType
 from gateway.deadline import Deadline
 from gateway.ports import Ros, ServiceClient
 from gateway.protocol.errors import ProtocolError
-from schemas.message import Clock
+from schemas.json_forms import Clock
 
 
 class ServiceClients:
@@ -53,7 +53,7 @@ def encode_values(message_type: MessageType, values: object, now_ns: Clock, root
     """Turn the values of a request, a goal or the like into CDR.
 
     They are an object, or as rosbridge allows an array with the values of the fields in order, or
-    missing. *now_ns* and *root* are as for `MessageType.validate`.
+    missing. *now_ns* and *root* are as for `MessageType.encode`.
 
     Raises:
         ProtocolError: ``invalid_value``, with the path.
@@ -63,6 +63,6 @@ def encode_values(message_type: MessageType, values: object, now_ns: Clock, root
             values = {}
         elif isinstance(values, list):
             values = message_type.named(values, root)
-        return message_type.encode(message_type.validate(values, now_ns, root))
+        return message_type.encode(values, now_ns, root)
     except CodecError as error:
         raise ProtocolError("invalid_value", str(error)) from error

@@ -8,10 +8,8 @@ a comment says so.
 """
 
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import suppress
 from typing import Annotated, ClassVar, Final, TypeAlias, TypeVar
 
-import pybase64
 from pydantic import (
     AfterValidator,
     BaseModel,
@@ -23,6 +21,8 @@ from pydantic import (
     model_validator,
 )
 from pydantic_core import PydanticCustomError
+
+from schemas.json_forms import MAX_NANOSEC, Clock, OctetsError, duration, header, octets, time
 
 __all__ = [
     "Annotated",
@@ -54,9 +54,6 @@ __all__ = [
 ]
 
 _T = TypeVar("_T")
-
-Clock: TypeAlias = int | Callable[[], int]
-"""ROS time in nanoseconds, or a function that returns it."""
 
 
 class Message(BaseModel):
@@ -90,9 +87,7 @@ UInt16: TypeAlias = Annotated[int, Field(ge=0, le=2**16 - 1)]
 UInt32: TypeAlias = Annotated[int, Field(ge=0, le=2**32 - 1)]
 UInt64: TypeAlias = Annotated[int, Field(ge=0, le=2**64 - 1)]
 
-# The nanosec of Time and Duration. The uint32 would hold four times as much, but their
-# definitions say "valid in the range [0, 1e9)", and readers of an invalid one disagree.
-Nanoseconds: TypeAlias = Annotated[int, Field(ge=0, le=10**9 - 1)]
+Nanoseconds: TypeAlias = Annotated[int, Field(ge=0, le=MAX_NANOSEC)]
 
 # The first double that rounds to infinity in single precision. The largest float32 is a
 # little below, but prints as 3.4028235e38, which must come back in.
@@ -132,31 +127,12 @@ def _bound(encoding: str, unit: int, limit: int, units: str) -> AfterValidator:
     return AfterValidator(check)
 
 
-def _octets(value: object) -> object:
+def _octets(value: object) -> bytes:
     # In Python, because the core decodes base64 only while it reads JSON text itself.
-    match value:
-        case str():
-            try:
-                return pybase64.b64decode(value, validate=True)
-            except ValueError as error:
-                raise PydanticCustomError("base64", "text is no valid base64") from error
-        case list():
-            return _octets_of_list(value)
-        case bytes() | bytearray() | memoryview():
-            return bytes(value)
-    raise PydanticCustomError("octets_type", "expected base64 text or an array of integers")
-
-
-def _octets_of_list(items: list[object]) -> bytes:
-    # bytes() would take True for 1. Checking the types as a set is five times as fast as checking
-    # each item, which happens only if something is wrong.
-    if set(map(type, items)) <= {int}:
-        with suppress(ValueError):
-            return bytes(items)  # type: ignore[arg-type]  # the line above saw integers only
-    index = next(
-        index for index, item in enumerate(items) if type(item) is not int or not 0 <= item <= 255
-    )
-    raise PydanticCustomError("octet", "item {index} is no integer from 0 to 255", {"index": index})
+    try:
+        return octets(value)
+    except OctetsError as error:
+        raise PydanticCustomError("octets", "{text}", {"text": str(error)}) from error
 
 
 # uint8[], byte[] and char[].
@@ -178,7 +154,7 @@ class DurationMessage(Message):
     @model_validator(mode="before")
     @classmethod
     def _rename(cls, value: object) -> object:
-        return _with_ros2_names(value)
+        return duration(value)
 
 
 class TimeMessage(Message):
@@ -187,13 +163,12 @@ class TimeMessage(Message):
     @model_validator(mode="before")
     @classmethod
     def _resolve(cls, value: object, info: ValidationInfo) -> object:
-        if value == "now":
-            now_ns = _clock(info)
-            if now_ns is None:
+        now_ns = _clock(info)
+        if now_ns is None:
+            if value == "now":
                 raise PydanticCustomError("no_clock", "no clock says what time is now")
-            sec, nanosec = divmod(now_ns if isinstance(now_ns, int) else now_ns(), 10**9)
-            return {"sec": sec, "nanosec": nanosec}
-        return _with_ros2_names(value)
+            return duration(value)
+        return time(value, now_ns)
 
 
 class HeaderMessage(Message):
@@ -205,25 +180,7 @@ class HeaderMessage(Message):
     @model_validator(mode="before")
     @classmethod
     def _stamp(cls, value: object, info: ValidationInfo) -> object:
-        if not isinstance(value, dict) or ("stamp" in value and "seq" not in value):
-            return value
-        header = {key: item for key, item in value.items() if key != "seq"}
-        if _clock(info) is not None:
-            header.setdefault("stamp", "now")
-        return header
-
-
-_ROS1_NAMES: Final = {"secs": "sec", "nsecs": "nanosec"}
-
-
-def _with_ros2_names(value: object) -> object:
-    if not isinstance(value, dict) or not ("secs" in value or "nsecs" in value):
-        return value
-    # If both names are given, the old one stays and is refused as unknown.
-    return {
-        key if _ROS1_NAMES.get(key, key) in value else _ROS1_NAMES.get(key, key): item
-        for key, item in value.items()
-    }
+        return header(value, _clock(info))
 
 
 def _clock(info: ValidationInfo) -> Clock | None:

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Final, Generic, TypeVar
 
-from pydantic import ValidationError
-
 from gateway.codec.cdr import (
     Decoder,
     Encoder,
@@ -18,15 +16,17 @@ from gateway.codec.cdr import (
     compile_encoder,
     compile_transcoder,
 )
+from gateway.codec.cdr.encoder import MISFITS, TooManyFieldsError
 from gateway.codec.cdr.selection import select
 from gateway.codec.error_text import truncate
-from gateway.codec.validation import InvalidValueError, invalid_value
-from schemas.build import Models
+from gateway.codec.errors import CodecError
+from gateway.codec.validation import InvalidValueError, explain_misfit
+from schemas.build import json_schema
 from schemas.definition import Definition
 from schemas.generate.json_schemas import Schema, interface_schema
 from schemas.installed import InstalledDefinitions
 from schemas.interface import Interface, InterfaceKind
-from schemas.message import Clock, Message
+from schemas.json_forms import Clock
 
 # Selections of fields that stay compiled per type. Clients share a few, and compiling takes
 # milliseconds, tens of them for the largest types. A client that keeps inventing selections must
@@ -35,22 +35,15 @@ MAX_DECODERS: Final = 32
 
 
 class MessageType:
-    """One message type, or one part of a service or an action: definition, model and codecs."""
+    """One message type, or one part of a service or an action: definition and codecs."""
 
-    def __init__(
-        self, definition: Definition, definitions: InstalledDefinitions, models: Models
-    ) -> None:
+    def __init__(self, definition: Definition, types: "Types") -> None:
         self.name = definition.name
         self.definition = definition
-        self._definitions = definitions
-        self._models = models
+        self._definitions = types.definitions
+        self._types = types
         self._decoders: _Compiled[Decoder] = _Compiled()
         self._transcoders: _Compiled[Transcoder] = _Compiled()
-
-    @cached_property
-    def model(self) -> type[Message]:
-        """The pydantic model of the messages that clients send."""
-        return self._models.get(self.name)
 
     @cached_property
     def decode(self) -> Decoder:
@@ -58,13 +51,32 @@ class MessageType:
         return compile_decoder(self.definition, self._definitions)
 
     @cached_property
-    def encode(self) -> Encoder:
-        """Turn a validated message into CDR; see `compile_encoder`."""
+    def compiled_encoder(self) -> Encoder:
+        """The encoder without words for a client; see `compile_encoder`."""
         return compile_encoder(self.definition, self._definitions)
+
+    def encode(self, value: object, now_ns: Clock, root: str = "msg") -> bytes:
+        """Turn decoded JSON into CDR; *now_ns* is, or returns, the time of a ``"now"`` in it.
+
+        Raises:
+            InvalidValueError: the value does not fit; paths in the text begin with *root*.
+            TooManyFieldsError: it takes too much; see `compile_encoder`.
+        """
+        try:
+            return self.compiled_encoder(value, now_ns)
+        except TooManyFieldsError as error:
+            raise TooManyFieldsError(f"{root}: {error}") from None
+        except MISFITS as error:
+            misfit = explain_misfit(
+                value, self.definition, self._definitions, self._types.encoder_of, now_ns, root
+            )
+            if misfit is None:  # unreachable, unless the encoder has a bug
+                raise CodecError(f"{root}: {self.definition.title} cannot be encoded") from error
+            raise misfit from None
 
     def json_schema(self) -> Schema:
         """Return the JSON Schema of the messages on the wire, nested types included."""
-        return self._models.json_schema(self.name)
+        return json_schema(self.name, self._definitions)
 
     def check_fields(self, fields: tuple[str, ...] | None) -> None:
         """Check the fields for `decoder` and `transcoder`, without compiling anything.
@@ -99,19 +111,8 @@ class MessageType:
             wanted, lambda: compile_transcoder(self.definition, self._definitions, wanted)
         )
 
-    def validate(self, value: object, now_ns: Clock, root: str = "msg") -> Message:
-        """Turn decoded JSON into a message; *now_ns* is, or returns, the time of a ``"now"`` in it.
-
-        Raises:
-            InvalidValueError: the value does not fit; paths in the text begin with *root*.
-        """
-        try:
-            return self.model.model_validate(value, context={"now_ns": now_ns})
-        except ValidationError as error:
-            raise invalid_value(error, self.definition, self._definitions, root) from None
-
     def named(self, values: Sequence[object], root: str = "args") -> dict[str, object]:
-        """Turn the values of the first fields, in order, into the object that `validate` takes.
+        """Turn the values of the first fields, in order, into the object that `encode` takes.
 
         Raises:
             InvalidValueError: there are more values than fields.
@@ -181,7 +182,6 @@ class Types:
 
     def __init__(self, definitions: InstalledDefinitions) -> None:
         self.definitions = definitions
-        self._models = Models(definitions)
         self._messages: dict[str, MessageType] = {}
         self._services: dict[str, ServiceType] = {}
         self._actions: dict[str, ActionType] = {}
@@ -198,9 +198,17 @@ class Types:
         if known is None:
             # Read nested types now: where the codecs are compiled, nobody expects an error.
             definition = self.definitions.closure([name])[-1]
-            known = MessageType(definition, self.definitions, self._models)
+            known = MessageType(definition, self)
             self._messages[name] = known
         return known
+
+    def encoder_of(self, name: str) -> Encoder:
+        """Return the encoder of a message type, whose errors are not for clients.
+
+        Raises:
+            UnknownTypeError, DefinitionError: as for `get`.
+        """
+        return self.get(name).compiled_encoder
 
     def service(self, name: str) -> ServiceType:
         """Return the service type ``pkg/srv/Name``.

@@ -1,27 +1,47 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Error texts for values that do not fit their message type."""
+"""Error texts for values that do not fit their message type.
+
+The encoder finds out that a value does not fit, and this module where and why.
+"""
 
 import difflib
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from typing import Final
 
-from pydantic import ValidationError
-from pydantic_core import ErrorDetails
-
-from gateway.codec.error_text import EXPECTED, MAX_ECHO, truncate
+from gateway.codec.cdr.encoder import MISFITS, Encoder
+from gateway.codec.error_text import MAX_ECHO, truncate
 from gateway.codec.error_text import kind as kind_of
 from gateway.codec.errors import CodecError
-from schemas.definition import FLOATS, INTEGER_RANGES, Definition, Field
+from schemas.definition import FLOATS, INTEGER_RANGES, STRINGS, Definition, FieldType
 from schemas.installed import InstalledDefinitions
+from schemas.json_forms import FORMS, MAX_NANOSEC, Clock, OctetsError, octets
 
 MAX_PROBLEMS: Final = 3  # as many as a person reads; the others are counted
-_OUT_OF_RANGE: Final = {
-    "greater_than": "over {gt}",
-    "greater_than_equal": "at least {ge}",
-    "less_than": "under {lt}",
-    "less_than_equal": "at most {le}",
+
+_EXPECTED: Final = {"bool": "true or false", "string": "a string", "wstring": "a string"}
+_KINDS: Final[Mapping[str, frozenset[type]]] = {
+    "bool": frozenset({bool}),
+    "string": frozenset({str}),
+    "wstring": frozenset({str}),
+    **dict.fromkeys(INTEGER_RANGES, frozenset({int})),
+    **dict.fromkeys(FLOATS, frozenset({float, int, type(None)})),
 }
-_WRONG_LENGTH: Final = frozenset({"too_short", "too_long", "bytes_too_short", "bytes_too_long"})
+_CLOCKS: Final = frozenset({"builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration"})
+# The largest double that rounds to a finite float32. The largest float32 is a little
+# below, but prints as 3.4028235e38, which must come back in.
+_FLOAT32_LIMIT: Final = math.nextafter(2.0**128 - 2.0**103, 0)
+_RANGES: Final[Mapping[str, tuple[float, float]]] = {
+    **INTEGER_RANGES,
+    "float32": (-_FLOAT32_LIMIT, _FLOAT32_LIMIT),
+    "float64": (-math.inf, math.inf),
+}
+# the encoding of a string type, and the bytes and the name of the units that its bound counts
+_UNITS: Final = {
+    "string": ("utf-8", 1, "bytes of UTF-8"),
+    "wstring": ("utf-16-le", 2, "code units of UTF-16"),
+}
 
 
 class InvalidValueError(CodecError):
@@ -32,90 +52,187 @@ class InvalidValueError(CodecError):
         self.path = path
 
 
-def invalid_value(
-    error: ValidationError, definition: Definition, definitions: InstalledDefinitions, root: str
-) -> InvalidValueError:
-    """Turn pydantic's error about a value for *definition*, called *root*, into one for clients."""
-    details = error.errors(include_url=False)
-    texts = _Texts(definition, definitions, root)
-    problems = [texts.problem(detail) for detail in details[:MAX_PROBLEMS]]
-    reason = "; ".join(problems)
-    if len(details) > MAX_PROBLEMS:
-        reason += f" (and {len(details) - MAX_PROBLEMS} more)"
-    return InvalidValueError(texts.path(details[0]), reason)
+def explain_misfit(
+    value: object,
+    definition: Definition,
+    definitions: InstalledDefinitions,
+    encoder_of: Callable[[str], Encoder],
+    now_ns: Clock,
+    root: str,
+) -> InvalidValueError | None:
+    """Return the error about a value that the encoder of *definition* has refused.
+
+    Of each array only the first element that does not fit is named. *root* is the name of the
+    value. Return ``None`` if nothing is wrong with it.
+    """
+    problems = _Problems(definitions, encoder_of, now_ns, root)
+    problems.check_message(value, definition, "")
+    return problems.error()
 
 
-class _Texts:
+class _Problems:
+    """The first problems of a value, and the number of all."""
+
     def __init__(
-        self, definition: Definition, definitions: InstalledDefinitions, root: str
+        self,
+        definitions: InstalledDefinitions,
+        encoder_of: Callable[[str], Encoder],
+        now_ns: Clock,
+        root: str,
     ) -> None:
-        self._definition = definition
         self._definitions = definitions
+        self._encoder_of = encoder_of
+        self._now_ns = now_ns
         self._root = root
+        self._found: list[tuple[str, str]] = []  # path and reason
+        self._count = 0
 
-    def path(self, detail: ErrorDetails) -> str:
-        """Return the path to the value, such as ``msg.poses[3].position.x``."""
-        parts = [f"[{part}]" if isinstance(part, int) else f".{part}" for part in detail["loc"]]
-        return self._root + truncate("".join(parts))
+    def error(self) -> InvalidValueError | None:
+        if not self._found:
+            return None
+        reason = "; ".join(f"{path}: {why}" for path, why in self._found)
+        if self._count > MAX_PROBLEMS:
+            reason += f" (and {self._count - MAX_PROBLEMS} more)"
+        return InvalidValueError(self._found[0][0], reason)
 
-    def problem(self, detail: ErrorDetails) -> str:
-        return f"{self.path(detail)}: {self._reason(detail)}"
+    def check_message(self, value: object, definition: Definition, path: str) -> None:
+        form = FORMS.get(definition.name)
+        if form is not None:
+            value = form(value, self._now_ns)
+        if type(value) is not dict:
+            self._add(path, f"expected an object, got {kind_of(value)}")
+            return
+        names = [field.name for field in definition.fields]
+        for field in definition.fields:
+            if field.name in value:
+                is_nanosec = field.name == "nanosec" and definition.name in _CLOCKS
+                limit = MAX_NANOSEC if is_nanosec else None
+                self._check_field(value[field.name], field.type, f"{path}.{field.name}", limit)
+        for name in value:
+            if name not in names:
+                self._add(f"{path}.{name}", partial(_unknown, name, names, definition))
 
-    def _reason(self, detail: ErrorDetails) -> str:
-        kind = detail["type"]
-        value = detail["input"]
-        container, field = self._field(detail)
-        if kind == "extra_forbidden":
-            return _unknown(str(detail["loc"][-1]), container)
-        if kind in EXPECTED:
-            return f"expected {EXPECTED[kind]}, got {kind_of(value)}"
-        if kind in _OUT_OF_RANGE and field is not None:
-            return _out_of_range(value, field.type.base, kind, detail.get("ctx", {}))
-        if kind in _WRONG_LENGTH and field is not None and isinstance(value, (list, bytes)):
-            wanted = field.type.length
-            expected = f"{wanted}" if wanted is not None else f"at most {field.type.bound}"
-            return f"expected {expected} elements, got {len(value)}"
-        if kind == "string_pattern_mismatch":
-            return "a string cannot hold U+0000"
-        if kind == "string_unicode":
-            return "a string cannot hold a lone surrogate"
-        # The models' own checks have texts for clients already.
-        return truncate(detail["msg"][:1].lower() + detail["msg"][1:])
+    def _check_field(self, value: object, kind: FieldType, path: str, limit: int | None) -> None:
+        if kind.is_octets:
+            self._check_octets(value, kind, path)
+        elif kind.is_array:
+            self._check_array(value, kind, path)
+        elif kind.is_primitive:
+            self._add(path, _misfit(value, kind, limit))
+        else:
+            self.check_message(value, self._definitions.get(kind.base), path)
 
-    def _field(self, detail: ErrorDetails) -> tuple[Definition, Field | None]:
-        """Return the innermost message around the value, and the field that contains the value."""
-        container = self._definition
-        field = None
-        for name in detail["loc"]:
-            if isinstance(name, int):
-                continue
-            if field is not None:
-                container = self._definitions.get(field.type.base)
-            field = next((field for field in container.fields if field.name == name), None)
-            if field is None:
-                break
-        return container, field
+    def _check_octets(self, value: object, kind: FieldType, path: str) -> None:
+        try:
+            self._add(path, _wrong_length(len(octets(value)), kind))
+        except OctetsError as error:
+            self._add(path, str(error))
+
+    def _check_array(self, values: object, kind: FieldType, path: str) -> None:
+        if not isinstance(values, list):
+            self._add(path, f"expected an array, got {kind_of(values)}")
+            return
+        wrong_length = _wrong_length(len(values), kind)
+        if wrong_length is not None:
+            self._add(path, wrong_length)
+        elif kind.is_primitive:
+            for index in _suspects(values, kind):
+                reason = _misfit(values[index], kind, None)
+                if reason is not None:
+                    self._add(f"{path}[{index}]", reason)
+                    return
+        else:
+            self._check_elements(values, kind, path)
+
+    def _check_elements(self, values: list[object], kind: FieldType, path: str) -> None:
+        encode = self._encoder_of(kind.base)
+        for index, element in enumerate(values):
+            try:
+                encode(element, self._now_ns)
+            except MISFITS:
+                definition = self._definitions.get(kind.base)
+                self.check_message(element, definition, f"{path}[{index}]")
+                return
+
+    def _add(self, path: str, reason: str | Callable[[], str] | None) -> None:
+        """Add a problem, unless *reason* is ``None``. A function words it only if it is needed."""
+        if reason is None:
+            return
+        self._count += 1
+        if len(self._found) < MAX_PROBLEMS:
+            text = reason if isinstance(reason, str) else reason()
+            self._found.append((self._root + truncate(path), text))
 
 
-def _unknown(name: str, definition: Definition) -> str:
+def _suspects(values: list[object], kind: FieldType) -> Iterable[int]:
+    """Return the indices of the elements that may not fit: of numbers, one at most.
+
+    A client may send 100,000, so those of a wrong kind or out of range are found without a call
+    for each.
+    """
+    if kind.base in STRINGS:
+        return range(len(values))
+    allowed = _KINDS[kind.base]
+    wrong_kind = (index for index, value in enumerate(values) if type(value) not in allowed)
+    first = next(wrong_kind, len(values))
+    low, high = _RANGES.get(kind.base, (False, True))
+    out_of_range = (
+        index
+        for index, value in enumerate(values[:first])
+        if value is not None and not low <= value <= high  # type: ignore[operator]
+    )
+    found = next(out_of_range, first)
+    return () if found == len(values) else (found,)
+
+
+def _misfit(value: object, kind: FieldType, limit: int | None) -> str | None:
+    """Return the reason why a value does not fit; *limit* is a bound below that of its type."""
+    if type(value) not in _KINDS[kind.base]:
+        return f"expected {_EXPECTED.get(kind.base, _number(kind))}, got {kind_of(value)}"
+    if isinstance(value, str):
+        return _text_misfit(value, kind)
+    if kind.base == "bool" or value is None:
+        return None
+    low, high = _RANGES[kind.base]
+    if not low <= value <= high:  # type: ignore[operator]  # it is a number
+        text = f"{truncate(str(value))} is out of range for {kind.base}"
+        return text if kind.base in FLOATS else f"{text} ({low} to {high})"
+    if limit is not None and value > limit:  # type: ignore[operator]
+        return f"{value} is out of range, at most {limit}"
+    return None
+
+
+def _number(kind: FieldType) -> str:
+    return "a number" if kind.base in FLOATS else "an integer"
+
+
+def _text_misfit(text: str, kind: FieldType) -> str | None:
+    if "\0" in text:
+        return "a string cannot hold U+0000"
+    encoding, unit, units = _UNITS[kind.base]
+    try:
+        size = len(text.encode(encoding)) // unit
+    except UnicodeEncodeError:
+        return "a string cannot hold a lone surrogate"
+    if kind.string_bound is not None and size > kind.string_bound:
+        return f"text has {size} {units}, at most {kind.string_bound} fit"
+    return None
+
+
+def _wrong_length(count: int, kind: FieldType) -> str | None:
+    if kind.length is not None and count != kind.length:
+        return f"expected {kind.length} elements, got {count}"
+    if kind.bound is not None and count > kind.bound:
+        return f"expected at most {kind.bound} elements, got {count}"
+    return None
+
+
+def _unknown(name: str, names: list[str], definition: Definition) -> str:
     reason = f"unknown field of {definition.title}"
-    names = [field.name for field in definition.fields]
     # Comparing takes the product of the lengths.
     close = difflib.get_close_matches(name[:MAX_ECHO], names, n=1)
     if close:
         return f"{reason}; did you mean {close[0]}?"
-    return (
-        f"{reason}, which has {truncate(', '.join(names))}"
-        if names
-        else f"{reason}, which is empty"
-    )
-
-
-def _out_of_range(value: object, base: str, kind: str, limits: Mapping[str, object]) -> str:
-    reason = f"{truncate(str(value))} is out of range for {base}"
-    if base in FLOATS:
-        return reason
-    low, high = INTEGER_RANGES[base]
-    if {low, high}.isdisjoint(limits.values()):  # narrower than the type
-        return f"{truncate(str(value))} is out of range, {_OUT_OF_RANGE[kind].format(**limits)}"
-    return f"{reason} ({low} to {high})"
+    if not names:
+        return f"{reason}, which is empty"
+    return f"{reason}, which has {truncate(', '.join(names))}"

@@ -4,7 +4,7 @@
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import assert_never
+from typing import assert_never, cast
 
 from gateway.codec.errors import CodecError
 from gateway.codec.types import Types
@@ -17,7 +17,6 @@ from gateway.rosapi.parameter_services import ParameterServices
 from gateway.rosapi.type_services import TypeServices
 from schemas.installed import InstalledDefinitions
 from schemas.interface import part_name
-from schemas.naming import attribute
 
 Answer = dict[str, object]
 _Request = Mapping[str, str]  # every field of every request is a string
@@ -133,11 +132,11 @@ class Rosapi:
         request = self._requests.get(part_name(type_name, "request"))
         try:
             values = request.named(args) if isinstance(args, list) else args
-            message = request.validate({} if values is None else values, self._ros.now_ns, "args")
+            cdr = request.encode({} if values is None else values, self._ros.now_ns, "args")
         except CodecError as error:
             raise ProtocolError("invalid_value", str(error)) from error
-        names = (field.name for field in request.definition.fields)
-        return {name: getattr(message, attribute(name)) for name in names}
+        # checked, and with the defaults of what is left out
+        return cast("_Request", request.decode(cdr))
 
     def _time(self, _: _Request) -> Answer:
         sec, nanosec = divmod(self._ros.now_ns(), 1_000_000_000)

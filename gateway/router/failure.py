@@ -18,4 +18,4 @@ def failure(message_type: MessageType, reason: str) -> bytes:
     texts = {each.name for each in message_type.definition.fields if str(each.type) == "string"}
     field = next((name for name in _TEXT_FIELDS if name in texts), None)
     values = {} if field is None else {field: reason}
-    return message_type.encode(message_type.validate(values, now_ns=0))
+    return message_type.encode(values, now_ns=0)

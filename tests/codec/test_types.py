@@ -3,6 +3,7 @@ import pytest
 from rclpy.serialization import deserialize_message, serialize_message
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
+from gateway.codec.cdr.encoder import TooManyFieldsError
 from gateway.codec.errors import FieldError
 from gateway.codec.json import dumps, loads
 from gateway.codec.types import Types
@@ -16,7 +17,6 @@ from tests.messages import (
     normalized,
     ros_class,
     to_json,
-    to_objects,
     to_ros,
 )
 from tests.schemas.test_installed import write_definition
@@ -39,14 +39,14 @@ def test_what_json_says_comes_back_from_cdr(name, types):
     message_type = types.get(name)
     for seed in range(2):
         values = to_json(RandomMessages(DEFINITIONS, seed, longest=2).message(name))
-        message = message_type.validate(loads(dumps(values)), now_ns=0)
-        assert normalized(message_type.decode(message_type.encode(message))) == values
+        cdr = message_type.encode(loads(dumps(values)), now_ns=0)
+        assert normalized(message_type.decode(cdr)) == values
 
 
 @pytest.mark.parametrize("name", DEFINITIONS.names() + PARTS)
 def test_an_empty_value_encodes_to_the_defaults_of_rclpy(name, types):
     message_type = types.get(name)
-    ours = message_type.decode(message_type.encode(message_type.validate({}, now_ns=0)))
+    ours = message_type.decode(message_type.encode({}, now_ns=0))
     theirs = message_type.decode(serialize_message(ros_class(name)()))
     assert normalized(ours) == normalized(theirs)
 
@@ -58,7 +58,7 @@ def test_the_parts_of_services_and_actions_are_on_the_wire_what_rclpy_says(name,
         values = RandomMessages(DEFINITIONS, seed).message(name)
         theirs = serialize_message(to_ros(part.definition, DEFINITIONS, values))
         assert normalized(part.decode(theirs)) == to_json(values)
-        read = deserialize_message(part.encode(to_objects(values)), ros_class(name))
+        read = deserialize_message(part.encode(to_json(values), 0), ros_class(name))
         assert from_ros(part.definition, DEFINITIONS, read) == values
 
 
@@ -82,7 +82,7 @@ def rosbags_store():
 def test_rosbags_reads_the_parts_of_services_and_actions(name, types, rosbags_store):
     part = types.get(name)
     values = RandomMessages(DEFINITIONS, 7).message(name)
-    read = rosbags_store.deserialize_cdr(part.encode(to_objects(values)), called_by_rosbags(name))
+    read = rosbags_store.deserialize_cdr(part.encode(to_json(values), 0), called_by_rosbags(name))
     assert from_ros(part.definition, DEFINITIONS, read) == values
 
 
@@ -168,7 +168,7 @@ def test_more_values_than_fields_raise_invalid_value_error(types, name, expected
 )
 def test_what_is_no_request_is_told_in_the_words_of_its_service(types, value, reason):
     with pytest.raises(InvalidValueError) as caught:
-        types.service(SET_BOOL).request.validate(value, now_ns=0, root="args")
+        types.service(SET_BOOL).request.encode(value, now_ns=0, root="args")
     assert str(caught.value) == reason.replace("SERVICE", SET_BOOL)
 
 
@@ -185,19 +185,26 @@ def test_an_unknown_type_raises_unknown_type_error(name, types):
 
 
 def test_now_is_the_time_given(types):
-    header = types.get("std_msgs/msg/Header").validate({"stamp": "now"}, now_ns=3_000_000_007)
-    assert (header.stamp.sec, header.stamp.nanosec) == (3, 7)
+    header = types.get("std_msgs/msg/Header")
+    cdr = header.encode({"stamp": "now"}, now_ns=3_000_000_007)
+    assert header.decode(cdr)["stamp"] == {"sec": 3, "nanosec": 7}
 
 
 def test_null_reaches_ros_as_nan(types):
     point = types.get("geometry_msgs/msg/Point")
-    decoded = point.decode(point.encode(point.validate({"x": None, "y": 1}, now_ns=0)))
+    decoded = point.decode(point.encode({"x": None, "y": 1}, now_ns=0))
     assert dumps(decoded) == b'{"x":null,"y":1.0,"z":0.0}'
+
+
+def test_what_takes_too_much_is_refused_in_words(types):
+    markers = {"markers": [{"id": 1}] * 20_000}
+    with pytest.raises(TooManyFieldsError, match=r"^args: over 100000 values .* fewer elements"):
+        types.get("visualization_msgs/msg/MarkerArray").encode(markers, now_ns=0, root="args")
 
 
 def test_what_does_not_fit_raises_invalid_value_error_with_its_path(types):
     with pytest.raises(InvalidValueError, match=r"^args\.x: expected a number") as caught:
-        types.get("geometry_msgs/msg/Point").validate({"x": "1"}, now_ns=0, root="args")
+        types.get("geometry_msgs/msg/Point").encode({"x": "1"}, now_ns=0, root="args")
     assert caught.value.path == "args.x"
 
 

@@ -19,7 +19,7 @@ def types():
 
 def reason_of(types, name, value):
     with pytest.raises(InvalidValueError) as caught:
-        types.get(name).validate(value, now_ns=0)
+        types.get(name).encode(value, now_ns=0)
     return str(caught.value)
 
 
@@ -130,7 +130,7 @@ def test_three_problems_are_named_and_the_others_counted(types):
 
 def test_the_path_is_that_of_the_first_problem(types):
     with pytest.raises(InvalidValueError) as caught:
-        types.get(POSES).validate({"poses": [{"position": {"x": "a", "y": "b"}}]}, now_ns=0)
+        types.get(POSES).encode({"poses": [{"position": {"x": "a", "y": "b"}}]}, now_ns=0)
     assert caught.value.path == "msg.poses[0].position.x"
 
 

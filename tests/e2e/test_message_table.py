@@ -51,7 +51,7 @@ def outside() -> Iterator[Outside]:
 def by_rclpy(name: str, message: Any) -> Plain:
     """Return what rclpy makes of a JSON message, so that no decoder of ours vouches for us."""
     message_type = TYPES.get(name)
-    cdr = message_type.encode(message_type.validate(message, now_ns=0))
+    cdr = message_type.encode(message, now_ns=0)
     definition = message_type.definition
     return from_ros(definition, DEFINITIONS, deserialize_message(cdr, ros_class(name)))
 

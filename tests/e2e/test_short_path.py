@@ -83,7 +83,7 @@ def documented() -> list[str]:
 async def test_a_sample_reaches_the_socket_in_few_calls_over_few_files(url: str, outside: Outside):
     types = Types(InstalledDefinitions())
     scan = types.get(SCAN)
-    cdr = scan.encode(scan.validate({"ranges": [1.0] * 360}, now_ns=0))
+    cdr = scan.encode({"ranges": [1.0] * 360}, now_ns=0)
     publisher = outside.add_publisher("/scan", SCAN)
     async with client(url) as listener:
         await listener.send(op="subscribe", topic="/scan", type=SCAN)

@@ -29,7 +29,7 @@ def list_of(values: Any) -> Any:
 
 def travelled(message: dict[str, object]) -> Any:
     """Return the value after its way through CDR."""
-    cdr = PARAMETER_VALUE.encode(PARAMETER_VALUE.validate(message, 0))
+    cdr = PARAMETER_VALUE.encode(message, 0)
     return value_of(PARAMETER_VALUE.decode(cdr))
 
 
@@ -54,7 +54,7 @@ def test_whatever_a_client_sends_is_a_valid_message_or_refused(
         message = message_of(value, wanted)
     except ParameterValueError:
         return
-    PARAMETER_VALUE.validate(message, 0)
+    PARAMETER_VALUE.encode(message, 0)
 
 
 @pytest.mark.parametrize(

@@ -210,21 +210,22 @@ def test_octets_come_back_from_base64_and_from_a_list(octets):
 
 @pytest.mark.parametrize("sent", ["QQ", "QQ=", "QQ==\n", " QQ==", "Q-__", "ä", "====", "A"])
 def test_what_is_not_strictly_base64_is_refused(sent):
-    assert refusal(CompressedImage, {"data": sent})[1:] == ("base64", "text is no valid base64")
+    assert refusal(CompressedImage, {"data": sent})[1:] == ("octets", "text is no valid base64")
 
 
 @pytest.mark.parametrize("bad", [256, -1, 1.0, True, "1", None])
 def test_octets_in_a_list_are_integers_and_the_first_bad_one_is_named(bad):
     assert refusal(CompressedImage, {"data": [0, 255, bad, bad]}) == (
         ("data",),
-        "octet",
+        "octets",
         "item 2 is no integer from 0 to 255",
     )
 
 
 @pytest.mark.parametrize("sent", [None, 1, {}, True])
 def test_octets_are_taken_from_nothing_else(sent):
-    assert refusal(CompressedImage, {"data": sent})[1] == "octets_type"
+    reason = "expected base64 text or an array of integers"
+    assert refusal(CompressedImage, {"data": sent})[1:] == ("octets", reason)
 
 
 def test_int8_arrays_are_no_octets():

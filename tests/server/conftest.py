@@ -37,7 +37,7 @@ class Served:
 
     def cdr(self, type_name: str, **values: Any) -> bytes:
         message_type = self.types.get(type_name)
-        return message_type.encode(message_type.validate(values, now_ns=0))
+        return message_type.encode(values, now_ns=0)
 
     @property
     def clients(self) -> int:

@@ -115,14 +115,12 @@ def probe_of_everything(everything, tmp_path_factory):
 
 def as_the_gateway_sends(message_type, values):
     """Return CDR of a message, and the JSON that the gateway makes of it."""
-    message = message_type.validate(values, now_ns=NOW_NS)
-    cdr = bytes(message_type.encode(message))
+    cdr = message_type.encode(values, now_ns=NOW_NS)
     return cdr, dumps(message_type.decode(cdr))
 
 
 def as_the_gateway_takes(message_type, text):
-    message = message_type.validate(loads(text), now_ns=0)
-    return bytes(message_type.encode(message))
+    return message_type.encode(loads(text), now_ns=0)
 
 
 def check_round_trip(probe, message_type, values):
@@ -165,7 +163,7 @@ def test_what_the_mock_system_sends_comes_back_as_it_went(name, probe, types):
 def test_a_new_message_has_the_defaults_of_its_definition(name, probe, types):
     message_type = types.get(name)
     text = probe.ask(f"new:{name}")
-    defaults = message_type.encode(message_type.validate({}, now_ns=0))
+    defaults = message_type.encode({}, now_ns=0)
     assert as_the_gateway_takes(message_type, text) == bytes(defaults)
 
 
@@ -232,8 +230,8 @@ def test_a_header_without_a_stamp_is_left_to_be_stamped(probe, types):
     header = types.get("std_msgs/msg/Header")
     text = probe.ask("new:std_msgs/msg/Header")
     assert text == b'{"frame_id":""}'
-    message = header.validate(loads(text), now_ns=NOW_NS)
-    assert (message.stamp.sec, message.stamp.nanosec) == divmod(NOW_NS, 10**9)
+    stamp = header.decode(header.encode(loads(text), now_ns=NOW_NS))["stamp"]
+    assert (stamp["sec"], stamp["nanosec"]) == divmod(NOW_NS, 10**9)
 
 
 @pytest.mark.parametrize("row", TABLE.rows, ids=lambda row: row.name)

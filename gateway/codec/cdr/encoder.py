@@ -1,16 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Validated messages to CDR."""
+"""Decoded JSON to CDR, checked on the way.
 
-import math
+A client decides what a message costs, so it costs in proportion to what the client wrote: no
+object is made per message, an empty element is a run of bytes that is known already, and a bound
+on fields and on bytes is checked before each element.
+"""
+
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from functools import cache
 from struct import error as StructError  # noqa: N812
 from struct import pack
-from typing import Any, Final, TypeAlias, assert_never
+from typing import Final, NoReturn, TypeAlias, assert_never
 
-import numpy as np
-
+from gateway.codec.cdr.defaults import DefaultBytes, default_elements, default_value
 from gateway.codec.cdr.layout import (
+    ALIGNMENTS,
     CODES,
     HEADER_BYTES,
     Elements,
@@ -25,56 +30,96 @@ from gateway.codec.cdr.layout import (
     item_path,
 )
 from gateway.codec.cdr.source import SourceCode, variable
+from gateway.codec.cdr.text import to_cdr
 from gateway.codec.errors import CodecError
 from schemas.definition import FLOATS, Definition
 from schemas.installed import InstalledDefinitions
-from schemas.naming import attribute
+from schemas.json_forms import FORMS, MAX_NANOSEC, Clock, octets
 
-Encoder: TypeAlias = Callable[[Any], bytes]
+Encoder: TypeAlias = Callable[[object, Clock], bytes]
 
+# As many values as a frame may hold, counted with the fields that a client leaves out.
+MAX_FIELDS: Final = 100_000
+MAX_CDR_BYTES: Final = 16 * 1024**2  # as much as a frame; only what is left out can make it longer
+
+_CLOCKS: Final = frozenset({"builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration"})
 _CDR_LE: Final = b"\0\1\0\0"  # RTPS 2.5, 10.2; the options stay 0
-# The errors of struct, str.encode and len for a value of a wrong type.
-_MISFITS: Final = (StructError, TypeError, UnicodeEncodeError, OverflowError)
+_NUMBERS: Final = frozenset({float, int})
+_INTEGERS: Final = frozenset({int})
+_BOOLS: Final = frozenset({bool})
+
+
+class MisfitError(ValueError):
+    """A value does not fit its field."""
+
+
+class _NullError(MisfitError):
+    """One of the floats is ``None``."""
+
+
+class TooManyFieldsError(CodecError):
+    """A message is small as JSON and large as CDR."""
+
+
+# Misfits that struct, str.encode and the like find. Their texts are not for clients.
+MISFITS: Final = (StructError, AttributeError, TypeError, ValueError, OverflowError)
 
 
 def compile_encoder(definition: Definition, definitions: InstalledDefinitions) -> Encoder:
-    """Compile a function from a message object to little-endian CDR, header included.
+    """Compile a function from a decoded JSON object to little-endian CDR, header included.
 
-    It reads the attributes that `schemas.naming.attribute` names: numbers, `str`, `bytes` for
-    octet arrays, sequences, nested objects. ``None`` for a float is encoded as NaN. Padding is
-    zero. The values must have been validated; lengths are checked nevertheless, and a value
-    without an encoding raises `CodecError`.
+    It takes what `schemas.message.Message` describes, and the ROS time for ``"now"`` and for
+    headers without a stamp. ``None`` for a float is encoded as NaN. Padding is zero. A value that
+    does not fit raises one of `MISFITS`, without saying where; `gateway.codec.validation` does.
+
+    It raises `TooManyFieldsError` for a message that takes more than `MAX_FIELDS`, or whose CDR
+    takes more than `MAX_CDR_BYTES`.
 
     Raises:
         UnknownTypeError: a nested type is not installed.
     """
     members = flatten(definition, definitions)
     title = f"CDR encoder of {definition.name}"
-
-    def refuse(_message: object, error: Exception) -> bytes:
-        raise CodecError(f"{definition.title} cannot be encoded: {error}") from error
+    strict = _EncoderWriter(definition, definitions, is_lenient=False).write(members, title)
 
     @cache
-    def with_nan() -> Encoder:
-        return _EncoderWriter(is_lenient=True).write(members, f"{title}, null as NaN", refuse)
+    def lenient() -> Encoder:
+        writer = _EncoderWriter(definition, definitions, is_lenient=True)
+        return writer.write(members, f"{title}, null as NaN")
 
-    def retry(message: object, _error: Exception) -> bytes:
-        return with_nan()(message)
+    def encode(message: object, now_ns: Clock) -> bytes:
+        try:
+            return strict(message, now_ns)
+        except _NullError:
+            return lenient()(message, now_ns)
 
-    return _EncoderWriter(is_lenient=False).write(members, title, retry)
+    return encode
+
+
+def _misfit(values: Sequence[object]) -> MisfitError:
+    """Return the error for floats of which one is not a number."""
+    others = set(map(type, values)) - _NUMBERS
+    return _NullError() if others == {type(None)} else MisfitError()
 
 
 def _float(value: float | None) -> float:
-    return math.nan if value is None else value
+    return float("nan") if value is None else value
 
 
-def _wide(text: str) -> bytes:
-    """Encode as UTF-16 units of 4 bytes each, as Fast CDR does for a wstring."""
-    return np.frombuffer(text.encode("utf-16-le"), "<u2").astype("<u4").tobytes()
+def _refuse_size() -> NoReturn:
+    raise TooManyFieldsError(
+        f"over {MAX_FIELDS} values or {MAX_CDR_BYTES} bytes, counted with the fields that are left"
+        " out; send fewer elements at once"
+    )
 
 
-def _bad_length(path: str, count: int, expected: str) -> CodecError:
-    return CodecError(f"{path} has {count} elements, expected {expected}")
+@dataclass(slots=True)
+class _Run:
+    """Neighbours of fixed size that are not written yet."""
+
+    slots: list[Slot] = field(default_factory=list)
+    values: list[str] = field(default_factory=list)
+    unchecked: dict[str, list[str]] = field(default_factory=dict)  # variables, by their check
 
 
 class _EncoderWriter:
@@ -84,36 +129,43 @@ class _EncoderWriter:
     messages for the sake of few, so the strict encoder runs first and the lenient one if it fails.
     """
 
-    def __init__(self, *, is_lenient: bool) -> None:
+    def __init__(
+        self, definition: Definition, definitions: InstalledDefinitions, *, is_lenient: bool
+    ) -> None:
+        self._definitions = definitions
         self._is_lenient = is_lenient
         self._source = SourceCode()
-        self._slots = [Slot("s", HEADER_BYTES)]
-        self._values = ["CDR_LE"]
+        self._run = _Run([Slot("s", HEADER_BYTES)], ["CDR_LE"])
         self._residue: int | None = 0  # of the length of out modulo 8, if known
         self._is_begun = False
-        self._objects: dict[Path, str] = {(): "message"}  # those that a variable holds already
+        self._messages: dict[Path, Definition] = {(): definition}
+        self._objects: dict[Path, str] = {}  # those that a variable holds already
 
-    def write(
-        self, members: Sequence[Member], title: str, on_misfit: Callable[[object, Exception], bytes]
-    ) -> Encoder:
+    def write(self, members: Sequence[Member], title: str) -> Encoder:
         source = self._source
-        with source.block("def encode(message):"):
-            with source.block("try:"):
-                self._members(members)
-                self._flush()
-                source.line("return bytes(out)")
-            with source.block("except MISFITS as error:"):
-                source.line("return on_misfit(message, error)")
+        with source.block("def encode(message, now_ns):"):
+            if any(isinstance(member, Elements) for member in members):
+                source.line(f"left = {MAX_FIELDS}")
+            self._open((), "message")
+            self._members(members)
+            self._flush()
+            source.line("return bytes(out)")
         names = {
+            "BOOLS": _BOOLS,
             "CDR_LE": _CDR_LE,
-            "MISFITS": _MISFITS,
-            "bad_length": _bad_length,
+            "EMPTY": {},
+            "INTEGERS": _INTEGERS,
+            "Misfit": MisfitError,
+            "NUMBERS": _NUMBERS | {type(None)} if self._is_lenient else _NUMBERS,
+            "misfit": _misfit,
             "number": _float,
-            "on_misfit": on_misfit,
+            "octets": octets,
             "pack": pack,
-            "wide": _wide,
+            "refuse_size": _refuse_size,
+            "to_cdr": to_cdr,
         }
-        return source.compile("encode", title, names)
+        encode: Encoder = source.compile("encode", title, names)
+        return encode
 
     def _members(self, members: Sequence[Member]) -> None:
         for member in members:
@@ -129,52 +181,49 @@ class _EncoderWriter:
                 case _:
                     assert_never(member)
 
+    # One method for each kind of member
+
     def _fixed(self, member: Fixed) -> None:
-        code = CODES[member.base]
-        if not member.wanted:
-            self._slots.append(Slot(code, is_padding=True))
-        elif member.length is None:
-            self._slots.append(Slot(code))
-            value = self._value(member.path)
-            self._values.append(f"number({value})" if self._may_be_none(member) else value)
+        if not member.wanted:  # the octet of a message without fields
+            self._object(member.path)
+            self._run.slots.append(Slot(CODES[member.base], is_padding=True))
+            return
+        name = self._value(member)
+        if member.length is None:
+            self._run.unchecked.setdefault(_allowed(member.base), []).append(name)
+            self._put(Slot(CODES[member.base]), self._as_number(member, name))
         else:
-            name = self._object(member.path)
-            self._expect_length(member.path, name, member.length)
+            self._array(member, name)
             if member.is_octets:
-                self._slots.append(Slot("s", member.length))
-                self._values.append(name)
+                self._put(Slot("s", member.length), name)
             else:
-                self._slots.append(Slot(code, member.length))
-                self._values.append(self._unpacked(member, name))
+                self._put(Slot(CODES[member.base], member.length), self._unpacked(member, name))
 
     def _text(self, member: Text) -> None:
-        source = self._source
-        name = variable(member.path)
-        value = self._value(member.path)
-        if member.is_wide:
-            source.line(f"{name} = wide({value})")
-            self._count(f"len({name}) // 4", member.path, member.bound)
-        else:
-            source.line(f'{name} = {value}.encode() + b"\\0"')
-            self._count(f"len({name})", member.path, member.bound, terminators=1)
+        self._write_text(member, self._value(member))
+
+    def _write_text(self, member: Text, name: str) -> None:
+        count = f"count_of_{name}"
+        self._source.line(f"{count}, {name} = to_cdr({name}, is_wide={member.is_wide})")
+        # only the count of a narrow string includes its NUL
+        self._count(count, member.bound, terminators=0 if member.is_wide else 1)
         self._flush()
-        source.line(f"out += {name}")
+        self._source.line(f"out += {name}")
         self._residue = None
 
     def _numbers(self, member: Numbers) -> None:
         source = self._source
-        name = self._object(member.path)
+        name = self._value(member)
+        self._array(member, name)
         if member.length is None:
-            self._count(f"len({name})", member.path, member.bound)
-        else:
-            self._expect_length(member.path, name, member.length)
+            self._count(f"len({name})", member.bound)
         self._flush()
         padding = f"out += bytes(({HEADER_BYTES} - len(out)) % {member.size})"
         if member.length is not None and member.size > 1:
             source.line(padding)
         elif member.size > 4:  # after the count it is aligned to 4
             # Before an array without elements there is no padding.
-            with source.block(f"if len({name}):"):
+            with source.block(f"if {name}:"):
                 source.line(padding)
         if member.is_octets:
             source.line(f"out += {name}")
@@ -185,65 +234,162 @@ class _EncoderWriter:
 
     def _elements(self, member: Elements) -> None:
         source = self._source
-        elements = self._object(member.path)
+        name = variable(member.path)
+        default = source.constant("ELEMENTS", default_elements(member), f"of {name}")
+        source.line(f"{name} = {self._get(member.path, default)}")
+        self._expect_list(name, member.length)
         if member.length is None:
-            self._count(f"len({elements})", member.path, member.bound)
-        else:
-            self._expect_length(member.path, elements, member.length)
+            self._count(f"len({name})", member.bound)
         self._flush()
         self._residue = None
         element = variable(item_path(member.path))
-        # The members' paths begin with the array's own, which here means the element.
         outer = self._objects
-        self._objects = {**outer, member.path: element, item_path(member.path): element}
-        with source.block(f"for {element} in {elements}:"):
-            self._members(member.members)
+        self._objects = {}
+        with source.block(f"for {element} in {name}:"):
+            if member.definition is None:
+                (item,) = member.members
+                assert isinstance(item, Text)  # noqa: S101  # arrays of numbers are no `Elements`
+                self._write_text(item, element)
+            else:
+                self._element(member, member.definition, element)
             self._flush()
         self._objects = outer
         self._residue = None
 
+    def _element(self, member: Elements, definition: Definition, element: str) -> None:
+        source = self._source
+        with source.block(f"if {element} == EMPTY:"):
+            empty = source.constant("EMPTY", DefaultBytes(member.members), definition.name)
+            source.line(f"out += {empty}[len(out) & {ALIGNMENTS - 1}]")
+            self._spend(1)
+            source.line("continue")
+        self._spend(len(member.members))
+        # The paths of an element's fields begin with the array's own.
+        self._messages[member.path] = definition
+        self._open(member.path, element)
+        self._members(member.members)
+
+    def _spend(self, fields: int) -> None:
+        """Write the check of the bounds."""
+        self._source.line(f"left -= {fields}")
+        with self._source.block(f"if left < 0 or len(out) > {MAX_CDR_BYTES}:"):
+            self._source.line("refuse_size()")
+
+    # Values, and the objects that hold them
+
+    def _value(self, member: Fixed | Numbers | Text) -> str:
+        """Assign the value of a field to a variable, and return it."""
+        name = variable(member.path)
+        default = default_value(member)
+        text = repr(default)
+        if isinstance(default, (list, bytes)):
+            text = self._source.constant("DEFAULT", default, f"of {name}")
+        value = self._get(member.path, text)
+        if not isinstance(member, Text) and member.is_octets:
+            value = f"octets({value})"
+        self._source.line(f"{name} = {value}")
+        if member.path[-1] == "nanosec" and self._messages[member.path[:-1]].name in _CLOCKS:
+            with self._source.block(f"if {name} > {MAX_NANOSEC}:"):
+                self._source.line("raise Misfit")
+        return name
+
+    def _get(self, path: Path, default: str) -> str:
+        """Return the expression for a field, given that for its default."""
+        return f"{self._object(path[:-1])}.get({path[-1]!r}, {default})"
+
+    def _object(self, path: Path) -> str:
+        """Return the variable of the message at *path*; the first call assigns it."""
+        if path not in self._objects:
+            outer, key = self._object(path[:-1]), repr(path[-1])
+            definition = self._definitions.get(self._type_of(path))
+            self._messages[path] = definition
+            name = variable(path)
+            if definition.name in FORMS:
+                form = self._form(definition, f"{outer}[{key}]")
+                self._source.line(f"{name} = {form} if {key} in {outer} else EMPTY")
+            else:
+                self._source.line(f"{name} = {outer}.get({key}, EMPTY)")
+            self._expect_known(definition, name)
+            self._objects[path] = name
+        return self._objects[path]
+
+    def _open(self, path: Path, name: str) -> None:
+        """Begin a message that the variable *name* holds."""
+        definition = self._messages[path]
+        if definition.name in FORMS:
+            self._source.line(f"{name} = {self._form(definition, name)}")
+        self._expect_known(definition, name)
+        self._objects[path] = name
+
+    def _type_of(self, path: Path) -> str:
+        fields = self._messages[path[:-1]].fields
+        return next(field.type.base for field in fields if field.name == path[-1])
+
+    def _form(self, definition: Definition, value: str) -> str:
+        form = self._source.constant("FORM", FORMS[definition.name], definition.name)
+        return f"{form}({value}, now_ns)"
+
+    # Checks
+
+    def _expect_known(self, definition: Definition, name: str) -> None:
+        """Write the check that a message has no unknown fields."""
+        test = f"{name} != EMPTY"  # without fields, nothing else finds out that it is no object
+        if definition.fields:
+            names = frozenset(field.name for field in definition.fields)
+            known = self._source.constant("FIELDS", names, definition.name)
+            test = f"not {known}.issuperset({name})"
+        self._raise_misfit_if(test)
+
+    def _expect_list(self, name: str, length: int | None) -> None:
+        # a string or an object has a length and elements, too
+        test = f"type({name}) is not list"
+        self._raise_misfit_if(test if length is None else f"{test} or len({name}) != {length}")
+
+    def _array(self, member: Fixed | Numbers, name: str) -> None:
+        """Write the checks of an array of numbers."""
+        if not member.is_octets:
+            self._expect_list(name, member.length)
+            allowed = _allowed(member.base)
+            with self._source.block(f"if not {allowed}.issuperset(map(type, {name})):"):
+                self._source.line(_raise(allowed, name))
+        elif member.length is not None:
+            self._raise_misfit_if(f"len({name}) != {member.length}")
+
+    def _count(self, count: str, bound: int | None, terminators: int = 0) -> None:
+        """Write the uint32 count of an array or string, which ends a run."""
+        if bound is not None:
+            self._raise_misfit_if(f"{count} > {bound + terminators}")
+        self._put(Slot("I"), count)
+
+    def _raise_misfit_if(self, test: str) -> None:
+        with self._source.block(f"if {test}:"):
+            self._source.line("raise Misfit")
+
     def _may_be_none(self, member: Fixed | Numbers) -> bool:
         return self._is_lenient and member.base in FLOATS
+
+    # Runs
+
+    def _put(self, slot: Slot, value: str) -> None:
+        self._run.slots.append(slot)
+        self._run.values.append(value)
+
+    def _as_number(self, member: Fixed, name: str) -> str:
+        return f"number({name})" if self._may_be_none(member) else name
 
     def _unpacked(self, member: Fixed | Numbers, name: str) -> str:
         return f"*map(number, {name})" if self._may_be_none(member) else f"*{name}"
 
-    def _count(self, count: str, path: Path, bound: int | None, terminators: int = 0) -> None:
-        """Write the uint32 count of an array or string, which ends a run."""
-        if bound is not None:
-            with self._source.block(f"if {count} > {bound + terminators}:"):
-                expected = f"at most {bound}"
-                self._raise_bad_length(
-                    path, f"{count} - {terminators}" if terminators else count, expected
-                )
-        self._slots.append(Slot("I"))
-        self._values.append(count)
-
-    def _expect_length(self, path: Path, name: str, length: int) -> None:
-        with self._source.block(f"if len({name}) != {length}:"):
-            self._raise_bad_length(path, f"len({name})", str(length))
-
-    def _raise_bad_length(self, path: Path, count: str, expected: str) -> None:
-        self._source.line(f"raise bad_length({'.'.join(path)!r}, {count}, {expected!r})")
-
-    def _value(self, path: Path) -> str:
-        """Return the expression for the value at *path*."""
-        known = self._objects.get(path)
-        return known or f"{self._object(path[:-1])}.{attribute(path[-1])}"
-
-    def _object(self, path: Path) -> str:
-        """Return the variable of the object at *path*; the first call assigns it."""
-        if path not in self._objects:
-            self._source.line(f"{variable(path)} = {self._value(path)}")
-            self._objects[path] = variable(path)
-        return self._objects[path]
-
     def _flush(self) -> None:
         """Write the current run."""
-        if not self._slots:
+        if not self._run.slots:
             return
         source = self._source
-        run = Run(self._slots, "<")
+        for allowed, names in self._run.unchecked.items():
+            types = ", ".join(f"type({name})" for name in names)
+            with source.block(f"if not {allowed}.issuperset(({types},)):"):
+                source.line(_raise(allowed, f"({', '.join(names)},)"))
+        run = Run(self._run.slots, "<")
         if self._residue is not None:
             struct = run.at(self._residue)
             packer = source.constant("PACK", struct.pack, struct.format)
@@ -251,10 +397,20 @@ class _EncoderWriter:
             structs = run.at_all()
             table = [struct.pack for struct in structs]
             name = source.constant("PACK", table, structs[HEADER_BYTES].format)
-            packer = f"{name}[len(out) & 7]"
-        packed = f"{packer}({', '.join(self._values)})"
+            packer = f"{name}[len(out) & {ALIGNMENTS - 1}]"
+        packed = f"{packer}({', '.join(self._run.values)})"
         source.line(f"out += {packed}" if self._is_begun else f"out = bytearray({packed})")
         self._is_begun = True
         self._residue = run.residue_after(self._residue)
-        self._slots = []
-        self._values = []
+        self._run = _Run()
+
+
+def _allowed(base: str) -> str:
+    """Return the name of the set of Python's types for a primitive."""
+    if base in FLOATS:
+        return "NUMBERS"
+    return "BOOLS" if base == "bool" else "INTEGERS"
+
+
+def _raise(allowed: str, values: str) -> str:
+    return f"raise misfit({values})" if allowed == "NUMBERS" else "raise Misfit"

@@ -7,7 +7,7 @@ from struct import Struct, calcsize
 from typing import Final, Literal, TypeAlias
 
 from gateway.codec.cdr.selection import Selection
-from schemas.definition import OCTETS, STRINGS, Definition, Field
+from schemas.definition import OCTETS, STRINGS, Definition, Field, Value
 from schemas.installed import InstalledDefinitions
 
 HEADER_BYTES: Final = 4  # the encapsulation header; offsets count from its start
@@ -44,6 +44,7 @@ class Fixed:
     base: str
     length: int | None
     wanted: bool
+    default: Value | None = None
 
     @property
     def is_octets(self) -> bool:
@@ -59,6 +60,7 @@ class Text:
     is_wide: bool
     bound: int | None
     wanted: bool
+    default: Value | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +72,7 @@ class Numbers:
     length: int | None
     bound: int | None
     wanted: bool
+    default: Value | None = None
 
     @property
     def size(self) -> int:
@@ -93,6 +96,7 @@ class Elements:
     length: int | None
     bound: int | None
     wanted: bool
+    default: Value | None = None
 
 
 Member: TypeAlias = Fixed | Text | Numbers | Elements
@@ -154,14 +158,16 @@ def _of_field(
         text = Text(path, kind.base == "wstring", kind.string_bound, wanted)
         if kind.is_array:
             item = replace(text, path=item_path(path))
-            yield Elements(path, (item,), None, None, kind.length, kind.bound, wanted)
+            yield Elements(
+                path, (item,), None, None, kind.length, kind.bound, wanted, field.default
+            )
         else:
-            yield text
+            yield replace(text, default=field.default)
     elif kind.is_primitive:
         if kind.is_sequence or (kind.length or 0) > NUMPY_LENGTH:
-            yield Numbers(path, kind.base, kind.length, kind.bound, wanted)
+            yield Numbers(path, kind.base, kind.length, kind.bound, wanted, field.default)
         else:
-            yield Fixed(path, kind.base, kind.length, wanted)
+            yield Fixed(path, kind.base, kind.length, wanted, field.default)
     else:
         definition = definitions.get(kind.base)
         members = _members(definition, definitions, path, selection, wanted=wanted)

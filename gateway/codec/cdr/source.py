@@ -41,9 +41,7 @@ class SourceCode:
         self._comments.append(f"# {name}: {meaning}")
         return name
 
-    def compile(
-        self, function: str, title: str, names: Mapping[str, object]
-    ) -> Callable[[Any], Any]:
+    def compile(self, function: str, title: str, names: Mapping[str, object]) -> Callable[..., Any]:
         """Compile the lines, which define *function*; *names* are its further globals.
 
         Tracebacks show the source as long as the function exists.
@@ -54,7 +52,7 @@ class SourceCode:
         code = compile(text, filename, "exec")
         scope: dict[str, Any] = {**names, **self._constants}
         exec(code, scope)  # noqa: S102
-        compiled: Callable[[Any], Any] = scope[function]
+        compiled: Callable[..., Any] = scope[function]
         linecache.cache[filename] = (len(text), None, text.splitlines(keepends=True), filename)
         # Clients choose fields, so titles are unbounded: an entry ends with its function.
         weakref.finalize(compiled, linecache.cache.pop, filename, None).atexit = False

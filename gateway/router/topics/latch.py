@@ -111,7 +111,7 @@ class TransformLatch:
     def _merged(self, now_ns: int) -> bytes:
         # in the form that clients send: NaN as null
         values = loads(dumps({"transforms": list(self._transforms.values())}))
-        return self._type.encode(self._type.validate(values, now_ns))
+        return self._type.encode(values, now_ns)
 
 
 def make_latch(topic: str, message_type: MessageType) -> Latch | TransformLatch:

@@ -87,8 +87,7 @@ class Publications:
         elif request.type is not None:
             self._check_type(topic, known, request.type)
         try:
-            message = known.message_type.validate(request.msg, self._ros.now_ns)
-            cdr = known.message_type.encode(message)
+            cdr = known.message_type.encode(request.msg, self._ros.now_ns)
         except CodecError as error:
             raise ProtocolError("invalid_value", str(error)) from error
         known.publisher.publish(cdr)

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The forms in which JSON may hold octets, times and headers, beside the plain one.
+
+Functions that turn them into the plain form; a value that has no such form comes back unchanged,
+for its reader to refuse.
+"""
+
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from typing import Final, TypeAlias
+
+import pybase64
+
+Clock: TypeAlias = int | Callable[[], int]
+"""ROS time in nanoseconds, or a function that returns it."""
+
+# The nanosec of Time and Duration. The uint32 would hold four times as much, but their
+# definitions say "valid in the range [0, 1e9)", and readers of an invalid one disagree.
+MAX_NANOSEC: Final = 10**9 - 1
+
+_ROS1_NAMES: Final = {"secs": "sec", "nsecs": "nanosec"}
+
+
+class OctetsError(ValueError):
+    """A value holds no octets; the text is for the client that sent it."""
+
+
+def octets(value: object) -> bytes:
+    """Return the bytes of base64 text, of an array of integers, or of bytes.
+
+    Raises:
+        OctetsError: the value has another form.
+    """
+    match value:
+        case str():
+            try:
+                return pybase64.b64decode(value, validate=True)
+            except ValueError as error:
+                raise OctetsError("text is no valid base64") from error
+        case list():
+            return _octets_of_list(value)
+        case bytes() | bytearray() | memoryview():
+            return bytes(value)
+    raise OctetsError("expected base64 text or an array of integers")
+
+
+def duration(value: object, _now_ns: Clock = 0) -> object:
+    """Return a Duration with the names of ROS 2, given those of either ROS."""
+    if type(value) is not dict or not ("secs" in value or "nsecs" in value):
+        return value
+    # If both names are given, the old one stays and is refused as unknown.
+    return {
+        key if _ROS1_NAMES.get(key, key) in value else _ROS1_NAMES.get(key, key): item
+        for key, item in value.items()
+    }
+
+
+def time(value: object, now_ns: Clock) -> object:
+    """Return a Time with the names of ROS 2, given those of either ROS or ``"now"``."""
+    if value != "now":
+        return duration(value)
+    sec, nanosec = divmod(now_ns if isinstance(now_ns, int) else now_ns(), 10**9)
+    return {"sec": sec, "nanosec": nanosec}
+
+
+def header(value: object, now_ns: Clock | None) -> object:
+    """Return a Header without the ``seq`` of ROS 1.
+
+    One without a ``stamp`` is stamped now, as in rosbridge, if there is a clock.
+    """
+    if type(value) is not dict or ("stamp" in value and "seq" not in value):
+        return value
+    fields = {key: item for key, item in value.items() if key != "seq"}
+    if now_ns is not None:
+        fields.setdefault("stamp", "now")
+    return fields
+
+
+FORMS: Final[Mapping[str, Callable[[object, Clock], object]]] = {
+    "builtin_interfaces/msg/Duration": duration,
+    "builtin_interfaces/msg/Time": time,
+    "std_msgs/msg/Header": header,
+}
+"""The types with forms of their own, by name."""
+
+
+def _octets_of_list(items: list[object]) -> bytes:
+    # bytes() would take True for 1. Checking the types as a set is five times as fast as checking
+    # each item, which happens only if something is wrong.
+    if set(map(type, items)) <= {int}:
+        with suppress(ValueError):
+            return bytes(items)  # type: ignore[arg-type]  # the line above saw integers only
+    index = next(
+        index for index, item in enumerate(items) if type(item) is not int or not 0 <= item <= 255
+    )
+    raise OctetsError(f"item {index} is no integer from 0 to 255")
