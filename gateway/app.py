@@ -15,7 +15,7 @@ from gateway.codec.image import confine_to_calling_thread
 from gateway.codec.types import Types
 from gateway.config.model import Config
 from gateway.errors import BindError, ConfigError
-from gateway.memory import keep_large_blocks
+from gateway.memory import exempt_from_collection, keep_large_blocks
 from gateway.ports import LogLevel, Ros, RosError
 from gateway.ros import RosOptions, open_ros
 from gateway.rosapi import interfaces_prefix
@@ -74,6 +74,7 @@ async def _serve(config: Config, announce: Announce) -> int:
         )
         addresses = await _listen(stack, server, config)
         lines = list(_address_lines(addresses, config.path))
+        exempt_from_collection()
         announce("\n".join(lines), _own_url(addresses, config.path))
         await stop.wait()
         logger.info("shutting down")

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import ctypes
+import subprocess
+import sys
 from types import SimpleNamespace
 
 import pytest
@@ -23,3 +25,14 @@ def test_blocks_of_32_mib_come_from_the_heap_which_keeps_64_mib(
 def test_another_c_library_is_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ctypes, "CDLL", lambda name: SimpleNamespace())
     keep_large_blocks()
+
+
+def test_what_exists_is_exempt_from_collection():
+    program = "from gateway.memory import exempt_from_collection as f; import gc; f()"
+    frozen = subprocess.run(
+        [sys.executable, "-c", f"{program}; print(gc.get_freeze_count())"],
+        capture_output=True,
+        check=True,
+        text=True,
+    )
+    assert int(frozen.stdout) > 1000

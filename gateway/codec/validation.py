@@ -7,8 +7,7 @@ The encoder finds out that a value does not fit, and this module where and why.
 import difflib
 import math
 from collections.abc import Callable, Iterable, Mapping
-from functools import partial
-from typing import Final
+from typing import Any, Final
 
 from gateway.codec.cdr.encoder import MISFITS, Encoder
 from gateway.codec.error_text import MAX_ECHO, truncate
@@ -102,15 +101,16 @@ class _Problems:
         if type(value) is not dict:
             self._add(path, f"expected an object, got {kind_of(value)}")
             return
-        names = [field.name for field in definition.fields]
+        names = {field.name: None for field in definition.fields}
         for field in definition.fields:
             if field.name in value:
                 is_nanosec = field.name == "nanosec" and definition.name in _CLOCKS
                 limit = MAX_NANOSEC if is_nanosec else None
                 self._check_field(value[field.name], field.type, f"{path}.{field.name}", limit)
-        for name in value:
-            if name not in names:
-                self._add(f"{path}.{name}", partial(_unknown, name, names, definition))
+        unknown = [name for name in value if name not in names]
+        for name in unknown[:MAX_PROBLEMS]:
+            self._add(f"{path}.{name}", _unknown(name, list(names), definition))
+        self._count += len(unknown[MAX_PROBLEMS:])
 
     def _check_field(self, value: object, kind: FieldType, path: str, limit: int | None) -> None:
         if kind.is_octets:
@@ -154,14 +154,13 @@ class _Problems:
                 self.check_message(element, definition, f"{path}[{index}]")
                 return
 
-    def _add(self, path: str, reason: str | Callable[[], str] | None) -> None:
-        """Add a problem, unless *reason* is ``None``. A function words it only if it is needed."""
+    def _add(self, path: str, reason: str | None) -> None:
+        """Add a problem, unless *reason* is ``None``."""
         if reason is None:
             return
         self._count += 1
         if len(self._found) < MAX_PROBLEMS:
-            text = reason if isinstance(reason, str) else reason()
-            self._found.append((self._root + truncate(path), text))
+            self._found.append((self._root + truncate(path), reason))
 
 
 def _suspects(values: list[object], kind: FieldType) -> Iterable[int]:
@@ -172,17 +171,15 @@ def _suspects(values: list[object], kind: FieldType) -> Iterable[int]:
     """
     if kind.base in STRINGS:
         return range(len(values))
-    allowed = _KINDS[kind.base]
-    wrong_kind = (index for index, value in enumerate(values) if type(value) not in allowed)
-    first = next(wrong_kind, len(values))
+    types = list(map(type, values))
+    wrong = set(types) - _KINDS[kind.base]
+    if wrong:
+        return (min(map(types.index, wrong)),)
     low, high = _RANGES.get(kind.base, (False, True))
-    out_of_range = (
-        index
-        for index, value in enumerate(values[:first])
-        if value is not None and not low <= value <= high  # type: ignore[operator]
-    )
-    found = next(out_of_range, first)
-    return () if found == len(values) else (found,)
+    numbers: list[Any] = [0 if value is None else value for value in values]
+    if not numbers or low <= min(numbers) <= max(numbers) <= high:
+        return ()
+    return (next(index for index, value in enumerate(numbers) if not low <= value <= high),)
 
 
 def _misfit(value: object, kind: FieldType, limit: int | None) -> str | None:

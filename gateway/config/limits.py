@@ -33,10 +33,10 @@ class Limits(Section):
         5, description="seconds a client may take for its handshake before it is disconnected"
     )
     max_message_bytes: Annotated[int, Field(ge=1024, le=16 * 1024**2)] = Field(
-        256 * 1024,
+        10 * 1024**2,
         serialization_alias="message_bytes",
-        description="bytes of the largest frame a client may send, as parsing holds up"
-        " all others (up to 50 ms for 256 KiB); a larger one ends its connection with code 1009",
+        description="bytes of the largest frame a client may send, as much as rosbridge takes;"
+        " a larger one ends its connection with code 1009",
     )
     frames_per_s: Rate = Field(
         2000,
@@ -109,9 +109,10 @@ class Limits(Section):
         description="levels of nesting in a client's JSON; ROS messages nest 8 at most",
     )
     max_json_items: Count = Field(
-        100_000,  # more than any picture-free message of 256 KiB holds
+        100_000,
         serialization_alias="json_items",
-        description="values in one JSON frame of a client, as each costs memory",
+        description="values in one JSON frame of a client, as each costs time and memory; of these"
+        " 20,000 objects and arrays",
     )
     max_queue_length: Annotated[int, Field(ge=1, le=100_000)] = Field(
         MAX_QUEUE_DEPTH,

@@ -12,10 +12,10 @@ import orjson
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.operations.fragment import Fragment
 
-MAX_INCOMPLETE: Final = 4  # a client sends one after the other; 1 MiB at the default limits
+MAX_INCOMPLETE: Final = 4  # a client sends one after the other; together as large as one message
 MAX_REFUSED: Final = 4  # as many as can fail at once; the numbers of their pieces are 1 MB at worst
-MAX_PIECES: Final = 4096  # 256 KiB in the smallest pieces that `fragment_size` allows
-MAX_AGE_NS: Final = 60 * 1_000_000_000  # by then even the weakest WiFi has passed 256 KiB
+MAX_PIECES: Final = 4096  # 10 MiB in pieces of 2.5 kB
+MAX_AGE_NS: Final = 60 * 1_000_000_000  # by then even a weak WiFi has passed 10 MiB
 
 
 def split(text: bytes, size: int, fragment_id: str) -> list[bytes]:
@@ -93,11 +93,12 @@ class Assembly:
             return None
         message.pieces[fragment.num] = fragment.data
         message.size += len(fragment.data.encode())
-        if message.size > self._max_bytes:
+        size = sum(each.size for each in self._incomplete.values())
+        if size > self._max_bytes:
             self._refuse(fragment.id, message, now_ns)
             raise ProtocolError(
                 "limit_exceeded",
-                f"data: {message.size} bytes so far, at most {self._max_bytes} allowed in all",
+                f"data: {size} bytes so far, at most {self._max_bytes} allowed in all",
             )
         if len(message.pieces) < message.total:
             return None

@@ -187,6 +187,17 @@ def test_a_whole_message_may_be_as_large_as_the_limit():
     assert assembly.add(fragment(1, 2, "x" * 500), 0) == b"x" * LIMIT
 
 
+def test_incomplete_messages_are_together_as_large_as_the_limit():
+    assembly = Assembly(LIMIT)
+    assembly.add(fragment(0, 2, "x" * 600, "one"), 0)
+    code, text = refused(assembly, fragment(0, 2, "y" * 401, "other"))
+    assert (code, text) == (
+        "limit_exceeded",
+        "data: 1001 bytes so far, at most 1000 allowed in all",
+    )
+    assert assembly.add(fragment(1, 2, "x" * 400, "one"), 0) == b"x" * LIMIT
+
+
 def test_too_many_pieces_are_refused():
     assembly = Assembly(LIMIT)
     assembly.add(fragment(0, MAX_PIECES), 0)

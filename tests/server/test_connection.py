@@ -139,13 +139,13 @@ def test_little_waits_in_the_kernel_and_not_for_long(wire: Wire):
     }
 
 
-def test_a_message_of_256_kib_is_taken_and_a_larger_one_ends_the_connection(wire: Wire):
-    largest = masked(Opcode.TEXT, b"x" * (256 * 1024))
+def test_a_message_of_10_mib_is_taken_and_a_larger_one_ends_the_connection(wire: Wire):
+    largest = masked(Opcode.TEXT, b"x" * (10 * MIB))
     for start in range(0, len(largest), 16 * 1024):
         wire.receive(largest[start : start + 16 * 1024])
     assert b"bad_json" in wire.transport.unsent
     assert wire.connection.session is not None
-    wire.receive(masked(Opcode.TEXT, b"x" * (256 * 1024 + 1))[: 16 * 1024])
+    wire.receive(masked(Opcode.TEXT, b"x" * (10 * MIB + 1))[: 16 * 1024])
     assert (1009).to_bytes(2, "big") in wire.transport.unsent
 
 

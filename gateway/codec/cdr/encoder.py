@@ -11,8 +11,9 @@ from dataclasses import dataclass, field
 from functools import cache
 from struct import error as StructError  # noqa: N812
 from struct import pack
-from typing import Final, NoReturn, TypeAlias, assert_never
+from typing import Final, TypeAlias, assert_never
 
+from gateway.codec.cdr.bounds import MAX_CDR_BYTES, MAX_FIELDS, count_fields, refuse_size
 from gateway.codec.cdr.defaults import DefaultBytes, default_elements, default_value
 from gateway.codec.cdr.layout import (
     ALIGNMENTS,
@@ -30,17 +31,12 @@ from gateway.codec.cdr.layout import (
     item_path,
 )
 from gateway.codec.cdr.source import SourceCode, variable
-from gateway.codec.cdr.text import to_cdr
-from gateway.codec.errors import CodecError
+from gateway.codec.cdr.text import wide
 from schemas.definition import FLOATS, Definition
 from schemas.installed import InstalledDefinitions
 from schemas.json_forms import FORMS, MAX_NANOSEC, Clock, octets
 
 Encoder: TypeAlias = Callable[[object, Clock], bytes]
-
-# As many values as a frame may hold, counted with the fields that a client leaves out.
-MAX_FIELDS: Final = 100_000
-MAX_CDR_BYTES: Final = 16 * 1024**2  # as much as a frame; only what is left out can make it longer
 
 _CLOCKS: Final = frozenset({"builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration"})
 _CDR_LE: Final = b"\0\1\0\0"  # RTPS 2.5, 10.2; the options stay 0
@@ -57,10 +53,6 @@ class _NullError(MisfitError):
     """One of the floats is ``None``."""
 
 
-class TooManyFieldsError(CodecError):
-    """A message is small as JSON and large as CDR."""
-
-
 # Misfits that struct, str.encode and the like find. Their texts are not for clients.
 MISFITS: Final = (StructError, AttributeError, TypeError, ValueError, OverflowError)
 
@@ -72,8 +64,7 @@ def compile_encoder(definition: Definition, definitions: InstalledDefinitions) -
     headers without a stamp. ``None`` for a float is encoded as NaN. Padding is zero. A value that
     does not fit raises one of `MISFITS`, without saying where; `gateway.codec.validation` does.
 
-    It raises `TooManyFieldsError` for a message that takes more than `MAX_FIELDS`, or whose CDR
-    takes more than `MAX_CDR_BYTES`.
+    It raises `TooManyFieldsError` for a message beyond the bounds of `gateway.codec.cdr.bounds`.
 
     Raises:
         UnknownTypeError: a nested type is not installed.
@@ -100,17 +91,6 @@ def _misfit(values: Sequence[object]) -> MisfitError:
     """Return the error for floats of which one is not a number."""
     others = set(map(type, values)) - _NUMBERS
     return _NullError() if others == {type(None)} else MisfitError()
-
-
-def _float(value: float | None) -> float:
-    return float("nan") if value is None else value
-
-
-def _refuse_size() -> NoReturn:
-    raise TooManyFieldsError(
-        f"over {MAX_FIELDS} values or {MAX_CDR_BYTES} bytes, counted with the fields that are left"
-        " out; send fewer elements at once"
-    )
 
 
 @dataclass(slots=True)
@@ -156,13 +136,14 @@ class _EncoderWriter:
             "EMPTY": {},
             "INTEGERS": _INTEGERS,
             "Misfit": MisfitError,
+            "NAN": float("nan"),
+            "NUL": b"\0",
             "NUMBERS": _NUMBERS | {type(None)} if self._is_lenient else _NUMBERS,
             "misfit": _misfit,
-            "number": _float,
             "octets": octets,
             "pack": pack,
-            "refuse_size": _refuse_size,
-            "to_cdr": to_cdr,
+            "refuse_size": refuse_size,
+            "wide": wide,
         }
         encode: Encoder = source.compile("encode", title, names)
         return encode
@@ -192,44 +173,51 @@ class _EncoderWriter:
         if member.length is None:
             self._run.unchecked.setdefault(_allowed(member.base), []).append(name)
             self._put(Slot(CODES[member.base]), self._as_number(member, name))
+        elif member.is_octets:
+            self._expect_octets(member, name)
+            self._put(Slot("s", member.length), name)
         else:
-            self._array(member, name)
-            if member.is_octets:
-                self._put(Slot("s", member.length), name)
-            else:
-                self._put(Slot(CODES[member.base], member.length), self._unpacked(member, name))
+            self._expect_list(name, member.length)
+            self._expect_numbers(member, name)
+            self._put(Slot(CODES[member.base], member.length), self._unpacked(member, name))
 
     def _text(self, member: Text) -> None:
         self._write_text(member, self._value(member))
 
     def _write_text(self, member: Text, name: str) -> None:
-        count = f"count_of_{name}"
-        self._source.line(f"{count}, {name} = to_cdr({name}, is_wide={member.is_wide})")
-        # only the count of a narrow string includes its NUL
-        self._count(count, member.bound, terminators=0 if member.is_wide else 1)
+        if member.is_wide:
+            self._source.line(f"{name} = wide({name})")
+            self._count(f"len({name}) // 4", member.bound)
+        else:
+            self._source.line(f"{name} = {name}.encode()")
+            self._raise_misfit_if(f"NUL in {name}")
+            self._count(f"len({name}) + 1", member.bound, terminators=1)
         self._flush()
         self._source.line(f"out += {name}")
+        if not member.is_wide:
+            self._source.line("out += NUL")
         self._residue = None
 
     def _numbers(self, member: Numbers) -> None:
         source = self._source
         name = self._value(member)
-        self._array(member, name)
+        if member.is_octets:
+            self._expect_octets(member, name)
+        else:
+            self._expect_list(name, member.length)
         if member.length is None:
             self._count(f"len({name})", member.bound)
         self._flush()
-        padding = f"out += bytes(({HEADER_BYTES} - len(out)) % {member.size})"
-        if member.length is not None and member.size > 1:
-            source.line(padding)
-        elif member.size > 4:  # after the count it is aligned to 4
-            # Before an array without elements there is no padding.
-            with source.block(f"if {name}:"):
-                source.line(padding)
-        if member.is_octets:
-            source.line(f"out += {name}")
-        else:
-            unpacked = self._unpacked(member, name)
-            source.line(f'out += pack(f"<{{len({name})}}{CODES[member.base]}", {unpacked})')
+        with source.block(f"if {name}:"):  # without elements there is no padding
+            # after its count an array is aligned to 4
+            if member.size > (1 if member.length is not None else 4):
+                source.line(f"out += bytes(({HEADER_BYTES} - len(out)) % {member.size})")
+            if member.is_octets:
+                source.line(f"out += {name}")
+            else:
+                self._expect_numbers(member, name)
+                unpacked = self._unpacked(member, name)
+                source.line(f'out += pack(f"<{{len({name})}}{CODES[member.base]}", {unpacked})')
         self._residue = None
 
     def _elements(self, member: Elements) -> None:
@@ -263,7 +251,7 @@ class _EncoderWriter:
             source.line(f"out += {empty}[len(out) & {ALIGNMENTS - 1}]")
             self._spend(1)
             source.line("continue")
-        self._spend(len(member.members))
+        self._spend(count_fields(member.members))
         # The paths of an element's fields begin with the array's own.
         self._messages[member.path] = definition
         self._open(member.path, element)
@@ -345,15 +333,15 @@ class _EncoderWriter:
         test = f"type({name}) is not list"
         self._raise_misfit_if(test if length is None else f"{test} or len({name}) != {length}")
 
-    def _array(self, member: Fixed | Numbers, name: str) -> None:
-        """Write the checks of an array of numbers."""
-        if not member.is_octets:
-            self._expect_list(name, member.length)
-            allowed = _allowed(member.base)
-            with self._source.block(f"if not {allowed}.issuperset(map(type, {name})):"):
-                self._source.line(_raise(allowed, name))
-        elif member.length is not None:
+    def _expect_octets(self, member: Fixed | Numbers, name: str) -> None:
+        if member.length is not None:
             self._raise_misfit_if(f"len({name}) != {member.length}")
+
+    def _expect_numbers(self, member: Fixed | Numbers, name: str) -> None:
+        """Write the check of the elements of an array."""
+        allowed = _allowed(member.base)
+        with self._source.block(f"if not {allowed}.issuperset(map(type, {name})):"):
+            self._source.line(_raise(allowed, name))
 
     def _count(self, count: str, bound: int | None, terminators: int = 0) -> None:
         """Write the uint32 count of an array or string, which ends a run."""
@@ -375,10 +363,12 @@ class _EncoderWriter:
         self._run.values.append(value)
 
     def _as_number(self, member: Fixed, name: str) -> str:
-        return f"number({name})" if self._may_be_none(member) else name
+        return f"NAN if {name} is None else {name}" if self._may_be_none(member) else name
 
     def _unpacked(self, member: Fixed | Numbers, name: str) -> str:
-        return f"*map(number, {name})" if self._may_be_none(member) else f"*{name}"
+        if not self._may_be_none(member):
+            return f"*{name}"
+        return f"*[NAN if each is None else each for each in {name}]"
 
     def _flush(self) -> None:
         """Write the current run."""

@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Frames that are legal and cost as much as they can.
+
+A client may send anything within the limits. What costs most is found by trying: of every array in
+every message type, elements that say nothing, and elements that say one field each.
+"""
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Final
+
+from gateway.codec.cdr.bounds import MAX_FIELDS, count_fields
+from gateway.codec.cdr.layout import flatten
+from gateway.codec.json import LARGE_BYTES, MAX_CONTAINERS, MAX_ITEMS
+from gateway.config.limits import Limits
+from schemas.definition import FLOATS, INTEGER_RANGES, STRINGS, Definition, FieldType
+from schemas.installed import InstalledDefinitions
+
+MAX_MESSAGE_BYTES: Final = Limits().max_message_bytes
+
+_MAX_NESTING: Final = 3  # arrays of messages within arrays of messages
+_SPARE: Final = 20  # containers and items of the frame around the array
+_IMAGE: Final = "sensor_msgs/msg/Image"
+_SCAN: Final = "sensor_msgs/msg/LaserScan"
+_STRING: Final = "std_msgs/msg/String"
+
+
+@dataclass(frozen=True)
+class HostileFrame:
+    """A frame, and its name in the table."""
+
+    name: str
+    data: bytes
+
+
+@dataclass(frozen=True)
+class Bomb:
+    """An array of messages somewhere in a type, to be filled with one element many times."""
+
+    type_name: str
+    template: str
+    """The message as JSON, with ``@`` for the elements."""
+    element: str
+    fields: int
+    """For which one element counts."""
+
+    def frame(self, count: int) -> HostileFrame:
+        """Return a frame with so many elements."""
+        elements = ",".join([self.element] * count)
+        short = self.template.replace("@", f"{self.element},... {count}")
+        return HostileFrame(
+            f"{self.type_name.rpartition('/')[2]} {short}",
+            publish(self.type_name, self.template.replace("@", elements)),
+        )
+
+    def counts(self) -> set[int]:
+        """Return the most elements that are encoded, and the most that are looked at."""
+        containers = self.element.count("{") + self.element.count("[")
+        items = containers + self.element.count(",") + 1
+        most = min(
+            (MAX_CONTAINERS - _SPARE) // containers,
+            (MAX_ITEMS - _SPARE) // items,
+            (MAX_MESSAGE_BYTES - 1000) // (len(self.element) + 1),
+        )
+        return {most, max(1, min(most, (MAX_FIELDS - _SPARE) // self.fields))}
+
+
+def publish(type_name: str, message: str) -> bytes:
+    """Return a frame that publishes a message, given as JSON, on a topic for its type."""
+    topic = f"/hostile/{type_name.replace('/', '_')}"
+    return f'{{"op":"publish","topic":"{topic}","type":"{type_name}","msg":{message}}}'.encode()
+
+
+def bombs(definitions: InstalledDefinitions) -> Iterator[Bomb]:
+    """Return the arrays of messages in all installed types, each with several fillings."""
+    for name in definitions.names():
+        for template, definition in _arrays(definitions.get(name), definitions, _MAX_NESTING):
+            fields = count_fields(flatten(definition, definitions))
+            yield Bomb(name, template, "{}", 1)
+            for field in definition.fields:
+                value = json.dumps(_smallest(field.type))
+                yield Bomb(name, template, f'{{"{field.name}":{value}}}', fields)
+
+
+def plain_frames() -> Iterator[HostileFrame]:
+    """Return frames that need no search: long ones, deep ones, wrong ones, and other operations."""
+    most, containers = MAX_ITEMS - _SPARE, MAX_CONTAINERS - _SPARE
+    room = MAX_MESSAGE_BYTES - 1000
+    floats, nulls = ",".join(["0.1"] * most), ",".join(["null"] * most)
+    members = ",".join(f'"k{number}":"v"' for number in range(most // 2))
+    for name, data in {
+        "ranges: numbers": publish(_SCAN, f'{{"ranges":[{floats}]}}'),
+        "ranges: nulls": publish(_SCAN, f'{{"ranges":[{nulls}]}}'),
+        "ranges: numbers, then null": publish(_SCAN, f'{{"ranges":[{floats[:-3]}null]}}'),
+        "ranges: numbers, then text": publish(_SCAN, f'{{"ranges":[{floats[:-3]}""]}}'),
+        "octets as integers": publish(_IMAGE, f'{{"data":[{",".join(["255"] * most)}]}}'),
+        "octets, the last too large": publish(
+            _IMAGE, f'{{"data":[{",".join(["255"] * (most - 1))},256]}}'
+        ),
+        "octets as base64": publish(_IMAGE, f'{{"data":"{"A" * (room // 4 * 4)}"}}'),
+        "octets as bad base64": publish(_IMAGE, f'{{"data":"{"A" * (room // 4 * 4 - 1)}?"}}'),
+        "a long string": publish(_STRING, f'{{"data":"{"a" * room}"}}'),
+        "a long string, not ASCII": publish(_STRING, f'{{"data":"{"ü" * (room // 2)}"}}'),
+        "unknown fields": publish(_STRING, f"{{{members}}}"),
+        "a poor man's binary": b"[" * room,
+        "nothing but arrays": b"[" + b",".join([b"[]"] * containers) + b"]",
+        "nothing but objects": b"[" + b",".join([b'{"a":{}}'] * (containers // 2)) + b"]",
+        "colons in strings": f'{{"op":"x","y" :":",{members}}}'.encode(),
+        "a duplicate among many": f'{{"op":"x","y" :":","op":"x",{members}}}'.encode(),
+        "strings of commas": b'["' + b"," * (LARGE_BYTES - 10) + b'"]',
+        "strings of escapes": b'["' + b'\\"' * (LARGE_BYTES // 2 - 10) + b'"]',
+        "a call with many values": _operation(
+            "call_service", f'"service":"/rosapi/topics","args":[{floats}]'
+        ),
+        "all topics with their definitions": _operation(
+            "call_service", '"service":"/rosapi/topics_and_raw_types"'
+        ),
+        "a description of a large type": _operation(
+            "describe", '"type":"visualization_msgs/msg/InteractiveMarkerUpdate"'
+        ),
+        "the graph": _operation("graph", '"id":1'),
+        "a long name of an operation": b'{"op":"' + b"s" * room + b'"}',
+        "a long topic": b'{"op":"subscribe","topic":"/' + b"s" * room + b'"}',
+    }.items():
+        yield HostileFrame(name, data)
+
+
+def _operation(op: str, members: str) -> bytes:
+    return f'{{"op":"{op}",{members}}}'.encode()
+
+
+def _arrays(
+    definition: Definition, definitions: InstalledDefinitions, nesting: int
+) -> Iterator[tuple[str, Definition]]:
+    """Return templates of the message with one array open, and the type of its elements."""
+    for field in definition.fields:
+        if field.type.is_primitive:
+            continue
+        inner = definitions.get(field.type.base)
+        if field.type.is_sequence and field.type.bound is None:
+            yield f'{{"{field.name}":[@]}}', inner
+            if nesting > 1:
+                for template, element in _arrays(inner, definitions, nesting - 1):
+                    yield f'{{"{field.name}":[{template}]}}', element
+        elif not field.type.is_array:
+            for template, element in _arrays(inner, definitions, nesting):
+                yield f'{{"{field.name}":{template}}}', element
+
+
+def _smallest(kind: FieldType) -> Any:
+    """Return the shortest value of a field."""
+    if kind.length is not None and not kind.is_octets:
+        return [_smallest(FieldType(kind.base))] * kind.length
+    if kind.length is not None:
+        return [0] * kind.length
+    if kind.is_array:
+        return []
+    if kind.base in STRINGS:
+        return ""
+    if kind.base in FLOATS or kind.base in INTEGER_RANGES:
+        return 0
+    return False if kind.base == "bool" else {}
