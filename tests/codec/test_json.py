@@ -178,6 +178,12 @@ def test_items_are_bounded():
     assert len(loads(text, max_items=100_001)) == 100_001
 
 
+def test_an_empty_array_is_an_item_of_its_own_and_has_none():
+    assert loads("[" + "[]," * 15_000 + "0," * 80_000 + "0]")
+    with pytest.raises(JsonError, match=r"^JSON has over 100000 items$"):
+        loads("[" + "[]," * 15_000 + "0," * 85_000 + "0]")
+
+
 @pytest.mark.parametrize("inner", ["[]", "{}", "[{},[]]", '{"a":{}}', "[0,0]"])
 def test_objects_and_arrays_are_bounded(inner):
     each = inner.count("{") + inner.count("[")

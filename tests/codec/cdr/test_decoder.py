@@ -172,6 +172,13 @@ def test_a_hostile_count_allocates_nothing(name, count):
         tracemalloc.stop()
 
 
+@pytest.mark.parametrize(("count", "kind"), [(24, tuple), (25, np.ndarray)])
+def test_numbers_are_a_view_where_there_are_more_than_24(count, kind):
+    name = "sensor_msgs/msg/LaserScan"
+    values = RandomMessages(DEFINITIONS, 0, longest=0).message(name) | {"ranges": [0.5] * count}
+    assert type(decoder_of(name)(cdr_of(name, values))["ranges"]) is kind
+
+
 def test_a_short_message_raises_codec_error_with_its_offset():
     with pytest.raises(CodecError, match=r"^need 52 bytes at offset 0, message has 28$") as caught:
         decoder_of(TWIST)(b"\0\1\0\0" + bytes(24))
