@@ -70,6 +70,7 @@ async def _serve(config: Config, announce: Announce) -> int:
             limits=config.limits,
             path=config.path,
             allowed_origins=config.allowed_origins,
+            trusted_proxies=config.trusted_proxies,
             version=version("ros2-json-gateway"),
         )
         addresses = await _listen(stack, server, config)

@@ -11,6 +11,7 @@ from gateway.config.section import Section
 MAX_QUEUE_DEPTH: Final = 1024
 
 Count = Annotated[int, Field(ge=1)]
+Share = Annotated[float, Field(ge=0.01, le=1, allow_inf_nan=False)]
 Rate = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Seconds = Annotated[float, Field(gt=0, le=3600, allow_inf_nan=False)]
 
@@ -25,9 +26,10 @@ class Limits(Section):
         32, description="connections at once; one more is turned away with close code 1013"
     )
     max_clients_per_address: Count = Field(
-        16,
-        description="connections at once from one IP address, so that one machine's leak of"
-        " connections leaves room for the others; one more is turned away with close code 1013",
+        32,
+        description="connections at once from one IP address; all of them by default, as a class"
+        " behind one router, or behind a proxy that `trusted_proxies` does not name, shares its"
+        " address; one more is turned away with close code 1013",
     )
     open_timeout_s: Seconds = Field(
         5, description="seconds a client may take for its handshake before it is disconnected"
@@ -38,27 +40,29 @@ class Limits(Section):
         description="bytes of the largest frame a client may send, as much as rosbridge takes;"
         " a larger one ends its connection with code 1009",
     )
+    client_time_share: Share = Field(
+        0.25,
+        serialization_alias="client_time_share",
+        description="the share of the event loop's time that the operations of one client may"
+        " take, averaged over a second; beyond, nothing is refused, but the client is read more"
+        " slowly; 1 for no limit",
+    )
+    address_time_share: Share = Field(
+        0.5,
+        serialization_alias="address_time_share",
+        description="the same of all clients of one IP address together, also of those that"
+        " disconnect and return",
+    )
     frames_per_s: Rate = Field(
-        2000,
+        20_000,  # twenty joint topics at 500 Hz, twice
         serialization_alias="frames_per_s",
         description="frames a second a client may send on average, operations, pings and"
         " pongs alike; beyond, its connection is ended; 0 for no limit",
     )
     frame_burst: Count = Field(
-        4000,
+        20_000,
         serialization_alias="frames_burst",
-        description="frames a client may send at once, 2 s of `frames_per_s` caught up",
-    )
-    operations_per_s: Rate = Field(
-        200,
-        serialization_alias="operations_per_s",
-        description="operations a second a client may send on average (two hands at 60 Hz,"
-        " and room for a page's start); beyond, they are refused as `rate_limited`; 0 for no limit",
-    )
-    operation_burst: Count = Field(
-        400,
-        serialization_alias="operations_burst",
-        description="operations a client may send at once, 2 s of `operations_per_s` caught up",
+        description="frames a client may send at once, 1 s of `frames_per_s` caught up",
     )
     max_subscriptions: Count = Field(
         64,
@@ -66,7 +70,7 @@ class Limits(Section):
         description="subscriptions a client may hold; one more is refused as `limit_exceeded`",
     )
     max_advertisements: Count = Field(
-        32,
+        64,
         serialization_alias="advertisements",
         description="topics a client may advertise, and as many services and actions;"
         " one more is refused as `limit_exceeded`",
@@ -94,9 +98,16 @@ class Limits(Section):
         " a client in any case; then the caller is told so",
     )
     max_ros_entities: Count = Field(
-        256,
+        512,
         description="ROS subscriptions, publishers, services and actions of all clients together,"
-        " each of which costs every node of the system discovery traffic; one more is refused",
+        " each of which costs every node of the system discovery traffic; one more is refused as"
+        " `limit_exceeded`, and so is what exceeds a quarter of them for one client or half for"
+        " one address",
+    )
+    reserved_ros_entities: Annotated[int, Field(ge=0)] = Field(
+        16,  # an operator with a few topics to drive by, and as many who take over
+        description="of `max_ros_entities` those that are kept for publishers of command topics,"
+        " so that whoever uses up the others cannot keep an operator from stopping the robot",
     )
     max_name_characters: Annotated[int, Field(ge=1, le=250)] = Field(
         200,

@@ -4,13 +4,25 @@
 `gateway.config.settings` reads the values.
 """
 
+import ipaddress
 from typing import Annotated, Final, Literal
 
-from pydantic import Field, StringConstraints
+from pydantic import AfterValidator, Field, StringConstraints
 
 from gateway.config.domain_id import MAX_DOMAIN_ID
 from gateway.config.limits import Limits
 from gateway.config.section import Section
+
+
+def network(text: str) -> str:
+    """Return an address or a network of addresses as it was given.
+
+    Raises:
+        ValueError: it is neither.
+    """
+    ipaddress.ip_network(text)
+    return text
+
 
 _NAME_PART: Final = "[A-Za-z_][A-Za-z0-9_]*"  # rcl: a token of a name begins with no digit
 
@@ -28,6 +40,11 @@ Origin = Annotated[str, StringConstraints(pattern=r"^(\*|[a-z][a-z0-9+.-]*://[^\
 Origins = Annotated[
     tuple[Origin, ...],
     Field(json_schema_extra={"expected": "origins such as https://ui.example, or *"}),
+]
+Network = Annotated[str, AfterValidator(network)]
+Networks = Annotated[
+    tuple[Network, ...],
+    Field(json_schema_extra={"expected": "addresses or networks such as 10.0.0.0/8"}),
 ]
 RosToken = Annotated[
     str,
@@ -96,6 +113,12 @@ class Config(Section):
         (),
         description="web sites whose pages may connect, beside pages of the same host; without"
         " this rule any web site could drive the robot of whoever visits it; `*` allows all",
+    )
+    trusted_proxies: Networks = Field(
+        (),
+        description="addresses or networks of reverse proxies whose `Forwarded` or"
+        " `X-Forwarded-For` header is believed: then limits per address count the clients'"
+        " own addresses",
     )
     log: LogConfig = LogConfig()
     ros: RosConfig = RosConfig()

@@ -25,6 +25,15 @@ from gateway.errors import ConfigError
 PREFIX: Final = "ROS2_GATEWAY_"
 FILE_VARIABLE: Final = "ROS2_GATEWAY_CONFIG"
 
+# keys of former versions, and what takes their place
+_REPLACED: Final = {
+    "limits.operations_per_s": "limits.client_time_share, as time is limited instead of counts",
+    "limits.operation_burst": "limits.client_time_share, as time is limited instead of counts",
+}
+_REPLACED_VARIABLES: Final = {
+    PREFIX + key.replace(".", "__").upper(): text for key, text in _REPLACED.items()
+}
+
 _DEFAULT: Final = "default"
 _JSON_TYPES: Final = {
     "integer": "an integer",
@@ -138,7 +147,7 @@ def load(
     ]:
         setting = known.get(given.key)
         if setting is None:
-            hint = _did_you_mean(given.key, known)
+            hint = _hint(given.key, known)
             problems.append(f"{given.source}: unknown key {given.key}{hint}")
             continue
         try:
@@ -217,11 +226,14 @@ def _from_environment(
         if variable in by_variable:
             yield Given(by_variable[variable].key, value, variable)
         elif variable.startswith(PREFIX) and variable != FILE_VARIABLE:
-            hint = _did_you_mean(variable, [*by_variable, FILE_VARIABLE])
+            hint = _hint(variable, [*by_variable, FILE_VARIABLE])
             problems.append(f"unknown environment variable {variable}{hint}")
 
 
-def _did_you_mean(name: str, known: Iterable[str]) -> str:
+def _hint(name: str, known: Iterable[str]) -> str:
+    replaced = _REPLACED.get(name) or _REPLACED_VARIABLES.get(name)
+    if replaced is not None:
+        return f", it is replaced by {replaced}"
     close = difflib.get_close_matches(name, known, n=1)
     return f", did you mean {close[0]}" if close else ""
 

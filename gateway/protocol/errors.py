@@ -12,7 +12,6 @@ StatusCode = Literal[
     "type_conflict",  # the type contradicts that of the topic
     "qos_incompatible",
     "not_found",
-    "rate_limited",
     "limit_exceeded",
     "invalid_value",  # the message does not fit its type
     "timeout",  # nobody answered in time

@@ -3,7 +3,7 @@
 
 import difflib
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from typing import Final, NamedTuple
 
 from pydantic import ValidationError
@@ -19,7 +19,6 @@ from gateway.protocol.operations.base import MAX_ID_CHARACTERS, Operation
 from gateway.protocol.operations.fragment import Fragment
 from gateway.protocol.outbox import Outbox
 from gateway.protocol.rosbridge_fragments import Assembly
-from gateway.protocol.token_bucket import TokenBucket
 from gateway.protocol.websocket_frames import text_frames
 
 ROS_SHARP_FRAGMENT_SIZE: Final = 2**31 - 1  # only ROS# sends it, with every request
@@ -35,16 +34,18 @@ class Session:
     the content of its `outbox` whenever it calls *wake*.
     """
 
-    def __init__(self, limits: Limits, now_ns: int, wake: Callable[[], None]) -> None:
+    def __init__(self, limits: Limits, wake: Callable[[], None]) -> None:
         self.limits = limits
         self.outbox = Outbox(limits.send_queue_bytes)
         self.wake = wake
+        # takes what work for this client has taken from its time budget: seconds, and the time
+        self.spend: Callable[[float, float], object] = lambda spent_s, now_s: None
         self.received = 0
         self.refused = 0
         self.is_ros_sharp = False  # it reads ASCII only, and `values` of the type only
         self.numbers = itertools.count(1)  # of the calls and goals passed on to this client
+        self.deferred: dict[Hashable, Deferred] = {}
         self._level: messages.Level = "warning"
-        self._operations = TokenBucket(limits.operations_per_s, limits.operation_burst, now_ns)
         self._assembly = Assembly(limits.max_message_bytes)
         # read for every message, and attributes of a pydantic model cost 40 ns more than others
         self._max_json_depth = limits.max_json_depth
@@ -56,7 +57,7 @@ class Session:
         self.received += 1
         if self._assembly:
             self._expire(now_ns)
-        operation = self._parse(data, now_ns)
+        operation = self._parse(data)
         if not isinstance(operation, Fragment):
             return operation
         try:
@@ -64,12 +65,19 @@ class Session:
         except ProtocolError as error:
             self.refuse(error, operation)
             return None
-        # each of its pieces has counted as an operation, so the whole does not
-        operation = None if whole is None else self._parse(whole, None)
+        operation = None if whole is None else self._parse(whole)
         if isinstance(operation, Fragment):
             self.refuse(ProtocolError("bad_request", "fragment: within a fragment"), operation)
             return None
         return operation
+
+    def defer(self, key: Hashable, operation: ClientOperation, work: Callable[[], None]) -> None:
+        """Do *work* for an operation at the end of this turn, or before one of another kind.
+
+        If another of the same key comes until then, that takes its place: of what is set many
+        times only the newest counts.
+        """
+        self.deferred[key] = Deferred(operation, work)
 
     def refuse(self, error: ProtocolError, operation: Operation | None = None) -> None:
         """Answer an operation that failed; without one, report the error alone.
@@ -120,19 +128,14 @@ class Session:
         self._fragmented += fragment_size is not None
         return text_frames(text, fragment_size, f"answer:{self._fragmented}")
 
-    def _parse(self, data: bytes, now_ns: int | None) -> ClientOperation | Fragment | None:
-        """Parse one operation, and answer it if it is malformed.
-
-        With a time *now_ns* it counts towards the limit of operations.
-        """
+    def _parse(self, data: bytes) -> ClientOperation | Fragment | None:
+        """Parse one operation, and answer it if it is malformed."""
         values: dict[str, object] = {}
         try:
             values = _object(data, self._max_json_depth, self._max_json_items)
             if values.get("fragment_size") == ROS_SHARP_FRAGMENT_SIZE:
                 self.is_ros_sharp = True
             op = _readable_op(values)
-            if now_ns is not None:
-                self._check_rate(now_ns)
             return _operation(op, values)
         except ProtocolError as error:
             self._refuse(error, _readable(values))
@@ -157,11 +160,6 @@ class Session:
             case _:
                 self._say("error", text, error, asked.op, asked.id)
 
-    def _check_rate(self, now_ns: int) -> None:
-        if not self._operations.allow(now_ns):
-            limit = self.limits.operations_per_s
-            raise ProtocolError("rate_limited", f"at most {limit:g} operations per second")
-
     def _say(
         self,
         level: messages.Level,
@@ -173,6 +171,13 @@ class Session:
         if messages.SEVERITY[level] <= messages.SEVERITY[self._level]:
             code = error.code if error else None
             self.send(messages.status(level, text, code=code, request=op, request_id=request_id))
+
+
+class Deferred(NamedTuple):
+    """Work that is done at the end of a turn, and the operation that is answered if it fails."""
+
+    operation: ClientOperation
+    work: Callable[[], None]
 
 
 class _Asked(NamedTuple):

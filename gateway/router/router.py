@@ -108,9 +108,9 @@ class Router:
         )
         self._watch = ros.watch_graph(self._on_graph_change)
 
-    def enter(self, wake: Callable[[], None]) -> Session:
+    def enter(self, wake: Callable[[], None], address: str = "") -> Session:
         """Open a session; it calls *wake* whenever its outbox has something to send."""
-        session = Session(self._limits, time.monotonic_ns(), wake)
+        session = Session(self._limits, wake)
         self._sessions.add(session)
         return session
 
@@ -119,12 +119,25 @@ class Router:
         operation = session.receive(data, time.monotonic_ns())
         if operation is None:
             return
+        if session.deferred and not isinstance(operation, topics.Publish):
+            self.end_turn(session)
         try:
             self._carry_out(session, operation)
         except ProtocolError as error:
             session.refuse(error, operation)
         except RosError as error:
-            session.refuse(ProtocolError(error.code, truncate(str(error))), operation)
+            session.refuse(_of_ros(error), operation)
+
+    def end_turn(self, session: Session) -> None:
+        """Do what the operations of a client deferred until others have their turn."""
+        deferred, session.deferred = session.deferred, {}
+        for operation, work in deferred.values():
+            try:
+                work()
+            except ProtocolError as error:
+                session.refuse(error, operation)
+            except RosError as error:
+                session.refuse(_of_ros(error), operation)
 
     def leave(self, session: Session) -> None:
         """Close every ROS entity of a client, and forget the client."""
@@ -243,3 +256,7 @@ class Router:
     def _on_graph_change(self) -> None:
         self._subscriptions.refresh()
         self._introspection.on_graph_change()
+
+
+def _of_ros(error: RosError) -> ProtocolError:
+    return ProtocolError(error.code, truncate(str(error)))

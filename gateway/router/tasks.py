@@ -3,9 +3,10 @@
 
 import asyncio
 import logging
-from collections.abc import Awaitable, Callable
+import time
+from collections.abc import Awaitable, Callable, Coroutine, Generator
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Any, Final
 
 from gateway.codec.error_text import truncate
 from gateway.deadline import Deadline
@@ -59,7 +60,8 @@ class Tasks:
         if len(own.tasks) >= limit:
             raise ProtocolError("limit_exceeded", f"at most {limit} calls under way per client")
         loop = asyncio.get_running_loop()
-        task = loop.create_task(_run(own.slots, session, operation, work, deadline))
+        running = _run(own.slots, session, operation, work, deadline)
+        task = loop.create_task(Metered(running, session))
         own.tasks.add(task)
         task.add_done_callback(own.tasks.discard)
 
@@ -69,6 +71,42 @@ class Tasks:
         if own is not None:
             for task in own.tasks:
                 task.cancel()
+
+
+class Metered(Coroutine[Any, Any, None]):
+    """A coroutine whose steps are charged to a client's time budget."""
+
+    def __init__(self, inner: Coroutine[Any, Any, None], session: Session) -> None:
+        self._inner = inner
+        self._session = session
+
+    def __await__(self) -> Generator[Any, Any, None]:
+        """Await the inner one, uncharged."""
+        return self._inner.__await__()
+
+    def send(self, value: Any, /) -> Any:
+        """Go on to the next await."""
+        start_s = time.monotonic()
+        try:
+            return self._inner.send(value)
+        finally:
+            self._spend(start_s)
+
+    def throw(self, *error: Any) -> Any:
+        """Go on with an exception."""
+        start_s = time.monotonic()
+        try:
+            return self._inner.throw(*error)
+        finally:
+            self._spend(start_s)
+
+    def close(self) -> None:
+        """End it where it waits."""
+        self._inner.close()
+
+    def _spend(self, start_s: float) -> None:
+        now_s = time.monotonic()
+        self._session.spend(now_s - start_s, now_s)
 
 
 async def answered(

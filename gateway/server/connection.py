@@ -9,7 +9,6 @@ socket takes them. So the rest waits in the outbox, where it can be dropped.
 import asyncio
 import contextlib
 import logging
-import socket
 import time
 from typing import Final, Protocol, cast
 
@@ -25,15 +24,13 @@ from gateway.protocol.errors import ProtocolError
 from gateway.protocol.outbox import Entry, NoFrame
 from gateway.protocol.session import Session
 from gateway.protocol.token_bucket import TokenBucket
+from gateway.server.inbound import READ_CHUNK_BYTES, Inbound
+from gateway.server.socket_options import tune
+from gateway.server.time_budget import TimeBudgets
 
 logger = logging.getLogger(__name__)
 
-READ_CHUNK_BYTES: Final = 16 * 1024  # one greedy sender cannot occupy the loop for long
-# Parsing JSON takes up to 50 ns a byte: a client may use a fifth of the loop, on average.
-READ_BYTES_PER_S: Final = 4 * 1024**2
-READ_BURST_BYTES: Final = 4 * 1024**2
 WRITE_HIGH_WATER_BYTES: Final = 64 * 1024  # beyond this, frames wait where they can be dropped
-TCP_NOTSENT_LOWAT_BYTES: Final = 16 * 1024  # nor do they age in the kernel
 MAX_PROTOCOL_BACKLOG_BYTES: Final = 64 * 1024  # pongs for a peer that pings and never reads
 
 GOING_AWAY: Final = 1001
@@ -49,9 +46,13 @@ class Acceptor(Protocol):
     """A connection's interface to the server that accepted it."""
 
     limits: Limits
+    budgets: TimeBudgets
 
-    def arrive(self, connection: "Connection") -> bool:
-        """Add a new connection; return false if there are too many, and it must be cut off."""
+    def arrive(self, connection: "Connection") -> None:
+        """Add a new connection; another may have to make room for it."""
+
+    def client_address(self, peer: str, request: Request) -> str:
+        """Return the address of a client, which may be behind proxies."""
 
     def respond(self, protocol: ServerProtocol, request: Request) -> Response:
         """Answer an HTTP request: 101 to continue as a WebSocket, else a page or a refusal."""
@@ -64,6 +65,9 @@ class Acceptor(Protocol):
 
     def receive(self, session: Session, data: bytes) -> None:
         """Carry out one message."""
+
+    def end_turn(self, session: Session) -> None:
+        """Carry out what was deferred until the others have their turn."""
 
     def left(self, connection: "Connection", session: Session | None) -> None:
         """Forget a connection that is gone."""
@@ -80,6 +84,7 @@ class Connection(asyncio.BufferedProtocol):
         )
         self._buffer = bytearray(READ_CHUNK_BYTES)
         self._transport: asyncio.Transport
+        self._inbound: Inbound
         self._session: Session | None = None
         self._fragments: list[bytes] = []
         self._fragments_are_text = False
@@ -95,9 +100,6 @@ class Connection(asyncio.BufferedProtocol):
         self._progress_s = now_s
         self._unsent_bytes = 0
         self._protocol_backlog = 0
-        self._head: bytes | None = b""  # the end of the HTTP request so far; None: it is complete
-        self._credit: float = READ_BURST_BYTES
-        self._credited_s = now_s
         self._crowded_s: float | None = None
         self.address = "?"
 
@@ -109,9 +111,10 @@ class Connection(asyncio.BufferedProtocol):
         transport.set_write_buffer_limits(high=WRITE_HIGH_WATER_BYTES)
         peer = transport.get_extra_info("peername")
         self.address = str(peer[0]) if peer else "?"
-        _tune(transport.get_extra_info("socket"), self._limits.send_deadline_s)
-        if not self._acceptor.arrive(self):
-            self.abort()
+        tune(transport.get_extra_info("socket"), self._limits.send_deadline_s)
+        self._spending = self._acceptor.budgets.open(self.address)
+        self._inbound = Inbound(self, self._protocol, transport, self._spending)
+        self._acceptor.arrive(self)
 
     def get_buffer(self, sizehint: int) -> bytearray:
         """Lend the buffer, which bounds one read."""
@@ -122,16 +125,7 @@ class Connection(asyncio.BufferedProtocol):
         """Process the bytes read."""
         self._heard_s = time.monotonic()
         self._pinged_s = None
-        data = bytes(memoryview(self._buffer)[:nbytes])
-        try:
-            self._pace(nbytes)
-            if self._head is not None:
-                data = self._shake_hands(data)
-            if data:
-                self._process(data)
-        except Exception:  # our bug, whatever it is: close this client, the others stay
-            logger.exception("connection from %s failed", self.address)
-            self.close(INTERNAL_ERROR, "internal error")
+        self._inbound.receive(bytes(memoryview(self._buffer)[:nbytes]), self._heard_s)
 
     def eof_received(self) -> None:
         """Record that the peer has closed its side."""
@@ -143,7 +137,13 @@ class Connection(asyncio.BufferedProtocol):
         del exc
         self._protocol.receive_eof()
         session, self._session = self._session, None
-        self._acceptor.left(self, session)
+        start_s = time.monotonic()
+        try:
+            self._acceptor.left(self, session)
+        finally:  # closing what a client had open takes time that it has to pay, too
+            now_s = time.monotonic()
+            self._spending.spend(now_s - start_s, now_s)
+            self._inbound.close()
 
     def pause_writing(self) -> None:
         """Stop taking from the outbox: the socket is full."""
@@ -162,6 +162,18 @@ class Connection(asyncio.BufferedProtocol):
     def session(self) -> Session | None:
         """The session, while the WebSocket is open."""
         return self._session
+
+    @property
+    def is_half_open(self) -> bool:
+        """True until the peer has sent its request."""
+        return self._protocol.state is CONNECTING and not self.is_leaving
+
+    @property
+    def is_leaving(self) -> bool:
+        """True of who is no client, and will not become one."""
+        return self._session is None and (
+            self._closing_s is not None or self._protocol.close_expected()
+        )
 
     def flush(self) -> None:
         """Send from the outbox, as far as the socket takes it."""
@@ -194,6 +206,7 @@ class Connection(asyncio.BufferedProtocol):
 
     def abort(self) -> None:
         """Cut the connection."""
+        self._closing_s = self._closing_s or time.monotonic()
         self._transport.abort()
 
     def tick(self, now_s: float) -> None:
@@ -203,7 +216,8 @@ class Connection(asyncio.BufferedProtocol):
             if now_s - self._closing_s > limits.close_timeout_s:
                 self.abort()
         elif self._protocol.close_expected():
-            self._closing_s = now_s
+            if not self._inbound:  # messages often come in one packet with a close
+                self._closing_s = now_s
         elif self._protocol.state is CONNECTING:
             if now_s - self._opened_s > limits.open_timeout_s:
                 logger.info("no handshake from %s within %g s", self.address, limits.open_timeout_s)
@@ -213,48 +227,10 @@ class Connection(asyncio.BufferedProtocol):
             self._check_backlog(now_s)
             self._keep_alive(now_s)
 
-    # Incoming
+    # Called by its `Inbound`
 
-    def _pace(self, nbytes: int) -> None:
-        """Stop reading for a moment if the client sends faster than allowed."""
-        now_s = self._heard_s
-        earned = (now_s - self._credited_s) * READ_BYTES_PER_S
-        self._credit = min(READ_BURST_BYTES, self._credit + earned) - nbytes
-        self._credited_s = now_s
-        if self._credit < 0:
-            self._transport.pause_reading()
-            pause_s = -self._credit / READ_BYTES_PER_S
-            asyncio.get_running_loop().call_later(pause_s, self._resume_reading)
-
-    def _resume_reading(self) -> None:
-        if not self._transport.is_closing():
-            self._transport.resume_reading()
-
-    def _shake_hands(self, data: bytes) -> bytes:
-        """Process the part of the HTTP request in *data*; return the bytes behind the request.
-
-        `websockets` would parse frames behind a request that is not answered yet.
-        """
-        assert self._head is not None  # noqa: S101  # the caller has checked
-        head = self._head + data
-        end = head.find(b"\r\n\r\n")
-        if end < 0:
-            self._head = head[-3:]
-            self._process(data)
-            return b""
-        behind = end + 4 - len(self._head)
-        self._head = None
-        self._process(data[:behind])
-        return data[behind:] if self._protocol.state is OPEN else b""
-
-    def _process(self, data: bytes) -> None:
-        self._protocol.receive_data(data)
-        for event in self._protocol.events_received():
-            self._handle(event)
-        self._explain_failure()
-        self._write_protocol_output()
-
-    def _handle(self, event: Event) -> None:
+    def handle(self, event: Event) -> None:
+        """Handle one request or frame."""
         if isinstance(event, Request):
             self._open(event)
             return
@@ -280,21 +256,45 @@ class Connection(asyncio.BufferedProtocol):
             case _:
                 pass  # `websockets` answers pings, records pongs and closes
 
+    def end_piece(self) -> None:
+        """Send what `websockets` answers by itself."""
+        self._explain_failure()
+        self._write_protocol_output()
+
+    def end_turn(self) -> None:
+        """Carry out what was deferred until now."""
+        if self._session is not None:
+            self._acceptor.end_turn(self._session)
+
+    def fail(self, bug: Exception) -> None:
+        """Close this client for a bug of ours."""
+        logger.error("connection from %s failed", self.address, exc_info=bug)
+        self.close(INTERNAL_ERROR, "internal error")
+
+    # Incoming
+
     def _open(self, request: Request) -> None:
         response = self._acceptor.respond(self._protocol, request)
         self._protocol.send_response(response)
         self._write_protocol_output()
         if self._protocol.state is not OPEN:
+            self._inbound.drop()
             return
+        address = self._acceptor.client_address(self.address, request)
+        if address != self.address:
+            self.address = address
+            self._spending.move(address)
         refusal = self._acceptor.admit(self)
         if refusal is not None:
             # Also as a frame: .NET's WebSocket takes close codes that are newer than itself (1012
             # to 1014) for an error, and gives its program neither code nor reason.
             self._protocol.send_text(messages.status("error", refusal, code="limit_exceeded"))
             self.close(OVER_CAPACITY, refusal)
+            self._inbound.drop()
             return
         self._session = self._acceptor.enter(self)
         self._session.outbox.write_directly = self._write_directly
+        self._session.spend = self._spending.spend
         logger.info("client %s connected", self.address)
 
     def _receive(self, message: bytes, *, is_text: bool) -> None:
@@ -389,27 +389,15 @@ class Connection(asyncio.BufferedProtocol):
             )
 
     def _keep_alive(self, now_s: float) -> None:
-        if self._pinged_s is None:
+        if self._inbound.is_paused:  # a pong could not be read
+            self._heard_s, self._pinged_s = now_s, None
+        elif self._pinged_s is None:
             if now_s - self._heard_s > self._limits.ping_interval_s:
                 self._pinged_s = now_s
                 self._protocol.send_ping(b"")
                 self._write_protocol_output()
         elif now_s - self._pinged_s > self._limits.ping_timeout_s:
             self.close(HEARTBEAT_TIMEOUT, f"no pong within {self._limits.ping_timeout_s:g} s")
-
-
-def _tune(sock: socket.socket | None, send_deadline_s: float) -> None:
-    """Bound the kernel's buffer, and let it give up on a peer that acknowledges nothing."""
-    if sock is None:
-        return
-    for option, value in (
-        ("TCP_NOTSENT_LOWAT", TCP_NOTSENT_LOWAT_BYTES),
-        ("TCP_USER_TIMEOUT", round(send_deadline_s * 1000)),
-    ):
-        number = getattr(socket, option, None)  # Linux has both
-        if number is not None:
-            with contextlib.suppress(OSError):
-                sock.setsockopt(socket.IPPROTO_TCP, number, value)
 
 
 def _quiet_logger() -> logging.Logger:

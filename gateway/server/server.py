@@ -3,8 +3,10 @@
 
 import asyncio
 import contextlib
+import ipaddress
 import logging
 import time
+from collections import Counter
 from collections.abc import AsyncIterator, Mapping, Sequence
 from typing import Any, Final
 
@@ -15,13 +17,16 @@ from gateway.config.limits import Limits
 from gateway.protocol.session import Session
 from gateway.router.router import Router
 from gateway.server.connection import GOING_AWAY, Connection
+from gateway.server.forwarded import client_address
 from gateway.server.http import HttpFront
+from gateway.server.time_budget import TimeBudgets
 
 logger = logging.getLogger(__name__)
 
-# Sockets during their handshake; each is cut off after 5 s, and clients do not count.
+# Sockets during their handshake, which takes milliseconds; each is cut off after 5 s.
 MAX_HANDSHAKES: Final = 64
-MAX_HANDSHAKES_PER_ADDRESS: Final = 32  # as many clients as there may be, all at once
+# Sockets that were turned away, or got a page, and have a second to close.
+MAX_LEAVING: Final = 64
 
 TICK_S: Final = 0.25  # how exactly times are kept; 4 wake-ups a second are not measurable
 
@@ -36,13 +41,16 @@ class Server:
         limits: Limits,
         path: str = "/",
         allowed_origins: Sequence[str] = (),
+        trusted_proxies: Sequence[str] = (),
         version: str = "",
     ) -> None:
         self.limits = limits
+        self.budgets = TimeBudgets(limits.client_time_share, limits.address_time_share)
+        self._trusted_proxies = tuple(map(ipaddress.ip_network, trusted_proxies))
         self._router = router
         self._http = HttpFront(path, allowed_origins, self.health)
         self._version = version
-        self._connections: set[Connection] = set()
+        self._connections: dict[Connection, None] = {}  # the oldest first
         self._started_s = time.monotonic()
         self._all_gone = asyncio.Event()
         self._all_gone.set()
@@ -83,18 +91,30 @@ class Server:
             "uptime_s": round(time.monotonic() - self._started_s, 1),
             **self._router.counts(),
             "tasks": len(asyncio.all_tasks()),
+            "operations_time_s": round(self.budgets.spent_s, 3),
+            "reading_pauses": self.budgets.pauses,
             **totals,
         }
 
     # For connections: see `Acceptor`
 
-    def arrive(self, connection: Connection) -> bool:
-        """Add a connection; return false if clients and handshakes leave no room for it."""
-        self._connections.add(connection)
+    def arrive(self, connection: Connection) -> None:
+        """Add a connection; if too many are not clients yet, the greediest address loses one."""
+        self._connections[connection] = None
         self._all_gone.clear()
-        waiting = [other for other in self._connections if other.session is None]
-        same = sum(other.address == connection.address for other in waiting)
-        return len(waiting) <= MAX_HANDSHAKES and same <= MAX_HANDSHAKES_PER_ADDRESS
+        half_open = [other for other in self._connections if other.is_half_open]
+        if len(half_open) > MAX_HANDSHAKES:
+            counts = Counter(other.address for other in half_open)
+            oldest = max(half_open, key=lambda other: counts[other.address])  # the first of equals
+            logger.debug("no handshake from %s, and %d wait", oldest.address, MAX_HANDSHAKES)
+            oldest.abort()
+        leaving = [other for other in self._connections if other.is_leaving]
+        if len(leaving) > MAX_LEAVING:
+            leaving[0].abort()
+
+    def client_address(self, peer: str, request: Request) -> str:
+        """Return the address of a client, which may be behind proxies."""
+        return client_address(peer, request.headers, self._trusted_proxies)
 
     def respond(self, protocol: ServerProtocol, request: Request) -> Response:
         """Answer an HTTP request."""
@@ -113,15 +133,19 @@ class Server:
 
     def enter(self, connection: Connection) -> Session:
         """Open a session for a connection."""
-        return self._router.enter(connection.flush)
+        return self._router.enter(connection.flush, connection.address)
 
     def receive(self, session: Session, data: bytes) -> None:
         """Carry out one message of a session."""
         self._router.receive(session, data)
 
+    def end_turn(self, session: Session) -> None:
+        """Carry out what a session's messages deferred."""
+        self._router.end_turn(session)
+
     def left(self, connection: Connection, session: Session | None) -> None:
         """Close everything that a connection had open."""
-        self._connections.discard(connection)
+        self._connections.pop(connection, None)
         if not self._connections:
             self._all_gone.set()
         if session is not None:
@@ -132,6 +156,7 @@ class Server:
         while True:
             await asyncio.sleep(TICK_S)
             now_s = time.monotonic()
+            self.budgets.expire(now_s)
             for connection in list(self._connections):
                 try:
                     connection.tick(now_s)

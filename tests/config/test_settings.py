@@ -50,6 +50,31 @@ def test_the_environment_names_the_file_unless_a_flag_does(tmp_path):
     assert load(environment=environment, file=other).config.port == 2
 
 
+@pytest.mark.parametrize("key", ["limits.operations_per_s", "limits.operation_burst"])
+def test_a_key_of_former_versions_is_answered_by_the_one_that_replaced_it(key, tmp_path):
+    path = toml(tmp_path, f"[limits]\n{key.partition('.')[2]} = 200")
+    variable = "ROS2_GATEWAY_" + key.replace(".", "__").upper()
+    hint = "it is replaced by limits.client_time_share, as time is limited instead of counts"
+    with pytest.raises(ConfigError) as caught:
+        load([Given(key, "200", f"--set {key}")], {variable: "200"}, path)
+    assert caught.value.problems == (
+        f"unknown environment variable {variable}, {hint}",
+        f"{path}: unknown key {key}, {hint}",
+        f"--set {key}: unknown key {key}, {hint}",
+    )
+
+
+@pytest.mark.parametrize("value", ["10.0.0.1/8", "proxy.example", "10.0.0.0/40", "x"])
+def test_a_trusted_proxy_is_an_address_or_a_network(value):
+    with pytest.raises(ConfigError) as caught:
+        load([Given("trusted_proxies", value, "--set")])
+    assert "expected addresses or networks such as 10.0.0.0/8" in str(caught.value)
+    wanted = ("10.0.0.0/8", "::1", "192.0.2.1")
+    assert (
+        load([Given("trusted_proxies", ",".join(wanted), "--set")]).config.trusted_proxies == wanted
+    )
+
+
 def test_the_variables_of_others_are_left_alone():
     assert load(environment={"ROS_DOMAIN_ID": "x", "PORT": "y"}).config == Config()
 
@@ -59,7 +84,7 @@ def test_the_variables_of_others_are_left_alone():
     [
         ("ros.use_sim_time", "true", True),
         ("ros.domain_id", "42", 42),
-        ("limits.operations_per_s", "0", 0),
+        ("limits.frames_per_s", "0", 0),
         ("limits.ping_interval_s", "2.5", 2.5),
         ("log.level", "debug", "debug"),
         ("ros.namespace", "/robot1/arm", "/robot1/arm"),

@@ -14,7 +14,7 @@ MORE_THAN_FAST_DDS_KEEPS = 5001  # samples
 # DDS' handshake with a new reader, which nothing tells of. A shorter wait could only hide a loss.
 HANDSHAKE_S = 0.3
 
-NO_LIMITS = ("--set", "limits.operations_per_s=0", "--set", "limits.frames_per_s=0")
+NO_LIMITS = ("--set", "limits.client_time_share=1", "--set", "limits.address_time_share=1")
 
 
 async def test_what_a_client_publishes_reaches_one_that_subscribes_late():

@@ -28,7 +28,7 @@ UNLIMITED = (
     *("--set", "limits.max_subscriptions=500"),
     *("--set", "limits.max_advertisements=500"),
     *("--set", "limits.max_ros_entities=1000"),
-    *("--set", "limits.operations_per_s=0"),
+    *("--set", "limits.client_time_share=1", "--set", "limits.address_time_share=1"),
 )
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 

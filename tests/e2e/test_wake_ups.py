@@ -34,7 +34,7 @@ def status(task: Path) -> str:
 
 async def test_no_timer_is_started_for_each_message_that_a_client_publishes() -> None:
     heard: list[Sample] = []
-    lifted = ("--set", "limits.operations_per_s=0", "--set", "limits.frames_per_s=0")
+    lifted = ("--set", "limits.client_time_share=1", "--set", "limits.address_time_share=1")
     with contextlib.closing(Outside()) as outside:
         outside.add_subscription("/twist", TWIST, heard.extend, Qos(depth=MESSAGES))
         async with gateway_process("serve", *lifted) as gateway, client(gateway.url) as driver:

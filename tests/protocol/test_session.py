@@ -15,12 +15,12 @@ from tests.wire import unpacked, websocket_frames
 
 ROS_SHARP_FRAGMENT_SIZE = 2**31 - 1  # int.MaxValue in C#
 
-LIMITS = Limits(operations_per_s=1, operation_burst=10, max_message_bytes=2000)
+LIMITS = Limits(max_message_bytes=2000)
 
 
 class Client:
     def __init__(self, limits: Limits = LIMITS) -> None:
-        self.session = Session(limits, 0, lambda: None)
+        self.session = Session(limits, lambda: None)
 
     def send(self, now_ns=0, **operation):
         return self.session.receive(json.dumps(operation).encode(), now_ns)
@@ -93,17 +93,6 @@ def test_what_names_nothing_gets_its_answer_all_the_same(operation, answer_op):
     client.send(**operation)
     (answer,) = client.answers
     assert (answer["op"], answer["id"], answer["result"]) == (answer_op, "c", False)
-
-
-def test_what_is_rate_limited_gets_the_answer_that_is_waited_for():
-    client = Client()
-    assert all(client.send(op="ping") for _ in range(10))
-    for operation in (CALL, GOAL, {"op": "ping", "id": 1}):
-        assert client.send(**operation) is None
-    text = "at most 1 operations per second"
-    call, goal, ping = client.answers
-    assert (call, goal) == (response(text), result(text))
-    assert (ping["op"], ping["id"], ping["code"]) == ("status", 1, "rate_limited")
 
 
 def test_json_is_read_within_the_limits_of_the_client():
@@ -270,15 +259,6 @@ def test_what_stays_incomplete_is_answered_when_the_next_message_comes():
     (answer,) = client.answers
     assert (answer["id"], answer["code"]) == ("f", "limit_exceeded")
     assert answer["msg"] == "fragment: 1 of 2 pieces came within 60 s"
-
-
-def test_each_fragment_counts_as_an_operation_and_the_whole_does_not():
-    client = Client()
-    outcome = client.send_in_pieces({"op": "ping", "value": "x" * 170})
-    assert len(outcome) == 10
-    assert isinstance(outcome[-1], Ping)
-    assert client.send(op="ping") is None
-    assert [answer["code"] for answer in client.answers] == ["rate_limited"]
 
 
 @pytest.mark.parametrize(

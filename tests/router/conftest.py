@@ -19,7 +19,7 @@ from tests.client import Frame, eventually
 from tests.ros.fake import FakeRos
 from tests.wire import unpacked
 
-LIMITS = Limits(max_subscriptions=4, max_advertisements=3, operations_per_s=0)
+LIMITS = Limits(max_subscriptions=4, max_advertisements=3)
 
 
 class Socketless:

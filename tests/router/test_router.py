@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
+from functools import partial
+
 import pytest
 
-from gateway.config.limits import Limits
 from gateway.ports import RosError
+from gateway.protocol.errors import ProtocolError
+from gateway.protocol.operations.topics import Publish
 from tests.ros.fake_services import FakeService
 from tests.router.conftest import Bench
 
@@ -183,13 +186,46 @@ async def test_set_level_decides_which_statuses_come(bench: Bench):
     assert status["msg"] == "subscribed to /t (std_msgs/msg/String)"
 
 
-async def test_operations_beyond_the_rate_are_refused(bench: Bench):
-    bench.router._limits = Limits(operations_per_s=1, operation_burst=3)
+PUBLISH = Publish(op="publish", topic="/t", msg={})
+
+
+async def test_of_deferred_work_with_one_key_the_newest_is_done_at_the_end_of_the_turn(
+    bench: Bench,
+):
     client = bench.client()
-    for _ in range(5):
-        client.send(op="ping")
-    assert len(client.of("pong")) == 3
-    assert [code for code, _ in client.statuses] == ["rate_limited"] * 2
+    done: list[str] = []
+    for key, name in (("/a", "a1"), ("/b", "b1"), ("/a", "a2")):
+        client.session.defer(key, PUBLISH, partial(done.append, name))
+    assert done == []
+    bench.router.end_turn(client.session)
+    assert done == ["a2", "b1"]
+    bench.router.end_turn(client.session)
+    assert done == ["a2", "b1"]
+
+
+async def test_deferred_work_is_done_before_an_operation_of_another_kind(bench: Bench):
+    client = bench.client()
+    done: list[str] = []
+    client.session.defer("/a", PUBLISH, partial(done.append, "deferred"))
+    client.send(op="publish", topic="/t", type="std_msgs/String", msg={"data": ""})
+    assert done == []
+    client.send(op="ping")
+    assert done == ["deferred"]
+
+
+async def test_deferred_work_that_fails_is_answered_and_the_rest_is_done(bench: Bench):
+    client = bench.client()
+    done: list[str] = []
+
+    def refuse(error: Exception) -> None:
+        raise error
+
+    client.session.defer("/a", PUBLISH, partial(refuse, ProtocolError("invalid_value", "x")))
+    client.session.defer("/b", PUBLISH, partial(refuse, RosError("internal", "y")))
+    client.session.defer("/c", PUBLISH, partial(done.append, "c"))
+    bench.router.end_turn(client.session)
+    assert client.statuses == [("invalid_value", "x"), ("internal", "y")]
+    assert done == ["c"]
 
 
 async def test_a_client_that_leaves_takes_everything_along(bench: Bench):

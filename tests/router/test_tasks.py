@@ -21,3 +21,25 @@ async def test_who_waits_for_a_turn_to_ask_a_node_is_told_after_10_s(
     assert client.statuses == [
         ("timeout", f"{LIMITS.max_pending_calls} other calls of this client are still under way")
     ]
+
+
+async def test_what_a_task_takes_is_spent_by_its_client_and_what_it_waits_is_not(bench: Bench):
+    client = bench.client()
+    spent_s: list[float] = []
+    client.session.spend = lambda seconds, now_s: spent_s.append(seconds)
+    client.send(op="lookup_transform", id=1, target_frame="a", source_frame="b", timeout=0)
+    await client.sees(1, "status")
+    assert spent_s
+    assert min(spent_s) > 0
+
+
+async def test_a_task_that_is_cancelled_ends(bench: Bench):
+    list_parameters = "rcl_interfaces/srv/ListParameters"
+    bench.ros.add_service("/n/list_parameters", list_parameters, lambda request: None, node="/n")
+    client = bench.client()
+    client.send(op="list_parameters", id=1, node="/n")
+    await bench.settle()
+    assert bench.router.counts()["calls"] == 1
+    bench.router.leave(client.session)
+    await bench.settle()
+    assert bench.router.counts()["calls"] == 0

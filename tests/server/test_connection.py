@@ -2,24 +2,27 @@
 """One connection without a socket: its transport, its clock and its timers are ours."""
 
 import asyncio
+import re
 import socket
 from collections.abc import AsyncIterator, Callable
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from websockets.frames import Opcode
 
-from gateway.server import connection as module
+from gateway.protocol.session import Session
+from gateway.server import connection as connection_module
+from gateway.server import inbound as inbound_module
+from gateway.server import time_budget as time_budget_module
 from gateway.server.connection import Connection
 from gateway.server.server import Server
 from tests.server.conftest import Serve
 from tests.server.test_server import masked, upgrade
+from tests.server.timers import Timers
 
 MIB = 1024**2
 PONG = masked(Opcode.PONG, b"")
 PING = masked(Opcode.PING, b"x" * 125)
-CHUNK = masked(Opcode.TEXT, b"x" * (16 * 1024 - 8))  # no JSON, which is answered
 
 
 class Transport(asyncio.Transport):
@@ -45,6 +48,9 @@ class Transport(asyncio.Transport):
     def get_write_buffer_size(self) -> int:
         return len(self.unsent)
 
+    def can_write_eof(self) -> bool:
+        return False
+
     def write(self, data: bytes | bytearray | memoryview) -> None:
         self.unsent += data
 
@@ -62,34 +68,46 @@ class Transport(asyncio.Transport):
 
 
 class Acceptor:
-    """The server that a connection comes to, which takes no note of it."""
+    """The server that a connection comes to, which takes no note of it.
 
-    def __init__(self, server: Server) -> None:
+    Each operation takes *cost_s*.
+    """
+
+    def __init__(self, server: Server, pass_time: Callable[[float], None]) -> None:
         self._server = server
+        self._pass_time = pass_time
+        self.cost_s = 0.0
+        self.received: list[bytes] = []
+        self.leaving_cost_s = 0.0
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._server, name)
 
-    def arrive(self, connection: Connection) -> bool:
-        return True
+    def arrive(self, connection: Connection) -> None:
+        pass
+
+    def receive(self, session: Session, data: bytes) -> None:
+        self._pass_time(self.cost_s)
+        self.received.append(data)
+        self._server.receive(session, data)
+
+    def left(self, connection: Connection, session: Session | None) -> None:
+        self._pass_time(self.leaving_cost_s)
+        self._server.left(connection, session)
 
 
-class Wire:
+class Wire(Timers):
     """A connection, what it is connected to, and the time."""
 
     def __init__(
         self, server: Server, monkeypatch: pytest.MonkeyPatch, *, is_upgraded: bool = True
     ) -> None:
-        self.now_s = 1000.0
-        self.timers: list[tuple[float, Callable[[], None]]] = []
-        clock = SimpleNamespace(
-            monotonic=lambda: self.now_s, monotonic_ns=lambda: round(self.now_s * 1e9)
-        )
-        loop = SimpleNamespace(call_later=lambda delay, call: self.timers.append((delay, call)))
-        monkeypatch.setattr(module, "time", clock)
-        monkeypatch.setattr(module, "asyncio", SimpleNamespace(get_running_loop=lambda: loop))
+        super().__init__(monkeypatch, inbound_module, time_budget_module)
+        monkeypatch.setattr(connection_module, "time", inbound_module.time)
+        monkeypatch.setattr(inbound_module, "READ_COST_S", 0)
         self.transport = Transport()
-        self.connection = Connection(Acceptor(server))
+        self.acceptor = Acceptor(server, self.take)
+        self.connection = Connection(self.acceptor)
         self.connection.connection_made(self.transport)
         if not is_upgraded:
             return
@@ -98,9 +116,17 @@ class Wire:
         self.transport.unsent = b""
 
     def receive(self, data: bytes) -> None:
+        assert self.transport.is_read
         buffer = self.connection.get_buffer(-1)
         buffer[: len(data)] = data
         self.connection.buffer_updated(len(data))
+
+    def until_read(self) -> float:
+        """Do what is due until the client is read again; return how long that was to wait for."""
+        waited_s = 0.0
+        while not self.transport.is_read:
+            waited_s += self.next_turn()
+        return waited_s
 
     def pass_time(self, seconds: float, *, taken: int = 0, heard: bytes = b"") -> None:
         """Let time pass, in which the peer takes some bytes and sends some."""
@@ -110,10 +136,16 @@ class Wire:
             self.receive(heard)
         self.connection.tick(self.now_s)
 
-    def receive_much(self, nbytes: int) -> None:
-        for _ in range(nbytes // len(CHUNK)):
-            self.receive(CHUNK)
-        self.transport.unsent = b""
+    @property
+    def pongs(self) -> list[int]:
+        """The ids of the ping operations that were carried out, in their order."""
+        return [
+            int(found) for found in re.findall(rb'"op":"pong","id":(\d+)', self.transport.unsent)
+        ]
+
+
+def pings(*ids: int) -> bytes:
+    return b"".join(masked(Opcode.TEXT, b'{"op":"ping","id":%d}' % id_) for id_ in ids)
 
 
 @pytest.fixture
@@ -149,27 +181,151 @@ def test_a_message_of_10_mib_is_taken_and_a_larger_one_ends_the_connection(wire:
     assert (1009).to_bytes(2, "big") in wire.transport.unsent
 
 
-def test_who_sends_more_than_4_mib_at_once_is_read_again_at_4_mib_a_second(wire: Wire):
-    wire.now_s += 100  # which saves up nothing beyond the burst
-    wire.receive_much(4 * MIB)
-    assert wire.transport.is_read
-    wire.receive_much(2 * MIB)
+def test_what_takes_longer_than_a_slice_goes_on_in_later_turns_and_in_order(wire: Wire):
+    wire.acceptor.cost_s = 0.001
+    wire.receive(pings(*range(12)))
+    assert wire.pongs == list(range(5))  # 4 ms, and one operation
     assert not wire.transport.is_read
-    pause_s, read_again = wire.timers[-1]
-    assert pause_s == pytest.approx(0.5)
-    wire.now_s += pause_s
-    read_again()
+    assert wire.next_turn() == 0
+    assert wire.pongs == list(range(10))
+    wire.next_turn()
+    assert wire.pongs == list(range(12))
     assert wire.transport.is_read
-    wire.now_s += 0.25
-    wire.receive_much(2 * MIB)
-    assert wire.timers[-1][0] == pytest.approx(0.25)
+    assert not wire.handles
+
+
+def test_no_more_than_4_kib_are_parsed_at_once(wire: Wire):
+    sizes = []
+    receive_data = wire.connection._protocol.receive_data
+
+    def spy(data: bytes) -> None:
+        sizes.append(len(data))
+        wire.take(0.005)
+        receive_data(data)
+
+    wire.connection._protocol.receive_data = spy  # type: ignore[method-assign]
+    wire.receive(PONG * 2048)
+    assert sizes == [4096]
+    wire.until_read()
+    assert sizes == [4096] * 3
+
+
+def test_who_has_spent_a_quarter_of_a_second_is_read_for_a_quarter_of_the_time(wire: Wire):
+    wire.now_s += 100  # which saves up nothing beyond the burst
+    wire.acceptor.cost_s = 0.24
+    wire.receive(pings(1))
+    assert wire.transport.is_read
+    wire.receive(pings(2))
+    assert not wire.transport.is_read
+    assert wire.until_read() == pytest.approx((0.24 * 1.75 - 0.25) / 0.25, abs=0.01)
+    for number in range(3, 6):
+        wire.receive(pings(number))
+        assert not wire.transport.is_read
+        assert wire.until_read() == pytest.approx(0.24 * 3, abs=0.01)
+    assert wire.pongs == [1, 2, 3, 4, 5]
+
+
+def test_what_waits_is_handled_no_faster_than_its_budget_allows(wire: Wire):
+    wire.acceptor.cost_s = 0.3
+    wire.receive(pings(*range(4)))
+    assert wire.pongs == [0]
+    assert not wire.transport.is_read
+    earned_s = 0.25 + (3 * 0.3 + wire.until_read()) * 0.25
+    assert wire.pongs == [0, 1, 2, 3]
+    assert earned_s == pytest.approx(4 * 0.3, abs=0.01)
+
+
+def test_reading_alone_is_paid_for(wire: Wire, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(inbound_module, "READ_COST_S", 0.1)
+    chunk = masked(Opcode.TEXT, b"x" * 100_000)[: 16 * 1024]
+    for _ in range(3):
+        assert wire.transport.is_read
+        wire.receive(chunk)
+    assert not wire.transport.is_read
+
+
+def test_time_that_is_spent_elsewhere_is_paid_for_too(wire: Wire):
+    session = wire.connection.session
+    assert session is not None
+    session.spend(0.3, wire.now_s)  # as the tasks of its calls do
+    assert wire.transport.is_read
+    wire.receive(pings(1))
+    assert not wire.transport.is_read
+
+
+def test_who_returns_has_not_more_time_than_its_address(
+    wire: Wire, monkeypatch: pytest.MonkeyPatch
+):
+    server = wire.acceptor._server
+    wire.acceptor.leaving_cost_s = 0.6  # closing what it had open took so long
+    wire.connection.connection_lost(None)
+    again = Wire(server, monkeypatch)
+    assert not again.transport.is_read
+    assert again.until_read() > 0.3
+    again.connection.connection_lost(None)
 
 
 def test_who_has_gone_meanwhile_is_not_read_again(wire: Wire):
-    wire.receive_much(5 * MIB)
+    wire.acceptor.cost_s = 0.3
+    wire.receive(pings(1, 2, 3))
     wire.connection.abort()
-    wire.timers[-1][1]()
+    while wire.handles:
+        wire.next_turn()
+    assert wire.pongs == [1]
     assert not wire.transport.is_read
+
+
+def test_what_a_lost_client_has_sent_is_not_carried_out_later(wire: Wire):
+    wire.acceptor.cost_s = 0.3
+    wire.receive(pings(1, 2, 3))
+    wire.connection.connection_lost(None)
+    while wire.handles:
+        wire.next_turn()
+    assert wire.pongs == [1]
+
+
+def test_messages_in_one_packet_with_a_close_are_carried_out_before_it_is_answered(wire: Wire):
+    wire.acceptor.cost_s = 0.1
+    wire.receive(pings(*range(10)) + masked(Opcode.CLOSE, (1000).to_bytes(2, "big")))
+    while wire.handles:
+        assert bytes((0x80 | Opcode.CLOSE, 2)) not in wire.transport.unsent
+        wire.connection.tick(wire.now_s)
+        wire.next_turn()
+    assert len(wire.acceptor.received) == 10
+    assert wire.transport.unsent.endswith(bytes((0x80 | Opcode.CLOSE, 2)) + b"\x03\xe8")
+
+
+def test_what_waits_when_we_close_is_not_carried_out(wire: Wire):
+    wire.acceptor.cost_s = 0.1
+    wire.receive(pings(*range(5)))
+    wire.connection.close(1001, "shutting down")
+    while wire.handles:
+        wire.next_turn()
+    assert wire.pongs == [0]
+    wire.pass_time(1.01)
+    assert wire.transport.is_aborted
+
+
+def test_pings_are_answered_in_their_turn_and_so_are_those_behind_a_slice(wire: Wire):
+    wire.acceptor.cost_s = 0.01
+    wire.receive(pings(1, 2) + masked(Opcode.PING, b"hello"))
+    wire.until_read()
+    assert wire.pongs == [1, 2]
+    assert wire.transport.unsent.endswith(bytes((0x80 | Opcode.PONG, 5)) + b"hello")
+
+
+def test_who_cannot_be_read_for_long_is_not_taken_for_dead(wire: Wire):
+    wire.acceptor.cost_s = 10
+    wire.receive(pings(1))
+    wire.acceptor.cost_s = 0
+    assert not wire.transport.is_read
+    for _ in range(5):
+        wire.pass_time(4.99)
+    assert wire.transport.unsent.endswith(b"}")  # no ping, and no close
+    wire.until_read()
+    wire.pass_time(1)
+    wire.pass_time(4.99, heard=PONG)
+    assert b"no pong" not in wire.transport.unsent
 
 
 def test_who_sends_pings_and_reads_nothing_is_cut_off_at_64_kib_of_pongs(wire: Wire):

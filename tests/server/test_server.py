@@ -4,6 +4,7 @@ import contextlib
 import json
 import socket
 import urllib.request
+from functools import partial
 
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
@@ -216,24 +217,154 @@ async def test_sockets_that_never_shake_hands_are_cut_off_and_bounded(serve: Ser
             await speaker.sync()
 
 
-class Waiting:
-    """A connection whose handshake is under way; it is never looked at again."""
+class Newcomer:
+    """A connection that is no client yet, or has been turned away."""
 
     session = None
 
-    def __init__(self, address: str) -> None:
+    def __init__(self, address: str, *, is_leaving: bool = False) -> None:
         self.address = address
+        self.is_leaving = is_leaving
+
+    @property
+    def is_half_open(self) -> bool:
+        return not self.is_leaving
+
+    def abort(self) -> None:
+        self.is_leaving = True
 
     def tick(self, now_s: float) -> None: ...
 
 
-@pytest.mark.parametrize(("addresses", "room"), [(1, 32), (2, 64), (64, 64)])
-async def test_so_many_handshakes_are_under_way_at_once(serve: Serve, addresses, room):
+async def test_of_more_than_64_handshakes_the_oldest_of_the_greediest_address_is_cut_off(
+    serve: Serve,
+):
     async with serve() as served:
-        waiting = [Waiting(f"10.0.0.{number % addresses}") for number in range(room + 1)]
-        assert [served.server.arrive(each) for each in waiting] == [True] * room + [False]
-        for each in waiting:
+        modest = [Newcomer("10.0.0.1") for _ in range(20)]
+        greedy = [Newcomer("10.0.0.2") for _ in range(44)]
+        newcomers = [Newcomer(f"10.0.1.{number}") for number in range(10)]
+        for each in (*modest, *greedy):
+            served.server.arrive(each)
+        assert not any(each.is_leaving for each in (*modest, *greedy))
+        for each in newcomers:
+            served.server.arrive(each)
+        assert [each.is_leaving for each in greedy] == [True] * 10 + [False] * 34
+        assert not any(each.is_leaving for each in (*modest, *newcomers))
+        for each in (*modest, *greedy, *newcomers):
             served.server.left(each, None)
+
+
+async def test_of_more_than_64_that_were_turned_away_the_oldest_is_cut_off(serve: Serve):
+    async with serve() as served:
+        leaving = [Newcomer("10.0.0.1", is_leaving=True) for _ in range(65)]
+        cut_off: list[Newcomer] = []
+        for each in leaving:
+            each.abort = partial(cut_off.append, each)
+            served.server.arrive(each)
+        assert cut_off == leaving[:1]
+        for each in leaving:
+            served.server.left(each, None)
+
+
+async def test_half_open_sockets_do_not_lock_a_client_out(serve: Serve):
+    async with serve() as served:
+        silent = [await asyncio.open_connection("127.0.0.1", served.port) for _ in range(200)]
+        async with client(served.url) as speaker:
+            await speaker.sync()
+        for _, writer in silent:
+            writer.close()
+
+
+async def test_health_is_answered_while_half_open_and_refused_sockets_flood_in(serve: Serve):
+    async with serve({"max_clients": 1}) as served, client(served.url):
+        silent = [await asyncio.open_connection("127.0.0.1", served.port) for _ in range(100)]
+        refused = []
+        for _ in range(70):  # none of them answers the close
+            refused.append(await asyncio.open_connection("127.0.0.1", served.port))
+            refused[-1][1].write(upgrade("Host: localhost"))
+        assert (await asyncio.to_thread(get, served, "/healthz"))[0] == 200
+        for _, writer in (*silent, *refused):
+            writer.close()
+
+
+async def test_who_was_refused_keeps_no_place_of_a_handshake(serve: Serve):
+    async with serve({"max_clients": 1}) as served, client(served.url):
+        reader, writer = await handshake(served)
+        await reader.readuntil((1013).to_bytes(2, "big") + b"over capacity")
+        refused = next(each for each in served.server._connections if each.session is None)
+        assert refused.is_leaving
+        assert not refused.is_half_open
+        writer.close()
+
+
+def from_proxy(address: str) -> dict[str, str]:
+    return {"X-Forwarded-For": f"203.0.113.9, {address}"}
+
+
+async def test_behind_a_trusted_proxy_the_clients_own_addresses_count(serve: Serve):
+    async with (
+        serve({"max_clients_per_address": 1}, trusted_proxies=["127.0.0.0/8"]) as served,
+        client(served.url, additional_headers=from_proxy("192.0.2.1")) as one,
+        client(served.url, additional_headers=from_proxy("192.0.2.2")) as two,
+        client(served.url, additional_headers=from_proxy("192.0.2.1")) as three,
+    ):
+        await one.sync()
+        await two.sync()
+        assert (await closing(three))[1] == "over capacity: at most 1 clients per address"
+
+
+async def test_a_proxy_that_is_not_trusted_is_the_client(serve: Serve):
+    async with (
+        serve({"max_clients_per_address": 1}) as served,
+        client(served.url, additional_headers=from_proxy("192.0.2.1")),
+        client(served.url, additional_headers=from_proxy("192.0.2.2")) as second,
+    ):
+        assert (await closing(second))[0] == 1013
+
+
+async def test_health_counts_the_time_of_operations_and_pauses(serve: Serve):
+    async with (
+        serve({"client_time_share": 0.01, "address_time_share": 0.01}) as served,
+        client(served.url) as speaker,
+    ):
+        while not served.server.health()["reading_pauses"]:
+            await speaker.sync()
+        assert served.server.health()["operations_time_s"] >= 0.01
+        assert await speaker.sync() == []
+
+
+async def test_a_greedy_pair_does_not_keep_a_third_client_from_its_answers(serve: Serve):
+    shares = {"client_time_share": 0.02, "address_time_share": 0.04}
+    async with serve(shares) as served, client(served.url) as third:
+        floods = [asyncio.create_task(flood(served)) for _ in range(2)]
+        await eventually(lambda: served.server.health()["reading_pauses"] > 10)
+        for _ in range(5):
+            before = served.server.health()["messages_in"]
+            assert await third.sync() == []
+            # while it waits, each of the others has some slices of the address's time, not more
+            assert served.server.health()["messages_in"] - before < 20_000
+        for task in floods:
+            task.cancel()
+        await asyncio.gather(*floods, return_exceptions=True)
+
+
+async def flood(served: Served) -> None:
+    """Send pings as fast as they are taken, and read all answers."""
+    reader, writer = await handshake(served)
+    try:
+        async with asyncio.TaskGroup() as group:
+            group.create_task(drain(reader))
+            while True:
+                writer.write(masked(Opcode.TEXT, b'{"op":"ping"}') * 100)
+                await writer.drain()
+                await asyncio.sleep(0)
+    finally:
+        writer.transport.abort()
+
+
+async def drain(reader: asyncio.StreamReader) -> None:
+    while await reader.read(1 << 16):
+        pass
 
 
 async def test_a_client_that_answers_no_ping_is_closed_with_4408(serve: Serve):
@@ -448,7 +579,8 @@ async def test_a_client_that_asks_and_never_reads_is_closed_as_slow(serve: Serve
     caplog.set_level("INFO")
     limits = {
         "send_queue_bytes": 100_000,
-        "operations_per_s": 0,
+        "client_time_share": 1,
+        "address_time_share": 1,
         "frames_per_s": 0,
         "send_deadline_s": TIMEOUT_S,
     }

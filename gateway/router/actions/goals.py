@@ -18,7 +18,7 @@ from gateway.protocol.operations.actions import CancelActionGoal, SendActionGoal
 from gateway.protocol.outbox import NOTHING, Frame, Queue
 from gateway.protocol.session import Session
 from gateway.router.interface_types import InterfaceTypes
-from gateway.router.tasks import answered
+from gateway.router.tasks import Metered, answered
 from gateway.service_clients import encode_values
 
 # An action server accepts or rejects a goal at once; the goal itself may take hours.
@@ -99,7 +99,7 @@ class Goals:
         self._sent.setdefault(session, own).add(sent)
         work = partial(self._follow, sent, goal)
         loop = asyncio.get_running_loop()
-        sent.task = loop.create_task(answered(session, request, work))
+        sent.task = loop.create_task(Metered(answered(session, request, work), session))
         sent.task.add_done_callback(lambda _: self._forget(sent))
 
     def cancel(self, session: Session, request: CancelActionGoal) -> None:

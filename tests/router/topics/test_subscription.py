@@ -24,7 +24,7 @@ def requested(**options: Any) -> tuple[dict[str | int | None, Subscribe], Subscr
 
 
 def subscribed(**options: Any) -> Subscription:
-    session = Session(Limits(), 0, lambda: None)
+    session = Session(Limits(), lambda: None)
     return Subscription(session, "/t", TopicName("/t"), *requested(**options))
 
 

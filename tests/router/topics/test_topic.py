@@ -58,7 +58,7 @@ def string_type() -> MessageType:
 
 def subscription(**options: Any) -> Subscription:
     request = Subscribe(topic="/t", **options)
-    session = Session(Limits(), 0, lambda: None)
+    session = Session(Limits(), lambda: None)
     merged = SubscriptionOptions.merge([request])
     return Subscription(session, "/t", NAME, {None: request}, merged)
 
