@@ -1,8 +1,29 @@
 # SPDX-License-Identifier: Apache-2.0
 """``python -m gateway`` is ``ros2-gateway``."""
 
+import contextlib
+import logging
+import os
 import sys
+from typing import NoReturn
 
 from gateway.cli.main import main
 
-sys.exit(main())
+
+def run() -> NoReturn:
+    """Run ``ros2-gateway``, and end the process at once when it is done.
+
+    By then everything is closed. The interpreter would free each object before it ends, and the
+    libraries below wait for threads of theirs: 0.5 s, and several on a busy machine, which is
+    longer than who sends SIGTERM may be willing to wait.
+    """
+    code = main()
+    logging.shutdown()
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(OSError, ValueError):  # nobody reads it any more
+            stream.flush()
+    os._exit(code)
+
+
+if __name__ == "__main__":
+    run()

@@ -3,8 +3,10 @@
 
 import asyncio
 import logging
+import os
 import signal
 import socket
+import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AsyncExitStack, contextmanager
@@ -25,6 +27,8 @@ from schemas.installed import InstalledDefinitions, installed_prefixes
 from schemas.table import Table
 
 logger = logging.getLogger("gateway")
+
+SHUTDOWN_S: Final = 1.8  # of the 2 s that there are
 
 
 Announce = Callable[[str, str], None]
@@ -53,6 +57,7 @@ async def _serve(config: Config, announce: Announce) -> int:
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, stop.set)
     async with AsyncExitStack() as stack:
+        end_by_force = stack.enter_context(_forced_end())
         ros = await _open_ros(stack, config)
         stack.enter_context(_logging_to(ros))
         workers = stack.enter_context(_workers(config.images.workers))
@@ -78,6 +83,7 @@ async def _serve(config: Config, announce: Announce) -> int:
         exempt_from_collection()
         announce("\n".join(lines), _own_url(addresses, config.path))
         await stop.wait()
+        end_by_force()
         logger.info("shutting down")
     return 0
 
@@ -114,6 +120,23 @@ def _ros_options(config: Config) -> RosOptions:
         use_sim_time=config.ros.use_sim_time,
         max_entities=config.limits.max_ros_entities,
     )
+
+
+@contextmanager
+def _forced_end() -> Iterator[Callable[[], None]]:
+    """Lend a function that ends the process after `SHUTDOWN_S`, unless this context ends before.
+
+    Whoever sends SIGTERM sends SIGKILL if nothing happens, and a library may wait for long.
+    """
+
+    def end() -> None:
+        logger.error("shutdown has taken %g s, ending by force", SHUTDOWN_S)
+        os._exit(1)
+
+    timer = threading.Timer(SHUTDOWN_S, end)
+    timer.daemon = True
+    yield timer.start
+    timer.cancel()
 
 
 @contextmanager

@@ -1,7 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """The configuration reaches the parts that it is for."""
 
+import contextlib
 import dataclasses
+import signal
+import threading
+import time
+from threading import Timer
 
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
@@ -10,7 +15,7 @@ from gateway import app
 from gateway.config.limits import Limits
 from gateway.config.model import Config, RosConfig
 from gateway.ros import RosOptions
-from tests.client import client
+from tests.client import TIMEOUT_S, client
 from tests.gateway_process import gateway_process
 
 # Each value is unlike every other and unlike every default.
@@ -21,6 +26,7 @@ CONFIG = Config(
 ROS_OPTIONS = RosOptions(
     node_prefix="arm", namespace="/robot7", domain_id=7, use_sim_time=True, max_entities=1307
 )
+BUSY_MACHINE_S = 5
 NOT_CONFIGURED = {"arguments", "taking"}  # for tests, and for who embeds the gateway
 
 
@@ -59,3 +65,47 @@ async def test_the_limits_and_the_path_reach_the_router_and_the_server():
             with pytest.raises(ConnectionClosed, match="at most 2 clients per address"):
                 async with client(gateway.url) as third:
                     await third.sync()
+
+
+def test_a_shutdown_that_takes_too_long_ends_by_force(monkeypatch: pytest.MonkeyPatch):
+    codes: list[int] = []
+    ended = threading.Event()
+    monkeypatch.setattr(app, "SHUTDOWN_S", 0.01)
+    monkeypatch.setattr(app.os, "_exit", lambda code: (codes.append(code), ended.set()))
+    with app._forced_end() as end_by_force:
+        end_by_force()
+        assert ended.wait(TIMEOUT_S)
+    assert codes == [1]
+
+
+def test_a_shutdown_in_time_does_not_end_by_force(monkeypatch: pytest.MonkeyPatch):
+    timers: list[threading.Timer] = []
+    monkeypatch.setattr(
+        app.threading, "Timer", lambda *args: timers.append(Timer(*args)) or timers[0]
+    )
+    with app._forced_end() as end_by_force:
+        end_by_force()
+    (timer,) = timers
+    assert timer.interval < 2
+    assert timer.finished.is_set()
+
+
+async def test_sigterm_ends_the_process_in_time_whatever_clients_do():
+    async with gateway_process("serve") as gateway, contextlib.AsyncExitStack() as stack:
+        clients = [await stack.enter_async_context(client(gateway.url)) for _ in range(2)]
+        for number, each in enumerate(clients):
+            for topic in range(40):
+                name = f"/client{number}/topic{topic}"
+                await each.send(op="subscribe", topic=name, type="std_msgs/String")
+                await each.send(op="advertise", topic=name, type="std_msgs/String")
+                await each.send(op="advertise_service", service=name, type="std_srvs/Empty")
+            await each.sync()
+            each.socket.transport.pause_reading()  # it never answers the close
+            for _ in range(3000):  # more than its budget allows: most of it waits
+                await each.send(op="graph")
+        started_s = time.monotonic()
+        assert await gateway.stop(signal.SIGTERM) == 0
+        assert time.monotonic() - started_s < 2 + BUSY_MACHINE_S
+        for each in clients:
+            each.socket.transport.abort()
+    assert not [line for line in gateway.log if "Traceback" in line or "by force" in line]

@@ -92,7 +92,7 @@ def test_the_wheel_has_licence_command_and_extra(wheel):
     archive = zipfile.ZipFile(wheel)
     held = {name.partition(".dist-info/")[2]: name for name in archive.namelist()}
     assert "Apache License" in archive.read(held["licenses/LICENSE"]).decode()
-    assert "ros2-gateway = gateway.cli.main:main" in archive.read(held["entry_points.txt"]).decode()
+    assert "ros2-gateway = gateway.__main__:run" in archive.read(held["entry_points.txt"]).decode()
     required = [
         line
         for line in archive.read(held["METADATA"]).decode().splitlines()

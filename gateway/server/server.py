@@ -28,6 +28,8 @@ MAX_HANDSHAKES: Final = 64
 # Sockets that were turned away, or got a page, and have a second to close.
 MAX_LEAVING: Final = 64
 
+MAX_GOODBYE_S: Final = 1.0  # of the 2 s for the whole shutdown
+
 TICK_S: Final = 0.25  # how exactly times are kept; 4 wake-ups a second are not measurable
 
 
@@ -168,7 +170,7 @@ class Server:
         for connection in list(self._connections):
             connection.close(GOING_AWAY, "the gateway is shutting down")
         with contextlib.suppress(TimeoutError):
-            async with asyncio.timeout(self.limits.close_timeout_s):
+            async with asyncio.timeout(min(self.limits.close_timeout_s, MAX_GOODBYE_S)):
                 await self._all_gone.wait()
         for connection in list(self._connections):
             connection.abort()
