@@ -21,13 +21,22 @@ from tests.gateway_process import gateway_process
 # Each value is unlike every other and unlike every default.
 CONFIG = Config(
     ros=RosConfig(node_prefix="arm", namespace="/robot7", domain_id=7, use_sim_time=True),
-    limits=Limits(max_ros_entities=1307),
+    limits=Limits(max_ros_entities=1307, reserved_ros_entities=1308),
 )
 ROS_OPTIONS = RosOptions(
-    node_prefix="arm", namespace="/robot7", domain_id=7, use_sim_time=True, max_entities=1307
+    node_prefix="arm",
+    namespace="/robot7",
+    domain_id=7,
+    use_sim_time=True,
+    max_entities=1307,
+    reserved_entities=1308,
 )
 BUSY_MACHINE_S = 5
-NOT_CONFIGURED = {"arguments", "taking"}  # for tests, and for who embeds the gateway
+NOT_CONFIGURED = {
+    "arguments",
+    "taking",
+    "reserved_topics",
+}  # for tests, and for who embeds the gateway
 
 
 def test_every_value_of_the_configuration_reaches_its_place():

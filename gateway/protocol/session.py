@@ -44,6 +44,8 @@ class Session:
         self.refused = 0
         self.is_ros_sharp = False  # it reads ASCII only, and `values` of the type only
         self.numbers = itertools.count(1)  # of the calls and goals passed on to this client
+        # raises ProtocolError if the client may not have one more ROS entity
+        self.check_share: Callable[[], None] = lambda: None
         self.deferred: dict[Hashable, Deferred] = {}
         self._level: messages.Level = "warning"
         self._assembly = Assembly(limits.max_message_bytes)

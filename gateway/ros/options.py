@@ -4,6 +4,8 @@
 from dataclasses import dataclass
 from typing import Literal
 
+from gateway.ports import RosError
+
 Taking = Literal["auto", "eventfd", "executor"]
 
 
@@ -15,6 +17,23 @@ class RosOptions:
     namespace: str = "/"  # of the nodes; topics do not move
     domain_id: int | None = None  # None: the environment's ROS_DOMAIN_ID
     use_sim_time: bool = False
-    max_entities: int = 256  # ~100 KB of DDS each, an action 500; discovery traffic for every node
+    max_entities: int = 512  # ~100 KB of DDS each, an action 500; discovery traffic for every node
+    reserved_entities: int = 16  # of these, for publishers of reserved topics
+    reserved_topics: tuple[str, ...] = ("/cmd_vel",)
     arguments: tuple[str, ...] = ()  # as ROS takes them: ("--ros-args", "-r", "a:=b")
     taking: Taking = "auto"  # how samples come to the loop, see `gateway.ros.samples`
+
+
+def check_room(open_entities: int, options: RosOptions, *, is_reserved: bool) -> None:
+    """Check that one more entity may be opened; *is_reserved*: a publisher of a reserved topic.
+
+    Raises:
+        RosError: ``limit_exceeded``.
+    """
+    most = options.max_entities
+    kept = min(options.reserved_entities, most // 4)  # where there are few, others need them too
+    if open_entities >= most:
+        raise RosError("limit_exceeded", f"at most {most} ROS entities")
+    if open_entities >= most - kept and not is_reserved:
+        text = f"at most {most} ROS entities, of which {kept} are kept for command topics"
+        raise RosError("limit_exceeded", text)

@@ -30,7 +30,7 @@ from gateway.ros.graph import (
     read_graph,
     read_types,
 )
-from gateway.ros.options import RosOptions, Taking
+from gateway.ros.options import RosOptions, Taking, check_room
 from gateway.ros.publishers import Publishers, RclpyPublisher
 from gateway.ros.raw_subscriptions import RawSubscription, RawSubscriptions
 from gateway.ros.ready_events import (
@@ -62,7 +62,7 @@ class RclpyRos:
             RosError: ROS refuses the options.
         """
         loop = asyncio.get_running_loop()
-        self._max_entities = options.max_entities
+        self._options = options
         # read from the graph, kept until it changes
         self._graph: Graph | None = None
         self._types: dict[str, tuple[str, ...]] = {}
@@ -133,7 +133,7 @@ class RclpyRos:
 
     def advertise(self, topic: str, type_name: str, qos: Qos) -> RclpyPublisher:
         """Create a publisher on a fully resolved topic name; see the port."""
-        self._check_topic(topic, type_name)
+        self._check_topic(topic, type_name, is_reserved=topic in self._options.reserved_topics)
         return self._publishers.advertise(topic, type_name, qos)
 
     def client(self, service: str, type_name: str) -> RclpyClient:
@@ -226,9 +226,9 @@ class RclpyRos:
         parts = (self._subscriptions, self._publishers, self._services, self._actions)
         return sum(len(part) for part in parts)
 
-    def _check_topic(self, topic: str, type_name: str) -> None:
+    def _check_topic(self, topic: str, type_name: str, *, is_reserved: bool = False) -> None:
         known = self._subscriptions.type_of(topic) or self._publishers.type_of(topic)
-        self._check_new(f"topic {topic}", type_name, known)
+        self._check_new(f"topic {topic}", type_name, known, is_reserved=is_reserved)
 
     def _check_service(self, service: str, type_name: str) -> None:
         self._check_new(f"service {service}", type_name, self._services.type_of(service))
@@ -236,9 +236,10 @@ class RclpyRos:
     def _check_action(self, action: str, type_name: str) -> None:
         self._check_new(f"action {action}", type_name, self._actions.type_of(action))
 
-    def _check_new(self, subject: str, type_name: str, known: str | None) -> None:
-        if self.entity_count() >= self._max_entities:
-            raise RosError("limit_exceeded", f"at most {self._max_entities} ROS entities")
+    def _check_new(
+        self, subject: str, type_name: str, known: str | None, *, is_reserved: bool = False
+    ) -> None:
+        check_room(self.entity_count(), self._options, is_reserved=is_reserved)
         # One DDS participant cannot have both types, and rcl's error leaves rmw's reason out.
         if known not in {None, type_name}:
             raise RosError("type_conflict", f"{subject} is open here as {known}, not {type_name}")

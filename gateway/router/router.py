@@ -27,6 +27,7 @@ from gateway.protocol.session import Session
 from gateway.rosapi import Parameters, Rosapi
 from gateway.router.actions.client_actions import ClientActions
 from gateway.router.actions.goals import Goals
+from gateway.router.entity_shares import EntityShares
 from gateway.router.interface_types import InterfaceTypes
 from gateway.router.introspection.introspection import Introspection
 from gateway.router.introspection.parameter_operations import ParameterOperations
@@ -106,11 +107,21 @@ class Router:
             self._goals,
             self._actions,
         )
+        using = (
+            self._subscriptions,
+            self._publications,
+            self._services,
+            self._goals,
+            self._actions,
+        )
+        self._shares = EntityShares(limits, using)
         self._watch = ros.watch_graph(self._on_graph_change)
 
     def enter(self, wake: Callable[[], None], address: str = "") -> Session:
         """Open a session; it calls *wake* whenever its outbox has something to send."""
         session = Session(self._limits, wake)
+        session.check_share = partial(self._shares.check, session)
+        self._shares.enter(session, address)
         self._sessions.add(session)
         return session
 
@@ -142,6 +153,7 @@ class Router:
     def leave(self, session: Session) -> None:
         """Close every ROS entity of a client, and forget the client."""
         self._sessions.discard(session)
+        self._shares.leave(session)
         with contextlib.ExitStack() as parts:  # each leaves, whatever another raises
             for part in self._parts:
                 parts.callback(part.leave, session)

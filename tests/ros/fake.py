@@ -25,6 +25,7 @@ from gateway.ports import (
     TopicInfo,
 )
 from gateway.ros.name_checks import TypeKind, check_action, check_service, check_topic, split_type
+from gateway.ros.options import RosOptions, check_room
 from gateway.ros.qos import Offer, adopt, complete_offer, is_same_request, mismatches
 from schemas.installed import InstalledDefinitions, UnknownTypeError
 from tests.ros.fake_actions import FakeActionClient, FakeActionServer
@@ -170,10 +171,10 @@ class FakeWatch:
 class FakeRos:
     """The port; what is public beyond it is for tests to look at and to drive."""
 
-    def __init__(self, *, prefix: str = "ros2_gateway", max_entities: int = 256) -> None:
+    def __init__(self, *, prefix: str = "ros2_gateway", options: RosOptions | None = None) -> None:
         self.loop = asyncio.get_running_loop()
         self.prefix = prefix
-        self.max_entities = max_entities
+        self.options = options or RosOptions()
         self.now = 1_700_000_000_000_000_000
         self.publishers: list[FakePublisher] = []
         self.subscriptions: list[FakeSubscription] = []
@@ -209,7 +210,7 @@ class FakeRos:
         )
 
     def advertise(self, topic: str, type_name: str, qos: Qos) -> FakePublisher:
-        self._check_topic(topic, type_name)
+        self._check_topic(topic, type_name, is_reserved=topic in self.options.reserved_topics)
         return self.add_publisher(topic, type_name, qos, f"/{self.prefix}_publishers")
 
     def client(self, service: str, type_name: str) -> FakeClient:
@@ -426,9 +427,10 @@ class FakeRos:
         self.changed()
         return subscription
 
-    def _check_topic(self, topic: str, type_name: str) -> None:
+    def _check_topic(self, topic: str, type_name: str, *, is_reserved: bool = False) -> None:
         check_topic(topic)
-        self._check_new(topic, type_name, "msg", [*self.publishers, *self.subscriptions])
+        others = [*self.publishers, *self.subscriptions]
+        self._check_new(topic, type_name, "msg", others, is_reserved=is_reserved)
 
     def _check_new(
         self,
@@ -436,9 +438,10 @@ class FakeRos:
         type_name: str,
         kind: TypeKind,
         others: Iterable[Endpoint | Caller | Server],
+        *,
+        is_reserved: bool = False,
     ) -> None:
-        if self.entity_count() >= self.max_entities:
-            raise RosError("limit_exceeded", f"at most {self.max_entities} ROS entities")
+        check_room(self.entity_count(), self.options, is_reserved=is_reserved)
         split_type(type_name, kind)
         try:
             if kind == "msg":

@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the router relies on, asked of the fake and of rclpy in both ways of taking samples."""
 
+import contextlib
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
 import pytest
 
 from gateway.config.limits import MAX_QUEUE_DEPTH
-from gateway.ports import MAX_TAKES_PER_TURN, Publisher, Qos, RosError, Sample
+from gateway.ports import MAX_TAKES_PER_TURN, Publisher, Qos, Ros, RosError, Sample
+from gateway.ros import RosOptions, open_ros
 from tests.client import eventually
 from tests.ros.conftest import Robot
+from tests.ros.fake import FakeRos
 
 STRING = "std_msgs/msg/String"
 INT32 = "std_msgs/msg/Int32"
@@ -402,3 +405,28 @@ async def test_changes_close_together_are_one_call(robot: Robot) -> None:
 
 def nodes_publishing(robot: Robot, topic: str) -> tuple[str, ...]:
     return next((t.publishers for t in robot.ros.graph().topics if t.name == topic), ())
+
+
+@pytest.mark.parametrize("kind", ["fake", "real"])
+async def test_some_entities_are_kept_for_publishers_of_reserved_topics(kind: str) -> None:
+    options = RosOptions(max_entities=8, reserved_entities=2, reserved_topics=("/drive", "/arm"))
+    async with contextlib.AsyncExitStack() as stack:
+        ros: Ros = FakeRos(options=options)
+        if kind == "real":
+            ros = await stack.enter_async_context(open_ros(options))
+        others = [ros.advertise(f"/t{number}", INT32, Qos()) for number in range(6)]
+        text = "at most 8 ROS entities, of which 2 are kept for command topics"
+        attempts: list[Callable[[], object]] = [
+            lambda: ros.advertise("/more", INT32, Qos()),
+            lambda: ros.subscribe("/drive", INT32, Qos(), print, print),
+            lambda: ros.client("/drive", "std_srvs/srv/Trigger"),
+        ]
+        for attempt in attempts:
+            with pytest.raises(RosError, match=text) as caught:
+                attempt()
+            assert caught.value.code == "limit_exceeded"
+        kept = [ros.advertise(topic, INT32, Qos()) for topic in ("/drive", "/arm")]
+        with pytest.raises(RosError, match="at most 8 ROS entities"):
+            ros.advertise("/drive", INT32, Qos())
+        for each in (*others, *kept):
+            each.close()

@@ -227,7 +227,7 @@ async def test_a_remapped_topic_is_refused_by_name() -> None:
 
 
 async def test_entities_are_limited() -> None:
-    async with open_ros(RosOptions(max_entities=2)) as ros:
+    async with open_ros(RosOptions(max_entities=2, reserved_entities=0)) as ros:
         first = ros.advertise("/a", INT32, Qos())
         ros.subscribe("/b", INT32, Qos(), ignore, ignore)
         others: list[Callable[[], object]] = [

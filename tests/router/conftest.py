@@ -25,13 +25,13 @@ LIMITS = Limits(max_subscriptions=4, max_advertisements=3)
 class Socketless:
     """A client whose frames are taken from its outbox as soon as it is woken."""
 
-    def __init__(self, router: Router) -> None:
+    def __init__(self, router: Router, address: str) -> None:
         self.router = router
         self.frames: list[Frame] = []
         self.wires: list[bytes] = []
         self.is_paused = False
         self.is_flushing = False
-        self.session: Session = router.enter(self.flush)
+        self.session: Session = router.enter(self.flush, address)
 
     def flush(self) -> None:
         if self.is_flushing:  # as a connection does: rendering may report an error
@@ -73,8 +73,8 @@ class Bench:
         self.router = router
         self.types = types
 
-    def client(self) -> Socketless:
-        return Socketless(self.router)
+    def client(self, address: str = "127.0.0.1") -> Socketless:
+        return Socketless(self.router, address)
 
     def cdr(self, type_name: str, **values: Any) -> bytes:
         message_type = self.types.get(type_name)

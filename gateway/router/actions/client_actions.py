@@ -81,6 +81,8 @@ class ClientActions:
         if former is None and self.count(session) >= session.limits.max_advertisements:
             limit = session.limits.max_advertisements
             raise ProtocolError("limit_exceeded", f"at most {limit} actions provided per client")
+        if former is None or former.session is not session:
+            session.check_share()
         if former is not None:
             check_takeover(session, former.session, action, action_type.name, former.type.name)
             self._close(action, former)

@@ -78,6 +78,10 @@ class Goals:
         """The number of goals without a result yet."""
         return sum(map(len, self._sent.values()))
 
+    def count(self, session: Session) -> int:
+        """Count the goals of a client; each may need a client of another action."""
+        return len(self._sent.get(session, ()))
+
     def send(self, session: Session, request: SendActionGoal) -> None:
         """Send a goal; feedback and the result, or an error, are sent later.
 
@@ -91,6 +95,7 @@ class Goals:
         if len(own) >= session.limits.max_goals:
             limit = session.limits.max_goals
             raise ProtocolError("limit_exceeded", f"at most {limit} goals under way per client")
+        session.check_share()
         if request.id is not None and any(other.request.id == request.id for other in own):
             raise ProtocolError("bad_request", f"id: {request.id!r} is a goal under way already")
         goal = encode_values(action_type.goal, request.args, self._ros.now_ns, "args")

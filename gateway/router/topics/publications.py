@@ -36,6 +36,10 @@ class Publications:
         """The number of open ROS publishers."""
         return sum(map(len, self._advertised.values()))
 
+    def count(self, session: Session) -> int:
+        """Count the publishers of a client."""
+        return len(self._advertised.get(session, ()))
+
     def advertise(self, session: Session, request: Advertise) -> None:
         """Open a publisher, or add an id to the one that the client has.
 
@@ -102,6 +106,7 @@ class Publications:
         own = self._advertised.get(session, {})
         if len(own) >= limit:
             raise ProtocolError("limit_exceeded", f"at most {limit} advertisements per client")
+        session.check_share()
         message_type = self._types.on_topic(topic, request.type)
         if message_type is None:
             raise ProtocolError(

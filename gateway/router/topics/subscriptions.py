@@ -43,6 +43,10 @@ class Subscriptions:
         """The number of ROS subscriptions that are open."""
         return len(self._topics)
 
+    def count(self, session: Session) -> int:
+        """Count the topics that a client subscribes to, also those that are not known yet."""
+        return len(self._subscriptions.get(session, ()))
+
     def rates_hz(self, now_ns: int) -> dict[str, float]:
         """Return how often samples arrive on the topics that are being received."""
         rates_hz: dict[str, float] = {}
@@ -63,6 +67,8 @@ class Subscriptions:
         requests = dict(subscription.requests) if subscription else {}
         if request.id not in requests:
             self._check_room(session)
+        if subscription is None:
+            session.check_share()
         requests.pop(request.id, None)  # so that what replaces it counts as the newest
         requests[request.id] = request
         options = SubscriptionOptions.merge(requests.values())

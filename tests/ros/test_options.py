@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: Apache-2.0
+import pytest
+
+from gateway.ports import RosError
+from gateway.ros.options import RosOptions, check_room
+
+
+def test_there_are_512_entities_of_which_16_are_kept():
+    check_room(495, RosOptions(), is_reserved=False)
+    with pytest.raises(RosError, match="at most 512 ROS entities, of which 16 are kept"):
+        check_room(496, RosOptions(), is_reserved=False)
+    check_room(511, RosOptions(), is_reserved=True)
+    with pytest.raises(RosError, match=r"^at most 512 ROS entities$"):
+        check_room(512, RosOptions(), is_reserved=True)
+
+
+def test_where_there_are_few_no_more_than_a_quarter_is_kept():
+    check_room(5, RosOptions(max_entities=8), is_reserved=False)
+    with pytest.raises(RosError, match="of which 2 are kept"):
+        check_room(6, RosOptions(max_entities=8), is_reserved=False)
