@@ -9,6 +9,8 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_valida
 MAX_ID_CHARACTERS: Final = 256
 Id = Annotated[str, Field(max_length=MAX_ID_CHARACTERS)] | int
 
+# A quarter of an hour: JSON can write rates so small that the time between two is infinite.
+MIN_RATE_HZ: Final = 0.001
 Seconds = Annotated[float, Field(ge=0, le=1e9)]
 
 

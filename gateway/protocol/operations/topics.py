@@ -8,7 +8,13 @@ from pydantic_core import core_schema
 
 from gateway.codec.picture_formats import PICTURE_FORMATS
 from gateway.config.limits import MAX_QUEUE_DEPTH
-from gateway.protocol.operations.base import FragmentSize, Operation, OperationPart, Seconds
+from gateway.protocol.operations.base import (
+    MIN_RATE_HZ,
+    FragmentSize,
+    Operation,
+    OperationPart,
+    Seconds,
+)
 
 Milliseconds = Annotated[float, Field(ge=0, le=3_600_000)]
 
@@ -50,7 +56,7 @@ class ImageRequest(OperationPart):
     quality: Annotated[int, Field(ge=1, le=100)] = 80
     max_width: Annotated[int, Field(ge=1, le=8192)] | None = None
     max_height: Annotated[int, Field(ge=1, le=8192)] | None = None
-    max_fps: Annotated[float, Field(gt=0, le=1000)] | None = None
+    max_fps: Annotated[float, Field(ge=MIN_RATE_HZ, le=1000)] | None = None
     depth_range_m: (
         Annotated[tuple[float, float], Field(strict=False, description="nearest and farthest")]
         | None

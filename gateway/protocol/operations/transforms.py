@@ -5,7 +5,7 @@ from typing import Annotated, Final
 
 from pydantic import Field
 
-from gateway.protocol.operations.base import Id, Operation, OperationPart
+from gateway.protocol.operations.base import MIN_RATE_HZ, Id, Operation, OperationPart
 from gateway.tf.buffer import MAX_FRAME_CHARACTERS
 
 MAX_RATE_HZ: Final = 200  # what a headset draws, twice
@@ -30,7 +30,7 @@ class LookupTransform(Operation):
     source_frame: FrameId
     time: StampRequest | None = None  # None: the newest time at which both frames are known
     timeout: Annotated[float, Field(ge=0, le=MAX_TIMEOUT_S)] | None = None
-    rate: Annotated[float, Field(gt=0, le=MAX_RATE_HZ)] | None = None
+    rate: Annotated[float, Field(ge=MIN_RATE_HZ, le=MAX_RATE_HZ)] | None = None
 
 
 class CancelTransform(Operation):
