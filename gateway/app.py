@@ -2,7 +2,9 @@
 """The composition root: builds the parts, owns signals and shutdown."""
 
 import asyncio
+import errno
 import logging
+import math
 import os
 import signal
 import socket
@@ -11,7 +13,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AsyncExitStack, contextmanager
 from importlib.metadata import version
-from typing import Final
+from typing import Any, Final
 
 from gateway.codec.image import confine_to_calling_thread
 from gateway.codec.types import Types
@@ -29,6 +31,7 @@ from schemas.table import Table
 logger = logging.getLogger("gateway")
 
 SHUTDOWN_S: Final = 1.8  # of the 2 s that there are
+WARN_AGAIN_S: Final = 10.0
 
 
 Announce = Callable[[str, str], None]
@@ -54,6 +57,7 @@ async def _serve(config: Config, announce: Announce) -> int:
     confine_to_calling_thread()
     stop = asyncio.Event()
     loop = asyncio.get_running_loop()
+    loop.set_exception_handler(_LoopErrors())
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, stop.set)
     async with AsyncExitStack() as stack:
@@ -121,6 +125,24 @@ def _ros_options(config: Config) -> RosOptions:
         max_entities=config.limits.max_ros_entities,
         reserved_entities=config.limits.reserved_ros_entities,
     )
+
+
+class _LoopErrors:
+    """Reports what nobody awaits.
+
+    asyncio tries a hundred times a second to accept a client while no descriptor is left.
+    """
+
+    def __init__(self) -> None:
+        self._warned_s = -math.inf
+
+    def __call__(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+        error = context.get("exception")
+        if not isinstance(error, OSError) or error.errno not in {errno.EMFILE, errno.ENFILE}:
+            loop.default_exception_handler(context)
+        elif loop.time() - self._warned_s > WARN_AGAIN_S:
+            self._warned_s = loop.time()
+            logger.warning("no client can connect: %s", (error.strerror or "").lower())
 
 
 @contextmanager

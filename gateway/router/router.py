@@ -8,12 +8,10 @@ from concurrent.futures import Executor
 from functools import partial
 from typing import Any, Protocol, assert_never
 
-from gateway.codec.error_text import truncate
 from gateway.codec.types import Types
 from gateway.config.limits import Limits
 from gateway.deadline import Deadline
-from gateway.ports import Ros, RosError
-from gateway.protocol.errors import ProtocolError
+from gateway.ports import Ros
 from gateway.protocol.operations import (
     ClientOperation,
     actions,
@@ -33,7 +31,7 @@ from gateway.router.introspection.introspection import Introspection
 from gateway.router.introspection.parameter_operations import ParameterOperations
 from gateway.router.services.client_services import ClientServices
 from gateway.router.services.service_calls import ServiceCalls
-from gateway.router.tasks import ASKING_S, Tasks
+from gateway.router.tasks import ASKING_S, FAILURES, Tasks, refuse
 from gateway.router.topic_types import TopicTypes
 from gateway.router.topics.publications import Publications
 from gateway.router.topics.subscriptions import Subscriptions
@@ -134,10 +132,8 @@ class Router:
             self.end_turn(session)
         try:
             self._carry_out(session, operation)
-        except ProtocolError as error:
-            session.refuse(error, operation)
-        except RosError as error:
-            session.refuse(_of_ros(error), operation)
+        except FAILURES as error:
+            refuse(session, operation, error)
 
     def end_turn(self, session: Session) -> None:
         """Do what the operations of a client deferred until others have their turn."""
@@ -145,10 +141,8 @@ class Router:
         for operation, work in deferred.values():
             try:
                 work()
-            except ProtocolError as error:
-                session.refuse(error, operation)
-            except RosError as error:
-                session.refuse(_of_ros(error), operation)
+            except FAILURES as error:
+                refuse(session, operation, error)
 
     def leave(self, session: Session) -> None:
         """Close every ROS entity of a client, and forget the client."""
@@ -268,7 +262,3 @@ class Router:
     def _on_graph_change(self) -> None:
         self._subscriptions.refresh()
         self._introspection.on_graph_change()
-
-
-def _of_ros(error: RosError) -> ProtocolError:
-    return ProtocolError(error.code, truncate(str(error)))

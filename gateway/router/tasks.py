@@ -19,6 +19,9 @@ MAX_WAITING_CALLS: Final = 256  # a page that asks for all parameters of a robot
 # Parameters and transforms have deadlines of seconds: a turn comes soon, or something is wrong.
 ASKING_S: Final = 10.0
 
+# The last is the machine's: no descriptors left, a full disk.
+FAILURES: Final = (ProtocolError, RosError, OSError)
+
 logger = logging.getLogger(__name__)
 
 
@@ -109,16 +112,27 @@ class Metered(Coroutine[Any, Any, None]):
         self._session.spend(now_s - start_s, now_s)
 
 
+def refuse(session: Session, operation: ClientOperation, error: Exception) -> None:
+    """Answer an operation that has failed by one of `FAILURES`."""
+    match error:
+        case ProtocolError():
+            session.refuse(error, operation)
+        case RosError():
+            session.refuse(ProtocolError(error.code, truncate(str(error))), operation)
+        case OSError():
+            reason = (error.strerror or type(error).__name__).lower()  # its text may name a file
+            logger.warning("%s failed: %s", operation.op, reason)
+            session.refuse(ProtocolError("internal", f"the gateway's machine: {reason}"), operation)
+
+
 async def answered(
     session: Session, operation: ClientOperation, work: Callable[[], Awaitable[None]]
 ) -> None:
     """Do *work*; whatever goes wrong is the answer to the operation."""
     try:
         await work()
-    except ProtocolError as error:
-        session.refuse(error, operation)
-    except RosError as error:
-        session.refuse(ProtocolError(error.code, truncate(str(error))), operation)
+    except FAILURES as error:
+        refuse(session, operation, error)
     except Exception:  # our bug: this client is told, the others are unharmed
         logger.exception("%s failed", operation.op)
         session.refuse(ProtocolError("internal", "a fault of the gateway; see its log"), operation)

@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
+import errno
+
 import pytest
 
 from tests.clock import StoppedClock
@@ -43,3 +45,17 @@ async def test_a_task_that_is_cancelled_ends(bench: Bench):
     bench.router.leave(client.session)
     await bench.settle()
     assert bench.router.counts()["calls"] == 0
+
+
+async def test_what_the_machine_lacks_is_answered_without_its_paths(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+):
+    def none_left(*_: object) -> None:
+        raise OSError(errno.EMFILE, "Too many open files", "/etc/secret")
+
+    monkeypatch.setattr(bench.router._subscriptions, "subscribe", none_left)
+    client = bench.client()
+    client.send(op="subscribe", id="s", topic="/t")
+    assert client.statuses == [("internal", "the gateway's machine: too many open files")]
+    assert "Traceback" not in caplog.text
+    assert "secret" not in caplog.text
