@@ -12,6 +12,7 @@ from collections.abc import Callable
 from typing import Final
 
 WINDOW_S: Final = 1.0  # what is not spent for so long may be spent at once
+REFILL_S: Final = 0.004  # a slice, before a wait ends: else there would be one for each read
 ROUNDING_S: Final = 1e-6  # else a wait could end a hair too soon, and nothing be left
 MAX_ADDRESSES: Final = 1024  # that are remembered, 0.3 MB; those of connections always are
 
@@ -44,9 +45,9 @@ class TimeBudget:
         self._left_s = min(self._left_s, left_s)
 
     def wait_s(self, now_s: float) -> float:
-        """Return how long it takes until something is left; 0 if something is."""
+        """Return how long it takes until a slice is left; 0 if something is."""
         debt_s = -self.left_s(now_s)
-        return debt_s / self._share if debt_s > ROUNDING_S else 0.0
+        return (debt_s + REFILL_S) / self._share if debt_s > ROUNDING_S else 0.0
 
     def is_full(self, now_s: float) -> bool:
         """Return whether nothing was spent lately: a new budget would be the same."""

@@ -30,8 +30,8 @@ def test_what_is_not_spent_for_a_second_may_be_spent_at_once_and_no_more():
     budget = TimeBudget(0.25, 100)
     assert budget.left_s(200) == 0.25
     assert budget.spend(0.35, 200) == pytest.approx(-0.1)
-    assert budget.wait_s(200) == pytest.approx(0.4)
-    assert budget.left_s(200.4) == pytest.approx(0)
+    assert budget.wait_s(200) == pytest.approx(0.416)
+    assert budget.left_s(200.416) == pytest.approx(0.004)
     assert not budget.is_full(201.3)
     assert budget.is_full(201.5)
 
