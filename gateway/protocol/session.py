@@ -46,6 +46,8 @@ class Session:
         self.numbers = itertools.count(1)  # of the calls and goals passed on to this client
         # raises ProtocolError if the client may not have one more ROS entity
         self.check_share: Callable[[], None] = lambda: None
+        self.is_behind = False  # its time budget is spent, and what it has sent waits
+        self.replaced = 0  # of what it deferred, by something newer
         self.deferred: dict[Hashable, Deferred] = {}
         self._level: messages.Level = "warning"
         self._assembly = Assembly(limits.max_message_bytes)
@@ -79,6 +81,7 @@ class Session:
         If another of the same key comes until then, that takes its place: of what is set many
         times only the newest counts.
         """
+        self.replaced += key in self.deferred
         self.deferred[key] = Deferred(operation, work)
 
     def refuse(self, error: ProtocolError, operation: Operation | None = None) -> None:

@@ -263,8 +263,13 @@ class Connection(asyncio.BufferedProtocol):
 
     def end_turn(self) -> None:
         """Carry out what was deferred until now."""
-        if self._session is not None:
+        if self._session is not None and self._session.deferred:
             self._acceptor.end_turn(self._session)
+
+    def fall_behind(self, *, is_behind: bool) -> None:
+        """Let the newest of what waits count alone, where that is all that counts."""
+        if self._session is not None:
+            self._session.is_behind = is_behind
 
     def fail(self, bug: Exception) -> None:
         """Close this client for a bug of ours."""

@@ -37,6 +37,9 @@ class Receiver(Protocol):
     def end_turn(self) -> None:
         """Note that others have their turn now."""
 
+    def fall_behind(self, *, is_behind: bool) -> None:
+        """Note that its budget is spent, or is no longer."""
+
     def fail(self, bug: Exception) -> None:
         """Close this client for a bug of ours."""
 
@@ -60,6 +63,7 @@ class Inbound:
         self._events: deque[Event] = deque()
         self._head: bytes | None = b""  # the end of the HTTP request so far; None: it is complete
         self.is_paused = False  # reading, until what waits is handled and paid for
+        self._is_behind = False
         self._next_slice: asyncio.Handle | None = None
 
     def __bool__(self) -> bool:
@@ -98,6 +102,9 @@ class Inbound:
             self._receiver.fail(error)
         end_s = time.monotonic()
         may_go_on = self._spending.spend(end_s - now_s + cost_s, end_s)
+        if may_go_on is self._is_behind:
+            self._is_behind = not may_go_on
+            self._receiver.fall_behind(is_behind=self._is_behind)
         if self._head is None and not may_go_on:
             self._pause()
             self._spending.wait()

@@ -62,6 +62,7 @@ class Server:
             "frames_out": 0,
             "dropped": 0,
             "coalesced": 0,
+            "replaced": 0,
         }
 
     @contextlib.asynccontextmanager
@@ -183,3 +184,4 @@ def _add(totals: dict[str, int], session: Session) -> None:
     totals["frames_out"] += session.outbox.sent
     totals["dropped"] += session.outbox.dropped
     totals["coalesced"] += session.outbox.coalesced
+    totals["replaced"] += session.replaced

@@ -13,6 +13,7 @@ from typing import Final
 
 WINDOW_S: Final = 1.0  # what is not spent for so long may be spent at once
 REFILL_S: Final = 0.004  # a slice, before a wait ends: else there would be one for each read
+SETTLE_S: Final = 0.0005  # no sooner: most frames take 20 us, and two budgets would add another
 ROUNDING_S: Final = 1e-6  # else a wait could end a hair too soon, and nothing be left
 MAX_ADDRESSES: Final = 1024  # that are remembered, 0.3 MB; those of connections always are
 
@@ -104,6 +105,8 @@ class Spending:
         # else a client that connects anew would have another burst
         self.own.limit(self._address.time.left_s(now_s))
         self._timer: asyncio.TimerHandle | None = None
+        self._unsettled_s = 0.0
+        self._is_over = self.own.left_s(now_s) < 0
 
     def move(self, address: str) -> None:
         """Belong to another address from now on: a proxy has named the client's."""
@@ -112,9 +115,10 @@ class Spending:
 
     def spend(self, spent_s: float, now_s: float) -> bool:
         """Take away what this connection has spent; return whether something is left."""
-        self._budgets.spent_s += spent_s
-        own_s = self.own.spend(spent_s, now_s)
-        return self._address.time.spend(spent_s, now_s) >= 0 and own_s >= 0
+        self._unsettled_s += spent_s
+        if self._unsettled_s < SETTLE_S and not self._is_over:
+            return True
+        return self._settle(now_s)
 
     def wait(self) -> None:
         """Call `go_on` once both budgets have something left."""
@@ -128,10 +132,18 @@ class Spending:
 
     def close(self) -> None:
         """End a wait; what was spent counts on against the address."""
+        self._settle(time.monotonic())
         if self._timer is not None:
             self._timer.cancel()
         self._address.forget(self)
         self._address.users -= 1
+
+    def _settle(self, now_s: float) -> bool:
+        spent_s, self._unsettled_s = self._unsettled_s, 0.0
+        self._budgets.spent_s += spent_s
+        own_s = self.own.spend(spent_s, now_s)
+        self._is_over = self._address.time.spend(spent_s, now_s) < 0 or own_s < 0
+        return not self._is_over
 
 
 class TimeBudgets:

@@ -2,6 +2,7 @@
 """One connection without a socket: its transport, its clock and its timers are ours."""
 
 import asyncio
+import json
 import re
 import socket
 from collections.abc import AsyncIterator, Callable
@@ -16,6 +17,7 @@ from gateway.server import inbound as inbound_module
 from gateway.server import time_budget as time_budget_module
 from gateway.server.connection import Connection
 from gateway.server.server import Server
+from tests.ros.fake import FakeRos
 from tests.server.conftest import Serve
 from tests.server.test_server import masked, upgrade
 from tests.server.timers import Timers
@@ -102,6 +104,8 @@ class Acceptor:
 class Wire(Timers):
     """A connection, what it is connected to, and the time."""
 
+    ros: FakeRos
+
     def __init__(
         self, server: Server, monkeypatch: pytest.MonkeyPatch, *, is_upgraded: bool = True
     ) -> None:
@@ -155,6 +159,7 @@ def pings(*ids: int) -> bytes:
 async def wire(serve: Serve, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Wire]:
     async with serve() as served:
         wire = Wire(served.server, monkeypatch)
+        wire.ros = served.ros
         yield wire
         wire.connection.connection_lost(None)
 
@@ -236,6 +241,45 @@ def test_what_waits_is_handled_no_faster_than_its_budget_allows(wire: Wire):
     earned_s = 0.25 + (3 * 0.3 + wire.until_read()) * 0.25
     assert wire.pongs == [0, 1, 2, 3]
     assert earned_s == pytest.approx(4 * 0.3, abs=0.01)
+
+
+def test_beyond_the_budget_the_newest_message_of_a_topic_of_depth_1_replaces_the_others(wire: Wire):
+    ros = wire.ros
+    heard: list[tuple[str, bytes]] = []
+    joy, log = (
+        {"op": "advertise", "topic": topic, "type": "std_msgs/String", "queue_size": size}
+        for topic, size in (("/joy", 1), ("/log", 100))
+    )
+    publish = b'{"op":"publish","topic":"%s","msg":{"data":"%d"}}'
+    burst = b"".join(
+        masked(Opcode.TEXT, publish % (topic, number))
+        for number in range(3)
+        for topic in (b"/joy", b"/log")
+    )
+    wire.receive(b"".join(masked(Opcode.TEXT, json.dumps(each).encode()) for each in (joy, log)))
+    for publisher in ros.publishers:
+        publisher.publish = lambda cdr, name=publisher.topic: heard.append((name, cdr[8:9]))
+    wire.receive(burst)
+    assert len(heard) == 6
+    heard.clear()
+    session = wire.connection.session
+    assert session is not None
+    session.is_behind = True
+    wire.receive(burst)
+    assert heard == [("/log", b"0"), ("/log", b"1"), ("/log", b"2"), ("/joy", b"2")]
+    assert session.replaced == 2
+
+
+def test_who_has_spent_its_budget_is_behind_until_it_has_more(wire: Wire):
+    session = wire.connection.session
+    assert session is not None
+    wire.acceptor.cost_s = 0.3
+    wire.receive(pings(1, 2))
+    assert session.is_behind
+    wire.acceptor.cost_s = 0
+    wire.until_read()
+    wire.receive(pings(3))
+    assert not session.is_behind
 
 
 def test_reading_alone_is_paid_for(wire: Wire, monkeypatch: pytest.MonkeyPatch):

@@ -141,6 +141,18 @@ def test_so_many_addresses_are_remembered_and_those_of_connections_always(clock:
     stays.close()
 
 
+def test_small_sums_add_up(clock: Timers):
+    budgets = TimeBudgets(0.25, 0.5)
+    client = budgets.open("10.0.0.1")
+    times = 0
+    while client.spend(0.0001, clock.now_s):
+        times += 1
+    assert times == pytest.approx(2500, abs=6)
+    client.spend(0.0001, clock.now_s)
+    client.close()
+    assert budgets.spent_s == pytest.approx((times + 2) * 0.0001)
+
+
 def test_what_was_spent_and_how_often_somebody_waited_is_counted(clock: Timers):
     budgets = TimeBudgets(0.25, 0.5)
     client = budgets.open("10.0.0.1")

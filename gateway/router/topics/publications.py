@@ -2,6 +2,7 @@
 """Publishing by clients: their advertisements, and their messages into ROS."""
 
 from dataclasses import dataclass, field
+from functools import partial
 
 from gateway.codec.errors import CodecError
 from gateway.codec.types import MessageType
@@ -20,6 +21,7 @@ class Advertised:
 
     message_type: MessageType
     publisher: Publisher
+    keeps_newest: bool  # its depth is 1: the newest message is all that counts
     ids: set[str | int | None] = field(default_factory=set)
 
 
@@ -90,11 +92,10 @@ class Publications:
             known.ids.add(None)
         elif request.type is not None:
             self._check_type(topic, known, request.type)
-        try:
-            cdr = known.message_type.encode(request.msg, self._ros.now_ns)
-        except CodecError as error:
-            raise ProtocolError("invalid_value", str(error)) from error
-        known.publisher.publish(cdr)
+        if known.keeps_newest and session.is_behind:
+            session.defer(topic, request, partial(self._send, known, request))
+        else:
+            self._send(known, request)
 
     def leave(self, session: Session) -> None:
         """Close all advertisements of a client."""
@@ -114,10 +115,19 @@ class Publications:
             )
         if isinstance(request, Publish):
             request = Advertise(topic=request.topic, type=message_type.name, latch=request.latch)
-        publisher = self._ros.advertise(topic, message_type.name, offered(request))
-        known = Advertised(message_type, publisher)
+        qos = offered(request)
+        publisher = self._ros.advertise(topic, message_type.name, qos)
+        keeps_newest = qos.depth == 1 and qos.history != "keep_all"
+        known = Advertised(message_type, publisher, keeps_newest)
         self._advertised.setdefault(session, {})[topic] = known
         return known
+
+    def _send(self, known: Advertised, request: Publish) -> None:
+        try:
+            cdr = known.message_type.encode(request.msg, self._ros.now_ns)
+        except CodecError as error:
+            raise ProtocolError("invalid_value", str(error)) from error
+        known.publisher.publish(cdr)
 
     def _check_type(self, topic: TopicName, known: Advertised, requested: str | int) -> None:
         named = self._types.named(requested)
