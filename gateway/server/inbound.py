@@ -78,8 +78,7 @@ class Inbound:
     def go_on(self) -> None:
         """Handle what waits, a slice of it; then read again."""
         self._next_slice = None
-        if not self._transport.is_closing():
-            self._work(time.monotonic(), 0.0)
+        self._work(time.monotonic(), 0.0)
 
     def drop(self) -> None:
         """Forget what waits: nobody wants it any more."""

@@ -216,6 +216,11 @@ def test_no_more_than_4_kib_are_parsed_at_once(wire: Wire):
     assert sizes == [4096]
     wire.until_read()
     assert sizes == [4096] * 3
+    sizes.clear()
+    wire.receive(masked(Opcode.TEXT, bytes(100_000))[: 16 * 1024])  # of which nothing is whole
+    assert sizes == [4096]
+    wire.until_read()
+    assert sizes == [4096] * 4
 
 
 def test_who_has_spent_a_quarter_of_a_second_is_read_for_a_quarter_of_the_time(wire: Wire):
