@@ -609,7 +609,9 @@ async def test_one_answer_beyond_the_send_queue_reaches_a_client_that_reads(
 
     original = Connection.tick
     monkeypatch.setattr(Connection, "tick", tick)
-    async with serve({"send_queue_bytes": 100_000, "slow_consumer_s": 0.1}) as served:
+    async with serve(
+        {"send_queue_bytes": 100_000, "slow_consumer_s": 0.1, "send_deadline_s": 120}
+    ) as served:
         publisher = served.ros.add_publisher("/big", STRING, Qos(depth=100))
         reader, writer = await handshake(served)
         writer.write(masked(Opcode.TEXT, b'{"op":"subscribe","topic":"/big","queue_length":1}'))
