@@ -9,6 +9,7 @@ from typing import Annotated, Final, Literal
 
 from pydantic import AfterValidator, Field, StringConstraints
 
+from gateway.config.access import AccessConfig, AuditConfig, TlsConfig
 from gateway.config.domain_id import MAX_DOMAIN_ID
 from gateway.config.limits import Limits
 from gateway.config.section import Section
@@ -36,10 +37,14 @@ UrlPath = Annotated[
     StringConstraints(pattern=r"^/[0-9A-Za-z._~/-]*$"),
     Field(json_schema_extra={"expected": "a path such as / or /ros"}),
 ]
-Origin = Annotated[str, StringConstraints(pattern=r"^(\*|[a-z][a-z0-9+.-]*://[^\s/,]+)$")]
+Origin = Annotated[str, StringConstraints(pattern=r"^(\*|null|[a-z][a-z0-9+.-]*://[^\s/,]+)$")]
 Origins = Annotated[
     tuple[Origin, ...],
-    Field(json_schema_extra={"expected": "origins such as https://ui.example, or *"}),
+    Field(json_schema_extra={"expected": "origins such as https://ui.example, null, or *"}),
+]
+HostNames = Annotated[
+    tuple[Annotated[str, StringConstraints(pattern=r"^(\*|[0-9A-Za-z._-]+)$")], ...],
+    Field(json_schema_extra={"expected": "host names such as robot.lan, or *"}),
 ]
 Network = Annotated[str, AfterValidator(network)]
 Networks = Annotated[
@@ -102,8 +107,12 @@ class Config(Section):
 
     host: Host = Field(
         "127.0.0.1",
-        description="the address to listen on: `127.0.0.1` for this machine alone,"
-        " `0.0.0.0` for all networks, where anyone who reaches the port may drive the robot",
+        description="the address to listen on: `127.0.0.1` for this machine alone; any address that"
+        " other machines reach asks for tokens, as `lan` does",
+    )
+    lan: bool = Field(
+        False,
+        description="whether to listen on all networks, IPv4 and IPv6; then clients need a token",
     )
     port: Annotated[int, Field(ge=0, le=65535)] = Field(
         9090, description="the TCP port, by default rosbridge's; 0 for any free one"
@@ -111,8 +120,9 @@ class Config(Section):
     path: UrlPath = Field("/", description="the path of the WebSocket")
     allowed_origins: Origins = Field(
         (),
-        description="web sites whose pages may connect, beside pages of the same host; without"
-        " this rule any web site could drive the robot of whoever visits it; `*` allows all",
+        description="web sites whose pages may connect, beside the gateway's own; without this"
+        " rule any web site could drive the robot of whoever visits it; `null` allows pages from"
+        " disk, and pages that another site has in a sandbox; `*` allows all",
     )
     trusted_proxies: Networks = Field(
         (),
@@ -120,6 +130,19 @@ class Config(Section):
         " `X-Forwarded-For` header is believed: then limits per address count the clients'"
         " own addresses",
     )
+    allowed_hosts: HostNames = Field(
+        (),
+        description="names under which the gateway is reached, beside addresses, `localhost` and"
+        " this machine's own name; `*` allows all",
+    )
+    qr: bool = Field(
+        True,
+        description="whether a terminal shows the address as a QR code, if other machines can"
+        " connect",
+    )
+    access: AccessConfig = AccessConfig()
+    audit: AuditConfig = AuditConfig()
+    tls: TlsConfig = TlsConfig()
     log: LogConfig = LogConfig()
     ros: RosConfig = RosConfig()
     limits: Limits = Limits()

@@ -110,7 +110,7 @@ def test_several_values_are_an_array_in_toml_and_have_commas_in_text(tmp_path):
 )
 def test_what_is_no_origin_is_refused(tmp_path, value):
     (problem,) = problems(file=toml(tmp_path, f"allowed_origins = {value}"))
-    assert problem.endswith("expected origins such as https://ui.example, or *")
+    assert problem.endswith("expected origins such as https://ui.example, null, or *")
 
 
 def test_every_key_can_be_set_by_its_variable():

@@ -1,0 +1,6 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Who may connect, and do what: tokens, roles, permissions, rules for web pages, the audit log.
+
+Time and bytes come as arguments; only `token_file` and `audit_file` touch a disk. The map is
+docs/architecture.md.
+"""

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The audit log: who connected, who was refused, who took control, and every stop.
+
+Each event is one line of JSON, for the logger `gateway.audit` and, where the operator names one, a
+file. It holds no tokens and no payloads: only names, roles, addresses, reasons.
+"""
+
+import json
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Final
+
+MAX_FACT_CHARACTERS: Final = 200  # a name of ROS fits
+# Lines of one kind of event in a window; a flood of refusals must fill neither disk nor log. Kinds
+# do not share, so that no flood can hide a stop.
+MAX_LINES: Final = 100
+WINDOW_NS: Final = 10 * 1_000_000_000
+
+Fact = str | int | float | bool | None
+
+logger = logging.getLogger("gateway.audit")
+
+
+@dataclass(slots=True)
+class _Window:
+    began_ns: int
+    lines: int = 0
+    left_out: int = 0
+
+
+class Audit:
+    """Writes events, a bounded number of each kind.
+
+    *write* takes each line, without waiting; *clock_ns* is the time of day; *level* is of the
+    records in the log.
+    """
+
+    def __init__(
+        self,
+        clock_ns: Callable[[], int],
+        write: Callable[[str], None] | None = None,
+        level: int = logging.INFO,
+    ) -> None:
+        self._clock_ns = clock_ns
+        self._write = write
+        self._level = level
+        self._windows: dict[str, _Window] = {}
+
+    def record(self, event: str, **facts: Fact) -> None:
+        """Record an event; *event* is one of a few words of ours, never a client's.
+
+        Facts that are ``None`` are left out, texts are truncated.
+        """
+        now_ns = self._clock_ns()
+        window = self._windows.get(event)
+        # also after the clock was set back
+        if window is None or not 0 <= now_ns - window.began_ns < WINDOW_NS:
+            left_out = 0 if window is None else window.left_out
+            window = self._windows[event] = _Window(now_ns)
+            if left_out:
+                facts = {**facts, "left_out_before": left_out}
+        if window.lines >= MAX_LINES:
+            window.left_out += 1
+            return
+        window.lines += 1
+        self._emit(now_ns, event, facts)
+
+    def _emit(self, now_ns: int, event: str, facts: dict[str, Fact]) -> None:
+        time = datetime.fromtimestamp(now_ns / 1e9, UTC).isoformat(timespec="milliseconds")
+        entry: dict[str, Fact] = {"time": time, "event": event}
+        entry |= {name: _shown(fact) for name, fact in facts.items() if fact is not None}
+        line = json.dumps(entry)  # ASCII: no text can begin a line of its own
+        logger.log(self._level, "%s", line)
+        if self._write is not None:
+            self._write(line)
+
+
+def _shown(fact: Fact) -> Fact:
+    return fact[:MAX_FACT_CHARACTERS] if isinstance(fact, str) else fact

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Who a client is, by its token or without one."""
+
+from gateway.access.failed_attempts import MAX_FAILURES, WINDOW_S, FailedAttempts
+from gateway.access.permissions import Identity, Policy
+from gateway.access.tokens import Tokens
+from gateway.config.access import Role
+
+ANONYMOUS = "anonymous"
+
+
+class AuthenticationError(Exception):
+    """Raised when a token is not valid; *is_abuse* if its address has sent too many such."""
+
+    def __init__(self, reason: str, *, is_abuse: bool = False) -> None:
+        super().__init__(reason)
+        self.is_abuse = is_abuse
+
+
+class Authentication:
+    """The tokens and the policy in force; a reload replaces both.
+
+    *anonymous_role* is the role of clients without a token, ``None`` if they need one.
+    """
+
+    def __init__(self, tokens: Tokens, policy: Policy, anonymous_role: Role | None) -> None:
+        self.tokens = tokens
+        self.policy = policy
+        self._anonymous_role = anonymous_role
+        self._failed = FailedAttempts()
+
+    @property
+    def anonymous(self) -> Identity | None:
+        """The identity of clients without a token; ``None`` if they need one."""
+        if self._anonymous_role is None:
+            return None
+        return Identity(ANONYMOUS, self.policy.of(self._anonymous_role))
+
+    @property
+    def looks_at_tokens(self) -> bool:
+        """Whether a token makes a difference: not where everybody may do everything."""
+        anonymous = self.anonymous
+        return anonymous is None or not anonymous.permissions.is_unlimited
+
+    def identify(self, token: str, address: str, now_s: float) -> Identity:
+        """Return the identity of the client with this token.
+
+        A right token passes however many wrong ones its address has sent: others behind the same
+        router or proxy must not lock it out, and no number of attempts finds a token.
+
+        Raises:
+            AuthenticationError: the token is not valid.
+        """
+        found = self.tokens.find(token)
+        if found is not None:
+            return Identity(found.name, self.policy.of(found.role), found.digest)
+        if self._failed.add(address, now_s):
+            raise AuthenticationError(
+                f"more than {MAX_FAILURES} wrong tokens from this address within {WINDOW_S:g} s",
+                is_abuse=True,
+            )
+        raise AuthenticationError("the token is wrong")
+
+    def current(self, identity: Identity) -> Identity | None:
+        """Return who a client is after a reload; ``None`` if its token was revoked."""
+        if identity.digest is None:
+            return self.anonymous
+        found = self.tokens.with_digest(identity.digest)
+        if found is None:
+            return None
+        return Identity(found.name, self.policy.of(found.role), found.digest)

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a role may do, and with which names.
+
+Names are resolved ones: a check on a name as a client wrote it could be evaded by another spelling.
+"""
+
+from dataclasses import dataclass
+from typing import Final, Literal
+
+from gateway.access.globs import compile_globs
+from gateway.config.access import ROLES, AccessConfig, Role, RoleConfig
+
+Action = Literal["subscribe", "publish", "call"]
+ACTIONS: Final[tuple[Action, ...]] = ("subscribe", "publish", "call")
+
+# rcl offers an action as services and topics below this part of its name
+_BEHIND_ACTION: Final = "/_action/"
+# Decisions that are kept, by action and name: those of a large robot. A client may make up names
+# without end, so the memory is bounded.
+MAX_REMEMBERED: Final = 4096
+
+
+class Permissions:
+    """The permissions of one role."""
+
+    def __init__(self, role: Role, rules: RoleConfig) -> None:
+        self.role = role
+        self.rules = rules
+        self._allowed = {action: compile_globs(getattr(rules, action)) for action in ACTIONS}
+        self._denied = {
+            action: compile_globs(getattr(rules, f"deny_{action}")) for action in ACTIONS
+        }
+        self._decided: dict[tuple[Action, str], bool] = {}
+
+    @property
+    def is_unlimited(self) -> bool:
+        """Whether the role may do everything, so that nothing needs to be checked."""
+        return all(
+            "**" in getattr(self.rules, action) and not getattr(self.rules, f"deny_{action}")
+            for action in ACTIONS
+        )
+
+    def may(self, action: Action, name: str) -> bool:
+        """Return whether the role may do this with a resolved name."""
+        decided = self._decided.get((action, name))
+        if decided is None:
+            if len(self._decided) >= MAX_REMEMBERED:
+                self._decided.clear()
+            decided = self._decided[action, name] = self._decide(action, name)
+        return decided
+
+    def sees(self, name: str) -> bool:
+        """Return whether a name exists for this role: it may do anything at all with it."""
+        return any(self.may(action, name) for action in ACTIONS)
+
+    def _decide(self, action: Action, name: str) -> bool:
+        # who may not send an action goals must not reach the services behind it, either
+        names = {name, name.partition(_BEHIND_ACTION)[0] or name}
+        allowed, denied = self._allowed[action], self._denied[action]
+        if allowed is None or (denied is not None and any(map(denied.fullmatch, names))):
+            return False
+        return any(map(allowed.fullmatch, names))
+
+
+class Policy:
+    """The permissions of all roles."""
+
+    def __init__(self, config: AccessConfig) -> None:
+        self._by_role = {role: Permissions(role, config.rules(role)) for role in ROLES}
+
+    def of(self, role: Role) -> Permissions:
+        """Return the permissions of a role."""
+        return self._by_role[role]
+
+    def roles(self, action: Action, name: str) -> list[Role]:
+        """List the roles that may do this."""
+        return [role for role in ROLES if self._by_role[role].may(action, name)]
+
+
+@dataclass(frozen=True, slots=True)
+class Identity:
+    """Who a client is: its name for people, and what it may do."""
+
+    name: str  # of its token, or `anonymous`
+    permissions: Permissions
+    digest: bytes | None = None  # of its token, if it has one
+
+    @property
+    def role(self) -> Role:
+        """The role."""
+        return self.permissions.role

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How open the gateway is: where it listens, and who needs a token."""
+
+import ipaddress
+from dataclasses import dataclass
+from typing import Final
+
+from gateway.config.access import Role
+from gateway.config.model import Config
+from gateway.errors import ConfigError
+
+EVERYWHERE: Final = ("0.0.0.0", "::")  # noqa: S104  # what `--lan` asks for
+
+
+@dataclass(frozen=True, slots=True)
+class Posture:
+    """Where the gateway listens, and the role of clients without a token."""
+
+    hosts: tuple[str, ...]
+    is_open: bool  # other machines can connect
+    anonymous_role: Role | None  # None: everybody needs a token
+
+    @property
+    def needs_token(self) -> bool:
+        """Whether every client needs a token."""
+        return self.anonymous_role is None
+
+
+def posture_of(config: Config) -> Posture:
+    """Return the posture that a configuration asks for.
+
+    Whatever opens the gateway to other machines, `lan` or an address, asks for tokens.
+
+    Raises:
+        ConfigError: the configuration contradicts itself.
+    """
+    is_default_host = config.host == "127.0.0.1"
+    hosts = EVERYWHERE if config.lan and is_default_host else (config.host,)
+    is_open = config.lan or not is_loopback(config.host)
+    access = config.access
+    asked = access.authentication
+    if asked == "token" or (asked == "auto" and is_open):
+        if access.anonymous_role is not None:
+            raise ConfigError(
+                "access.anonymous_role: got a role, but every client needs a token;"
+                " --no-auth lets clients in without one"
+            )
+        return Posture(hosts, is_open, None)
+    default: Role = "viewer" if is_open else "admin"
+    return Posture(hosts, is_open, access.anonymous_role or default)
+
+
+def is_loopback(host: str) -> bool:
+    """Return whether only this machine can reach an address; a name may point anywhere."""
+    if host == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host.partition("%")[0]).is_loopback
+    except ValueError:
+        return False

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which names the gateway answers to, and which pages may connect.
+
+Browsers let every page open WebSockets to everywhere, localhost included, so without these rules
+any web site could drive the robot of whoever visits it. By the rule for `Host`, it cannot do so
+under a name of its own, either, that it makes point here once the page is loaded (DNS rebinding).
+"""
+
+import ipaddress
+from collections.abc import Iterable, Sequence
+from typing import Final
+from urllib.parse import urlsplit
+
+ANY: Final = "*"
+NO_ORIGIN: Final = "null"  # what browsers send for pages from disk and for sandboxed frames
+MAX_LOGGED_ORIGINS: Final = 64  # an attacker may make up names without end
+MAX_ORIGIN_CHARACTERS: Final = 128
+_DEFAULT_PORTS: Final = {"http": 80, "https": 443}
+
+
+class WebRules:
+    """The rules for `Host` and `Origin`.
+
+    *own_names* are this machine's, *allowed_hosts* further names under which it is reached,
+    *allowed_origins* exact origins such as ``https://ui.example``, ``null``, or ``*`` for all.
+    """
+
+    def __init__(
+        self,
+        own_names: Iterable[str],
+        allowed_hosts: Sequence[str] = (),
+        allowed_origins: Sequence[str] = (),
+    ) -> None:
+        self._names = {name.lower().rstrip(".") for name in (*own_names, *allowed_hosts)}
+        self._any_host = ANY in allowed_hosts
+        self._allowed_origins = tuple(allowed_origins)
+        self._logged: set[str] = set()
+
+    def is_own_host(self, host: str) -> bool:
+        """Return whether the value of a `Host` header is an address, or a name of this machine.
+
+        Raises:
+            ValueError: it is neither a name nor an address.
+        """
+        name = urlsplit(f"//{host}").hostname
+        if not name:
+            raise ValueError("no host")
+        if self._any_host or name.rstrip(".") in self._names:
+            return True
+        try:
+            ipaddress.ip_address(name)
+        except ValueError:
+            return False
+        return True
+
+    def is_welcome(self, origin: str, host: str) -> bool:
+        """Return whether a page may connect: an allowed one, or one of the gateway's own.
+
+        A page is the gateway's own if its host *and port* are those of the request, whose `Host`
+        is one of ours: what else runs on this machine is not the gateway.
+
+        Raises:
+            ValueError: *origin* is malformed.
+        """
+        if ANY in self._allowed_origins or origin in self._allowed_origins:
+            return True
+        if origin == NO_ORIGIN:
+            return False
+        parsed = urlsplit(origin)
+        default = _DEFAULT_PORTS.get(parsed.scheme)
+        own = urlsplit(f"//{host}")
+        return (
+            default is not None
+            and parsed.hostname is not None
+            and (parsed.hostname, parsed.port or default) == (own.hostname, own.port or default)
+        )
+
+    def setting_for(self, origin: str) -> str:
+        """Return the setting that would allow a page, beside those that are allowed."""
+        origins = ",".join((*self._allowed_origins, origin))
+        return f"--set 'allowed_origins={origins}'"
+
+    def first_refusal(self, origin: str) -> bool:
+        """Return whether a page is refused for the first time, as far as is remembered."""
+        if origin in self._logged or len(self._logged) >= MAX_LOGGED_ORIGINS:
+            return False
+        self._logged.add(origin)
+        return True
+
+    @property
+    def is_last_logged(self) -> bool:
+        """Whether no further origin will be remembered."""
+        return len(self._logged) >= MAX_LOGGED_ORIGINS
+
+
+def is_plain(origin: str) -> bool:
+    """Return whether an origin can be shown, and given as a setting."""
+    return (
+        len(origin) <= MAX_ORIGIN_CHARACTERS
+        and origin.isascii()
+        and origin.isprintable()
+        and not set(origin) & set(" ,'\"\\")
+    )

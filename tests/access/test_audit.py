@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: Apache-2.0
+import json
+import logging
+import os
+import stat
+import threading
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gateway.access import audit_file
+from gateway.access.audit import MAX_FACT_CHARACTERS, MAX_LINES, WINDOW_NS, Audit
+from gateway.access.audit_file import MAX_WAITING, AuditFile
+from gateway.errors import ConfigError
+from tests.client import TIMEOUT_S
+
+
+class Clock:
+    def __init__(self) -> None:
+        self.now_ns = 1_767_323_045_000_000_000
+
+    def __call__(self) -> int:
+        return self.now_ns
+
+
+@pytest.fixture
+def clock() -> Clock:
+    return Clock()
+
+
+def test_an_event_is_one_line_of_json_for_the_log_and_the_file(clock, caplog):
+    lines: list[str] = []
+    with caplog.at_level(logging.INFO, "gateway.audit"):
+        Audit(clock, lines.append).record("connected", name="tablet", role="operator", page=None)
+    (line,) = lines
+    assert json.loads(line) == {
+        "time": "2026-01-02T03:04:05.000+00:00",
+        "event": "connected",
+        "name": "tablet",
+        "role": "operator",
+    }
+    assert [record.getMessage() for record in caplog.records] == [line]
+    assert caplog.records[0].name == "gateway.audit"
+
+
+@given(st.text())
+def test_no_text_ends_its_line_or_is_longer_than_allowed(text):
+    lines: list[str] = []
+    Audit(Clock(), lines.append).record("refused", reason=text)
+    (line,) = lines
+    assert line.isascii()
+    assert line.isprintable()
+    assert json.loads(line)["reason"] == text[:MAX_FACT_CHARACTERS]
+
+
+def test_a_flood_of_one_kind_is_bounded_counted_and_hides_no_other(clock):
+    lines: list[str] = []
+    audit = Audit(clock, lines.append)
+    for _ in range(10_000):
+        audit.record("refused", reason="x")
+    assert len(lines) == MAX_LINES
+    audit.record("stop", cause="deadline")
+    assert json.loads(lines[-1])["event"] == "stop"
+    clock.now_ns += WINDOW_NS
+    audit.record("refused", reason="y")
+    assert json.loads(lines[-1])["left_out_before"] == 10_000 - MAX_LINES
+    audit.record("refused", reason="z")
+    assert "left_out_before" not in json.loads(lines[-1])
+
+
+def test_a_clock_that_is_set_back_silences_nothing(clock):
+    lines: list[str] = []
+    audit = Audit(clock, lines.append)
+    for _ in range(MAX_LINES):
+        audit.record("refused")
+    clock.now_ns -= 3600 * 1_000_000_000
+    audit.record("refused")
+    assert len(lines) == MAX_LINES + 1
+
+
+def test_the_file_is_for_its_owner_and_keeps_what_it_had(tmp_path):
+    path = tmp_path / "audit.jsonl"
+    path.write_text("before\n")
+    path.chmod(0o644)
+    file = AuditFile(path, 1_000_000)
+    file.write("one")
+    file.write("two")
+    file.close()
+    assert path.read_text() == "before\none\ntwo\n"
+    assert stat.S_IMODE(path.stat().st_mode) == 0o600
+
+
+def test_a_full_file_becomes_the_former_one_and_both_are_bounded(tmp_path):
+    path = tmp_path / "audit.jsonl"
+    file = AuditFile(path, 1000)
+    for number in range(100):
+        file.write(f"{number:03}".ljust(99, "."))
+    file.close()
+    assert path.stat().st_size <= 1000
+    former = path.with_name("audit.jsonl.1")
+    assert former.stat().st_size == 1000
+    assert stat.S_IMODE(former.stat().st_mode) == 0o600
+    kept = (former.read_text() + path.read_text()).splitlines()
+    assert [int(line[:3]) for line in kept] == list(range(100 - len(kept), 100))
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["audit.jsonl", "audit.jsonl.1"]
+
+
+def test_a_file_that_cannot_be_written_is_an_error_of_the_configuration(tmp_path):
+    with pytest.raises(ConfigError, match=f"audit.file: cannot write {tmp_path}, is a directory"):
+        AuditFile(tmp_path, 1000)
+
+
+def test_a_disk_that_hangs_holds_up_nobody_and_a_bounded_number_of_lines_wait(
+    tmp_path, monkeypatch, caplog
+):
+    began, go_on = threading.Event(), threading.Event()
+    append = AuditFile._append
+
+    def hang(self: AuditFile, data: bytes) -> None:
+        began.set()
+        go_on.wait(TIMEOUT_S)
+        append(self, data)
+
+    monkeypatch.setattr(AuditFile, "_append", hang)
+    file = AuditFile(tmp_path / "audit.jsonl", 10_000_000)
+    file.write("first")
+    assert began.wait(TIMEOUT_S)
+    for number in range(MAX_WAITING + 50):
+        file.write(str(number))
+    go_on.set()
+    file.close()
+    file._thread.join(TIMEOUT_S)
+    assert len((tmp_path / "audit.jsonl").read_text().splitlines()) == 1 + MAX_WAITING
+    assert "50 lines are missing" in caplog.text
+
+
+def test_a_full_disk_is_said_once_and_when_it_is_over(tmp_path, monkeypatch, caplog):
+    file = AuditFile(tmp_path / "audit.jsonl", 10_000_000)
+    done = threading.Semaphore(0)
+    is_full = True
+    write = os.write
+
+    def full(descriptor: int, data: bytes) -> int:
+        try:
+            return write(descriptor, data[:2] if is_full else data)
+        finally:
+            done.release()
+
+    monkeypatch.setattr(audit_file.os, "write", full)
+    for _ in range(3):
+        file.write("lost")
+        assert done.acquire(timeout=TIMEOUT_S)
+    is_full = False
+    file.write("kept")
+    file.close()
+    monkeypatch.undo()
+    assert (tmp_path / "audit.jsonl").read_text() == "kept\n"
+    assert caplog.text.count("no space left on device") == 1
+    assert "3 lines are missing" in caplog.text

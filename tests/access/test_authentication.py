@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+import pytest
+
+from gateway.access.authentication import Authentication, AuthenticationError
+from gateway.access.failed_attempts import MAX_FAILURES
+from gateway.access.permissions import Policy
+from gateway.access.tokens import Tokens, make_token
+from gateway.config.access import AccessConfig, ViewerConfig
+
+NOW = "2026-01-02T03:04:05+00:00"
+TEXT, TOKEN = make_token("tablet", "operator", NOW)
+POLICY = Policy(AccessConfig())
+
+
+def authentication(anonymous_role=None) -> Authentication:
+    return Authentication(Tokens((TOKEN,)), POLICY, anonymous_role)
+
+
+def test_a_token_says_who_a_client_is():
+    identity = authentication().identify(TEXT, "10.0.0.1", 0.0)
+    assert (identity.name, identity.role, identity.digest) == ("tablet", "operator", TOKEN.digest)
+    assert identity.permissions is POLICY.of("operator")
+
+
+def test_a_wrong_token_is_refused_and_too_many_are_abuse():
+    door = authentication()
+    outcomes = []
+    for _ in range(MAX_FAILURES + 1):
+        with pytest.raises(AuthenticationError) as caught:
+            door.identify("wrong", "10.0.0.1", 0.0)
+        outcomes.append(caught.value.is_abuse)
+    assert outcomes == [False] * MAX_FAILURES + [True]
+    assert str(caught.value) == "more than 10 wrong tokens from this address within 60 s"
+
+
+def test_a_right_token_passes_also_from_an_address_that_has_sent_wrong_ones():
+    door = authentication()
+    for _ in range(MAX_FAILURES * 2):
+        with pytest.raises(AuthenticationError):
+            door.identify("wrong", "10.0.0.1", 0.0)
+    assert door.identify(TEXT, "10.0.0.1", 0.0).name == "tablet"
+
+
+def test_without_a_token_a_client_is_anonymous_or_nobody():
+    assert authentication().anonymous is None
+    viewer = authentication("viewer").anonymous
+    assert viewer is not None
+    assert (viewer.name, viewer.role, viewer.digest) == ("anonymous", "viewer", None)
+
+
+@pytest.mark.parametrize(("role", "looks"), [(None, True), ("viewer", True), ("admin", False)])
+def test_tokens_are_looked_at_where_they_make_a_difference(role, looks):
+    assert authentication(role).looks_at_tokens is looks
+
+
+def test_after_a_reload_a_client_is_who_its_token_says_now():
+    door = authentication("viewer")
+    tablet, anonymous = door.identify(TEXT, "a", 0.0), door.anonymous
+    assert anonymous is not None
+    assert door.current(tablet) == tablet
+    demoted = TOKEN.model_copy(update={"role": "viewer"})
+    policy = Policy(AccessConfig(viewer=ViewerConfig(subscribe=("/a",))))
+    door.tokens, door.policy = Tokens((demoted,)), policy
+    now = door.current(tablet)
+    assert now is not None
+    assert (now.role, now.permissions) == ("viewer", policy.of("viewer"))
+    unnamed = door.current(anonymous)
+    assert unnamed is not None
+    assert unnamed.permissions is policy.of("viewer")
+    door.tokens = Tokens()
+    assert door.current(tablet) is None

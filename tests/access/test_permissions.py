@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from gateway.access.permissions import ACTIONS, MAX_REMEMBERED, Permissions, Policy
+from gateway.config.access import ROLES, AccessConfig, OperatorConfig, RoleConfig, ViewerConfig
+from tests.access.test_globs import GLOBS, NAMES, takes
+
+DEFAULT = Policy(AccessConfig())
+
+
+def permissions(**rules) -> Permissions:
+    nothing = dict.fromkeys(ACTIONS, ())
+    return Permissions("viewer", RoleConfig(**{**nothing, **rules}))
+
+
+@pytest.mark.parametrize(
+    ("action", "name", "roles"),
+    [
+        ("subscribe", "/odom", ["viewer", "operator", "admin"]),
+        ("publish", "/cmd_vel", ["operator", "admin"]),
+        ("call", "/reset", ["operator", "admin"]),
+        ("call", "/rosapi/topics", ["viewer", "operator", "admin"]),
+        ("call", "/base/get_parameters", ["viewer", "operator", "admin"]),
+        ("call", "/base/set_parameters", ["admin"]),
+        ("call", "/ns/base/set_parameters_atomically", ["admin"]),
+    ],
+)
+def test_by_default_viewers_look_operators_drive_and_admins_change_parameters(action, name, roles):
+    assert DEFAULT.roles(action, name) == roles
+
+
+@given(st.lists(GLOBS, max_size=3), st.lists(GLOBS, max_size=3), NAMES)
+def test_a_deny_beats_every_allow(allow, deny, name):
+    rules = permissions(publish=tuple(allow), deny_publish=tuple(deny))
+    is_allowed = any(takes(glob, name) for glob in allow)
+    is_denied = any(takes(glob, name) for glob in deny)
+    assert rules.may("publish", name) == (is_allowed and not is_denied)
+    assert not rules.may("subscribe", name)
+    assert not rules.may("call", name)
+
+
+@pytest.mark.parametrize("action", ACTIONS)
+def test_a_name_is_seen_by_a_role_that_may_do_anything_with_it(action):
+    rules = permissions(**{action: ("/a/**",)})
+    assert rules.sees("/a/b")
+    assert not rules.sees("/b")
+
+
+def test_who_may_not_use_an_action_may_not_use_what_is_behind_it_either():
+    rules = permissions(call=("**",), subscribe=("**",), deny_call=("/dock",))
+    assert not rules.may("call", "/dock")
+    assert not rules.may("call", "/dock/_action/send_goal")
+    assert rules.may("call", "/dock/other")
+    assert permissions(call=("/dock",)).may("call", "/dock/_action/send_goal")
+
+
+def test_only_a_role_without_bounds_is_unlimited():
+    everything = dict.fromkeys(ACTIONS, ("**",))
+    assert permissions(**everything).is_unlimited
+    assert DEFAULT.of("admin").is_unlimited
+    assert not DEFAULT.of("operator").is_unlimited
+    for action in ACTIONS:
+        assert not permissions(**everything, **{f"deny_{action}": ("/a",)}).is_unlimited
+        assert not permissions(**{**everything, action: ("/a",)}).is_unlimited
+
+
+def test_decisions_on_names_without_end_take_bounded_memory():
+    rules = permissions(publish=("/a/**",))
+    for number in range(MAX_REMEMBERED * 2 + 10):
+        rules.may("publish", f"/a/n{number}")
+    assert len(rules._decided) <= MAX_REMEMBERED
+    assert rules.may("publish", "/a/n0")
+
+
+def test_each_role_has_the_rules_that_are_configured_for_it():
+    config = AccessConfig(
+        viewer=ViewerConfig(subscribe=("/a",)),
+        operator=OperatorConfig(subscribe=("/b",)),
+        admin=RoleConfig(subscribe=("/c",)),
+    )
+    policy = Policy(config)
+    assert [policy.roles("subscribe", name) for name in ("/a", "/b", "/c")] == [[r] for r in ROLES]
