@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who a client is, by its token or without one."""
+"""Identities of clients, by their tokens or without one."""
 
 from gateway.access.failed_attempts import MAX_FAILURES, WINDOW_S, FailedAttempts
 from gateway.access.permissions import Identity, Policy
@@ -38,7 +38,7 @@ class Authentication:
 
     @property
     def looks_at_tokens(self) -> bool:
-        """Whether a token makes a difference: not where everybody may do everything."""
+        """True if a token makes a difference: not where everybody may do everything."""
         anonymous = self.anonymous
         return anonymous is None or not anonymous.permissions.is_unlimited
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where a token may be in a handshake, and where it must not."""
+"""The places in a handshake where a token may be, and where it must not."""
 
 from collections.abc import Sequence
 from typing import Final

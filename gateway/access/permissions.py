@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a role may do, and with which names.
+"""The permissions of roles: what they may do, and with which names.
 
 Names are resolved ones: a check on a name as a client wrote it could be evaded by another spelling.
 """
@@ -34,7 +34,7 @@ class Permissions:
 
     @property
     def is_unlimited(self) -> bool:
-        """Whether the role may do everything, so that nothing needs to be checked."""
+        """True if the role may do everything, so that nothing needs to be checked."""
         return all(
             "**" in getattr(self.rules, action) and not getattr(self.rules, f"deny_{action}")
             for action in ACTIONS
@@ -79,7 +79,7 @@ class Policy:
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """Who a client is: its name for people, and what it may do."""
+    """A client: its name for people, and what it may do."""
 
     name: str  # of its token, or `anonymous`
     permissions: Permissions

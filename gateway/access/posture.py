@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How open the gateway is: where it listens, and who needs a token."""
+"""The openness of the gateway: where it listens, and who needs a token."""
 
 import ipaddress
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ EVERYWHERE: Final = ("0.0.0.0", "::")  # noqa: S104  # what `--lan` asks for
 
 @dataclass(frozen=True, slots=True)
 class Posture:
-    """Where the gateway listens, and the role of clients without a token."""
+    """The addresses to listen on, and the role of clients without a token."""
 
     hosts: tuple[str, ...]
     is_open: bool  # other machines can connect
@@ -22,7 +22,7 @@ class Posture:
 
     @property
     def needs_token(self) -> bool:
-        """Whether every client needs a token."""
+        """True if every client needs a token."""
         return self.anonymous_role is None
 
 

@@ -30,7 +30,7 @@ class TokenFileError(Exception):
 
 
 class Token(BaseModel):
-    """What is known of a token: everything but the token."""
+    """Everything that is known of a token, but for the token."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
@@ -93,7 +93,7 @@ class Tokens:
         """Return these but for the one of that name.
 
         Raises:
-            TokenFileError: there is none of that name.
+            TokenFileError: no token has that name.
         """
         if self.named(name) is None:
             raise TokenFileError(f"no token is named {name}")

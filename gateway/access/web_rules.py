@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which names the gateway answers to, and which pages may connect.
+"""Rules for browsers: the names that the gateway answers to, the pages that may connect.
 
 Browsers let every page open WebSockets to everywhere, localhost included, so without these rules
 any web site could drive the robot of whoever visits it. By the rule for `Host`, it cannot do so
@@ -89,7 +89,7 @@ class WebRules:
 
     @property
     def is_last_logged(self) -> bool:
-        """Whether no further origin will be remembered."""
+        """True if no further origin will be remembered."""
         return len(self._logged) >= MAX_LOGGED_ORIGINS
 
 

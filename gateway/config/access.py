@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who may connect and do what, as the operator configures it."""
+"""The configuration of who may connect, and do what."""
 
 from typing import Annotated, Final, Literal
 
@@ -73,7 +73,7 @@ class OperatorConfig(RoleConfig):
 
 
 class AccessConfig(Section):
-    """Who may connect, and do what."""
+    """The rules of who may connect, and do what."""
 
     authentication: Literal["auto", "token", "none"] = Field(
         "auto",
@@ -126,7 +126,7 @@ class AuditConfig(Section):
 
 
 class TlsConfig(Section):
-    """Encryption; without a certificate there is none."""
+    """Encryption, by a certificate."""
 
     cert: FileName | None = Field(
         None, description="the certificate and those that vouch for it, in PEM; then wss:// only"
