@@ -252,8 +252,8 @@ class Watch(Protocol):
         """End it; no callback follows. Closing twice is harmless."""
 
 
-class Ros(Protocol):
-    """ROS 2 as the gateway uses it."""
+class RosGraph(Protocol):
+    """The part of `Ros` that only looks."""
 
     @property
     def distro(self) -> str:
@@ -261,6 +261,19 @@ class Ros(Protocol):
 
     def now_ns(self) -> int:
         """ROS time in nanoseconds (simulated time if ``use_sim_time`` is set)."""
+
+    def service_types(self, service: str) -> tuple[str, ...]:
+        """Return the types of a service, also of one behind an action, sorted.
+
+        Return nothing if the graph knows no server.
+        """
+
+    def graph(self) -> Graph:
+        """Return the graph that is known now."""
+
+
+class Ros(RosGraph, Protocol):
+    """ROS 2 as the gateway uses it."""
 
     def subscribe(
         self,
@@ -333,17 +346,8 @@ class Ros(Protocol):
         count only if there are no others.
         """
 
-    def service_types(self, service: str) -> tuple[str, ...]:
-        """Return the types of a service, also of one behind an action, sorted.
-
-        Return nothing if the graph knows no server.
-        """
-
     def action_types(self, action: str) -> tuple[str, ...]:
         """Return the types of an action, sorted; empty if the graph knows no server."""
-
-    def graph(self) -> Graph:
-        """Return the graph that is known now."""
 
     def watch_graph(self, on_change: Callable[[], None]) -> Watch:
         """Call *on_change* soon after topics, types, endpoints or nodes have changed.

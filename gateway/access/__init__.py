@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The rules of who may connect, and do what: tokens, roles, permissions, rules for web pages, the audit log.
+"""The rules of who may connect, and do what: tokens, roles, permissions, web pages, audit.
 
 Time and bytes come as arguments; only `token_file` and `audit_file` touch a disk. The map is
 docs/architecture.md.

@@ -4,7 +4,9 @@
 Names are resolved ones: a check on a name as a client wrote it could be evaded by another spelling.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Final, Literal
 
 from gateway.access.globs import compile_globs
@@ -21,11 +23,17 @@ MAX_REMEMBERED: Final = 4096
 
 
 class Permissions:
-    """The permissions of one role."""
+    """The permissions of one role; *all_roles* are those of every role."""
 
-    def __init__(self, role: Role, rules: RoleConfig) -> None:
+    def __init__(
+        self,
+        role: Role,
+        rules: RoleConfig,
+        all_roles: Mapping[Role, "Permissions"] = MappingProxyType({}),
+    ) -> None:
         self.role = role
         self.rules = rules
+        self._all_roles = all_roles
         self._allowed = {action: compile_globs(getattr(rules, action)) for action in ACTIONS}
         self._denied = {
             action: compile_globs(getattr(rules, f"deny_{action}")) for action in ACTIONS
@@ -53,6 +61,10 @@ class Permissions:
         """Return whether a name exists for this role: it may do anything at all with it."""
         return any(self.may(action, name) for action in ACTIONS)
 
+    def roles_that_may(self, action: Action, name: str) -> list[Role]:
+        """List the roles that may do this."""
+        return [role for role, other in self._all_roles.items() if other.may(action, name)]
+
     def _decide(self, action: Action, name: str) -> bool:
         # who may not send an action goals must not reach the services behind it, either
         names = {name, name.partition(_BEHIND_ACTION)[0] or name}
@@ -66,15 +78,13 @@ class Policy:
     """The permissions of all roles."""
 
     def __init__(self, config: AccessConfig) -> None:
-        self._by_role = {role: Permissions(role, config.rules(role)) for role in ROLES}
+        self._by_role: dict[Role, Permissions] = {}
+        for role in ROLES:
+            self._by_role[role] = Permissions(role, config.rules(role), self._by_role)
 
     def of(self, role: Role) -> Permissions:
         """Return the permissions of a role."""
         return self._by_role[role]
-
-    def roles(self, action: Action, name: str) -> list[Role]:
-        """List the roles that may do this."""
-        return [role for role in ROLES if self._by_role[role].may(action, name)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,3 +99,7 @@ class Identity:
     def role(self) -> Role:
         """The role."""
         return self.permissions.role
+
+
+# of whoever connects where nobody is kept out
+UNLIMITED: Final = Identity("anonymous", Permissions("admin", RoleConfig()))

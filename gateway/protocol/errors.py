@@ -12,6 +12,7 @@ StatusCode = Literal[
     "type_conflict",  # the type contradicts that of the topic
     "qos_incompatible",
     "not_found",
+    "forbidden",  # the client's role may not do this, or the client has yet to authenticate
     "limit_exceeded",
     "invalid_value",  # the message does not fit its type
     "timeout",  # nobody answered in time

@@ -8,6 +8,7 @@ from typing import Final, NamedTuple
 
 from pydantic import ValidationError
 
+from gateway.access.permissions import UNLIMITED, Action, Identity
 from gateway.codec.error_text import truncate
 from gateway.codec.json import JsonError, ascii_only, loads
 from gateway.config.limits import Limits
@@ -17,9 +18,15 @@ from gateway.protocol.explain import explain
 from gateway.protocol.operations import OPERATIONS, ClientOperation
 from gateway.protocol.operations.base import MAX_ID_CHARACTERS, Operation
 from gateway.protocol.operations.fragment import Fragment
+from gateway.protocol.operations.gateway import Auth
 from gateway.protocol.outbox import Outbox
 from gateway.protocol.rosbridge_fragments import Assembly
 from gateway.protocol.websocket_frames import text_frames
+
+NOT_AUTHENTICATED: Final = (
+    'authenticate first: {"op":"auth","token":"TOKEN"}, a header `Authorization: Bearer TOKEN`,'
+    " or subprotocols `ros2-gateway, bearer.TOKEN`"
+)
 
 ROS_SHARP_FRAGMENT_SIZE: Final = 2**31 - 1  # only ROS# sends it, with every request
 
@@ -32,10 +39,17 @@ class Session:
 
     Give it every message in order (`receive`), carry out the operation that it returns, and send
     the content of its `outbox` whenever it calls *wake*.
+
+    *identity* is ``None`` until the client has authenticated, if it must.
     """
 
-    def __init__(self, limits: Limits, wake: Callable[[], None]) -> None:
+    def __init__(
+        self, limits: Limits, wake: Callable[[], None], identity: Identity | None = UNLIMITED
+    ) -> None:
         self.limits = limits
+        self.identity = identity
+        self.address = "?"
+        self.authenticate: Callable[[Auth], None] | None = None  # set by who knows the tokens
         self.outbox = Outbox(limits.send_queue_bytes)
         self.wake = wake
         # takes what work for this client has taken from its time budget: seconds, and the time
@@ -64,6 +78,9 @@ class Session:
         operation = self._parse(data)
         if not isinstance(operation, Fragment):
             return operation
+        if self.identity is None:  # whose pieces would take memory
+            self.refuse(ProtocolError("forbidden", NOT_AUTHENTICATED), operation)
+            return None
         try:
             whole = self._assembly.add(operation, now_ns)
         except ProtocolError as error:
@@ -83,6 +100,29 @@ class Session:
         """
         self.replaced += key in self.deferred
         self.deferred[key] = Deferred(operation, work)
+
+    @property
+    def identity(self) -> Identity | None:
+        """The client's identity, once it is known."""
+        return self._identity
+
+    @identity.setter
+    def identity(self, identity: Identity | None) -> None:
+        self._identity = identity
+        # what the client asks for may be forbidden; asked for every operation
+        self.is_restricted = identity is None or not identity.permissions.is_unlimited
+
+    def may(self, action: Action, name: str) -> bool:
+        """Return whether the client may do this with a resolved name."""
+        if self.identity is None:
+            return False
+        return not self.is_restricted or self.identity.permissions.may(action, name)
+
+    def sees(self, name: str) -> bool:
+        """Return whether a resolved name exists for the client."""
+        if self.identity is None:
+            return False
+        return not self.is_restricted or self.identity.permissions.sees(name)
 
     def refuse(self, error: ProtocolError, operation: Operation | None = None) -> None:
         """Answer an operation that failed; without one, report the error alone.

@@ -8,7 +8,7 @@ part that begins with ``_``, are not listed, but can be asked for.
 from collections.abc import Callable, Iterable, Mapping
 from typing import Final, TypeVar
 
-from gateway.ports import Ros, ServerInfo, TopicInfo
+from gateway.ports import RosGraph, ServerInfo, TopicInfo
 from schemas.installed import Kind
 
 ROSAPI_NODE: Final = "/rosapi"
@@ -23,7 +23,7 @@ class GraphServices:
     They are listed as if a node ``/rosapi`` provided them, as it does beside rosbridge.
     """
 
-    def __init__(self, ros: Ros, own: Callable[[], Mapping[str, str]]) -> None:
+    def __init__(self, ros: RosGraph, own: Callable[[], Mapping[str, str]]) -> None:
         self._ros = ros
         self._own = own
 

@@ -4,14 +4,14 @@
 import asyncio
 import contextlib
 import difflib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from gateway.codec.error_text import MAX_ECHO, truncate
 from gateway.codec.types import Types
 from gateway.deadline import Deadline
-from gateway.ports import Ros, RosError
+from gateway.ports import RosError, RosGraph
 from gateway.protocol.bad_type import bad_type
 from gateway.protocol.errors import ProtocolError
 from gateway.rosapi.graph_services import is_hidden
@@ -75,10 +75,18 @@ class Parameters:
     for one that does not answer, or that has just left another request unanswered for as long.
     """
 
-    def __init__(self, ros: Ros, types: Types, service_clients: ServiceClients) -> None:
+    def __init__(
+        self,
+        ros: RosGraph,
+        types: Types,
+        service_clients: ServiceClients,
+        check: Callable[[str], None] = lambda service: None,
+    ) -> None:
+        """*check* raises `ProtocolError` for a service that those who ask may not call."""
         self._ros = ros
         self._types = types
         self._service_clients = service_clients
+        self._check = check
         self.unresponsive = UnresponsiveNodes()
 
     async def list_names(
@@ -185,6 +193,7 @@ class Parameters:
         except (UnknownTypeError, DefinitionError) as error:
             raise bad_type(error, self._types.definitions) from error
         name = f"{node}/{service.name}"
+        self._check(name)
         return await self._service_clients.call(name, service_type, request, deadline)
 
     def offers(self, node: str, service: _Service) -> bool:

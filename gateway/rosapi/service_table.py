@@ -8,7 +8,7 @@ from typing import assert_never, cast
 
 from gateway.codec.errors import CodecError
 from gateway.codec.types import Types
-from gateway.ports import Ros
+from gateway.ports import RosGraph
 from gateway.protocol.errors import ProtocolError
 from gateway.rosapi.graph_services import GraphServices
 from gateway.rosapi.interfaces import interfaces_prefix
@@ -45,8 +45,16 @@ class Rosapi:
     clients of all versions must work.
     """
 
-    def __init__(self, ros: Ros, definitions: InstalledDefinitions, parameters: Parameters) -> None:
+    def __init__(
+        self,
+        ros: RosGraph,
+        definitions: InstalledDefinitions,
+        parameters: Parameters,
+        sees: Callable[[str], bool] = lambda name: True,
+    ) -> None:
+        """*sees* returns whether a name exists for those who ask."""
         self._ros = ros
+        self._sees = sees
         self._requests = Types(InstalledDefinitions([interfaces_prefix()]))
         graph = GraphServices(ros, self.types)
         types = TypeServices(graph, definitions)
@@ -102,8 +110,8 @@ class Rosapi:
         return f"rosapi_msgs/srv/{self._services[service].type_name}"
 
     def types(self) -> dict[str, str]:
-        """Return the services of rosapi, with their types."""
-        return {service: self.type_of(service) for service in self._services}
+        """Return the services of rosapi that exist for those who ask, with their types."""
+        return {name: self.type_of(name) for name in self._services if self._sees(name)}
 
     def answer(
         self, service: str, args: object, timeout_s: float | None = None

@@ -62,18 +62,24 @@ class InterfaceTypes:
                         return named(requested)
         return None
 
-    def of_service(self, service: ServiceName, requested: str | None) -> ServiceType:
+    def of_service(
+        self, service: ServiceName, requested: str | None, sees: Callable[[str], bool]
+    ) -> ServiceType:
         """Return the type to call a service with; *requested* is the one that the client names.
+
+        *sees* returns whether a name exists for the client, and may be proposed to it.
 
         Raises:
             ProtocolError: nobody provides it, or not with that type.
         """
         found = self._ros.service_types(service)
         known = (each.name for each in self._ros.graph().services) if not found else ()
-        name = _one("service", service, requested, found, known)
+        name = _one("service", service, requested, found, filter(sees, known))
         return self.service(name)
 
-    def of_action(self, action: ActionName, requested: str | None) -> ActionType:
+    def of_action(
+        self, action: ActionName, requested: str | None, sees: Callable[[str], bool]
+    ) -> ActionType:
         """Return the type to send goals to an action with; see `of_service`.
 
         Raises:
@@ -81,7 +87,7 @@ class InterfaceTypes:
         """
         found = self._ros.action_types(action)
         known = (each.name for each in self._ros.graph().actions) if not found else ()
-        name = _one("action", action, requested, found, known)
+        name = _one("action", action, requested, found, filter(sees, known))
         return self.action(name)
 
     def _known(self, get: Callable[[str], T], requested: str, kind: InterfaceKind) -> T:

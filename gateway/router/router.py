@@ -2,12 +2,15 @@
 """The dispatcher: it gives each operation of a client to the part that carries it out."""
 
 import contextlib
+import logging
 import time
 from collections.abc import Awaitable, Callable
 from concurrent.futures import Executor
 from functools import partial
 from typing import Any, Protocol, assert_never
 
+from gateway.access.audit import Audit
+from gateway.access.permissions import UNLIMITED, Identity
 from gateway.codec.types import Types
 from gateway.config.limits import Limits
 from gateway.deadline import Deadline
@@ -22,13 +25,13 @@ from gateway.protocol.operations import (
     transforms,
 )
 from gateway.protocol.session import Session
-from gateway.rosapi import Parameters, Rosapi
 from gateway.router.actions.client_actions import ClientActions
 from gateway.router.actions.goals import Goals
 from gateway.router.entity_shares import EntityShares
 from gateway.router.interface_types import InterfaceTypes
 from gateway.router.introspection.introspection import Introspection
-from gateway.router.introspection.parameter_operations import ParameterOperations
+from gateway.router.permission_checks import may_carry_out
+from gateway.router.role_views import RoleViews
 from gateway.router.services.client_services import ClientServices
 from gateway.router.services.service_calls import ServiceCalls
 from gateway.router.tasks import ASKING_S, FAILURES, Tasks, refuse
@@ -63,32 +66,32 @@ class Router:
         limits: Limits,
         workers: Executor,
         version: str,
+        audit: Audit | None = None,
     ) -> None:
         topic_types = TopicTypes(ros, types, table)
         interface_types = InterfaceTypes(ros, types)
         self._ros = ros
         self._limits = limits
+        self._audit = audit or Audit(time.time_ns, level=logging.DEBUG)
         self._sessions: set[Session] = set()
         self._calling = Tasks()
         # with separate limits: a call may take an hour, a lookup a minute
         self._asking = Tasks()
         self._looking = Tasks()
         self._service_clients = ServiceClients(ros)
-        parameters = Parameters(ros, types, self._service_clients)
-        rosapi = Rosapi(ros, types.definitions, parameters)
+        self._views = RoleViews(ros, types, self._service_clients)
         self._subscriptions = Subscriptions(ros, topic_types, workers)
         self._publications = Publications(ros, topic_types)
         self._service_calls = ServiceCalls(
             interface_types,
             self._service_clients,
-            rosapi,
+            lambda session: self._views.of(session).rosapi,
             calling=self._calling,
             asking=self._asking,
         )
-        self._services = ClientServices(ros, interface_types, rosapi.has)
+        self._services = ClientServices(ros, interface_types, self._views.unlimited.rosapi.has)
         self._goals = Goals(ros, interface_types)
         self._actions = ClientActions(ros, interface_types)
-        self._parameters = ParameterOperations(parameters)
         self._transforms = TransformLookups(ros, topic_types)
         self._introspection = Introspection(
             ros, topic_types, interface_types, self._subscriptions, limits=limits, version=version
@@ -115,9 +118,18 @@ class Router:
         self._shares = EntityShares(limits, using)
         self._watch = ros.watch_graph(self._on_graph_change)
 
-    def enter(self, wake: Callable[[], None], address: str = "") -> Session:
-        """Open a session; it calls *wake* whenever its outbox has something to send."""
-        session = Session(self._limits, wake)
+    def enter(
+        self,
+        wake: Callable[[], None],
+        address: str = "",
+        identity: Identity | None = UNLIMITED,
+    ) -> Session:
+        """Open a session; it calls *wake* whenever its outbox has something to send.
+
+        *identity* is ``None`` for a client that has yet to authenticate.
+        """
+        session = Session(self._limits, wake, identity)
+        session.address = address
         session.check_share = partial(self._shares.check, session)
         self._shares.enter(session, address)
         self._sessions.add(session)
@@ -131,8 +143,11 @@ class Router:
         if session.deferred and not isinstance(operation, topics.Publish):
             self.end_turn(session)
         try:
-            self._carry_out(session, operation)
+            if not session.is_restricted or may_carry_out(session, operation):
+                self._carry_out(session, operation)
         except FAILURES as error:
+            if isinstance(error, ProtocolError) and error.code == "forbidden":
+                self._record_refusal(session, operation, error)
             refuse(session, operation, error)
 
     def end_turn(self, session: Session) -> None:
@@ -214,16 +229,16 @@ class Router:
             case actions.ActionResult():
                 self._actions.finish(session, operation)
             case parameters.ListParameters():
-                work = partial(self._parameters.list, operation)
+                work = partial(self._views.of(session).parameters.list, operation)
                 self._answer_later(session, operation, work, self._asking)
             case parameters.GetParameters():
-                work = partial(self._parameters.get, operation)
+                work = partial(self._views.of(session).parameters.get, operation)
                 self._answer_later(session, operation, work, self._asking)
             case parameters.SetParameters():
-                work = partial(self._parameters.set, operation)
+                work = partial(self._views.of(session).parameters.set, operation)
                 self._answer_later(session, operation, work, self._asking)
             case parameters.DescribeParameters():
-                work = partial(self._parameters.describe, operation)
+                work = partial(self._views.of(session).parameters.describe, operation)
                 self._answer_later(session, operation, work, self._asking)
             case transforms.LookupTransform(rate=None):
                 work = partial(self._transforms.lookup, operation)
@@ -243,9 +258,23 @@ class Router:
             case gateway.SetLevel():
                 session.set_level(operation.level)
             case gateway.Auth():
-                pass  # there are no passwords, so every one is right
+                if session.authenticate is not None:
+                    session.authenticate(operation)
             case _:
                 assert_never(operation)
+
+    def _record_refusal(
+        self, session: Session, operation: ClientOperation, error: ProtocolError
+    ) -> None:
+        if session.identity is not None:  # else it is still at the door
+            self._audit.record(
+                "forbidden",
+                name=session.identity.name,
+                role=session.identity.role,
+                address=session.address,
+                op=operation.op,
+                reason=str(error),
+            )
 
     def _answer_later(
         self,

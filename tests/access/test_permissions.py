@@ -28,7 +28,7 @@ def permissions(**rules) -> Permissions:
     ],
 )
 def test_by_default_viewers_look_operators_drive_and_admins_change_parameters(action, name, roles):
-    assert DEFAULT.roles(action, name) == roles
+    assert DEFAULT.of("viewer").roles_that_may(action, name) == roles
 
 
 @given(st.lists(GLOBS, max_size=3), st.lists(GLOBS, max_size=3), NAMES)
@@ -81,4 +81,7 @@ def test_each_role_has_the_rules_that_are_configured_for_it():
         admin=RoleConfig(subscribe=("/c",)),
     )
     policy = Policy(config)
-    assert [policy.roles("subscribe", name) for name in ("/a", "/b", "/c")] == [[r] for r in ROLES]
+    viewer = policy.of("viewer")
+    for role, name in zip(ROLES, ("/a", "/b", "/c"), strict=True):
+        assert viewer.roles_that_may("subscribe", name) == [role]
+        assert policy.of(role).may("subscribe", name)

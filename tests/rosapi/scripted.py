@@ -42,8 +42,8 @@ class CountedCalls(ServiceClients):
 class ScriptedNodes:
     """A fake ROS with such nodes, and what calls them."""
 
-    def __init__(self) -> None:
-        self.ros = FakeRos()
+    def __init__(self, ros: FakeRos | None = None) -> None:
+        self.ros = ros or FakeRos()
         self.types = Types(InstalledDefinitions())
         self.calls = CountedCalls(self.ros)
         self.parameters = Parameters(self.ros, self.types, self.calls)

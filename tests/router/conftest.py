@@ -2,6 +2,7 @@
 """A router over the fake ROS, and clients without sockets."""
 
 import asyncio
+import contextlib
 import json
 from collections.abc import AsyncIterator
 from concurrent.futures import ThreadPoolExecutor
@@ -9,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from gateway.access.permissions import UNLIMITED, Identity
 from gateway.codec.types import Types
 from gateway.config.limits import Limits
 from gateway.protocol.session import Session
@@ -25,13 +27,15 @@ LIMITS = Limits(max_subscriptions=4, max_advertisements=3)
 class Socketless:
     """A client whose frames are taken from its outbox as soon as it is woken."""
 
-    def __init__(self, router: Router, address: str) -> None:
+    def __init__(
+        self, router: Router, address: str, identity: Identity | None = UNLIMITED
+    ) -> None:
         self.router = router
         self.frames: list[Frame] = []
         self.wires: list[bytes] = []
         self.is_paused = False
         self.is_flushing = False
-        self.session: Session = router.enter(self.flush, address)
+        self.session: Session = router.enter(self.flush, address, identity)
 
     def flush(self) -> None:
         if self.is_flushing:  # as a connection does: rendering may report an error
@@ -64,6 +68,10 @@ class Socketless:
         await eventually(lambda: len(self.of(op)) >= count)
         return self.of(op)
 
+    async def sees_id(self, request_id: str | int) -> None:
+        """Wait for the answer to a request."""
+        await eventually(lambda: any(frame.get("id") == request_id for frame in self.frames))
+
 
 class Bench:
     """The router under test, the ROS below it, clients above."""
@@ -73,8 +81,10 @@ class Bench:
         self.router = router
         self.types = types
 
-    def client(self, address: str = "127.0.0.1") -> Socketless:
-        return Socketless(self.router, address)
+    def client(
+        self, identity: Identity | None = UNLIMITED, *, address: str = "127.0.0.1"
+    ) -> Socketless:
+        return Socketless(self.router, address, identity)
 
     def cdr(self, type_name: str, **values: Any) -> bytes:
         message_type = self.types.get(type_name)
@@ -86,8 +96,8 @@ class Bench:
             await asyncio.sleep(0)
 
 
-@pytest.fixture
-async def bench() -> AsyncIterator[Bench]:
+@contextlib.asynccontextmanager
+async def open_bench() -> AsyncIterator[Bench]:
     ros = FakeRos()
     types = Types(InstalledDefinitions())
     with ThreadPoolExecutor(2) as workers:
@@ -95,3 +105,16 @@ async def bench() -> AsyncIterator[Bench]:
         yield Bench(ros, router, types)
         router.close()
         assert ros.entity_count() == 0
+
+
+@pytest.fixture
+async def bench() -> AsyncIterator[Bench]:
+    async with open_bench() as bench:
+        yield bench
+
+
+@pytest.fixture
+async def empty() -> AsyncIterator[Bench]:
+    """Yield another one, to compare with."""
+    async with open_bench() as bench:
+        yield bench

@@ -44,6 +44,11 @@ class GraphRequest(Operation):
 
 
 class Auth(Operation):
-    """Accepted for the sake of old clients; this server has no passwords."""
+    """Show a token; the first frame of clients that can send no header.
+
+    Of rosbridge's own fields (`mac`, `client`, ...) none is used: its shared secret authenticates
+    nobody in particular.
+    """
 
     op = "auth"
+    token: str | None = None

@@ -90,7 +90,7 @@ class Goals:
                 type, or the client has too many goals.
         """
         action = resolve_action(request.action, session.limits.max_name_characters)
-        action_type = self._types.of_action(action, request.action_type)
+        action_type = self._types.of_action(action, request.action_type, session.sees)
         own = self._sent.get(session, set())
         if len(own) >= session.limits.max_goals:
             limit = session.limits.max_goals

@@ -13,6 +13,7 @@ from gateway.router.interface_types import InterfaceTypes
 from gateway.router.introspection import graph_frames
 from gateway.router.topic_types import TopicTypes
 from gateway.router.topics.subscriptions import Subscriptions
+from gateway.router.visible_graph import visible
 from schemas.definition import Definition
 from schemas.interface import Interface
 
@@ -61,7 +62,7 @@ class Introspection:
             version=self._version,
             protocol=PROTOCOL,
             ros_distro=self._ros.distro,
-            role="operator",
+            role=session.identity.role if session.identity else None,
             limits=self._limits.for_hello(),
         )
 
@@ -97,21 +98,31 @@ class Introspection:
                 self._seen = now
             self._watching[session] = request.id
         rates_hz = self._subscriptions.rates_hz(time.monotonic_ns())
-        session.answer("graph", request.id, **graph_frames.picture(now, rates_hz))
+        session.answer(
+            "graph", request.id, **graph_frames.picture(_seen_by(session, now), rates_hz)
+        )
 
     def on_graph_change(self) -> None:
         """Send the changes to the watchers."""
         if not self._watching or self._seen is None:
             return
-        before, self._seen = self._seen, self._ros.graph()
-        changes = graph_frames.changes(before, self._seen)
-        if changes:
-            for session, request_id in self._watching.items():
+        before, now = self._seen, self._ros.graph()
+        self._seen = now
+        all_changes = graph_frames.changes(before, now)
+        for session, request_id in self._watching.items() if all_changes else ():
+            changes = all_changes
+            if session.is_restricted:
+                changes = graph_frames.changes(_seen_by(session, before), _seen_by(session, now))
+            if changes:
                 session.answer("graph", request_id, changes=changes)
 
     def leave(self, session: Session) -> None:
         """Send nothing more to a client."""
         self._watching.pop(session, None)
+
+
+def _seen_by(session: Session, graph: Graph) -> Graph:
+    return visible(graph, session.sees) if session.is_restricted else graph
 
 
 def _definition(definition: Definition | Interface) -> dict[str, str | None]:

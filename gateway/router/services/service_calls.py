@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Services that clients call: of ROS nodes, and rosapi's, which the gateway answers itself."""
 
+from collections.abc import Callable
 from typing import Final
 
 from gateway.codec.types import ServiceType
@@ -25,12 +26,12 @@ class ServiceCalls:
         self,
         types: InterfaceTypes,
         service_clients: ServiceClients,
-        rosapi: Rosapi,
+        rosapi: Callable[[Session], Rosapi],
         *,
         calling: Tasks,
         asking: Tasks,
     ) -> None:
-        """*calling* is for services of ROS, *asking* for rosapi's."""
+        """*rosapi* is as a client sees it; *calling* is for services of ROS, *asking* for it."""
         self._types = types
         self._service_clients = service_clients
         self._rosapi = rosapi
@@ -45,8 +46,9 @@ class ServiceCalls:
         """
         service = resolve_service(request.service, session.limits.max_name_characters)
         deadline = Deadline.within(_timeout_s(session, request))
-        if self._rosapi.has(service):
-            self._answer(session, request, service, deadline)
+        rosapi = self._rosapi(session)
+        if rosapi.has(service):
+            self._answer(rosapi, session, request, service, deadline)
             return
         service_type = self._find_type(session, service, request)
 
@@ -57,10 +59,15 @@ class ServiceCalls:
         self._calling.start(session, request, call, deadline)
 
     def _answer(
-        self, session: Session, request: CallService, service: ServiceName, deadline: Deadline
+        self,
+        rosapi: Rosapi,
+        session: Session,
+        request: CallService,
+        service: ServiceName,
+        deadline: Deadline,
     ) -> None:
         """Answer a call of rosapi, at once if no other node is needed, before anything else."""
-        answer = self._rosapi.answer(service, request.args, request.timeout)
+        answer = rosapi.answer(service, request.args, request.timeout)
         if isinstance(answer, dict):
             _respond(session, request, answer)
             return
@@ -78,11 +85,11 @@ class ServiceCalls:
         rosbridge does not look at it, so many a page names a wrong one and has never noticed.
         """
         try:
-            return self._types.of_service(service, request.type)
+            return self._types.of_service(service, request.type, session.sees)
         except ProtocolError as error:
             if error.code not in {"type_conflict", "bad_type"} or request.type is None:
                 raise
-            found = self._types.of_service(service, None)
+            found = self._types.of_service(service, None, session.sees)
             warning = ProtocolError(error.code, f"{error}; calling it all the same")
             session.warn(warning, request.op, request.id)
             return found

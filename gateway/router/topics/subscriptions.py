@@ -241,7 +241,7 @@ class Subscriptions:
             text = f"compression: {asked!r} is not available; sending plain JSON"
             session.warn(ProtocolError("bad_request", text), request.op, request.id)
         if source is None:
-            hint = _did_you_mean(name, self._ros.graph())
+            hint = _did_you_mean(name, self._ros.graph(), session)
             text = f"topic {name} is not known yet{hint}; waiting for it"
             session.warn(ProtocolError("not_found", text), request.op, request.id)
         else:
@@ -278,6 +278,7 @@ def _image_options(message_type: MessageType, options: SubscriptionOptions) -> I
         raise ProtocolError("bad_request", f"image: {error}") from error
 
 
-def _did_you_mean(topic: str, graph: Graph) -> str:
-    near = difflib.get_close_matches(topic, [known.name for known in graph.topics], n=1)
+def _did_you_mean(topic: str, graph: Graph, session: Session) -> str:
+    known = [known.name for known in graph.topics if session.sees(known.name)]
+    near = difflib.get_close_matches(topic, known, n=1)
     return f"; did you mean {near[0]}?" if near else ""

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Permission checks of operations, before anything is done or created.
+
+This is the one place where an operation is allowed or refused, on the resolved name. Parameters are
+the exception: their node is known later, so `check_call` is asked there. A name that is hidden from
+a client gets the answer that a name which does not exist would get.
+"""
+
+from typing import Final, NamedTuple
+
+from gateway.access.permissions import Action, Permissions
+from gateway.protocol.errors import ProtocolError
+from gateway.protocol.names import resolve_action, resolve_service, resolve_topic
+from gateway.protocol.operations import (
+    ClientOperation,
+    actions,
+    gateway,
+    parameters,
+    services,
+    topics,
+    transforms,
+)
+from gateway.protocol.session import NOT_AUTHENTICATED, Session
+
+_TRANSFORMS: Final = ("/tf", "/tf_static")
+
+
+class _Need(NamedTuple):
+    """A permission that an operation needs, and the answer if a name does not exist."""
+
+    action: Action
+    names: tuple[str, ...]
+    doing: str
+    absent: str | None  # None: an operation that makes names is refused in any case
+
+
+def may_carry_out(session: Session, operation: ClientOperation) -> bool:
+    """Return whether to carry out an operation; false if it was answered as for an absent name.
+
+    Call it only for restricted sessions: the others may do everything.
+
+    Raises:
+        ProtocolError: ``forbidden``, or as for a name that does not exist, or the name is invalid.
+    """
+    if session.identity is None:
+        if isinstance(operation, gateway.Auth):
+            return True
+        raise ProtocolError("forbidden", NOT_AUTHENTICATED)
+    permissions = session.identity.permissions
+    need = _need(operation, session.limits.max_name_characters)
+    for name in need.names if need else ():
+        assert need is not None  # noqa: S101  # else there are no names
+        if need.absent is not None and not permissions.sees(name):
+            absent = ProtocolError("not_found", need.absent)
+            if isinstance(operation, topics.Subscribe):  # which would wait for the topic
+                session.warn(absent, operation.op, operation.id)
+                return False
+            raise absent
+        _check(permissions, need.action, name, need.doing)
+    return True
+
+
+def check_call(permissions: Permissions, service: str) -> None:
+    """Refuse a call of a service that the role may not make.
+
+    Raises:
+        ProtocolError: ``forbidden``, or ``not_found`` if the role does not see the name.
+    """
+    if not permissions.sees(service):
+        raise ProtocolError("not_found", f"service {service} does not exist")
+    _check(permissions, "call", service, "calling")
+
+
+def _check(permissions: Permissions, action: Action, name: str, doing: str) -> None:
+    if permissions.may(action, name):
+        return
+    roles = permissions.roles_that_may(action, name)
+    who = f"takes role {' or '.join(roles)}" if roles else "is allowed to no role"
+    raise ProtocolError("forbidden", f"{doing} {name} {who}, and this client is {permissions.role}")
+
+
+def _need(operation: ClientOperation, longest: int) -> _Need | None:
+    match operation:
+        case topics.Subscribe():
+            topic = resolve_topic(operation.topic, longest)
+            absent = f"topic {topic} is not known yet; waiting for it"
+            return _Need("subscribe", (topic,), "subscribing to", absent)
+        case topics.Publish() | topics.Advertise():
+            topic = resolve_topic(operation.topic, longest)
+            absent = f"topic {topic} is not known: name its type by `type`, or advertise it"
+            return _Need("publish", (topic,), "publishing on", absent)
+        case services.CallService():
+            service = resolve_service(operation.service, longest)
+            return _Need("call", (service,), "calling", f"service {service} does not exist")
+        case actions.SendActionGoal():
+            action = resolve_action(operation.action, longest)
+            return _Need("call", (action,), "sending goals to", f"action {action} does not exist")
+        case services.AdvertiseService():
+            service = resolve_service(operation.service, longest)
+            return _Need("publish", (service,), "providing service", None)
+        case actions.AdvertiseAction():
+            action = resolve_action(operation.action, longest)
+            return _Need("publish", (action,), "providing action", None)
+        case transforms.LookupTransform():
+            absent = f"frame {operation.target_frame!r} is unknown"
+            return _Need("subscribe", _TRANSFORMS, "subscribing to", absent)
+        case _:
+            _needs_no_permission(operation)
+            return None
+
+
+def _needs_no_permission(
+    operation: topics.Unsubscribe
+    | topics.Unadvertise
+    | services.UnadvertiseService
+    | services.ServiceResponse
+    | actions.CancelActionGoal
+    | actions.UnadvertiseAction
+    | actions.ActionFeedback
+    | actions.ActionResult
+    | transforms.CancelTransform
+    # checked where the node is known
+    | parameters.ListParameters
+    | parameters.GetParameters
+    | parameters.SetParameters
+    | parameters.DescribeParameters
+    | gateway.Ping
+    | gateway.Hello
+    | gateway.Describe
+    | gateway.GraphRequest
+    | gateway.SetLevel
+    | gateway.Auth,
+) -> None:
+    """Name the operations on what the client has anyway; a new operation is a type error here."""
