@@ -7,14 +7,17 @@ import logging
 import math
 import os
 import signal
-import socket
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AsyncExitStack, contextmanager
+from dataclasses import dataclass
+from functools import partial
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any, Final
 
+from gateway.access.posture import Posture
 from gateway.codec.image import confine_to_calling_thread
 from gateway.codec.types import Types
 from gateway.config.model import Config
@@ -24,6 +27,8 @@ from gateway.ports import LogLevel, Ros, RosError
 from gateway.ros import RosOptions, open_ros
 from gateway.rosapi import interfaces_prefix
 from gateway.router.router import Router
+from gateway.security import Security, open_security
+from gateway.server.admission import Admission
 from gateway.server.server import Server
 from schemas.installed import InstalledDefinitions, installed_prefixes
 from schemas.table import Table
@@ -34,14 +39,36 @@ SHUTDOWN_S: Final = 1.8  # of the 2 s that there are
 WARN_AGAIN_S: Final = 10.0
 
 
-Announce = Callable[[str, str], None]
+@dataclass(frozen=True, slots=True)
+class Listening:
+    """The facts that people need to connect."""
+
+    addresses: Sequence[tuple[str, int]]
+    path: str
+    posture: Posture
+    tokens: Path
+    new_token: str | None
+    certificate: str | None
+
+    @property
+    def port(self) -> int:
+        """The port, the same on all addresses."""
+        return self.addresses[0][1]
+
+    @property
+    def is_encrypted(self) -> bool:
+        """True if clients need ``wss://``."""
+        return self.certificate is not None
 
 
-def run(config: Config, *, announce: Announce) -> int:
+Announce = Callable[[Listening], None]
+
+
+def run(config: Config, *, announce: Announce, load: Callable[[], Config]) -> int:
     """Serve until SIGINT or SIGTERM; return the exit code.
 
-    Once clients can connect, *announce* gets lines that say where, for people, and the address to
-    use on this machine.
+    Once clients can connect, *announce* gets what people need for it. On SIGHUP, *load* returns the
+    configuration anew, and its tokens and permissions take effect.
 
     Raises:
         BindError: the address or port cannot be listened on.
@@ -49,19 +76,18 @@ def run(config: Config, *, announce: Announce) -> int:
         RosMissingError: there is no rclpy.
     """
     with asyncio.Runner(loop_factory=_loop_factory()) as runner:
-        return runner.run(_serve(config, announce))
+        return runner.run(_serve(config, announce, load))
 
 
-async def _serve(config: Config, announce: Announce) -> int:
+async def _serve(config: Config, announce: Announce, load: Callable[[], Config]) -> int:
     keep_large_blocks()
     confine_to_calling_thread()
-    stop = asyncio.Event()
-    loop = asyncio.get_running_loop()
-    loop.set_exception_handler(_LoopErrors())
-    for number in (signal.SIGINT, signal.SIGTERM):
-        loop.add_signal_handler(number, stop.set)
+    asyncio.get_running_loop().set_exception_handler(_LoopErrors())
+    stop, hung_up = asyncio.Event(), asyncio.Event()
+    _handle_signals(stop, hung_up)
     async with AsyncExitStack() as stack:
         end_by_force = stack.enter_context(_forced_end())
+        security = stack.enter_context(open_security(config))
         ros = await _open_ros(stack, config)
         stack.enter_context(_logging_to(ros))
         workers = stack.enter_context(_workers(config.images.workers))
@@ -72,20 +98,33 @@ async def _serve(config: Config, announce: Announce) -> int:
             limits=config.limits,
             workers=workers,
             version=version("ros2-json-gateway"),
+            audit=security.audit,
         )
         stack.callback(router.close)
         server = Server(
             router,
             limits=config.limits,
             path=config.path,
-            allowed_origins=config.allowed_origins,
             trusted_proxies=config.trusted_proxies,
+            web_rules=security.rules,
+            admission=partial(Admission, security.authentication, config.access, security.audit),
+            tls=security.tls,
             version=version("ros2-json-gateway"),
         )
-        addresses = await _listen(stack, server, config)
-        lines = list(_address_lines(addresses, config.path))
+        addresses = await _listen(stack, server, config, security.posture)
+        reloading = asyncio.create_task(_reload_whenever(hung_up, load, security, server))
+        stack.callback(reloading.cancel)
         exempt_from_collection()
-        announce("\n".join(lines), _own_url(addresses, config.path))
+        announce(
+            Listening(
+                addresses=addresses,
+                path=config.path,
+                posture=security.posture,
+                tokens=security.token_path,
+                new_token=security.new_token,
+                certificate=config.tls.cert,
+            )
+        )
         await stop.wait()
         end_by_force()
         logger.info("shutting down")
@@ -99,11 +138,56 @@ async def _open_ros(stack: AsyncExitStack, config: Config) -> Ros:
         raise ConfigError(f"ROS: {error}") from error
 
 
-async def _listen(stack: AsyncExitStack, server: Server, config: Config) -> list[tuple[str, int]]:
+async def _listen(
+    stack: AsyncExitStack, server: Server, config: Config, posture: Posture
+) -> list[tuple[str, int]]:
     try:
-        return await stack.enter_async_context(server.listening(config.host, config.port))
+        return await stack.enter_async_context(server.listening(posture.hosts, config.port))
     except OSError as error:
-        raise BindError(config.host, config.port, error) from error
+        raise BindError(posture.hosts[0], config.port, error) from error
+
+
+def _handle_signals(stop: asyncio.Event, hung_up: asyncio.Event) -> None:
+    """Set *stop* when the process shall end, and *hung_up* when it shall reload."""
+    loop = asyncio.get_running_loop()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        loop.add_signal_handler(number, stop.set)
+    is_kept = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN  # by nohup
+    terminals = [] if is_kept else [number for number in (0, 1, 2) if _is_terminal(number)]
+
+    def hang_up() -> None:
+        # SIGHUP also means that the terminal was closed: then the gateway ends, as ever
+        gone = any(not _is_terminal(number) for number in terminals)
+        (stop if gone else hung_up).set()
+
+    loop.add_signal_handler(signal.SIGHUP, hang_up)
+
+
+def _is_terminal(descriptor: int) -> bool:
+    try:
+        os.tcgetpgrp(descriptor)
+    except OSError:
+        return False
+    return True
+
+
+async def _reload_whenever(
+    hung_up: asyncio.Event, load: Callable[[], Config], security: Security, server: Server
+) -> None:
+    """Reload tokens, permissions and certificate; what is wrong changes nothing."""
+    while True:
+        await hung_up.wait()
+        hung_up.clear()
+        try:
+            # in a thread: files may be on a disk that hangs
+            tokens, policy = await asyncio.to_thread(lambda: security.reload(load()))
+        except ConfigError as error:
+            logger.error("not reloaded, all stays as it was: %s", "; ".join(error.problems))
+            security.audit.record("reload", successful=False)
+            continue
+        server.reload(tokens, policy)
+        security.audit.record("reload", successful=True, tokens=len(tokens.known))
+        logger.info("reloaded permissions and %d tokens", len(tokens.known))
 
 
 def _loop_factory() -> Callable[[], asyncio.AbstractEventLoop] | None:
@@ -201,39 +285,3 @@ _ROS_LEVELS: Final[dict[int, LogLevel]] = {
     logging.ERROR: "error",
     logging.CRITICAL: "error",
 }
-
-
-EVERYWHERE: Final = frozenset({"0.0.0.0", "::"})  # noqa: S104  # for messages, not binding
-
-
-def _address_lines(addresses: list[tuple[str, int]], path: str) -> Iterator[str]:
-    """Yield where to connect: with an address that can be typed into a headset, if there is one."""
-    if not EVERYWHERE.isdisjoint(host for host, _ in addresses):
-        port = addresses[0][1]
-        yield f"listening on every network of this machine, port {port}"
-        yield f"  on this machine   {_own_url(addresses, path)}"
-        for address in _own_addresses():
-            yield f"  from a headset    ws://{address}:{port}{path}"
-        return
-    for host, port in addresses:
-        shown = f"[{host}]" if ":" in host else host
-        yield f"listening on ws://{shown}:{port}{path}"
-
-
-def _own_url(addresses: list[tuple[str, int]], path: str) -> str:
-    """Return the address that a person on this machine types."""
-    host, port = addresses[0]
-    if host in EVERYWHERE or host == "127.0.0.1":
-        return f"ws://localhost:{port}{path}"
-    return f"ws://{f'[{host}]' if ':' in host else host}:{port}{path}"
-
-
-def _own_addresses() -> list[str]:
-    """Return this machine's address on its default route, if it has one."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        try:
-            # connecting a datagram socket sends nothing: it asks the routing table
-            probe.connect(("192.0.2.1", 9))
-        except OSError:
-            return []
-        return [probe.getsockname()[0]]

@@ -3,10 +3,13 @@
 
 import argparse
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Final, NoReturn
 
 from gateway.config.domain_id import DOMAIN_ID_EXPECTATION, is_domain_id
+
+ROLES: Final = ("viewer", "operator", "admin")  # `gateway.config.access` would import pydantic
 
 # Keys with a flag of their own; every other key goes through --set.
 CONFIG_FLAGS: Final = {
@@ -18,7 +21,24 @@ CONFIG_FLAGS: Final = {
     "--namespace": ("ros.namespace", "/NAME", "namespace of the gateway's nodes"),
     "--log-level": ("log.level", "LEVEL", "debug, info, warning or error (default info)"),
     "--log-format": ("log.format", "FORMAT", "text or json (default text)"),
+    "--tls-cert": ("tls.cert", "FILE", "certificate in PEM; then clients need wss://"),
+    "--tls-key": ("tls.key", "FILE", "its private key in PEM"),
 }
+# Flags without a value: the key, and the value that they set.
+CONFIG_SWITCHES: Final = {
+    "--lan": ("lan", "true", "listen on all networks; clients need a token"),
+    "--no-auth": ("access.authentication", "none", "ask nobody for a token; all may watch"),
+    "--anyone-may-drive": (
+        "access.anonymous_role",
+        "operator",
+        "clients without a token may move the robot, too",
+    ),
+    "--no-qr": ("qr", "false", "show no QR code of the address"),
+    "--use-sim-time": ("ros.use_sim_time", "true", "take ROS time from /clock"),
+}
+
+# name, text and examples of a command to its parser
+AddCommand = Callable[[str, str, str], argparse.ArgumentParser]
 
 _EXIT_CODES: Final = """\
 exit codes:
@@ -60,7 +80,7 @@ def argument_parser() -> argparse.ArgumentParser:
             "serve",
             "serve the topics of this ROS 2 system",
             "  ros2-gateway serve                         to programs on this machine\n"
-            "  ros2-gateway serve --host 0.0.0.0          to everyone on the network\n"
+            "  ros2-gateway serve --lan                   to the network, by token\n"
             "  ros2-gateway serve --config gateway.toml   as a file says\n"
             "  ROS2_GATEWAY_PORT=8080 ros2-gateway serve  as the environment says",
         )
@@ -69,7 +89,7 @@ def argument_parser() -> argparse.ArgumentParser:
         command(
             "demo",
             "serve the topics of a simulated robot, which runs along",
-            "  ros2-gateway demo\n  ros2-gateway demo --host 0.0.0.0 --port 8080",
+            "  ros2-gateway demo\n  ros2-gateway demo --lan --port 8080",
         )
     )
     _add_sim(
@@ -98,6 +118,13 @@ def argument_parser() -> argparse.ArgumentParser:
             "  ros2-gateway schema std_msgs/Header --definition",
         )
     )
+    _add_commands_about_configuration(command)
+    return parser
+
+
+def _add_commands_about_configuration(
+    command: Callable[[str, str, str], argparse.ArgumentParser],
+) -> None:
     _add_check_config(
         command(
             "check-config",
@@ -106,7 +133,23 @@ def argument_parser() -> argparse.ArgumentParser:
             "  ros2-gateway check-config --keys      all there is to configure, as Markdown",
         )
     )
-    return parser
+    _add_token(
+        command(
+            "token",
+            "make, list or revoke the tokens of clients",
+            "  ros2-gateway token create tablet                  an operator\n"
+            "  ros2-gateway token create wall --role viewer\n"
+            "  ros2-gateway token list\n"
+            "  ros2-gateway token revoke tablet",
+        )
+    )
+    _add_cert(
+        command(
+            "cert",
+            "make a certificate for wss://, signed by this machine itself",
+            "  ros2-gateway cert\n  ros2-gateway cert --name robot.lan --folder /etc/gateway",
+        )
+    )
 
 
 class _Parser(argparse.ArgumentParser):
@@ -138,13 +181,8 @@ def _add_configuration(parser: argparse.ArgumentParser) -> None:
     )
     for flag, (key, metavar, text) in CONFIG_FLAGS.items():
         group.add_argument(flag, dest=key, metavar=metavar, help=text)
-    group.add_argument(
-        "--use-sim-time",
-        dest="ros.use_sim_time",
-        action="store_const",
-        const="true",
-        help="take ROS time from /clock",
-    )
+    for flag, (key, value, text) in CONFIG_SWITCHES.items():
+        group.add_argument(flag, dest=key, action="store_const", const=value, help=text)
     group.add_argument(
         "--set",
         action="append",
@@ -229,4 +267,41 @@ def _add_check_config(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--keys", action="store_true", help="print all keys with their defaults and meanings"
+    )
+
+
+def _add_token(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--config", type=Path, metavar="FILE", help="TOML file (default: $ROS2_GATEWAY_CONFIG)"
+    )
+    parser.add_argument(
+        "--file", type=Path, metavar="FILE", help="token file (default: as configured)"
+    )
+    commands = parser.add_subparsers(dest="token_command", metavar="ACTION", required=True)
+    create = commands.add_parser("create", help="make a token, shown once", allow_abbrev=False)
+    create.add_argument("name", metavar="NAME", help="who gets it: letters, digits and . _ -")
+    create.add_argument(
+        "--role", choices=ROLES, default="operator", help="what it permits (default operator)"
+    )
+    commands.add_parser("list", help="list names, roles and dates", allow_abbrev=False)
+    revoke = commands.add_parser("revoke", help="revoke a token", allow_abbrev=False)
+    revoke.add_argument("name", metavar="NAME", help="whose it is")
+
+
+def _add_cert(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--name",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="a further host name or address of this machine; may be repeated",
+    )
+    parser.add_argument(
+        "--folder",
+        type=Path,
+        metavar="FOLDER",
+        help="where to write cert.pem and key.pem (default: beside the token file)",
+    )
+    parser.add_argument(
+        "--replace", action="store_true", help="replace the files, if there are such"
     )

@@ -18,7 +18,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, NoReturn
 
-from gateway.cli.arguments import CONFIG_FLAGS, argument_parser
+from gateway.cli.arguments import CONFIG_FLAGS, CONFIG_SWITCHES, argument_parser
 from gateway.config.domain_id import DOMAIN_ID_EXPECTATION, is_domain_id
 from gateway.errors import (
     BindError,
@@ -30,6 +30,7 @@ from gateway.errors import (
 )
 
 if TYPE_CHECKING:
+    from gateway.app import Listening
     from gateway.config.settings import Given, Loaded
     from schemas.installed import InstalledDefinitions
 
@@ -40,7 +41,7 @@ EXIT_NO_ROS: Final = 3
 EXIT_CANNOT_BIND: Final = 4
 
 _DEMO_HINT: Final = """\
-in another terminal, connect with  npx wscat -c URL  and paste:
+in another terminal, connect with  WSCAT  and paste:
   {"op":"subscribe","topic":"/odom"}
   {"op":"publish","topic":"/cmd_vel","type":"geometry_msgs/msg/Twist","msg":{"linear":{"x":0.2}}}
 Ctrl-C ends the gateway and the robot"""
@@ -93,6 +94,10 @@ def _run(arguments: argparse.Namespace) -> int:
             return _schema(arguments)
         case "check-config":
             return _check_config(arguments)
+        case "token":
+            return _token(arguments)
+        case "cert":
+            return _cert(arguments)
     raise AssertionError(arguments.command)
 
 
@@ -131,7 +136,7 @@ def _given(arguments: argparse.Namespace) -> list["Given"]:
     from gateway.config.settings import Given
 
     flags = {key: flag for flag, (key, *_) in CONFIG_FLAGS.items()}
-    flags["ros.use_sim_time"] = "--use-sim-time"
+    flags |= {key: flag for flag, (key, *_) in CONFIG_SWITCHES.items()}
     given = []
     for assignment in arguments.set:
         key, equals, value = assignment.partition("=")
@@ -150,7 +155,11 @@ def _serve(arguments: argparse.Namespace) -> int:
     if arguments.print_config:
         return _print_config(loaded)
     _use_domain(loaded.config.ros.domain_id)
-    return _run_gateway(loaded, lambda text, url: _announce(text))
+
+    def announce(listening: "Listening") -> None:
+        _announce_listening(listening, shows_qr=loaded.config.qr)
+
+    return _run_gateway(arguments, loaded, announce)
 
 
 def _print_config(loaded: "Loaded") -> int:
@@ -160,13 +169,27 @@ def _print_config(loaded: "Loaded") -> int:
     return EXIT_OK
 
 
-def _run_gateway(loaded: "Loaded", announce: Callable[[str, str], None]) -> int:
+def _announce_listening(listening: "Listening", *, shows_qr: bool, hint: str = "") -> None:
+    from gateway.cli import announcement
+
+    _announce(announcement.announcement(listening))
+    if shows_qr and listening.posture.is_open and sys.stdout.isatty():
+        text = announcement.qr_text(listening, announcement.own_addresses())
+        if text is not None:
+            _announce(f"{announcement.qr_code(text)}for a phone: {text}")
+    if hint:
+        _announce(hint.replace("WSCAT", announcement.wscat_command(listening)))
+
+
+def _run_gateway(
+    arguments: argparse.Namespace, loaded: "Loaded", announce: Callable[["Listening"], None]
+) -> int:
     _require_rclpy()
     from gateway import app
     from gateway.cli.logs import configure_logging
 
     configure_logging(loaded.config.log.level, loaded.config.log.format)
-    return app.run(loaded.config, announce=announce)
+    return app.run(loaded.config, announce=announce, load=lambda: _configuration(arguments).config)
 
 
 def _require_rclpy() -> None:
@@ -185,10 +208,10 @@ def _demo(arguments: argparse.Namespace) -> int:
     # the robot on this desk is nobody else's business; read when the middleware starts
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
 
-    def announce(text: str, url: str) -> None:
-        _announce(f"{text}\n{_DEMO_HINT.replace('URL', url)}")
+    def announce(listening: "Listening") -> None:
+        _announce_listening(listening, shows_qr=loaded.config.qr, hint=_DEMO_HINT)
 
-    return demo.run(lambda: _run_gateway(loaded, announce), demo.robot_command())
+    return demo.run(lambda: _run_gateway(arguments, loaded, announce), demo.robot_command())
 
 
 def _sim(arguments: argparse.Namespace) -> int:
@@ -287,6 +310,43 @@ def _schema_text(name: str, definitions: "InstalledDefinitions") -> str:
         if not shipped.is_file():
             raise
         return shipped.read_text(encoding="utf-8").rstrip()
+
+
+def _token(arguments: argparse.Namespace) -> int:
+    from gateway.cli import tokens
+    from gateway.config.settings import load
+    from gateway.security import token_path
+
+    path = arguments.file
+    if path is None:
+        path = token_path(load(environment=os.environ, file=arguments.config).config)
+    match arguments.token_command:
+        case "create":
+            text = tokens.create(path, arguments.name, arguments.role)
+            print(text)
+            note = f"the token of {arguments.name}, {arguments.role}, shown only this once"
+        case "revoke":
+            tokens.revoke(path, arguments.name)
+            note = f"the token of {arguments.name} is revoked"
+        case _:
+            for line in tokens.listed(path):
+                print(line)
+            return EXIT_OK
+    print(f"{note}; a running gateway takes {path} over on SIGHUP", file=sys.stderr)
+    return EXIT_OK
+
+
+def _cert(arguments: argparse.Namespace) -> int:
+    from gateway.access.token_file import default_path
+    from gateway.cli.certificate import make_certificate
+
+    folder = arguments.folder or default_path(os.environ).parent
+    subjects = make_certificate(folder, arguments.name, replace=arguments.replace)
+    cert, key = folder / "cert.pem", folder / "key.pem"
+    print(
+        f"a certificate for {', '.join(subjects)}; serve with\n  --tls-cert {cert} --tls-key {key}"
+    )
+    return EXIT_OK
 
 
 def _check_config(arguments: argparse.Namespace) -> int:

@@ -15,6 +15,7 @@ from gateway.codec.types import Types
 from gateway.config.limits import Limits
 from gateway.deadline import Deadline
 from gateway.ports import Ros
+from gateway.protocol.errors import ProtocolError
 from gateway.protocol.operations import (
     ClientOperation,
     actions,

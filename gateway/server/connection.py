@@ -12,7 +12,7 @@ import logging
 import time
 from typing import Final, Protocol, cast
 
-from websockets.exceptions import PayloadTooBig
+from websockets.exceptions import InvalidMessage, PayloadTooBig
 from websockets.frames import Frame, Opcode
 from websockets.http11 import Request, Response
 from websockets.protocol import CONNECTING, OPEN, Event
@@ -20,10 +20,11 @@ from websockets.server import ServerProtocol
 
 from gateway.config.limits import Limits
 from gateway.protocol import messages
-from gateway.protocol.errors import ProtocolError
+from gateway.protocol.errors import ProtocolError, StatusCode
 from gateway.protocol.outbox import Entry, NoFrame
 from gateway.protocol.session import Session
 from gateway.protocol.token_bucket import TokenBucket
+from gateway.server.http import select_subprotocol
 from gateway.server.inbound import READ_CHUNK_BYTES, Inbound
 from gateway.server.socket_options import tune
 from gateway.server.time_budget import TimeBudgets
@@ -33,11 +34,9 @@ logger = logging.getLogger(__name__)
 WRITE_HIGH_WATER_BYTES: Final = 64 * 1024  # beyond this, frames wait where they can be dropped
 MAX_PROTOCOL_BACKLOG_BYTES: Final = 64 * 1024  # pongs for a peer that pings and never reads
 
-GOING_AWAY: Final = 1001
 INVALID_DATA: Final = 1007
 POLICY_VIOLATION: Final = 1008
 INTERNAL_ERROR: Final = 1011
-OVER_CAPACITY: Final = 1013
 HEARTBEAT_TIMEOUT: Final = 4408
 SLOW_CONSUMER: Final = 4503
 
@@ -57,11 +56,11 @@ class Acceptor(Protocol):
     def respond(self, protocol: ServerProtocol, request: Request) -> Response:
         """Answer an HTTP request: 101 to continue as a WebSocket, else a page or a refusal."""
 
-    def admit(self, connection: "Connection") -> str | None:
-        """Return the reason to refuse a client after its handshake, or ``None``."""
+    def malformed(self, start: bytes) -> bytes:
+        """Return the response to what is no HTTP request, and begins like this."""
 
-    def enter(self, connection: "Connection") -> Session:
-        """Open the session of an admitted client."""
+    def enter(self, connection: "Connection", request: Request) -> Session | None:
+        """Open the session of a client after its handshake; ``None`` if it was turned away."""
 
     def receive(self, session: Session, data: bytes) -> None:
         """Carry out one message."""
@@ -80,7 +79,9 @@ class Connection(asyncio.BufferedProtocol):
         self._acceptor = acceptor
         self._limits = acceptor.limits
         self._protocol = ServerProtocol(
-            max_size=self._limits.max_message_bytes, logger=_quiet_logger()
+            max_size=self._limits.max_message_bytes,
+            select_subprotocol=select_subprotocol,
+            logger=_quiet_logger(),
         )
         self._buffer = bytearray(READ_CHUNK_BYTES)
         self._transport: asyncio.Transport
@@ -101,6 +102,7 @@ class Connection(asyncio.BufferedProtocol):
         self._unsent_bytes = 0
         self._protocol_backlog = 0
         self._crowded_s: float | None = None
+        self._start = b""  # of the HTTP request
         self.address = "?"
 
     # Called by asyncio
@@ -125,6 +127,8 @@ class Connection(asyncio.BufferedProtocol):
         """Process the bytes read."""
         self._heard_s = time.monotonic()
         self._pinged_s = None
+        if self._session is None:
+            self._start = self._start or bytes(self._buffer[: min(nbytes, 16)])
         self._inbound.receive(bytes(memoryview(self._buffer)[:nbytes]), self._heard_s)
 
     def eof_received(self) -> None:
@@ -203,6 +207,17 @@ class Connection(asyncio.BufferedProtocol):
             self._write_protocol_output()
         elif self._protocol.state is CONNECTING:
             self._transport.close()
+
+    def turn_away(self, close_code: int, reason: str, code: StatusCode) -> None:
+        """Close a client that has no session, with words."""
+        # Also as a frame: .NET's WebSocket takes close codes that are newer than itself (1012
+        # to 1014) for an error, and gives its program neither code nor reason.
+        self._protocol.send_text(messages.status("error", reason, code=code))
+        self.close(close_code, reason)
+
+    def limit_messages(self, max_bytes: int) -> None:
+        """Accept messages of at most so many bytes from now on."""
+        self._protocol.max_message_size = max_bytes
 
     def abort(self) -> None:
         """Cut the connection."""
@@ -289,15 +304,10 @@ class Connection(asyncio.BufferedProtocol):
         if address != self.address:
             self.address = address
             self._spending.move(address)
-        refusal = self._acceptor.admit(self)
-        if refusal is not None:
-            # Also as a frame: .NET's WebSocket takes close codes that are newer than itself (1012
-            # to 1014) for an error, and gives its program neither code nor reason.
-            self._protocol.send_text(messages.status("error", refusal, code="limit_exceeded"))
-            self.close(OVER_CAPACITY, refusal)
+        self._session = self._acceptor.enter(self, request)
+        if self._session is None:
             self._inbound.drop()
             return
-        self._session = self._acceptor.enter(self)
         self._session.outbox.write_directly = self._write_directly
         self._session.spend = self._spending.spend
         logger.info("client %s connected", self.address)
@@ -320,11 +330,16 @@ class Connection(asyncio.BufferedProtocol):
 
     def _explain_failure(self) -> None:
         """Report in a `status` why `websockets` is about to close, if a client can know."""
-        if self._session is None or self._closing_s is not None:
+        if self._closing_s is not None:
+            return
+        if self._session is None:
+            if isinstance(self._protocol.handshake_exc, InvalidMessage):
+                self._closing_s = time.monotonic()
+                self._transport.write(self._acceptor.malformed(self._start))
             return
         if isinstance(self._protocol.parser_exc, PayloadTooBig):
             self._closing_s = time.monotonic()
-            text = f"message too large, at most {self._limits.max_message_bytes} bytes"
+            text = f"message too large, at most {self._protocol.max_message_size} bytes"
             self._session.refuse(ProtocolError("limit_exceeded", text))
             # the state is no longer open, so `flush` would not send it
             self._transport.writelines(self._session.outbox.take(WRITE_HIGH_WATER_BYTES))

@@ -1,15 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
 """Plain HTTP on the WebSocket's port: health, and a page for people who open it in a browser."""
 
-import ipaddress
+import logging
 import socket
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, Final, Literal
 from urllib.parse import urlsplit
 
 import orjson
+from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 from websockets.server import ServerProtocol
+from websockets.typing import Subprotocol
+
+from gateway.access.credentials import SUBPROTOCOL, CredentialsError, check_target, token_in
+from gateway.access.web_rules import WebRules, is_plain
+
+logger = logging.getLogger(__name__)
 
 _WELCOME = """\
 This is ros2-json-gateway: ROS 2 topics as JSON over a WebSocket.
@@ -24,30 +31,66 @@ and send, for example,
 
 The gateway's health is at /healthz.
 """
+_NOT_ALLOWED: Final = "only GET and HEAD\n"
+_FOREIGN_HOST: Final = (
+    "this gateway has another name; the operator can allow this one by allowed_hosts\n"
+)
+_OTHER_METHODS: Final = frozenset({"POST", "PUT", "DELETE", "PATCH", "OPTIONS", "TRACE", "CONNECT"})
+
+
+# of all headers together, names and values: enough for a browser with its cookies, and parsed
+# within a millisecond, before anything is known of who sends them
+MAX_HEADER_CHARACTERS: Final = 16 * 1024
+_METHODS: Final = frozenset({"GET", "HEAD"})
 
 
 class HttpFront:
-    """Answers HTTP requests.
-
-    *allowed_origins* are exact origins such as ``https://ui.example`` that may connect in addition
-    to pages of the same host; ``*`` allows every page.
-    """
+    """Answers HTTP requests; *scheme* is ``ws``, or ``wss`` with TLS."""
 
     def __init__(
-        self, path: str, allowed_origins: Sequence[str], health: Callable[[], Mapping[str, Any]]
+        self,
+        path: str,
+        rules: WebRules,
+        health: Callable[[], Mapping[str, Any]],
+        *,
+        scheme: Literal["ws", "wss"] = "ws",
     ) -> None:
         self._path = path
-        self._allowed_origins = frozenset(allowed_origins)
+        self._rules = rules
         self._health = health
+        self._scheme = scheme
 
     def respond(self, protocol: ServerProtocol, request: Request) -> Response:
         """Return the response; its status is 101 if a WebSocket begins."""
         try:
             return self._respond(protocol, request)
+        except CredentialsError as error:
+            return protocol.reject(400, f"{error}\n")
         except (ValueError, LookupError):  # an invalid path or host, or a header twice
             return protocol.reject(400, "this request contradicts itself\n")
 
+    def malformed(self, start: bytes) -> bytes:
+        """Return the response to what is no request that `websockets` understands.
+
+        It understands none with a body, so the method decides.
+        """
+        method = start.split(b" ")[0].decode("latin-1")
+        if method in _OTHER_METHODS:
+            return _raw(405, "Method Not Allowed", _NOT_ALLOWED, "Allow: GET, HEAD\r\n")
+        return _raw(400, "Bad Request", "this is no HTTP request\n")
+
     def _respond(self, protocol: ServerProtocol, request: Request) -> Response:
+        if sum(len(name) + len(value) for name, value in request.headers.raw_items()) > (
+            MAX_HEADER_CHARACTERS
+        ):
+            return protocol.reject(431, f"at most {MAX_HEADER_CHARACTERS} characters of headers\n")
+        host = request.headers["Host"]
+        if not self._rules.is_own_host(host):
+            return protocol.reject(421, _FOREIGN_HOST)
+        if request.method not in _METHODS:
+            response = protocol.reject(405, _NOT_ALLOWED)
+            response.headers["Allow"] = "GET, HEAD"
+            return response
         path = urlsplit(request.path).path
         if path == "/healthz":
             body = orjson.dumps(
@@ -55,47 +98,64 @@ class HttpFront:
             )
             return _page(protocol, request, body.decode(), "application/json")
         if path != self._path:
-            response = protocol.reject(404, f"nothing here; the WebSocket is at {self._path}\n")
-        elif request.headers.get("Upgrade") is None:
-            host = request.headers.get("Host", "HOST:PORT")
-            return _page(protocol, request, _WELCOME.format(address=f"ws://{host}{self._path}"))
-        elif not self._is_allowed(request):
-            response = protocol.reject(
-                403,
-                f"pages from {request.headers.get('Origin')} may not connect;"
-                " the operator can allow them by allowed_origins\n",
-            )
-        else:
-            response = protocol.accept(request)
-        return response
+            return protocol.reject(404, f"nothing here; the WebSocket is at {self._path}\n")
+        check_target(request.path)
+        if request.headers.get("Upgrade") is None:
+            address = f"{self._scheme}://{host}{self._path}"
+            return _page(protocol, request, _WELCOME.format(address=address))
+        return self._upgrade(protocol, request, host)
 
-    def _is_allowed(self, request: Request) -> bool:
-        """Return whether a page may connect; a program sends no Origin and always may.
+    def _upgrade(self, protocol: ServerProtocol, request: Request, host: str) -> Response:
+        token_in(
+            request.headers.get_all("Authorization"), offered_subprotocols(request.headers)
+        )  # refuses contradictions while there is a response to do it by
+        origin = request.headers.get("Origin")  # a program sends none
+        if origin is None or self._rules.is_welcome(origin, host):
+            return protocol.accept(request)
+        shown = origin if is_plain(origin) else "this site"
+        setting = self._rules.setting_for(shown)
+        if is_plain(origin) and self._rules.first_refusal(origin):
+            logger.warning("pages from %s may not connect; allow them by  %s", origin, setting)
+            if self._rules.is_last_logged:
+                logger.warning("pages from other origins are refused without a line here")
+        return protocol.reject(
+            403,
+            f"pages from {shown} may not connect; the operator can allow them by allowed_origins\n",
+        )
 
-        Browsers let every page open WebSockets to everywhere, localhost included, so without
-        this rule any web site could drive the robot of whoever visits it.
-        """
-        origin = request.headers.get("Origin")
-        if origin is None or "*" in self._allowed_origins or origin in self._allowed_origins:
-            return True
-        host = urlsplit(f"//{request.headers.get('Host', '')}").hostname
-        return host is not None and host == urlsplit(origin).hostname and _is_own_name(host)
 
-
-def _is_own_name(host: str) -> bool:
-    """Return whether a page's host is surely this machine: an address, or a name of its own.
+def own_names() -> list[str]:
+    """Return the names that surely are this machine's.
 
     Any other name may belong to somebody else's page, which makes the name point here once the
     page is loaded (DNS rebinding).
     """
     own = socket.gethostname().lower()
-    if host in {"localhost", own, f"{own}.local"}:
-        return True
-    try:
-        ipaddress.ip_address(host)
-    except ValueError:
-        return False
-    return True
+    return ["localhost", own, f"{own}.local"]
+
+
+def offered_subprotocols(headers: Headers) -> list[str]:
+    """Return the subprotocols that a client offers."""
+    values = ",".join(headers.get_all("Sec-WebSocket-Protocol"))
+    return [each.strip() for each in values.split(",") if each.strip()]
+
+
+def select_subprotocol(
+    protocol: ServerProtocol, subprotocols: Sequence[Subprotocol]
+) -> Subprotocol | None:
+    """Confirm the subprotocol of browsers that send a token, and never the token itself.
+
+    Clients that offer others, or none, get none.
+    """
+    del protocol
+    return Subprotocol(SUBPROTOCOL) if SUBPROTOCOL in subprotocols else None
+
+
+def _raw(status: int, phrase: str, text: str, headers: str = "") -> bytes:
+    return (
+        f"HTTP/1.1 {status} {phrase}\r\n{headers}Connection: close\r\n"
+        f"Content-Type: text/plain; charset=utf-8\r\nContent-Length: {len(text)}\r\n\r\n{text}"
+    ).encode("ascii")
 
 
 def _page(

@@ -5,21 +5,35 @@ import asyncio
 import contextlib
 import ipaddress
 import logging
+import ssl
 import time
 from collections import Counter
-from collections.abc import AsyncIterator, Mapping, Sequence
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from typing import Any, Final
 
 from websockets.http11 import Request, Response
 from websockets.server import ServerProtocol
 
+from gateway.access.permissions import Policy
+from gateway.access.tokens import Tokens
+from gateway.access.web_rules import WebRules
 from gateway.config.limits import Limits
 from gateway.protocol.session import Session
 from gateway.router.router import Router
-from gateway.server.connection import GOING_AWAY, Connection
+from gateway.server.admission import (
+    GOING_AWAY,
+    Admission,
+    Entrant,
+    RoomFor,
+    TurnedAwayError,
+    everybody,
+)
+from gateway.server.connection import Connection
 from gateway.server.forwarded import client_address
-from gateway.server.http import HttpFront
+from gateway.server.http import HttpFront, own_names
 from gateway.server.time_budget import TimeBudgets
+
+MakeAdmission = Callable[[RoomFor], Admission]
 
 logger = logging.getLogger(__name__)
 
@@ -42,15 +56,20 @@ class Server:
         *,
         limits: Limits,
         path: str = "/",
-        allowed_origins: Sequence[str] = (),
         trusted_proxies: Sequence[str] = (),
+        web_rules: WebRules | None = None,
+        admission: MakeAdmission = everybody,
+        tls: ssl.SSLContext | None = None,
         version: str = "",
     ) -> None:
         self.limits = limits
         self.budgets = TimeBudgets(limits.client_time_share, limits.address_time_share)
         self._trusted_proxies = tuple(map(ipaddress.ip_network, trusted_proxies))
         self._router = router
-        self._http = HttpFront(path, allowed_origins, self.health)
+        self._tls = tls
+        rules = web_rules or WebRules(own_names())
+        self._http = HttpFront(path, rules, self.health, scheme="wss" if tls else "ws")
+        self._admission = admission(self._room_for)
         self._version = version
         self._connections: dict[Connection, None] = {}  # the oldest first
         self._started_s = time.monotonic()
@@ -66,19 +85,41 @@ class Server:
         }
 
     @contextlib.asynccontextmanager
-    async def listening(self, host: str, port: int) -> AsyncIterator[list[tuple[str, int]]]:
-        """Serve inside the context; yield the addresses that it listens on.
+    async def listening(
+        self, hosts: Sequence[str], port: int
+    ) -> AsyncIterator[list[tuple[str, int]]]:
+        """Serve inside the context; yield the addresses that it listens on, all on one port.
+
+        A machine may have no IPv6: all *hosts* but the first may fail.
 
         Raises:
-            OSError: the address or port cannot be listened on.
+            OSError: the first address or the port cannot be listened on.
         """
         loop = asyncio.get_running_loop()
-        listener = await loop.create_server(lambda: Connection(self), host, port)
+        listeners: list[asyncio.Server] = []
+        addresses: list[tuple[str, int]] = []
+        for host in hosts:
+            try:
+                listener = await loop.create_server(
+                    lambda: Connection(self),
+                    host,
+                    addresses[0][1] if addresses else port,
+                    ssl=self._tls,
+                    ssl_handshake_timeout=self.limits.open_timeout_s if self._tls else None,
+                )
+            except OSError as error:
+                if not listeners:
+                    raise
+                logger.info("not listening on %s: %s", host, error.strerror or error)
+                continue
+            listeners.append(listener)
+            addresses += [sock.getsockname()[:2] for sock in listener.sockets]
         ticking = loop.create_task(self._tick())
         try:
-            yield [sock.getsockname()[:2] for sock in listener.sockets]
+            yield addresses
         finally:
-            listener.close()
+            for listener in listeners:
+                listener.close()
             ticking.cancel()
             await self._close_all()
 
@@ -123,20 +164,37 @@ class Server:
         """Answer an HTTP request."""
         return self._http.respond(protocol, request)
 
-    def admit(self, connection: Connection) -> str | None:
+    def malformed(self, start: bytes) -> bytes:
+        """Return the response to what is no HTTP request."""
+        return self._http.malformed(start)
+
+    def _room_for(self, entrant: Entrant) -> str | None:
         """Return the reason why there is no room for a client, or ``None``."""
-        clients = [other for other in self._connections if other.session is not None]
+        sessions = [(other, other.session) for other in self._connections]
+        clients = [each for each, session in sessions if session and session.identity]
         limits = self.limits
         if len(clients) >= limits.max_clients:
             return f"over capacity: at most {limits.max_clients} clients"
-        same = sum(other.address == connection.address for other in clients)
+        same = sum(other.address == entrant.address for other in clients)
         if same >= limits.max_clients_per_address:
             return f"over capacity: at most {limits.max_clients_per_address} clients per address"
         return None
 
-    def enter(self, connection: Connection) -> Session:
-        """Open a session for a connection."""
-        return self._router.enter(connection.flush, connection.address)
+    def enter(self, connection: Connection, request: Request) -> Session | None:
+        """Open a session for a connection, or turn it away."""
+        try:
+            identity = self._admission.identify(connection, request.headers)
+        except TurnedAwayError as error:
+            connection.turn_away(error.close_code, str(error), error.status)
+            return None
+        session = self._router.enter(connection.flush, connection.address, identity)
+        self._admission.enter(connection, session, request, time.monotonic())
+        return session
+
+    def reload(self, tokens: Tokens, policy: Policy) -> None:
+        """Go on with other tokens and permissions; see `Admission.reload`."""
+        clients = [(each, each.session) for each in self._connections if each.session is not None]
+        self._admission.reload(tokens, policy, clients)
 
     def receive(self, session: Session, data: bytes) -> None:
         """Carry out one message of a session."""
@@ -151,6 +209,7 @@ class Server:
         self._connections.pop(connection, None)
         if not self._connections:
             self._all_gone.set()
+        self._admission.left(connection, session)
         if session is not None:
             _add(self._totals, session)
             self._router.leave(session)
@@ -160,6 +219,7 @@ class Server:
             await asyncio.sleep(TICK_S)
             now_s = time.monotonic()
             self.budgets.expire(now_s)
+            self._admission.tick(now_s)
             for connection in list(self._connections):
                 try:
                     connection.tick(now_s)

@@ -68,7 +68,7 @@ async def url() -> AsyncIterator[str]:
             types = Types(InstalledDefinitions())
             router = Router(ros, types, Table.load(), limits=limits, workers=workers, version="t")
             server = Server(router, limits=limits)
-            async with server.listening("127.0.0.1", 0) as ((_, port),):
+            async with server.listening(["127.0.0.1"], 0) as ((_, port),):
                 yield f"ws://127.0.0.1:{port}/"
             router.close()
 

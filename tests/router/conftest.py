@@ -27,9 +27,7 @@ LIMITS = Limits(max_subscriptions=4, max_advertisements=3)
 class Socketless:
     """A client whose frames are taken from its outbox as soon as it is woken."""
 
-    def __init__(
-        self, router: Router, address: str, identity: Identity | None = UNLIMITED
-    ) -> None:
+    def __init__(self, router: Router, address: str, identity: Identity | None = UNLIMITED) -> None:
         self.router = router
         self.frames: list[Frame] = []
         self.wires: list[bytes] = []
@@ -82,7 +80,7 @@ class Bench:
         self.types = types
 
     def client(
-        self, identity: Identity | None = UNLIMITED, *, address: str = "127.0.0.1"
+        self, address: str = "127.0.0.1", *, identity: Identity | None = UNLIMITED
     ) -> Socketless:
         return Socketless(self.router, address, identity)
 

@@ -29,11 +29,11 @@ def identity(role: Role, config: AccessConfig | None = None) -> Identity:
 
 
 def viewer(bench: Bench, config: AccessConfig | None = None) -> Socketless:
-    return bench.client(identity("viewer", config))
+    return bench.client(identity=identity("viewer", config))
 
 
 def operator(bench: Bench, config: AccessConfig | None = None) -> Socketless:
-    return bench.client(identity("operator", config))
+    return bench.client(identity=identity("operator", config))
 
 
 async def test_a_viewer_gets_samples(bench: Bench) -> None:
@@ -229,7 +229,7 @@ async def test_parameters_are_services_of_their_node_however_they_are_asked_for(
 ) -> None:
     ScriptedNodes(bench.ros).add("/base", "max_speed")
     await bench.settle()
-    client = bench.client(identity(role))
+    client = bench.client(identity=identity(role))
     client.send(op="get_parameters", id=1, node="base", names=["max_speed"])
     client.send(op="set_parameters", id=2, node="base", values={"max_speed": 9.0})
     by_rosapi = {"name": "/base:max_speed", "value": "9.0"}
@@ -285,7 +285,7 @@ async def test_who_cannot_subscribe_to_tf_looks_nothing_up(bench: Bench) -> None
 
 
 async def test_a_client_that_has_not_authenticated_may_do_nothing(bench: Bench) -> None:
-    client = bench.client(None)
+    client = bench.client(identity=None)
     for operation in ("ping", "hello", "graph"):
         client.send(op=operation)
     client.send(op="subscribe", topic="/a", type=STRING)
@@ -302,7 +302,7 @@ async def test_a_client_that_has_not_authenticated_may_do_nothing(bench: Bench) 
 async def test_auth_goes_to_who_knows_the_tokens_and_is_ignored_where_nobody_does(
     bench: Bench,
 ) -> None:
-    client = bench.client(None)
+    client = bench.client(identity=None)
     asked = []
     client.session.authenticate = asked.append
     client.send(op="auth", token="r2g_x")  # noqa: S106  # none of ours

@@ -13,9 +13,11 @@ import pytest
 import uvloop
 from blockbuster import blockbuster_ctx
 
+from gateway.access.web_rules import WebRules
 from gateway.codec.types import Types
 from gateway.config.limits import Limits
 from gateway.router.router import Router
+from gateway.server.http import own_names
 from gateway.server.server import Server
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table
@@ -70,7 +72,9 @@ def serve() -> Serve:
 
     @contextlib.asynccontextmanager
     async def open_server(
-        limits: dict[str, Any] | None = None, **options: Any
+        limits: dict[str, Any] | None = None,
+        allowed_origins: tuple[str, ...] = (),
+        **options: Any,
     ) -> AsyncIterator[Served]:
         ros = FakeRos()
         types = Types(InstalledDefinitions())
@@ -80,9 +84,10 @@ def serve() -> Serve:
             server = Server(
                 router,
                 limits=all_limits,
+                web_rules=WebRules(own_names(), (), allowed_origins),
                 **options,
             )
-            async with server.listening("127.0.0.1", 0) as ((_, port),):
+            async with server.listening(["127.0.0.1"], 0) as ((_, port),):
                 yield Served(server, ros, types, port)
             assert server.health()["clients"] == 0
             router.close()

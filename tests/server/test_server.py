@@ -486,17 +486,20 @@ async def test_a_browser_is_told_how_to_connect(serve: Serve):
     ("origin", "allowed", "is_welcome"),
     [
         (None, (), True),
-        ("http://127.0.0.1:8080", (), True),
+        ("http://127.0.0.1:PORT", (), True),
+        ("http://127.0.0.1:8080", (), False),
+        ("http://localhost:PORT", (), False),  # asked for by another name
         ("https://evil.example", (), False),
         ("null", (), False),
+        ("null", ("null",), True),
+        ("http://localhost:3000", ("http://localhost:3000",), True),
         ("https://ui.example", ("https://ui.example",), True),
         ("https://anything.example", ("*",), True),
     ],
 )
-async def test_only_pages_of_the_same_host_or_allowed_ones_connect(
-    serve: Serve, origin, allowed, is_welcome
-):
+async def test_only_own_pages_and_allowed_ones_connect(serve: Serve, origin, allowed, is_welcome):
     async with serve(allowed_origins=allowed) as served:
+        origin = origin and origin.replace("PORT", str(served.port))
         if is_welcome:
             async with client(served.url, origin=origin) as speaker:
                 await speaker.sync()
@@ -506,6 +509,32 @@ async def test_only_pages_of_the_same_host_or_allowed_ones_connect(
                 pass
         assert caught.value.response.status_code == 403
         assert b"may not connect" in caught.value.response.body
+
+
+async def test_a_refused_page_is_logged_once_with_the_setting_that_allows_it(serve: Serve, caplog):
+    async with serve(allowed_origins=("https://ui.example",)) as served:
+        for origin in ["http://localhost:3000"] * 3 + ["null", "http://a b", "http://x'y"]:
+            status = await status_of(served, upgrade("Host: localhost", f"Origin: {origin}"))
+            assert status == 403
+    lines = [record.getMessage() for record in caplog.records if "allow them" in record.message]
+    assert lines == [
+        (
+            "pages from http://localhost:3000 may not connect; allow them by"
+            "  --set 'allowed_origins=https://ui.example,http://localhost:3000'"
+        ),
+        (
+            "pages from null may not connect; allow them by"
+            "  --set 'allowed_origins=https://ui.example,null'"
+        ),
+    ]
+
+
+async def test_origins_without_end_leave_a_bounded_number_of_lines(serve: Serve, caplog):
+    async with serve() as served:
+        for number in range(100):
+            await status_of(served, upgrade("Host: localhost", f"Origin: http://s{number}"))
+    assert caplog.text.count("may not connect; allow them by") == 64
+    assert caplog.text.count("refused without a line") == 1
 
 
 def upgrade(*lines: str) -> bytes:
@@ -521,22 +550,95 @@ def upgrade(*lines: str) -> bytes:
     return ("\r\n".join(head) + "\r\n\r\n").encode()
 
 
-@pytest.mark.parametrize("host", ["evil.example", "evil.example:9090", ""])
-async def test_a_page_that_had_its_name_point_here_may_not_connect(serve: Serve, host):
+async def status_of(served: Served, request: bytes) -> int:
+    """Send a request; return the status of the response, and see that it is the only one."""
+    reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
+    writer.write(request)
+    async with asyncio.timeout(TIMEOUT_S):
+        response = await reader.read()
+    writer.close()
+    assert response.count(b"HTTP/1.1") == 1
+    assert b"Traceback" not in response
+    return int(response.split()[1])
+
+
+@pytest.mark.parametrize(
+    ("host", "status"), [("evil.example", 421), ("evil.example:9090", 421), ("", 400)]
+)
+@pytest.mark.parametrize("origin", [(), ("Origin: http://evil.example:9090",)])
+@pytest.mark.parametrize("path", ["/", "/healthz"])
+async def test_a_name_that_somebody_had_point_here_is_not_served(
+    serve: Serve, host, status, origin, path
+):
+    request = upgrade(f"Host: {host}", *origin).replace(b"GET / ", f"GET {path} ".encode())
+    async with serve() as served:
+        assert await status_of(served, request) == status
+
+
+@pytest.mark.parametrize("method", ["POST", "PUT", "DELETE", "PATCH", "OPTIONS", "TRACE"])
+@pytest.mark.parametrize("body", [b"", b"Content-Length: 2\r\n\r\nhi"])
+async def test_other_methods_get_405(serve: Serve, method, body):
     async with serve() as served:
         reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
-        writer.write(upgrade(f"Host: {host}", "Origin: http://evil.example:9090"))
-        assert (await reader.readline()).split()[1] == b"403"
+        writer.write(f"{method} / HTTP/1.1\r\nHost: localhost\r\n".encode() + (body or b"\r\n"))
+        response = await reader.read()
+        assert response.split()[1] == b"405"
+        assert b"\r\nAllow: GET, HEAD\r\n" in response
+        writer.close()
+
+
+@pytest.mark.parametrize(
+    ("request_bytes", "status"),
+    [
+        pytest.param(b"nonsense\r\n\r\n", 400, id="no request line"),
+        pytest.param(b"\x16\x03\x01\x02\x00\x01\x00\r\n\r\n", 400, id="TLS"),
+        pytest.param(b"GET / HTTP/2\r\n\r\n", 400, id="HTTP/2"),
+        pytest.param(b"GET / HTTP/1.1\r\nno header\r\n\r\n", 400, id="no header"),
+        pytest.param(b"GET /\xff HTTP/1.1\r\n\r\n", 400, id="not ASCII"),
+        pytest.param(b"GET / HTTP/1.1\r\n\r\n", 400, id="no host"),
+        pytest.param(upgrade("Host: localhost", "Host: evil"), 400, id="two hosts"),
+        pytest.param(b"GET /" + b"a" * 10_000 + b" HTTP/1.1\r\n\r\n", 414, id="long path"),
+        pytest.param(upgrade("Host: a", "X: " + "x" * 10_000), 431, id="long header"),
+        pytest.param(upgrade("Host: a", *["X: y"] * 200), 431, id="many headers"),
+        pytest.param(upgrade("Host: a", *["X: " + "x" * 8000] * 3), 431, id="much in headers"),
+        pytest.param(
+            upgrade("Host: localhost", *["Sec-WebSocket-Protocol: " + "a," * 3900] * 3),
+            431,
+            id="many subprotocols",
+        ),
+    ],
+)
+async def test_what_is_no_request_gets_its_status_and_leaves_no_trace(
+    serve: Serve, request_bytes, status, caplog
+):
+    async with serve() as served, client(served.url) as other:
+        assert await status_of(served, request_bytes) == status
+        assert await other.sync() == []
+        await eventually(lambda: len(served.server._connections) == 1)
+    assert "Traceback" not in caplog.text
+
+
+async def test_a_malformed_request_in_small_pieces_is_answered_once(serve: Serve):
+    async with serve() as served:
+        reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
+        for byte in b"nonsense\r\nand\r\nmore\r\n":
+            writer.write(bytes([byte]))
+            await asyncio.sleep(0)
+        response = await reader.read()
+        assert response.split()[1] == b"400"
+        assert response.count(b"HTTP/1.1") == 1
         writer.close()
 
 
 @pytest.mark.parametrize(
     "request_bytes",
     [
-        pytest.param(b"GET //[ HTTP/1.1\r\nHost: a\r\n\r\n", id="no path"),
-        pytest.param(upgrade("Host: a", "Origin: http://["), id="no origin"),
-        pytest.param(upgrade("Host: a", "Origin: http://b", "Origin: http://c"), id="two origins"),
-        pytest.param(upgrade("Host: a", "Upgrade: websocket"), id="two upgrades"),
+        pytest.param(b"GET //[ HTTP/1.1\r\nHost: localhost\r\n\r\n", id="no path"),
+        pytest.param(upgrade("Host: localhost", "Origin: http://["), id="no origin"),
+        pytest.param(
+            upgrade("Host: localhost", "Origin: http://b", "Origin: http://c"), id="two origins"
+        ),
+        pytest.param(upgrade("Host: localhost", "Upgrade: websocket"), id="two upgrades"),
     ],
 )
 async def test_a_request_that_contradicts_itself_gets_400(serve: Serve, request_bytes, caplog):
@@ -554,7 +656,7 @@ async def test_a_request_that_contradicts_itself_gets_400(serve: Serve, request_
         pytest.param(masked(Opcode.PING, b"hi"), id="ping"),
         pytest.param(masked(Opcode.CLOSE, b""), id="close"),
         pytest.param(b"\x81\x05hello", id="unmasked"),
-        pytest.param(upgrade("Host: a"), id="another request"),
+        pytest.param(upgrade("Host: localhost"), id="another request"),
     ],
 )
 @pytest.mark.parametrize("chunk", [1, 10_000])

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The announcement of a gateway that listens: lines that can be pasted into clients, a QR code."""
+
+import io
+import shlex
+import socket
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from gateway.app import Listening
+
+EVERYWHERE: Final = frozenset({"0.0.0.0", "::"})  # noqa: S104  # for messages, not binding
+
+_WHO: Final = {"viewer": "watch", "operator": "drive the robot", "admin": "do everything"}
+
+
+def announcement(listening: "Listening") -> str:
+    """Return the lines for people."""
+    return "\n".join(_lines(listening, own_addresses()))
+
+
+def wscat_command(listening: "Listening") -> str:
+    """Return the command that connects from this machine."""
+    return _wscat(listening, own_url(listening))
+
+
+def qr_text(listening: "Listening", addresses: Sequence[str]) -> str | None:
+    """Return the content of the QR code; ``None`` if there is no address for it.
+
+    A phone's camera opens web addresses alone, not ``ws://``: this is the gateway's page, which
+    says how to connect. A token is in the fragment, which browsers send nowhere, and only where it
+    has just been made and stands beside the code in clear text.
+    """
+    host = next((host for host in _hosts(listening, addresses) if host not in EVERYWHERE), None)
+    if host is None:
+        return None
+    scheme = "https" if listening.is_encrypted else "http"
+    fragment = f"#token={listening.new_token}" if listening.new_token else ""
+    return f"{scheme}://{_host(host)}:{listening.port}{listening.path}{fragment}"
+
+
+def qr_code(text: str) -> str:
+    """Draw a QR code for a terminal."""
+    import segno
+
+    drawn = io.StringIO()
+    segno.make(text, micro=False).terminal(out=drawn, compact=True)
+    return drawn.getvalue()
+
+
+def own_url(listening: "Listening") -> str:
+    """Return the address that a person on this machine types."""
+    host = listening.addresses[0][0]
+    return _url(listening, "localhost" if host in EVERYWHERE or host == "127.0.0.1" else host)
+
+
+def own_addresses() -> list[str]:
+    """Return this machine's address on its default route, if it has one."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            # connecting a datagram socket sends nothing: it asks the routing table
+            probe.connect(("192.0.2.1", 9))
+        except OSError:
+            return []
+        return [probe.getsockname()[0]]
+
+
+def _lines(listening: "Listening", addresses: Sequence[str]) -> Iterator[str]:
+    """Yield where to connect: with an address that can be typed into a headset, if there is one."""
+    if not EVERYWHERE.isdisjoint(host for host, _ in listening.addresses):
+        yield f"listening on every network of this machine, port {listening.port}"
+        yield f"  on this machine   {own_url(listening)}"
+        for address in addresses:
+            yield f"  from a headset    {_url(listening, address)}"
+    else:
+        for host, _ in listening.addresses:
+            yield f"listening on {_url(listening, host)}"
+    if listening.posture.needs_token:
+        yield from _token_lines(listening, addresses)
+    elif listening.posture.is_open:
+        role = listening.posture.anonymous_role or ""
+        yield f"WARNING: without a token, everybody on the network may {_WHO.get(role, 'watch')}"
+
+
+def _token_lines(listening: "Listening", addresses: Sequence[str]) -> Iterator[str]:
+    host = next(iter(_hosts(listening, addresses)), "localhost")
+    url = _url(listening, "localhost" if host in EVERYWHERE else host)
+    if listening.new_token:
+        yield "clients need a token; this operator's was made just now, and is shown only once:"
+    else:
+        yield f"clients need a token; the hashes of those that are valid are in {listening.tokens}"
+    yield f"  wscat   {_wscat(listening, url)}"
+    yield f"  Unity   Address: {url}   Token: {listening.new_token or 'TOKEN'}"
+    yield "  more    ros2-gateway token create NAME --role viewer, then SIGHUP"
+
+
+def _wscat(listening: "Listening", url: str) -> str:
+    command = f"npx wscat -c {url}"
+    if listening.certificate is not None:
+        command += f" --ca {shlex.quote(listening.certificate)}"
+    if listening.posture.needs_token:
+        command += f" -H 'Authorization: Bearer {listening.new_token or 'TOKEN'}'"
+    return command
+
+
+def _hosts(listening: "Listening", addresses: Sequence[str]) -> list[str]:
+    hosts = [host for host, _ in listening.addresses]
+    return [*addresses, *hosts] if not EVERYWHERE.isdisjoint(hosts) else hosts
+
+
+def _url(listening: "Listening", host: str) -> str:
+    scheme = "wss" if listening.is_encrypted else "ws"
+    return f"{scheme}://{_host(host)}:{listening.port}{listening.path}"
+
+
+def _host(host: str) -> str:
+    return f"[{host}]" if ":" in host else host

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command `ros2-gateway cert`: a certificate that this machine signs for itself."""
+
+import contextlib
+import datetime as dt
+import ipaddress
+import os
+import socket
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from gateway.cli.announcement import own_addresses
+from gateway.errors import UsageError
+
+if TYPE_CHECKING:
+    from cryptography import x509
+
+VALID_DAYS: Final = 825  # Apple's devices take none that is valid for longer
+
+_HOW_TO_GET_IT: Final = (
+    "making certificates needs the package cryptography: pip install 'ros2-json-gateway[tls]'"
+)
+
+
+def make_certificate(folder: Path, names: Sequence[str], *, replace: bool = False) -> list[str]:
+    """Write ``cert.pem`` and ``key.pem``; return the names and addresses that they are for.
+
+    These are *names*, and those of this machine.
+
+    Raises:
+        UsageError: the package is missing, a file exists, or the folder cannot be written.
+    """
+    try:
+        import cryptography  # noqa: F401
+    except ImportError as error:
+        raise UsageError(_HOW_TO_GET_IT) from error
+    subjects = list(dict.fromkeys([*names, *_own_names(), *_own_addresses()]))
+    certificate, key = _signed(subjects)
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        # the key first: a certificate without a key is of no use to anybody
+        _write(folder / "key.pem", key, 0o600, replace=replace)
+        _write(folder / "cert.pem", certificate, 0o644, replace=replace)
+    except FileExistsError as error:
+        raise UsageError(f"{error.filename} exists, --replace makes another") from error
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise UsageError(f"cannot write {error.filename}, {reason}") from error
+    return subjects
+
+
+def _signed(subjects: Sequence[str]) -> tuple[bytes, bytes]:
+    from cryptography import x509
+    from cryptography.hazmat.primitives import hashes, serialization
+    from cryptography.hazmat.primitives.asymmetric import ec
+    from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
+
+    key = ec.generate_private_key(ec.SECP256R1())
+    name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, f"ros2-gateway {subjects[0]}"[:64])])
+    now = dt.datetime.now(dt.UTC)
+    try:
+        alternatives = [_alternative(subject) for subject in subjects]
+    except ValueError as error:
+        raise UsageError(f"--name: {error}") from error
+    certificate = (
+        x509.CertificateBuilder()
+        .subject_name(name)
+        .issuer_name(name)
+        .public_key(key.public_key())
+        .serial_number(x509.random_serial_number())
+        .not_valid_before(now - dt.timedelta(hours=1))  # clocks of headsets differ
+        .not_valid_after(now + dt.timedelta(days=VALID_DAYS))
+        .add_extension(x509.SubjectAlternativeName(alternatives), critical=False)
+        .add_extension(x509.BasicConstraints(ca=False, path_length=None), critical=True)
+        .add_extension(x509.ExtendedKeyUsage([ExtendedKeyUsageOID.SERVER_AUTH]), critical=False)
+        .sign(key, hashes.SHA256())
+    )
+    return (
+        certificate.public_bytes(serialization.Encoding.PEM),
+        key.private_bytes(
+            serialization.Encoding.PEM,
+            serialization.PrivateFormat.PKCS8,
+            serialization.NoEncryption(),
+        ),
+    )
+
+
+def _alternative(subject: str) -> "x509.GeneralName":
+    from cryptography import x509
+
+    with contextlib.suppress(ValueError):
+        return x509.IPAddress(ipaddress.ip_address(subject))
+    if not subject.isascii() or not subject.replace("-", "").replace(".", "").isalnum():
+        raise ValueError(f"got {subject!r}, expected a host name or an address")
+    return x509.DNSName(subject)
+
+
+def _own_names() -> list[str]:
+    own = socket.gethostname().lower()
+    return [own, f"{own}.local", "localhost"]
+
+
+def _own_addresses() -> list[str]:
+    found = own_addresses()
+    with contextlib.suppress(OSError):  # a machine whose own name does not resolve
+        infos = socket.getaddrinfo(socket.gethostname(), None)
+        found += sorted(str(info[4][0]).partition("%")[0] for info in infos)
+    return [*found, "127.0.0.1", "::1"]
+
+
+def _write(path: Path, data: bytes, mode: int, *, replace: bool) -> None:
+    if replace:
+        path.unlink(missing_ok=True)
+    descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode)
+    with os.fdopen(descriptor, "wb") as file:
+        file.write(data)

@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Access as it is configured: tokens, permissions, certificate, audit log."""
+
+import contextlib
+import logging
+import os
+import ssl
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Final
+
+from gateway.access import token_file
+from gateway.access.audit import Audit
+from gateway.access.audit_file import AuditFile
+from gateway.access.authentication import Authentication
+from gateway.access.permissions import Policy
+from gateway.access.posture import Posture, posture_of
+from gateway.access.tokens import TokenFileError, Tokens, make_token
+from gateway.access.web_rules import WebRules
+from gateway.config.access import TlsConfig
+from gateway.config.model import Config
+from gateway.errors import ConfigError
+from gateway.server.http import own_names
+
+logger = logging.getLogger(__name__)
+
+# made where tokens are needed and there is none
+FIRST_NAME: Final = "first"
+FIRST_ROLE: Final = "operator"
+
+
+@dataclass(frozen=True)
+class Security:
+    """The parts that decide who may connect and do what."""
+
+    posture: Posture
+    authentication: Authentication
+    audit: Audit
+    rules: WebRules
+    tls: ssl.SSLContext | None
+    token_path: Path
+    new_token: str | None  # made just now; it is kept nowhere, so it is shown once
+
+    def reload(self, config: Config) -> tuple[Tokens, Policy]:
+        """Read what may change while the gateway runs: tokens, permissions, the certificate.
+
+        Raises:
+            ConfigError: something is wrong; nothing has changed.
+        """
+        tokens = (
+            read_tokens(token_path(config)) if self.authentication.looks_at_tokens else Tokens()
+        )
+        if self.tls is not None and config.tls.cert is not None:
+            _load_certificate(self.tls, config.tls)
+        return tokens, Policy(config.access)
+
+
+@contextlib.contextmanager
+def open_security(config: Config) -> Iterator[Security]:
+    """Open everything; make a first token where one is needed.
+
+    Raises:
+        ConfigError: the configuration contradicts itself, or a file that it names is unusable.
+    """
+    posture = posture_of(config)
+    tls = tls_context(config.tls)
+    policy = Policy(config.access)
+    authentication = Authentication(Tokens(), policy, posture.anonymous_role)
+    path = token_path(config)
+    new_token = None
+    if authentication.looks_at_tokens:
+        authentication.tokens = read_tokens(path)
+        if posture.needs_token and not authentication.tokens.known:
+            new_token = _make_first(authentication, path)
+    rules = WebRules(own_names(), config.allowed_hosts, config.allowed_origins)
+    with _audit(config, is_wanted=posture.is_open or posture.needs_token) as audit:
+        yield Security(posture, authentication, audit, rules, tls, path, new_token)
+
+
+def token_path(config: Config) -> Path:
+    """Return the path of the token file."""
+    if config.access.token_file is not None:
+        return Path(config.access.token_file)
+    return token_file.default_path(os.environ)
+
+
+def read_tokens(path: Path) -> Tokens:
+    """Read the token file.
+
+    Raises:
+        ConfigError: it is unusable.
+    """
+    try:
+        return token_file.read(path)
+    except TokenFileError as error:
+        raise ConfigError(f"access.token_file: {error}") from error
+
+
+def tls_context(config: TlsConfig) -> ssl.SSLContext | None:
+    """Return the context of a certificate; ``None`` if none is configured.
+
+    Raises:
+        ConfigError: the certificate or the key cannot be used.
+    """
+    if config.cert is None:
+        if config.key is not None:
+            raise ConfigError("tls.key: of no use without tls.cert")
+        return None
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.minimum_version = ssl.TLSVersion.TLSv1_2
+    _load_certificate(context, config)
+    return context
+
+
+def now_text() -> str:
+    """Return the time for the field `created` of a token."""
+    return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def _load_certificate(context: ssl.SSLContext, config: TlsConfig) -> None:
+    assert config.cert is not None  # noqa: S101  # the callers have checked
+    try:
+        # a password, so that an encrypted key is an error and not a question on the terminal
+        context.load_cert_chain(config.cert, config.key, password="")
+    except ssl.SSLError as error:
+        which = f"{config.cert}" if config.key is None else f"{config.cert} and {config.key}"
+        reason = error.reason or "not a certificate and its key, unencrypted, in PEM"
+        raise ConfigError(
+            f"tls.cert: cannot use {which}, {reason.lower().replace('_', ' ')}"
+        ) from error
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise ConfigError(f"tls.cert, tls.key: cannot read the files, {reason}") from error
+
+
+def _make_first(authentication: Authentication, path: Path) -> str:
+    text, token = make_token(FIRST_NAME, FIRST_ROLE, now_text())
+    try:
+        token_file.change(path, lambda tokens: tokens.added(token))
+    except TokenFileError as error:
+        # a container whose files cannot be written must start all the same, and stay closed
+        logger.warning("%s: the token that was made is valid until the gateway ends", error)
+    authentication.tokens = Tokens((token,))
+    return text
+
+
+@contextlib.contextmanager
+def _audit(config: Config, *, is_wanted: bool) -> Iterator[Audit]:
+    """Open the audit log; on this machine alone, and without a file, it is for debugging."""
+    path = config.audit.file
+    level = logging.INFO if is_wanted or path is not None else logging.DEBUG
+    if path is None:
+        yield Audit(time.time_ns, level=level)
+        return
+    file = AuditFile(Path(path), config.audit.max_bytes)
+    try:
+        yield Audit(time.time_ns, file.write, level)
+    finally:
+        file.close()

@@ -1,0 +1,249 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Admission: who a client is, from its handshake or its first frame, and after every reload."""
+
+import logging
+import time
+from collections import Counter
+from collections.abc import Callable, Iterable
+from typing import Final, Protocol
+
+from websockets.datastructures import Headers
+from websockets.http11 import Request
+
+from gateway.access.audit import Audit
+from gateway.access.authentication import Authentication, AuthenticationError
+from gateway.access.credentials import token_in
+from gateway.access.permissions import UNLIMITED, Identity, Policy
+from gateway.access.tokens import Tokens
+from gateway.config.access import AccessConfig
+from gateway.protocol.errors import ProtocolError, StatusCode
+from gateway.protocol.operations.gateway import Auth
+from gateway.protocol.session import Session
+from gateway.server.http import offered_subprotocols
+
+logger = logging.getLogger(__name__)
+
+GOING_AWAY: Final = 1001
+POLICY_VIOLATION: Final = 1008
+OVER_CAPACITY: Final = 1013
+UNAUTHENTICATED: Final = 4401
+ROLE_REMOVED: Final = 4403
+
+# Operations that are answered with a refusal before a client is cut off: a page that subscribes to
+# all it shows, and authenticates only then, learns why each was refused.
+MAX_REFUSALS: Final = 64
+
+
+class Entrant(Protocol):
+    """A connection, as far as its admission is concerned."""
+
+    address: str
+
+    @property
+    def session(self) -> Session | None:
+        """The session, while the WebSocket is open."""
+
+    def close(self, code: int, reason: str) -> None:
+        """Begin the closing handshake."""
+
+    def limit_messages(self, max_bytes: int) -> None:
+        """Accept messages of at most so many bytes from now on."""
+
+
+RoomFor = Callable[[Entrant], str | None]
+
+
+class TurnedAwayError(Exception):
+    """Raised when a client is not admitted, with a close code, and words for it."""
+
+    def __init__(self, close_code: int, status: StatusCode, reason: str) -> None:
+        super().__init__(reason)
+        self.close_code = close_code
+        self.status: StatusCode = status
+
+
+class Admission:
+    """Admits clients; knows those that have yet to send their token, and bounds them.
+
+    *room_for* returns the reason why there is no room for another client, or ``None``.
+    """
+
+    def __init__(
+        self,
+        authentication: Authentication,
+        config: AccessConfig,
+        audit: Audit,
+        room_for: RoomFor,
+    ) -> None:
+        self._authentication = authentication
+        self._config = config
+        self._audit = audit
+        self._room_for = room_for
+        self._waiting: dict[Entrant, float] = {}  # since when, the oldest first
+
+    def __len__(self) -> int:
+        """Count the clients that have yet to send their token."""
+        return len(self._waiting)
+
+    def identify(self, entrant: Entrant, headers: Headers) -> Identity | None:
+        """Return who a client is by its handshake; ``None`` if its first frame must say it.
+
+        Raises:
+            TurnedAwayError: its token is not valid, or there is no room.
+        """
+        identity = self._authentication.anonymous
+        token = token_in(headers.get_all("Authorization"), offered_subprotocols(headers))
+        if token is not None and self._authentication.looks_at_tokens:
+            identity = self._identify(entrant, token)
+        if identity is not None:
+            self._check_room(entrant)
+        return identity
+
+    def enter(self, entrant: Entrant, session: Session, request: Request, now_s: float) -> None:
+        """Take note of a client whose session has begun."""
+        session.authenticate = lambda operation: self._authenticate(entrant, session, operation)
+        if session.identity is not None:
+            self._record_connected(session, _shown_origin(request.headers))
+            return
+        self._waiting[entrant] = now_s
+        entrant.limit_messages(self._config.unauthenticated_message_bytes)
+        if len(self._waiting) > self._config.max_unauthenticated:
+            self._make_room()
+
+    def tick(self, now_s: float) -> None:
+        """Turn clients away that send no token for too long, or too much else."""
+        for entrant, since_s in list(self._waiting.items()):
+            session = entrant.session
+            if session is not None and session.refused > MAX_REFUSALS:
+                self._turn_away(entrant, POLICY_VIOLATION, "no token, and too many operations")
+            elif now_s - since_s > self._config.auth_timeout_s:
+                reason = f"no token within {self._config.auth_timeout_s:g} s"
+                self._turn_away(entrant, UNAUTHENTICATED, reason)
+
+    def left(self, entrant: Entrant, session: Session | None) -> None:
+        """Forget a client."""
+        self._waiting.pop(entrant, None)
+        if session is not None and session.identity is not None:
+            identity = session.identity
+            self._audit.record(
+                "disconnected", name=identity.name, role=identity.role, address=session.address
+            )
+
+    def reload(
+        self, tokens: Tokens, policy: Policy, clients: Iterable[tuple[Entrant, Session]]
+    ) -> None:
+        """Go on with other tokens and permissions; close the clients that these no longer fit.
+
+        A client whose permissions have changed is closed, too: so all that it has open ends, and it
+        opens anew what it still may.
+        """
+        self._authentication.tokens = tokens
+        self._authentication.policy = policy
+        for entrant, session in clients:
+            before = session.identity
+            if before is None:
+                continue
+            now = self._authentication.current(before)
+            if now is None:
+                self._end(entrant, before, UNAUTHENTICATED, "the token was revoked")
+            elif now.role != before.role:
+                text = f"the role of the token is {now.role} now, not {before.role}"
+                self._end(entrant, before, ROLE_REMOVED, text)
+            elif now.permissions.rules != before.permissions.rules:
+                text = f"the permissions of role {now.role} have changed, connect again"
+                self._end(entrant, before, GOING_AWAY, text)
+            else:
+                session.identity = now
+
+    def _authenticate(self, entrant: Entrant, session: Session, operation: Auth) -> None:
+        """Carry out an `auth` operation.
+
+        Raises:
+            ProtocolError: it has no token where one is needed, or the client is somebody already.
+        """
+        if operation.token is None:
+            if session.identity is None:
+                raise ProtocolError("bad_request", "token: missing; rosbridge's `mac` is not used")
+            return  # of an old client, where it needs none
+        if self._authentication.looks_at_tokens:
+            try:
+                self._take_token(entrant, session, operation.token)
+            except TurnedAwayError as error:
+                session.refuse(ProtocolError(error.status, str(error)), operation)
+                self._waiting.pop(entrant, None)
+                entrant.close(error.close_code, str(error))
+                return
+        if operation.id is not None and session.identity is not None:
+            identity = session.identity
+            session.answer("auth", operation.id, name=identity.name, role=identity.role)
+
+    def _take_token(self, entrant: Entrant, session: Session, token: str) -> None:
+        identity = self._identify(entrant, token)
+        before = session.identity
+        if before is not None and before.digest is not None:
+            if before.digest != identity.digest:
+                text = f"this client is {before.name} already: connect again to be another"
+                raise ProtocolError("bad_request", text)
+            return
+        if before is None:
+            self._check_room(entrant)
+        self._waiting.pop(entrant, None)
+        session.identity = identity
+        entrant.limit_messages(session.limits.max_message_bytes)
+        self._record_connected(session, None)
+
+    def _identify(self, entrant: Entrant, token: str) -> Identity:
+        try:
+            return self._authentication.identify(token, entrant.address, time.monotonic())
+        except AuthenticationError as error:
+            if not error.is_abuse:
+                logger.warning("refused %s: %s", entrant.address, error)
+            self._audit.record("refused", address=entrant.address, reason=str(error))
+            close_code = POLICY_VIOLATION if error.is_abuse else UNAUTHENTICATED
+            raise TurnedAwayError(close_code, "forbidden", str(error)) from error
+
+    def _check_room(self, entrant: Entrant) -> None:
+        reason = self._room_for(entrant)
+        if reason is not None:
+            raise TurnedAwayError(OVER_CAPACITY, "limit_exceeded", reason)
+
+    def _make_room(self) -> None:
+        counts = Counter(entrant.address for entrant in self._waiting)
+        oldest = max(self._waiting, key=lambda each: counts[each.address])  # the first of equals
+        limit = self._config.max_unauthenticated
+        reason = f"over capacity: at most {limit} clients without a token"
+        self._turn_away(oldest, OVER_CAPACITY, reason)
+
+    def _turn_away(self, entrant: Entrant, code: int, reason: str) -> None:
+        del self._waiting[entrant]
+        self._audit.record("refused", address=entrant.address, reason=reason)
+        entrant.close(code, reason)
+
+    def _end(self, entrant: Entrant, identity: Identity, code: int, reason: str) -> None:
+        self._audit.record(
+            "revoked", name=identity.name, address=entrant.address, code=code, reason=reason
+        )
+        entrant.close(code, reason)
+
+    def _record_connected(self, session: Session, origin: str | None) -> None:
+        assert session.identity is not None  # noqa: S101  # the callers have set it
+        self._audit.record(
+            "connected",
+            name=session.identity.name,
+            role=session.identity.role,
+            address=session.address,
+            origin=origin,
+        )
+
+
+def everybody(room_for: RoomFor) -> Admission:
+    """Return an admission that asks nobody for a token."""
+    policy = Policy(AccessConfig())
+    audit = Audit(time.time_ns, level=logging.DEBUG)
+    authentication = Authentication(Tokens(), policy, UNLIMITED.role)
+    return Admission(authentication, AccessConfig(), audit, room_for)
+
+
+def _shown_origin(headers: Headers) -> str | None:
+    values = headers.get_all("Origin")
+    return values[0] if values else None
