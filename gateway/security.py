@@ -127,10 +127,9 @@ def _load_certificate(context: ssl.SSLContext, config: TlsConfig) -> None:
         context.load_cert_chain(config.cert, config.key, password="")
     except ssl.SSLError as error:
         which = f"{config.cert}" if config.key is None else f"{config.cert} and {config.key}"
-        reason = error.reason or "not a certificate and its key, unencrypted, in PEM"
-        raise ConfigError(
-            f"tls.cert: cannot use {which}, {reason.lower().replace('_', ' ')}"
-        ) from error
+        reason = (error.reason or "").lower().replace("_", " ")
+        expected = "expected a certificate and its key, unencrypted, in PEM"
+        raise ConfigError(f"tls.cert: cannot use {which}, {reason or expected}") from error
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise ConfigError(f"tls.cert, tls.key: cannot read the files, {reason}") from error

@@ -86,10 +86,11 @@ def _lines(listening: "Listening", addresses: Sequence[str]) -> Iterator[str]:
 def _token_lines(listening: "Listening", addresses: Sequence[str]) -> Iterator[str]:
     host = next(iter(_hosts(listening, addresses)), "localhost")
     url = _url(listening, "localhost" if host in EVERYWHERE else host)
+    why = "other machines can connect, so " if listening.posture.is_open else ""
     if listening.new_token:
-        yield "clients need a token; this operator's was made just now, and is shown only once:"
+        yield f"{why}clients need a token; this operator's is new, and shown only once:"
     else:
-        yield f"clients need a token; the hashes of those that are valid are in {listening.tokens}"
+        yield f"{why}clients need a token; the hashes of valid ones are in {listening.tokens}"
     yield f"  wscat   {_wscat(listening, url)}"
     yield f"  Unity   Address: {url}   Token: {listening.new_token or 'TOKEN'}"
     yield "  more    ros2-gateway token create NAME --role viewer, then SIGHUP"
