@@ -62,9 +62,13 @@ class Connection {
   }
 
   // An encoding keeps roslib 1 from complaining about the lack of one; 2 knows no such option.
-  connect({ url, again = false }) {
+  connect({ url, again = false, token = null }) {
     this.again = again;
     this.ros = new ROSLIB.Ros({ encoding: "utf8" });
+    if (token !== null) {
+      // the first listener sends before all others, also when the connection has come again
+      this.ros.on("connection", () => this.ros.callOnConnection({ op: "auth", token }));
+    }
     this.ros.on("error", (error) => {
       if (!this.again) {
         this.tell("warning", "", String(error?.message ?? error));

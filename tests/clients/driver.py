@@ -172,9 +172,14 @@ class Connection:
         """Carry out a command on this connection; see `Driver.do`."""
         return await self.driver.do(self.name, command, **arguments)
 
-    async def connect(self, gateway: GatewayProcess, *, again: bool = False) -> None:
-        """Connect, and *again* by the library's own means whenever the connection is lost."""
-        await self.do("connect", url=gateway.url, again=again)
+    async def connect(
+        self, gateway: GatewayProcess, *, again: bool = False, token: str | None = None
+    ) -> None:
+        """Connect, and *again* by the library's own means whenever the connection is lost.
+
+        roslibpy shows its *token* in a header, roslib in a first frame: a browser sets no headers.
+        """
+        await self.do("connect", url=gateway.url, again=again, token=token)
 
     async def close(self) -> None:
         """End the connection for good."""

@@ -63,10 +63,11 @@ class Answer:
 class Ros(roslibpy.Ros):  # type: ignore[misc]  # of a library without types
     """A connection that is told of from its first attempt on, which is made by the constructor."""
 
-    def __init__(self, url: str, tell: Callable[[str, str, Any], None]) -> None:
+    def __init__(self, url: str, token: str | None, tell: Callable[[str, str, Any], None]) -> None:
         self._tell = tell
         address = urlsplit(url)
-        super().__init__(address.hostname, address.port)
+        headers = None if token is None else {"Authorization": f"Bearer {token}"}
+        super().__init__(address.hostname, address.port, headers=headers)
 
     def connect(self) -> None:
         self.factory.setProtocolOptions(openHandshakeTimeout=_PATIENCE_S)
@@ -89,8 +90,10 @@ class Connection:
         self._name = name
         self._made: dict[tuple[type, str], Any] = {}
 
-    def connect(self, answer: Answer, url: str, again: bool = False) -> bool:
-        self._ros = Ros(url, self._tell)
+    def connect(
+        self, answer: Answer, url: str, again: bool = False, token: str | None = None
+    ) -> bool:
+        self._ros = Ros(url, token, self._tell)
         # Version 1 connects outside the reactor's thread, which then sleeps on for up to a second.
         self._ros.call_later(0, lambda: None)
         answer.of(lambda: self._ros.run(_PATIENCE_S))
