@@ -66,7 +66,9 @@ def running(*arguments: str, until: str) -> Iterator[tuple[subprocess.Popen[str]
             process.kill()
 
 
-@pytest.mark.parametrize("command", ["serve", "demo", "sim", "mock", "schema", "check-config"])
+@pytest.mark.parametrize(
+    "command", ["serve", "demo", "sim", "mock", "schema", "check-config", "token", "cert"]
+)
 def test_every_command_has_help_with_examples(command):
     finished = ros2_gateway(command, "--help")
     assert finished.returncode == 0
@@ -80,7 +82,9 @@ def test_help_lists_the_commands_and_exit_codes():
     assert "4  cannot listen" in finished.stdout
 
 
-@pytest.mark.parametrize("arguments", [("--help",), ("serve", "--help"), ("check-config",)])
+@pytest.mark.parametrize(
+    "arguments", [("--help",), ("serve", "--help"), ("token", "--help"), ("check-config",)]
+)
 def test_nothing_heavy_is_imported_before_it_is_needed(arguments):
     heavy = ["rclpy", "cv2", "numpy", "websockets", "asyncio"]
     if "--help" in arguments:

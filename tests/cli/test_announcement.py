@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: Apache-2.0
+from pathlib import Path
+
+import pytest
+
+from gateway.access.posture import Posture
+from gateway.app import Listening
+from gateway.cli import announcement
+from gateway.cli.announcement import own_url, qr_code, qr_text, wscat_command
+
+LAN = (("0.0.0.0", 9090), ("::", 9090))  # noqa: S104  # of a text, not bound
+HERE = (("127.0.0.1", 9090),)
+HOME = "192.168.1.7"
+
+
+def listening(
+    addresses=LAN, anonymous_role=None, new_token=None, certificate=None, path="/"
+) -> Listening:
+    is_open = addresses is not HERE
+    posture = Posture(tuple(host for host, _ in addresses), is_open, anonymous_role)
+    return Listening(addresses, path, posture, Path("/conf/tokens.json"), new_token, certificate)
+
+
+@pytest.fixture(autouse=True)
+def home(monkeypatch):
+    monkeypatch.setattr(announcement, "own_addresses", lambda: [HOME])
+
+
+def test_on_this_machine_alone_it_is_one_line():
+    lines = announcement.announcement(listening(HERE, "admin"))
+    assert lines == "listening on ws://127.0.0.1:9090/"
+
+
+def test_a_new_token_is_in_lines_for_wscat_and_unity():
+    lines = announcement.announcement(listening(new_token="r2g_x")).splitlines()  # noqa: S106
+    assert lines == [
+        "listening on every network of this machine, port 9090",
+        "  on this machine   ws://localhost:9090/",
+        f"  from a headset    ws://{HOME}:9090/",
+        (
+            "other machines can connect, so clients need a token;"
+            " this operator's is new, and shown only once:"
+        ),
+        f"  wscat   npx wscat -c ws://{HOME}:9090/ -H 'Authorization: Bearer r2g_x'",
+        f"  Unity   Address: ws://{HOME}:9090/   Token: r2g_x",
+        "  more    ros2-gateway token create NAME --role viewer, then SIGHUP",
+    ]
+
+
+def test_a_token_that_is_kept_as_a_hash_has_a_place_in_the_lines():
+    lines = announcement.announcement(listening())
+    assert "the hashes of valid ones are in /conf/tokens.json" in lines
+    assert "Bearer TOKEN'" in lines
+    assert "Token: TOKEN\n" in lines
+
+
+@pytest.mark.parametrize(
+    ("role", "what"),
+    [("viewer", "watch"), ("operator", "drive the robot"), ("admin", "everything")],
+)
+def test_an_open_gateway_without_tokens_says_what_everybody_may_do(role, what):
+    last = announcement.announcement(listening(anonymous_role=role)).splitlines()[-1]
+    assert last.startswith("WARNING: without a token, everybody on the network may")
+    assert last.endswith(what)
+
+
+def test_with_a_certificate_all_addresses_are_encrypted():
+    lines = announcement.announcement(listening(certificate="/conf/my cert.pem"))
+    assert "ws://" not in lines.replace("wss://", "")
+    assert "--ca '/conf/my cert.pem'" in lines
+
+
+@pytest.mark.parametrize(
+    ("addresses", "url"),
+    [
+        (HERE, "ws://localhost:9090/"),
+        (LAN, "ws://localhost:9090/"),
+        ((("::1", 1),), "ws://[::1]:1/"),
+        ((("192.168.1.7", 1),), "ws://192.168.1.7:1/"),
+    ],
+)
+def test_the_address_on_this_machine_can_be_typed(addresses, url):
+    assert own_url(listening(addresses, "admin")) == url
+
+
+def test_the_command_for_this_machine_has_the_token():
+    here = listening(HERE, "admin")
+    assert wscat_command(here) == "npx wscat -c ws://localhost:9090/"
+    assert wscat_command(listening(new_token="r2g_x")).endswith("Bearer r2g_x'")  # noqa: S106
+
+
+@pytest.mark.parametrize(
+    ("given", "addresses", "text"),
+    [
+        (listening(), [HOME], f"http://{HOME}:9090/"),
+        (listening(new_token="r2g_x"), [HOME], f"http://{HOME}:9090/#token=r2g_x"),  # noqa: S106
+        (listening(certificate="c", path="/ros"), [HOME], f"https://{HOME}:9090/ros"),
+        (listening((("192.168.1.9", 1),)), [HOME], "http://192.168.1.9:1/"),
+        (listening((("fd00::1", 1),)), [HOME], "http://[fd00::1]:1/"),
+        (listening(), [], None),
+    ],
+)
+def test_the_qr_code_is_a_web_address_whose_fragment_alone_has_the_token(given, addresses, text):
+    assert qr_text(given, addresses) == text
+
+
+def test_a_qr_code_fits_a_terminal():
+    drawn = qr_code(f"http://{HOME}:9090/#token=r2g_" + "x" * 43).splitlines()
+    assert len(drawn) < 24
+    assert max(map(len, drawn)) < 80
