@@ -51,7 +51,19 @@ def test_every_class_of_the_glossary_exists():
 
 
 @pytest.mark.parametrize(
-    "room", ["", "/codec", "/config", "/protocol", "/ros", "/rosapi", "/router", "/server", "/tf"]
+    "room",
+    [
+        "",
+        "/access",
+        "/codec",
+        "/config",
+        "/protocol",
+        "/ros",
+        "/rosapi",
+        "/router",
+        "/server",
+        "/tf",
+    ],
 )
 def test_the_docstrings_of_the_rooms_point_to_the_page(room: str):
     text = (ROOT / f"gateway{room}" / "__init__.py").read_text("utf-8")
