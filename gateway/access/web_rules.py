@@ -33,6 +33,7 @@ class WebRules:
     ) -> None:
         self._names = {name.lower().rstrip(".") for name in (*own_names, *allowed_hosts)}
         self._any_host = ANY in allowed_hosts
+        self._allowed_hosts = tuple(allowed_hosts)
         self._allowed_origins = tuple(allowed_origins)
         self._logged: set[str] = set()
 
@@ -80,8 +81,12 @@ class WebRules:
         origins = ",".join((*self._allowed_origins, origin))
         return f"--set 'allowed_origins={origins}'"
 
+    def setting_for_host(self, name: str) -> str:
+        """Return the setting that would allow a name, beside those that are allowed."""
+        return f"--set 'allowed_hosts={','.join((*self._allowed_hosts, name))}'"
+
     def first_refusal(self, origin: str) -> bool:
-        """Return whether a page is refused for the first time, as far as is remembered."""
+        """Return whether an origin or a name is refused for the first time, as far as is known."""
         if origin in self._logged or len(self._logged) >= MAX_LOGGED_ORIGINS:
             return False
         self._logged.add(origin)

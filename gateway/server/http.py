@@ -86,6 +86,7 @@ class HttpFront:
             return protocol.reject(431, f"at most {MAX_HEADER_CHARACTERS} characters of headers\n")
         host = request.headers["Host"]
         if not self._rules.is_own_host(host):
+            self._log_foreign(host)
             return protocol.reject(421, _FOREIGN_HOST)
         if request.method not in _METHODS:
             response = protocol.reject(405, _NOT_ALLOWED)
@@ -105,6 +106,12 @@ class HttpFront:
             return _page(protocol, request, _WELCOME.format(address=address))
         return self._upgrade(protocol, request, host)
 
+    def _log_foreign(self, host: str) -> None:
+        name = urlsplit(f"//{host}").hostname or ""
+        if is_plain(name) and self._rules.first_refusal(name):
+            setting = self._rules.setting_for_host(name)
+            logger.warning("refused a request for host %s; allow it by  %s", name, setting)
+
     def _upgrade(self, protocol: ServerProtocol, request: Request, host: str) -> Response:
         token_in(
             request.headers.get_all("Authorization"), offered_subprotocols(request.headers)
@@ -117,7 +124,7 @@ class HttpFront:
         if is_plain(origin) and self._rules.first_refusal(origin):
             logger.warning("pages from %s may not connect; allow them by  %s", origin, setting)
             if self._rules.is_last_logged:
-                logger.warning("pages from other origins are refused without a line here")
+                logger.warning("further origins and hosts are refused without a line here")
         return protocol.reject(
             403,
             f"pages from {shown} may not connect; the operator can allow them by allowed_origins\n",
@@ -131,7 +138,8 @@ def own_names() -> list[str]:
     page is loaded (DNS rebinding).
     """
     own = socket.gethostname().lower()
-    return ["localhost", own, f"{own}.local"]
+    short = own.partition(".")[0]
+    return ["localhost", own, short, f"{short}.local"]
 
 
 def offered_subprotocols(headers: Headers) -> list[str]:

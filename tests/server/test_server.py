@@ -575,6 +575,15 @@ async def test_a_name_that_somebody_had_point_here_is_not_served(
         assert await status_of(served, request) == status
 
 
+async def test_a_foreign_name_is_logged_once_with_the_setting_that_allows_it(serve: Serve, caplog):
+    async with serve() as served:
+        for host in ["robot.lan:9090"] * 3 + ["evil'name", "evil\x01name"]:
+            await status_of(served, upgrade(f"Host: {host}"))
+    lines = [record.getMessage() for record in caplog.records if "allow it by" in record.message]
+    setting = "--set 'allowed_hosts=robot.lan'"
+    assert lines == [f"refused a request for host robot.lan; allow it by  {setting}"]
+
+
 @pytest.mark.parametrize("method", ["POST", "PUT", "DELETE", "PATCH", "OPTIONS", "TRACE"])
 @pytest.mark.parametrize("body", [b"", b"Content-Length: 2\r\n\r\nhi"])
 async def test_other_methods_get_405(serve: Serve, method, body):
