@@ -11,7 +11,7 @@ from typing import Final
 from gateway.errors import ConfigError
 
 MAX_WAITING: Final = 1000  # lines, 300 KB; a disk that takes none loses the newest
-FLUSH_S: Final = 1.0  # at the end, for what still waits
+FLUSH_S: Final = 0.3  # at the end, for what still waits: the whole shutdown has 2 s
 
 logger = logging.getLogger(__name__)
 
