@@ -108,10 +108,9 @@ async def _serve(config: Config, announce: Announce, load: Callable[[], Config])
             trusted_proxies=config.trusted_proxies,
             web_rules=security.rules,
             admission=partial(Admission, security.authentication, config.access, security.audit),
-            tls=security.tls,
             version=version("ros2-json-gateway"),
         )
-        addresses = await _listen(stack, server, config, security.posture)
+        addresses = await _listen(stack, server, config, security)
         reloading = asyncio.create_task(_reload_whenever(hung_up, load, security, server))
         stack.callback(reloading.cancel)
         exempt_from_collection()
@@ -139,12 +138,14 @@ async def _open_ros(stack: AsyncExitStack, config: Config) -> Ros:
 
 
 async def _listen(
-    stack: AsyncExitStack, server: Server, config: Config, posture: Posture
+    stack: AsyncExitStack, server: Server, config: Config, security: Security
 ) -> list[tuple[str, int]]:
+    hosts = security.posture.hosts
     try:
-        return await stack.enter_async_context(server.listening(posture.hosts, config.port))
+        listening = server.listening(hosts, config.port, security.tls)
+        return await stack.enter_async_context(listening)
     except OSError as error:
-        raise BindError(posture.hosts[0], config.port, error) from error
+        raise BindError(hosts[0], config.port, error) from error
 
 
 def _handle_signals(stop: asyncio.Event, hung_up: asyncio.Event) -> None:

@@ -4,7 +4,7 @@
 import logging
 import socket
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Final, Literal
+from typing import Any, Final
 from urllib.parse import urlsplit
 
 import orjson
@@ -45,20 +45,13 @@ _METHODS: Final = frozenset({"GET", "HEAD"})
 
 
 class HttpFront:
-    """Answers HTTP requests; *scheme* is ``ws``, or ``wss`` with TLS."""
+    """Answers HTTP requests; `is_encrypted` says whether clients need ``wss://``."""
 
-    def __init__(
-        self,
-        path: str,
-        rules: WebRules,
-        health: Callable[[], Mapping[str, Any]],
-        *,
-        scheme: Literal["ws", "wss"] = "ws",
-    ) -> None:
+    def __init__(self, path: str, rules: WebRules, health: Callable[[], Mapping[str, Any]]) -> None:
         self._path = path
         self._rules = rules
         self._health = health
-        self._scheme = scheme
+        self.is_encrypted = False
 
     def respond(self, protocol: ServerProtocol, request: Request) -> Response:
         """Return the response; its status is 101 if a WebSocket begins."""
@@ -102,7 +95,7 @@ class HttpFront:
             return protocol.reject(404, f"nothing here; the WebSocket is at {self._path}\n")
         check_target(request.path)
         if request.headers.get("Upgrade") is None:
-            address = f"{self._scheme}://{host}{self._path}"
+            address = f"{'wss' if self.is_encrypted else 'ws'}://{host}{self._path}"
             return _page(protocol, request, _WELCOME.format(address=address))
         return self._upgrade(protocol, request, host)
 

@@ -59,16 +59,13 @@ class Server:
         trusted_proxies: Sequence[str] = (),
         web_rules: WebRules | None = None,
         admission: MakeAdmission = everybody,
-        tls: ssl.SSLContext | None = None,
         version: str = "",
     ) -> None:
         self.limits = limits
         self.budgets = TimeBudgets(limits.client_time_share, limits.address_time_share)
         self._trusted_proxies = tuple(map(ipaddress.ip_network, trusted_proxies))
         self._router = router
-        self._tls = tls
-        rules = web_rules or WebRules(own_names())
-        self._http = HttpFront(path, rules, self.health, scheme="wss" if tls else "ws")
+        self._http = HttpFront(path, web_rules or WebRules(own_names()), self.health)
         self._admission = admission(self._room_for)
         self._version = version
         self._connections: dict[Connection, None] = {}  # the oldest first
@@ -86,16 +83,18 @@ class Server:
 
     @contextlib.asynccontextmanager
     async def listening(
-        self, hosts: Sequence[str], port: int
+        self, hosts: Sequence[str], port: int, tls: ssl.SSLContext | None = None
     ) -> AsyncIterator[list[tuple[str, int]]]:
         """Serve inside the context; yield the addresses that it listens on, all on one port.
 
-        A machine may have no IPv6: all *hosts* but the first may fail.
+        With *tls* clients need ``wss://``. A machine may have no IPv6: all *hosts* but the first
+        may fail.
 
         Raises:
             OSError: the first address or the port cannot be listened on.
         """
         loop = asyncio.get_running_loop()
+        self._http.is_encrypted = tls is not None
         listeners: list[asyncio.Server] = []
         addresses: list[tuple[str, int]] = []
         for host in hosts:
@@ -104,8 +103,8 @@ class Server:
                     lambda: Connection(self),
                     host,
                     addresses[0][1] if addresses else port,
-                    ssl=self._tls,
-                    ssl_handshake_timeout=self.limits.open_timeout_s if self._tls else None,
+                    ssl=tls,
+                    ssl_handshake_timeout=self.limits.open_timeout_s if tls else None,
                 )
             except OSError as error:
                 if not listeners:

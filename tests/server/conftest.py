@@ -3,6 +3,7 @@
 
 import asyncio
 import contextlib
+import ssl
 from collections.abc import AsyncIterator, Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractAsyncContextManager
@@ -74,6 +75,7 @@ def serve() -> Serve:
     async def open_server(
         limits: dict[str, Any] | None = None,
         allowed_origins: tuple[str, ...] = (),
+        tls: ssl.SSLContext | None = None,
         **options: Any,
     ) -> AsyncIterator[Served]:
         ros = FakeRos()
@@ -87,7 +89,7 @@ def serve() -> Serve:
                 web_rules=WebRules(own_names(), (), allowed_origins),
                 **options,
             )
-            async with server.listening(["127.0.0.1"], 0) as ((_, port),):
+            async with server.listening(["127.0.0.1"], 0, tls) as ((_, port),):
                 yield Served(server, ros, types, port)
             assert server.health()["clients"] == 0
             router.close()

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: Apache-2.0
+"""TLS, on real sockets."""
+
+import asyncio
+import contextlib
+import socket
+import ssl
+from pathlib import Path
+
+import pytest
+from websockets.frames import Opcode
+
+from gateway.cli.certificate import make_certificate
+from gateway.config.access import TlsConfig
+from gateway.security import tls_context
+from tests.client import TIMEOUT_S, client, eventually
+from tests.server.conftest import Serve, Served
+from tests.server.test_server import masked, upgrade
+
+pytest.importorskip("cryptography")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("tls")
+    make_certificate(folder, [])
+    return folder
+
+
+@pytest.fixture
+def tls(folder: Path) -> ssl.SSLContext:
+    context = tls_context(TlsConfig(cert=str(folder / "cert.pem"), key=str(folder / "key.pem")))
+    assert context is not None
+    return context
+
+
+@pytest.fixture
+def trusting(folder: Path) -> ssl.SSLContext:
+    return ssl.create_default_context(cafile=folder / "cert.pem")
+
+
+def url(served: Served) -> str:
+    return f"wss://localhost:{served.port}/"
+
+
+async def test_large_messages_pass_both_ways(serve: Serve, tls, trusting):
+    async with serve(tls=tls) as served, client(url(served), ssl=trusting) as speaker:
+        for size in (1, 200_000, 1):
+            await speaker.send(op="ping", value="x" * size)
+            assert (await speaker.receive())["value"] == "x" * size
+
+
+async def test_what_comes_with_the_end_of_the_handshake_is_read(serve: Serve, tls, trusting):
+    """All in one packet: the last message of TLS, the request, and frames."""
+    incoming, outgoing = ssl.MemoryBIO(), ssl.MemoryBIO()
+    peer = trusting.wrap_bio(incoming, outgoing, server_hostname="localhost")
+    request = upgrade("Host: localhost") + masked(Opcode.TEXT, b'{"op":"ping","id":"early"}')
+    async with serve(tls=tls) as served, asyncio.timeout(TIMEOUT_S):
+        reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
+        while True:
+            try:
+                peer.do_handshake()
+                break
+            except ssl.SSLWantReadError:
+                writer.write(outgoing.read())
+                incoming.write(await reader.read(65536))
+        peer.write(request)
+        writer.write(outgoing.read())
+        seen = b""
+        while b"early" not in seen:
+            with contextlib.suppress(ssl.SSLWantReadError):
+                seen += peer.read(65536)
+                continue
+            incoming.write(await reader.read(65536))
+        writer.close()
+
+
+async def test_a_socket_that_never_begins_is_cut_off_after_a_while(serve: Serve, tls):
+    async with serve({"open_timeout_s": 0.2}, tls=tls) as served:
+        reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
+        async with asyncio.timeout(TIMEOUT_S):
+            with contextlib.suppress(ConnectionError):
+                assert await reader.read() == b""
+        writer.close()
+
+
+@pytest.mark.parametrize(
+    "data",
+    [b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n", b"\x16\x03\x01\x00\x05hello", b"\0" * 9000],
+)
+async def test_what_is_no_tls_ends_that_socket_alone(serve: Serve, tls, trusting, data, caplog):
+    async with serve(tls=tls) as served, client(url(served), ssl=trusting) as other:
+        reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
+        writer.write(data)
+        async with asyncio.timeout(TIMEOUT_S):
+            with contextlib.suppress(ConnectionError):
+                await reader.read()
+        writer.close()
+        await other.sync()
+        await eventually(lambda: len(served.server._connections) == 1)
+    assert "Traceback" not in caplog.text
+    assert not [record for record in caplog.records if record.levelname == "ERROR"]
+
+
+async def test_a_peer_that_vanishes_leaves_nothing_behind(serve: Serve, tls, trusting, caplog):
+    async with serve(tls=tls) as served:
+        for moment in range(3):
+            sock = socket.create_connection(("127.0.0.1", served.port))  # ours
+            sock.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\1\0\0\0\0\0\0\0")
+            if moment:
+                sock.sendall(b"\x16\x03\x01"[:moment])
+            sock.close()
+        async with client(url(served), ssl=trusting) as speaker:
+            await speaker.sync()
+            speaker.socket.transport.abort()
+        await eventually(lambda: not served.server._connections)
+    assert "Traceback" not in caplog.text
