@@ -350,12 +350,14 @@ def _cert(arguments: argparse.Namespace) -> int:
 
 
 def _check_config(arguments: argparse.Namespace) -> int:
+    from gateway.access.posture import posture_of
     from gateway.config.settings import load, reference
 
     if arguments.keys:
         print(reference(), end="")
         return EXIT_OK
     loaded = load(environment=os.environ, file=arguments.file)
+    posture_of(loaded.config)  # an error if values contradict each other
     given = sum(origin != "default" for origin in loaded.origins.values())
     values = "1 value" if given == 1 else f"{given} values"
     print(f"the configuration is right: {values} given, the others have their defaults")

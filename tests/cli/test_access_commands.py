@@ -106,6 +106,12 @@ def test_what_is_wrong_with_the_settings_of_access_is_one_sentence(arguments, te
     assert line.removeprefix("ros2-gateway: ").startswith(text)
 
 
+def test_check_config_finds_values_that_contradict_each_other(tmp_path: Path):
+    path = tmp_path / "gateway.toml"
+    path.write_text("lan = true\n[access]\nanonymous_role = 'operator'\n")
+    assert sentence("check-config", str(path)).startswith("access.anonymous_role: got a role")
+
+
 @pytest.mark.parametrize(("flags", "is_shown"), [((), True), (("--no-qr",), False)])
 def test_a_terminal_shows_a_qr_code_of_a_gateway_on_the_network(
     home: Path, flags: tuple[str, ...], is_shown: bool
