@@ -131,12 +131,13 @@ class Admission:
 
     def reload(
         self, tokens: Tokens, policy: Policy, clients: Iterable[tuple[Entrant, Session]]
-    ) -> None:
+    ) -> list[Session]:
         """Go on with other tokens and permissions; close the clients that these no longer fit.
 
         A client whose permissions have changed is closed, too: so all that it has open ends, and it
-        opens anew what it still may.
+        opens anew what it still may. Return the sessions of those that were closed.
         """
+        ended = []
         self._authentication.tokens = tokens
         self._authentication.policy = policy
         for entrant, session in clients:
@@ -145,15 +146,22 @@ class Admission:
                 continue
             now = self._authentication.current(before)
             if now is None:
-                self._end(entrant, before, UNAUTHENTICATED, "the token was revoked")
+                code, reason = UNAUTHENTICATED, "the token was revoked"
             elif now.role != before.role:
-                text = f"the role of the token is {now.role} now, not {before.role}"
-                self._end(entrant, before, ROLE_REMOVED, text)
+                code = ROLE_REMOVED
+                reason = f"the role of the token is {now.role} now, not {before.role}"
             elif now.permissions.rules != before.permissions.rules:
-                text = f"the permissions of role {now.role} have changed, connect again"
-                self._end(entrant, before, GOING_AWAY, text)
+                code = GOING_AWAY
+                reason = f"the permissions of role {now.role} have changed, connect again"
             else:
                 session.identity = now
+                continue
+            self._audit.record(
+                "revoked", name=before.name, address=entrant.address, code=code, reason=reason
+            )
+            entrant.close(code, reason)
+            ended.append(session)
+        return ended
 
     def _authenticate(self, entrant: Entrant, session: Session, operation: Auth) -> None:
         """Carry out an `auth` operation.
@@ -217,12 +225,6 @@ class Admission:
     def _turn_away(self, entrant: Entrant, code: int, reason: str) -> None:
         del self._waiting[entrant]
         self._audit.record("refused", address=entrant.address, reason=reason)
-        entrant.close(code, reason)
-
-    def _end(self, entrant: Entrant, identity: Identity, code: int, reason: str) -> None:
-        self._audit.record(
-            "revoked", name=identity.name, address=entrant.address, code=code, reason=reason
-        )
         entrant.close(code, reason)
 
     def _record_connected(self, session: Session, origin: str | None) -> None:

@@ -191,9 +191,13 @@ class Server:
         return session
 
     def reload(self, tokens: Tokens, policy: Policy) -> None:
-        """Go on with other tokens and permissions; see `Admission.reload`."""
+        """Go on with other tokens and permissions; see `Admission.reload`.
+
+        What a client had open ends at once: a robot must not wait for the closing handshake.
+        """
         clients = [(each, each.session) for each in self._connections if each.session is not None]
-        self._admission.reload(tokens, policy, clients)
+        for session in self._admission.reload(tokens, policy, clients):
+            self._router.leave(session)
 
     def receive(self, session: Session, data: bytes) -> None:
         """Carry out one message of a session."""

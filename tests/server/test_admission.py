@@ -365,6 +365,24 @@ async def test_a_reload_closes_those_whom_it_takes_or_gives_something(
         assert await role_of(viewer) == "viewer"
 
 
+async def test_what_a_revoked_client_had_open_ends_before_it_says_goodbye(serve: Serve):
+    door = Door(serve, limits={"close_timeout_s": 2.0})
+    async with door.open() as served:
+        reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
+        writer.write(upgrade("Host: localhost", f"Authorization: Bearer {OPERATORS}"))
+        await reader.readuntil(b"\r\n\r\n")
+        advertise = json.dumps({"op": "advertise", "topic": "/a", "type": STRING}).encode()
+        writer.write(masked(Opcode.TEXT, advertise))
+        await eventually(lambda: served.ros.entity_count() == 1)
+        served.server.reload(Tokens(), Policy(AccessConfig()))
+        assert served.ros.entity_count() == 0
+        writer.write(masked(Opcode.TEXT, advertise))  # too late
+        writer.write(masked(Opcode.CLOSE, (1000).to_bytes(2, "big")))
+        assert (4401).to_bytes(2, "big") in await reader.read()
+        assert served.ros.entity_count() == 0
+        writer.close()
+
+
 async def test_after_a_reload_a_new_token_is_valid_and_a_revoked_one_is_not(serve: Serve):
     text, token = make_token("new", "viewer", NOW)
     async with Door(serve).open() as served:
