@@ -16,6 +16,12 @@ from gateway.errors import ConfigError
 from tests.client import TIMEOUT_S
 
 
+def close(file: AuditFile) -> None:
+    """Close a file, and wait longer for its lines than the gateway would."""
+    file.close()
+    file._thread.join(TIMEOUT_S)
+
+
 class Clock:
     def __init__(self) -> None:
         self.now_ns = 1_767_323_045_000_000_000
@@ -92,7 +98,7 @@ def test_the_file_is_for_its_owner_and_keeps_what_it_had(tmp_path):
     file = AuditFile(path, 1_000_000)
     file.write("one")
     file.write("two")
-    file.close()
+    close(file)
     assert path.read_text() == "before\none\ntwo\n"
     assert stat.S_IMODE(path.stat().st_mode) == 0o600
 
@@ -102,7 +108,7 @@ def test_a_full_file_becomes_the_former_one_and_both_are_bounded(tmp_path):
     file = AuditFile(path, 1000)
     for number in range(100):
         file.write(f"{number:03}".ljust(99, "."))
-    file.close()
+    close(file)
     assert path.stat().st_size <= 1000
     former = path.with_name("audit.jsonl.1")
     assert former.stat().st_size == 1000
@@ -135,8 +141,7 @@ def test_a_disk_that_hangs_holds_up_nobody_and_a_bounded_number_of_lines_wait(
     for number in range(MAX_WAITING + 50):
         file.write(str(number))
     go_on.set()
-    file.close()
-    file._thread.join(TIMEOUT_S)
+    close(file)
     assert len((tmp_path / "audit.jsonl").read_text().splitlines()) == 1 + MAX_WAITING
     assert "50 lines are missing" in caplog.text
 
@@ -159,7 +164,7 @@ def test_a_full_disk_is_said_once_and_when_it_is_over(tmp_path, monkeypatch, cap
         assert done.acquire(timeout=TIMEOUT_S)
     is_full = False
     file.write("kept")
-    file.close()
+    close(file)
     monkeypatch.undo()
     assert (tmp_path / "audit.jsonl").read_text() == "kept\n"
     assert caplog.text.count("no space left on device") == 1
