@@ -15,6 +15,7 @@ from gateway.codec.image import confine_to_calling_thread
 from gateway.codec.types import Types
 from gateway.config.model import Config
 from gateway.errors import BindError, ConfigError
+from gateway.guard.supervisor import GuardProcess
 from gateway.memory import exempt_from_collection, keep_large_blocks
 from gateway.ports import LogLevel, Ros, RosError
 from gateway.ros import RosOptions, open_ros
@@ -56,6 +57,7 @@ async def _serve(config: Config, announce: Announce) -> int:
         ros = await _open_ros(stack, config)
         stack.enter_context(_logging_to(ros))
         workers = stack.enter_context(_workers(config.images.workers))
+        guard = await stack.enter_async_context(_guard(config))
         router = Router(
             ros,
             Types(InstalledDefinitions([*installed_prefixes(), interfaces_prefix()])),
@@ -63,6 +65,8 @@ async def _serve(config: Config, announce: Announce) -> int:
             limits=config.limits,
             workers=workers,
             version=version("ros2-json-gateway"),
+            control=config.control,
+            guard=guard,
         )
         stack.callback(router.close)
         server = Server(
@@ -76,7 +80,9 @@ async def _serve(config: Config, announce: Announce) -> int:
         lines = list(_address_lines(addresses, config.path))
         exempt_from_collection()
         announce("\n".join(lines), _own_url(addresses, config.path))
+        guard.start()  # last: nobody waits for it to listen
         await stop.wait()
+        router.stop_robots()  # first: closing the connections takes up to a second
         logger.info("shutting down")
     return 0
 
@@ -86,6 +92,16 @@ async def _open_ros(stack: AsyncExitStack, config: Config) -> Ros:
         return await stack.enter_async_context(open_ros(_ros_options(config)))
     except RosError as error:
         raise ConfigError(f"ROS: {error}") from error
+
+
+def _guard(config: Config) -> GuardProcess:
+    namespace, _, name = _ros_options(config).guard_node.rpartition("/")
+    return GuardProcess(
+        name,
+        namespace or "/",
+        config.ros.domain_id,
+        deadline_s=config.control.deadline_s,
+    )
 
 
 async def _listen(stack: AsyncExitStack, server: Server, config: Config) -> list[tuple[str, int]]:

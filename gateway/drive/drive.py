@@ -104,6 +104,11 @@ class Drive:
         )
 
     @property
+    def is_moving(self) -> bool:
+        """Return whether the last command was one to move."""
+        return self._moves
+
+    @property
     def needs_guard(self) -> bool:
         """Return whether somebody has to stop the robot if this process ends now."""
         return self._moves or self._zeros_left > 0

@@ -27,6 +27,9 @@ ROS_SHARP_FRAGMENT_SIZE: Final = 2**31 - 1  # only ROS# sends it, with every req
 # the operations whose failure has a frame of its own, and the key that names their subject
 _NAMED_BY: Final = {"call_service": "service", "send_action_goal": "action"}
 
+# a robot must be stopped by whoever sees the need; its frames count as all do
+_NEVER_LIMITED: Final = "stop"
+
 
 class Session:
     """The sans-I/O core of a connection.
@@ -131,7 +134,7 @@ class Session:
             if values.get("fragment_size") == ROS_SHARP_FRAGMENT_SIZE:
                 self.is_ros_sharp = True
             op = _readable_op(values)
-            if now_ns is not None:
+            if now_ns is not None and op != _NEVER_LIMITED:
                 self._check_rate(now_ns)
             return _operation(op, values)
         except ProtocolError as error:

@@ -18,3 +18,8 @@ class RosOptions:
     max_entities: int = 256  # ~100 KB of DDS each, an action 500; discovery traffic for every node
     arguments: tuple[str, ...] = ()  # as ROS takes them: ("--ros-args", "-r", "a:=b")
     taking: Taking = "auto"  # how samples come to the loop, see `gateway.ros.samples`
+
+    @property
+    def guard_node(self) -> str:
+        """The full name of the guard process' node; ROS hides such names: it has an underscore."""
+        return f"{self.namespace.rstrip('/')}/_{self.node_prefix}_guard"

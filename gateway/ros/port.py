@@ -62,7 +62,7 @@ class RclpyRos:
             RosError: ROS refuses the options.
         """
         loop = asyncio.get_running_loop()
-        self._max_entities = options.max_entities
+        self._options = options
         # read from the graph, kept until it changes
         self._graph: Graph | None = None
         self._types: dict[str, tuple[str, ...]] = {}
@@ -168,7 +168,7 @@ class RclpyRos:
         """Return the types of a topic; see the port. Kept until the graph changes."""
         known = self._types.get(topic)
         if known is None:
-            known = read_types(self._debug, topic, self._own_nodes)
+            known = read_types(self._debug, topic, self._own_nodes, self._options.guard_node)
             if known:  # clients may name any number of topics that do not exist
                 self._types[topic] = known
         return known
@@ -191,7 +191,7 @@ class RclpyRos:
     def graph(self) -> Graph:
         """Return the graph as it is known now; kept until it changes."""
         if self._graph is None:
-            graph = read_graph(self._debug)
+            graph = read_graph(self._debug, self._options.guard_node)
             self._graph = replace(
                 graph,
                 services=self._without_ended("service", graph.services),
@@ -237,8 +237,8 @@ class RclpyRos:
         self._check_new(f"action {action}", type_name, self._actions.type_of(action))
 
     def _check_new(self, subject: str, type_name: str, known: str | None) -> None:
-        if self.entity_count() >= self._max_entities:
-            raise RosError("limit_exceeded", f"at most {self._max_entities} ROS entities")
+        if self.entity_count() >= self._options.max_entities:
+            raise RosError("limit_exceeded", f"at most {self._options.max_entities} ROS entities")
         # One DDS participant cannot have both types, and rcl's error leaves rmw's reason out.
         if known not in {None, type_name}:
             raise RosError("type_conflict", f"{subject} is open here as {known}, not {type_name}")

@@ -10,6 +10,7 @@ from typing import Any, Protocol, assert_never
 
 from gateway.codec.error_text import truncate
 from gateway.codec.types import Types
+from gateway.config.control import ControlConfig
 from gateway.config.limits import Limits
 from gateway.deadline import Deadline
 from gateway.ports import Ros, RosError
@@ -17,6 +18,7 @@ from gateway.protocol.errors import ProtocolError
 from gateway.protocol.operations import (
     ClientOperation,
     actions,
+    control,
     gateway,
     parameters,
     services,
@@ -27,6 +29,8 @@ from gateway.protocol.session import Session
 from gateway.rosapi import Parameters, Rosapi
 from gateway.router.actions.client_actions import ClientActions
 from gateway.router.actions.goals import Goals
+from gateway.router.commands.commands import Commands
+from gateway.router.commands.guard import Guard, NoGuard
 from gateway.router.interface_types import InterfaceTypes
 from gateway.router.introspection.introspection import Introspection
 from gateway.router.introspection.parameter_operations import ParameterOperations
@@ -55,7 +59,7 @@ class Router:
     everything of a client.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913  # one argument for each part that it shares
         self,
         ros: Ros,
         types: Types,
@@ -64,6 +68,8 @@ class Router:
         limits: Limits,
         workers: Executor,
         version: str,
+        control: ControlConfig | None = None,
+        guard: Guard | None = None,
     ) -> None:
         topic_types = TopicTypes(ros, types, table)
         interface_types = InterfaceTypes(ros, types)
@@ -78,7 +84,8 @@ class Router:
         parameters = Parameters(ros, types, self._service_clients)
         rosapi = Rosapi(ros, types.definitions, parameters)
         self._subscriptions = Subscriptions(ros, topic_types, workers)
-        self._publications = Publications(ros, topic_types)
+        self._commands = Commands(ros, topic_types, control or ControlConfig(), guard or NoGuard())
+        self._publications = Publications(ros, topic_types, self._commands)
         self._service_calls = ServiceCalls(
             interface_types,
             self._service_clients,
@@ -105,6 +112,7 @@ class Router:
             self._services,
             self._goals,
             self._actions,
+            self._commands,  # the last one leaves first
         )
         self._watch = ros.watch_graph(self._on_graph_change)
 
@@ -133,8 +141,13 @@ class Router:
             for part in self._parts:
                 parts.callback(part.leave, session)
 
+    def stop_robots(self) -> None:
+        """Stop whatever moves, before anything else of a shutdown; from now on nothing moves."""
+        self._commands.shut_down()
+
     def close(self) -> None:
-        """End all sessions and stop following the graph."""
+        """Stop robots, end all sessions and stop following the graph."""
+        self._commands.close()
         self._watch.close()
         for session in list(self._sessions):
             self.leave(session)
@@ -148,7 +161,7 @@ class Router:
             "clients": len(self._sessions),
             "ros_entities": self._ros.entity_count(),
             "subscriptions": self._subscriptions.topics,
-            "publishers": self._publications.publishers,
+            "publishers": self._publications.publishers + self._commands.publishers,
             "services": self._services.services,
             "action_servers": self._actions.servers,
             "service_clients": self._service_clients.clients,
@@ -213,6 +226,14 @@ class Router:
                 self._transforms.watch(session, operation)
             case transforms.CancelTransform():
                 self._transforms.cancel(session, operation)
+            case control.Stop():
+                self._commands.stop(session, operation)
+            case control.AcquireControl():
+                self._commands.acquire(session, operation)
+            case control.ReleaseControl():
+                self._commands.release(session, operation)
+            case control.Control():
+                self._commands.control(session, operation)
             case gateway.Ping():
                 self._introspection.ping(session, operation)
             case gateway.Hello():

@@ -9,6 +9,7 @@ from typing import Final, get_args
 
 from gateway.protocol.operations import (
     actions,
+    control,
     fragment,
     gateway,
     parameters,
@@ -39,6 +40,10 @@ ClientOperation = (
     | parameters.DescribeParameters
     | transforms.LookupTransform
     | transforms.CancelTransform
+    | control.Stop
+    | control.AcquireControl
+    | control.ReleaseControl
+    | control.Control
     | gateway.SetLevel
     | gateway.Hello
     | gateway.Ping
