@@ -23,12 +23,11 @@ from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from typing import Final
 
+from gateway.drive import refusals
 from gateway.drive.effects import (
-    CAUSE_TEXTS,
     Cause,
     Changed,
     Clamped,
-    Code,
     Command,
     Effect,
     GuardState,
@@ -150,7 +149,7 @@ class Drive:
         return out
 
     def invalid(self, client: Hashable, now_ns: int) -> Effects:
-        """Take a command that is none: the client's message does not fit the type."""
+        """Take note that a client has sent a message that does not fit the type."""
         out = self.tick(now_ns)
         if self._moves and self._lease and self._lease.holder == client:
             self._stop("invalid_value", now_ns, out)
@@ -177,8 +176,7 @@ class Drive:
         """Do what is due."""
         out: Effects = []
         if self._moves and now_ns - self._accepted_ns >= self._rules.deadline_ns:
-            is_single = self._commands == 1 and self._is_by_hand
-            self._stop("deadline", now_ns, out, allows_single=is_single)
+            self._stop("deadline", now_ns, out, allows_single=self._is_single)
         if self._lease and self._lease.is_over(now_ns, self._rules.lease_ns):
             if self._moves:
                 self._stop("lease", now_ns, out)
@@ -194,26 +192,15 @@ class Drive:
 
     def leave(self, client: Hashable, now_ns: int) -> Effects:
         """Stop what a client has moved; it is gone."""
-        out = self.tick(now_ns)
-        if self._held and self._held.command.client == client:
-            self._held = None
-        if self._lease and self._lease.holder == client:
-            if self._moves:
-                is_single = self._commands == 1 and self._is_by_hand
-                self._stop("disconnect", now_ns, out, allows_single=is_single)
-            self._lease = None
-            out.append(Changed())
-        return out
+        return self._end_lease(client, "disconnect", now_ns, allows_single=self._is_single)
 
     def revoke(self, client: Hashable, now_ns: int) -> Effects:
         """Stop what a client has moved; it may not any more."""
-        out = self.tick(now_ns)
-        if self._lease and self._lease.holder == client:
-            if self._moves:
-                self._stop("permission", now_ns, out)
-            self._lease = None
-            out.append(Changed())
-        return out
+        return self._end_lease(client, "permission", now_ns)
+
+    def release(self, client: Hashable, now_ns: int) -> Effects:
+        """Take control from a client that gives it back; ignored if it has none."""
+        return self._end_lease(client, "release", now_ns, is_asked=True)
 
     def stop(self, client: Hashable, now_ns: int) -> Effects:
         """Stop at the request of any client, also a robot that stands as far as we know."""
@@ -234,16 +221,6 @@ class Drive:
         self._lease.is_asked_for = True
         self._lease.renewed_ns = now_ns
         out.append(Changed())
-        return out
-
-    def release(self, client: Hashable, now_ns: int) -> Effects:
-        """Take control from a client that gives it back; ignored if it has none."""
-        out = self.tick(now_ns)
-        if self._lease and self._lease.holder == client:
-            if self._moves:
-                self._stop("release", now_ns, out, is_asked=True)
-            self._lease = None
-            out.append(Changed())
         return out
 
     def set_guard(self, guard: GuardState, now_ns: int) -> Effects:
@@ -272,23 +249,15 @@ class Drive:
 
     # Rules
 
+    @property
+    def _is_single(self) -> bool:
+        return self._commands == 1 and self._is_by_hand
+
     def _check(self, command: Command, now_ns: int) -> Refused | None:
         if self._lease and not self._may_command(self._lease, command, now_ns):
-            return _refused(
-                command,
-                "not_lease_holder",
-                f"another client drives {self._topic}; wait until it has been silent for"
-                f" {self._rules.lease_ns / 1e9:g} s, take over by"
-                f' {{"op":"acquire_control","topic":"{self._topic}"}}, or stop the robot by'
-                ' {"op":"stop"}',
-            )
+            return refusals.not_holder(command, self._topic, self._rules)
         if command.age == "stale":
-            return _refused(
-                command,
-                "stale_command",
-                f"topic {self._topic}: by its monotonic_ms the command came 250 ms later than"
-                " others of this connection",
-            )
+            return refusals.stale(command, self._topic)
         return None
 
     def _may_command(self, lease: Lease, command: Command, now_ns: int) -> bool:
@@ -396,6 +365,17 @@ class Drive:
         if not command.velocity.is_zero:
             self._lease.driven_ns = now_ns
 
+    def _end_lease(self, client: Hashable, cause: Cause, now_ns: int, **how: bool) -> Effects:
+        out = self.tick(now_ns)
+        if self._held and self._held.command.client == client:
+            self._held = None
+        if self._lease and self._lease.holder == client:
+            if self._moves:
+                self._stop(cause, now_ns, out, **how)
+            self._lease = None
+            out.append(Changed())
+        return out
+
     def _hand_over(self, out: Effects) -> None:
         """End a lease that another client takes: nothing of the former one goes out any more."""
         held, self._held = self._held, None
@@ -434,25 +414,8 @@ class Drive:
             out.append(Changed())
 
     def _tripped(self, command: Command) -> Refused:
-        return _refused(command, "tripped", self._reason())
-
-    def _reason(self) -> str:
-        """Say why the robot does not move, and what to do about it."""
-        topic = self._topic
         if self._is_over:
-            return f"topic {topic}: the gateway shuts down"
+            return refusals.shutting_down(command, self._topic)
         if self._guard != "ready":
-            how = "is starting" if self._guard == "starting" else "is not there"
-            return (
-                f"topic {topic}: the process that stops the robot if the gateway dies {how};"
-                " send the command again when it is there, in a second or so"
-            )
-        cause = CAUSE_TEXTS[self._latch.cause or "deadline"]
-        return (
-            f'topic {topic} is stopped, {cause}: publish a command of zero ("msg":{{}}), nothing'
-            " that moves for 250 ms, then drive on"
-        )
-
-
-def _refused(command: Command, code: Code, reason: str) -> Refused:
-    return Refused(command, code, reason)
+            return refusals.unguarded(command, self._topic, self._guard)
+        return refusals.tripped(command, self._topic, self._latch.cause or "deadline")

@@ -3,7 +3,7 @@
 
 from collections.abc import Hashable
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Literal
 
 from gateway.drive.freshness import Age
 from gateway.drive.velocity import Velocity
@@ -25,22 +25,6 @@ Cause = Literal[
     "shutdown",
     "start",  # not a stop: the first command has to be zero, as configured
 ]
-
-CAUSE_TEXTS: Final[dict[Cause, str]] = {
-    "zero": "it was commanded to stop",
-    "stop": "another client asked for a stop",
-    "release": "control was released",
-    "deadline": "commands ceased",
-    "disconnect": "the client that drove disconnected",
-    "takeover": "another client took control",
-    "lease": "control was not renewed",
-    "permission": "the permission to drive ended",
-    "invalid_value": "a command was invalid",
-    "backlog": "many commands came at once after a silence, so they are late",
-    "guard": "the gateway's guard process was lost",
-    "shutdown": "the gateway shuts down",
-    "start": "this gateway wants a command to stop before the first to move",
-}
 
 
 @dataclass(frozen=True, slots=True)

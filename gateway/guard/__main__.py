@@ -17,10 +17,13 @@ from gateway.drive.twist_cdr import encode
 from gateway.drive.velocity import ZERO
 from gateway.guard import HEARD_S, MAX_LINE_BYTES
 from gateway.guard.watch import Watch
-from gateway.ports import Publisher, RosError
-from gateway.ros.stand_alone import StandAlone
+from gateway.ports import RosError
+from gateway.ros.stand_alone import StandAlone, StandAlonePublisher
 
 LIFESPAN_S: Final = 0.25
+# A robot that the gateway knows of is known here soon after: until then nothing shall move.
+DISCOVERY_NS: Final = 300_000_000
+DISCOVERY_PERIOD_NS: Final = 20_000_000
 ACKNOWLEDGED_S: Final = 0.5  # a reader that has not got the last zero by then has gone, too
 
 
@@ -29,9 +32,16 @@ class _Output:
     """A publisher, and what its messages need beside six zeros."""
 
     type_name: str
-    publisher: Publisher
+    publisher: StandAlonePublisher
+    opened_ns: int
+    is_told: bool = False  # that it is open
     stamp_offset_ns: int = 0
     frame_id: str = ""
+
+    @property
+    def is_heard(self) -> bool:
+        """Return whether anybody would get a zero."""
+        return self.publisher.readers > 0
 
 
 class Guard:
@@ -64,15 +74,19 @@ class Guard:
             else:
                 for topic in self._watch.silent(now_ns):
                     _say("stopped", topic)
-            self._send(self._watch.zeros(now_ns))
+            self._tell_opened(now_ns)
+            self._send(self._watch.zeros(now_ns, lambda topic: self._outputs[topic].is_heard))
         self._ros.flush(ACKNOWLEDGED_S)
 
     def _timeout_ms(self) -> float | None:
         due_ns = self._watch.due_ns
+        now_ns = time.monotonic_ns()
+        if any(not output.is_told for output in self._outputs.values()):
+            due_ns = min(due_ns or now_ns + DISCOVERY_PERIOD_NS, now_ns + DISCOVERY_PERIOD_NS)
         if due_ns is None:
             return None
         # rounded up: a poll that returns too early would turn for nothing
-        return max(0, (due_ns - time.monotonic_ns()) // 1_000_000 + 1)
+        return max(0, (due_ns - now_ns) // 1_000_000 + 1)
 
     def _take(self, data: bytes) -> None:
         *lines, self._rest = (self._rest + data).split(b"\n")
@@ -96,7 +110,7 @@ class Guard:
                 self._watch.rest(topic)
             case ["open", topic, type_name]:
                 self._open(topic, type_name)
-            case ["close", topic]:
+            case ["close", str(topic)]:
                 self._watch.close(topic)
                 output = self._outputs.pop(topic, None)
                 if output is not None:
@@ -108,9 +122,16 @@ class Guard:
         except RosError as error:
             _say("failed", topic, str(error)[:200])
             return
-        self._outputs[topic] = _Output(type_name, publisher)
+        self._outputs[topic] = _Output(type_name, publisher, time.monotonic_ns())
         self._watch.open(topic)
-        _say("opened", topic)
+
+    def _tell_opened(self, now_ns: int) -> None:
+        """Report the topics that have readers, or have waited for some for long enough."""
+        for topic, output in self._outputs.items():
+            is_due = now_ns - output.opened_ns >= DISCOVERY_NS
+            if not output.is_told and (is_due or output.is_heard):
+                output.is_told = True
+                _say("opened", topic)
 
     def _send(self, topics: Iterable[str]) -> None:
         for topic in topics:

@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """The guard's decisions: messages and times in, topics to stop out."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
 ZEROS: Final = 5
 ZERO_PERIOD_NS: Final = 50_000_000
+# While nobody has discovered the guard's publisher, zeros reach nobody: they do not count, for
+# longer than discovery takes on a busy machine. Then there is no robot.
+UNHEARD_NS: Final = 3_000_000_000
 
 
 @dataclass(slots=True)
@@ -14,6 +18,7 @@ class _Watched:
     heard_ns: int = 0
     zeros_left: int = 0
     next_zero_ns: int = 0
+    began_ns: int = 0
 
 
 class Watch:
@@ -75,19 +80,21 @@ class Watch:
             if each.is_moving:
                 self._begin(each, now_ns)
 
-    def zeros(self, now_ns: int) -> list[str]:
-        """Return the topics on which a zero is due now."""
+    def zeros(self, now_ns: int, is_heard: Callable[[str], bool]) -> list[str]:
+        """Return the topics on which a zero is due now; *is_heard* says who has readers."""
         due = [
             topic
             for topic, each in self._topics.items()
             if each.zeros_left and now_ns >= each.next_zero_ns
         ]
         for topic in due:
-            self._topics[topic].zeros_left -= 1
-            self._topics[topic].next_zero_ns = now_ns + ZERO_PERIOD_NS
+            each = self._topics[topic]
+            each.next_zero_ns = now_ns + ZERO_PERIOD_NS
+            if is_heard(topic) or now_ns - each.began_ns >= UNHEARD_NS:
+                each.zeros_left -= 1
         return due
 
     def _begin(self, watched: _Watched, now_ns: int) -> None:
         watched.is_moving = False
         watched.zeros_left = ZEROS
-        watched.next_zero_ns = now_ns
+        watched.next_zero_ns = watched.began_ns = now_ns

@@ -111,6 +111,11 @@ class StandAlonePublisher:
         except REFUSALS as error:
             raise refused(f"topic {self._publisher.topic_name}", error) from error
 
+    @property
+    def readers(self) -> int:
+        """The number of subscriptions that discovery has matched."""
+        return int(self._publisher.get_subscription_count())
+
     def close(self) -> None:
         """Destroy it."""
         self._owner.destroy(self._publisher)

@@ -5,6 +5,7 @@ The model keeps a history and judges each command that goes out by reading back 
 rules in words, none of the drive's state.
 """
 
+import itertools
 import sys
 from dataclasses import dataclass
 
@@ -63,6 +64,17 @@ class Driving(RuleBasedStateMachine):
             if gap_ms:
                 self.judge(self.drive.end_turn(self.now))
                 self.wait(gap_ms)
+
+    @rule(client=CLIENTS, gaps_ms=st.lists(st.integers(1, 400), min_size=1, max_size=4))
+    def an_operator_who_lets_go_and_pushes(self, client: str, gaps_ms: list[int]) -> None:
+        """Stream and fall silent, then a zero, then commands to move after some times."""
+        self.stream(client, Velocity(linear_x=0.2), 3, 50)
+        self.wait(700)
+        self.command(client, ZERO, "unknown")
+        for gap_ms in gaps_ms:
+            self.wait(gap_ms)
+            self.command(client, Velocity(linear_x=0.2), "unknown")
+        self.wait(1)
 
     @rule()
     def turn_ends(self) -> None:
@@ -188,7 +200,7 @@ class Driving(RuleBasedStateMachine):
             for e in [*since, command]
             if e.kind == "command" and e.client == command.client and not e.velocity.is_zero
         ]
-        gaps = [b.at_ns - a.at_ns for a, b in zip(waited, waited[1:], strict=False)]
+        gaps = [b.at_ns - a.at_ns for a, b in itertools.pairwise(waited)]
         return sent <= 1 and all(gap >= CROWD_GAP_NS for gap in gaps[-1:])
 
     @invariant()

@@ -11,7 +11,6 @@ from typing import Any, Final
 from gateway.codec.types import MessageType
 from gateway.drive.drive import Drive
 from gateway.drive.effects import (
-    CAUSE_TEXTS,
     Changed,
     Clamped,
     Command,
@@ -23,6 +22,7 @@ from gateway.drive.effects import (
     Stopped,
 )
 from gateway.drive.freshness import Freshness
+from gateway.drive.refusals import CAUSE_TEXTS
 from gateway.drive.twist_cdr import TWIST_STAMPED, encode
 from gateway.drive.velocity import ZERO
 from gateway.ports import Publisher, Qos, Ros, RosError
@@ -113,7 +113,7 @@ class CommandTopic:
         self._apply(self._drive.command(Command(session, values.velocity, age, request), now_ns))
 
     def invalid(self, session: Session) -> None:
-        """Take note that a client has sent what is no command."""
+        """Take note of a message that does not fit the type."""
         self._apply(self._drive.invalid(session, self._now_ns()))
 
     def stop(self, session: Session) -> None:

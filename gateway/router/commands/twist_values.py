@@ -15,7 +15,7 @@ _PARTS = tuple((part, axis) for part in ("linear", "angular") for axis in "xyz")
 
 
 class TwistValues(NamedTuple):
-    """What a command says. The gateway stamps it itself, when it accepts it."""
+    """The values of a command; the gateway stamps it itself, when it accepts it."""
 
     velocity: Velocity
     frame_id: str = ""
