@@ -11,7 +11,9 @@ The pipes, both ways: one JSON array a line, at most `MAX_LINE_BYTES`.
 =========================================  =======================================================
 gateway to guard, on its standard input
 =========================================  =======================================================
-``["open", TOPIC, TYPE]``                  create a publisher; answered by ``opened`` or ``failed``
+``["open", TOPIC, TYPE, READERS]``         create a publisher; answered by ``failed``, or by
+                                           ``opened`` once discovery has matched so many
+                                           subscriptions, or has had `DISCOVERY_S` for it
 ``["moving", TOPIC, STAMP_NS, FRAME]``     a command to move is about to go out, or a zero of a
                                            stop that has not ended. STAMP_NS is ROS time less the
                                            monotonic clock; both are for the header of a
@@ -42,3 +44,6 @@ HEARD_S: Final = 0.1
 MARGIN_S: Final = 0.075
 # `moving` may be left out if one was sent within this time: it is part of the margin.
 REPEAT_S: Final = 0.02
+# A zero reaches only who has discovered the guard; one announcement of a participant that is lost
+# takes 3 s to be repeated (leaseDuration_announcementperiod of Fast DDS).
+DISCOVERY_S: Final = 4.0

@@ -15,14 +15,12 @@ import orjson
 
 from gateway.drive.twist_cdr import encode
 from gateway.drive.velocity import ZERO
-from gateway.guard import HEARD_S, MAX_LINE_BYTES
+from gateway.guard import DISCOVERY_S, HEARD_S, MAX_LINE_BYTES
 from gateway.guard.watch import Watch
 from gateway.ports import RosError
 from gateway.ros.stand_alone import StandAlone, StandAlonePublisher
 
 LIFESPAN_S: Final = 0.25
-# A robot that the gateway knows of is known here soon after: until then nothing shall move.
-DISCOVERY_NS: Final = 300_000_000
 DISCOVERY_PERIOD_NS: Final = 20_000_000
 ACKNOWLEDGED_S: Final = 0.5  # a reader that has not got the last zero by then has gone, too
 
@@ -34,6 +32,7 @@ class _Output:
     type_name: str
     publisher: StandAlonePublisher
     opened_ns: int
+    expected: int  # subscriptions that the gateway knows
     is_told: bool = False  # that it is open
     stamp_offset_ns: int = 0
     frame_id: str = ""
@@ -108,28 +107,28 @@ class Guard:
                     self._outputs[topic].frame_id = frame_id
             case ["rest", topic]:
                 self._watch.rest(topic)
-            case ["open", topic, type_name]:
-                self._open(topic, type_name)
+            case ["open", topic, type_name, int(readers)]:
+                self._open(topic, type_name, readers)
             case ["close", str(topic)]:
                 self._watch.close(topic)
                 output = self._outputs.pop(topic, None)
                 if output is not None:
                     output.publisher.close()
 
-    def _open(self, topic: str, type_name: str) -> None:
+    def _open(self, topic: str, type_name: str, readers: int) -> None:
         try:
             publisher = self._ros.advertise(topic, type_name, LIFESPAN_S)
         except RosError as error:
             _say("failed", topic, str(error)[:200])
             return
-        self._outputs[topic] = _Output(type_name, publisher, time.monotonic_ns())
+        self._outputs[topic] = _Output(type_name, publisher, time.monotonic_ns(), readers)
         self._watch.open(topic)
 
     def _tell_opened(self, now_ns: int) -> None:
-        """Report the topics that have readers, or have waited for some for long enough."""
+        """Report the topics that have their readers, or have waited for long enough."""
         for topic, output in self._outputs.items():
-            is_due = now_ns - output.opened_ns >= DISCOVERY_NS
-            if not output.is_told and (is_due or output.is_heard):
+            is_due = now_ns - output.opened_ns >= DISCOVERY_S * 1e9
+            if not output.is_told and (is_due or output.publisher.readers >= output.expected):
                 output.is_told = True
                 _say("opened", topic)
 

@@ -32,6 +32,7 @@ OnState = Callable[[GuardState], None]
 @dataclass(slots=True)
 class _Topic:
     type_name: str
+    readers: int
     on_state: OnState
     sent_ns: int = 0  # the newest `moving`
 
@@ -65,6 +66,7 @@ class GuardProcess:
         self._restart: asyncio.TimerHandle | None = None
         self._asked_ns: int | None = None  # since when nothing has been answered
         self._wrote_ns = 0
+        self._killed: list[subprocess.Popen[bytes]] = []  # not yet waited for
 
     @property
     def pid(self) -> int | None:
@@ -78,6 +80,8 @@ class GuardProcess:
         """End the guard: its input ends, and nothing moves any more."""
         if self._restart:
             self._restart.cancel()
+        for killed in self._killed:
+            killed.wait()
         process = self._process
         if process is None:
             return
@@ -90,6 +94,7 @@ class GuardProcess:
     def start(self) -> None:
         """Start the process; commands to move wait until it is ready."""
         self._restart = None
+        self._killed = [each for each in self._killed if each.poll() is None]
         self._started_s = time.monotonic()
         try:
             # a group of its own: Ctrl-C in a terminal is for the gateway
@@ -105,11 +110,11 @@ class GuardProcess:
 
     # For the command topics
 
-    def open(self, topic: str, type_name: str, on_state: OnState) -> None:
+    def open(self, topic: str, type_name: str, readers: int, on_state: OnState) -> None:
         """Have the guard prepare for a topic; *on_state* is called when it has, or is lost."""
-        self._topics[topic] = _Topic(type_name, on_state)
+        self._topics[topic] = _Topic(type_name, readers, on_state)
         if self._is_ready:
-            self._write("open", topic, type_name)
+            self._write("open", topic, type_name, readers)
 
     def close(self, topic: str) -> None:
         """Have the guard forget a topic."""
@@ -177,7 +182,7 @@ class GuardProcess:
                 self._is_ready = True
                 logger.debug("the guard process is ready")
                 for topic, known in list(self._topics.items()):
-                    self._write("open", topic, known.type_name)
+                    self._write("open", topic, known.type_name, known.readers)
             case ["opened", topic] if topic in self._topics:
                 self._topics[topic].on_state("ready")
             case ["failed", topic, reason] if topic in self._topics:
@@ -194,7 +199,7 @@ class GuardProcess:
             process.kill()
             if process.poll() is None:
                 # killed, and so gone in no time; it must not stay as a zombie
-                asyncio.get_running_loop().call_later(RESTART_S / 2, process.poll)
+                self._killed.append(process)
         if time.monotonic() - self._started_s > STABLE_S:
             self._restart_s = RESTART_S
         logger.error(

@@ -9,7 +9,7 @@ ZEROS: Final = 5
 ZERO_PERIOD_NS: Final = 50_000_000
 # While nobody has discovered the guard's publisher, zeros reach nobody: they do not count, for
 # longer than discovery takes on a busy machine. Then there is no robot.
-UNHEARD_NS: Final = 3_000_000_000
+UNHEARD_NS: Final = 4_000_000_000
 
 
 @dataclass(slots=True)

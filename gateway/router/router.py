@@ -263,4 +263,5 @@ class Router:
 
     def _on_graph_change(self) -> None:
         self._subscriptions.refresh()
+        self._commands.on_graph_change()
         self._introspection.on_graph_change()

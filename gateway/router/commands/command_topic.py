@@ -55,10 +55,11 @@ class Driver:
 
 
 class CommandTopic:
-    """It is open, as a publisher here and in the guard, while clients use it or it is stopping.
+    """It is open while clients use it or it is stopping.
 
-    Its drive stays for as long as the gateway runs: what was stopped stays so, also for a client
-    that comes back on another connection.
+    The guard prepares for it as soon as a type is known: a zero reaches only who has discovered
+    the guard's publisher before. Its drive stays for as long as the gateway runs: what was stopped
+    stays so, also for a client that comes back on another connection.
     """
 
     def __init__(
@@ -74,6 +75,7 @@ class CommandTopic:
         self._rules = rules
         self._drive = Drive(name, rules)
         self._publisher: Publisher | None = None
+        self._guarded_type: str | None = None
         self._frame_id = ""
         self._is_guarded = False
         self._timer: asyncio.TimerHandle | None = None
@@ -94,10 +96,21 @@ class CommandTopic:
         Raises:
             RosError: ROS refuses it.
         """
+        self.prepare(message_type.name)
         self._publisher = self._ros.advertise(self.name, message_type.name, COMMAND_QOS)
         self.message_type = message_type
+
+    def prepare(self, type_name: str) -> None:
+        """Have the guard open its publisher of a type, unless it has."""
+        if type_name == self._guarded_type:
+            return
+        if self._guarded_type is not None:
+            self._guard.close(self.name)
+        self._guarded_type = type_name
         self._apply(self._drive.set_guard("starting", self._now_ns()))
-        self._guard.open(self.name, message_type.name, self._on_guard)
+        topics = self._ros.graph().topics
+        readers = sum(len(topic.subscribers) for topic in topics if topic.name == self.name)
+        self._guard.open(self.name, type_name, readers, self._on_guard)
 
     def driver(self, session: Session) -> Driver:
         """Return a client's part in an open topic; it begins now if there is none."""
@@ -173,6 +186,9 @@ class CommandTopic:
             self._is_guarded = False
             self._guard.rest(self.name)
         self._close()
+        if self._guarded_type is not None:
+            self._guard.close(self.name)
+            self._guarded_type = None
 
     # State
 
@@ -188,7 +204,7 @@ class CommandTopic:
             "tripped": status.is_tripped,
             "cause": status.cause,
             "holder": holder,
-            "guard": status.guard if self.is_open else None,
+            "guard": status.guard if self._guarded_type else None,
             "deadline_s": self._rules.deadline_ns / 1e9,
             "lease_s": self._rules.lease_ns / 1e9,
         }
@@ -299,6 +315,5 @@ class CommandTopic:
     def _close(self) -> None:
         if self._publisher is not None:
             self._publisher.close()
-            self._guard.close(self.name)
         self._publisher = None
         self.message_type = None

@@ -10,8 +10,13 @@ from gateway.drive.effects import GuardState
 class Guard(Protocol):
     """See `gateway.guard`. Nothing here blocks, and callbacks come on the event loop's thread."""
 
-    def open(self, topic: str, type_name: str, on_state: Callable[[GuardState], None]) -> None:
-        """Prepare for a topic; *on_state* is called with each new state but ``starting``."""
+    def open(
+        self, topic: str, type_name: str, readers: int, on_state: Callable[[GuardState], None]
+    ) -> None:
+        """Prepare for a topic that so many subscriptions are known of.
+
+        *on_state* is called with each new state but ``starting``.
+        """
 
     def close(self, topic: str) -> None:
         """Forget a topic that is at rest."""
@@ -29,9 +34,11 @@ class Guard(Protocol):
 class NoGuard:
     """No guard, for tests and for programs that embed the router and watch over it themselves."""
 
-    def open(self, topic: str, type_name: str, on_state: Callable[[GuardState], None]) -> None:
+    def open(
+        self, topic: str, type_name: str, readers: int, on_state: Callable[[GuardState], None]
+    ) -> None:
         """Report at once that the topic is guarded."""
-        del topic, type_name
+        del topic, type_name, readers
         on_state("ready")
 
     def close(self, topic: str) -> None:
