@@ -7,9 +7,8 @@ It moves the robot only while its holder commands it to, in time:
   loop. So a gateway that stood still, or a link that was cut, stops the robot before it looks at
   what has piled up. Of the commands of one turn the newest goes out.
 - A stop is `ZEROS` commands of zero, then silence.
-- After a stop that the client did not ask for, the `Latch` refuses commands to move.
-- More than `CROWD` commands in one turn after a silence are a backlog, too, although the robot
-  stood and the latch was not set.
+- After a stop that the client did not ask for, the `TripLatch` refuses commands to move.
+- More than `CROWD` commands in one turn after a silence are a backlog, whatever was before.
 
 A person who types commands by hand sends a single one and knows that the robot moves for one
 deadline. Such a motion, of one command, ends with a latch that allows a single command: it waits
@@ -38,8 +37,8 @@ from gateway.drive.effects import (
     Status,
     Stopped,
 )
-from gateway.drive.latch import QUIET_NS, Latch
 from gateway.drive.lease import Lease
+from gateway.drive.trip_latch import QUIET_NS, TripLatch
 from gateway.drive.velocity import ZERO
 
 ZEROS: Final = 5  # one is enough for a reliable reader; a best-effort one may lose some
@@ -71,7 +70,7 @@ class Drive:
         self._topic = topic
         self._rules = rules
         self._guard: GuardState = guard
-        self._latch = Latch()
+        self._latch = TripLatch()
         self._lease: Lease | None = None
         self._cause: Cause | None = None
         self._is_over = False  # the gateway shuts down
@@ -272,8 +271,7 @@ class Drive:
 
     def _zero(self, command: Command, now_ns: int, out: Effects) -> None:
         self._take_lease(command, now_ns, out)
-        if self._held:
-            self._held = None  # it waited, and the client has thought better of it
+        self._held = None  # it waited, and the client has thought better of it
         if self._moves:
             self._stop("zero", now_ns, out, is_asked=True)
         else:
@@ -330,7 +328,7 @@ class Drive:
 
     def _send_held(self, held: _Held, accepted_ns: int, out: Effects) -> None:
         self._held = None
-        self._latch = Latch()
+        self._latch = TripLatch()
         self._accept(held.command, accepted_ns, out)
         self._pending = None
         out.append(Send(held.command.velocity))

@@ -13,7 +13,8 @@ gateway to guard, on its standard input
 =========================================  =======================================================
 ``["open", TOPIC, TYPE, READERS]``         create a publisher; answered by ``failed``, or by
                                            ``opened`` once discovery has matched so many
-                                           subscriptions, or has had `DISCOVERY_S` for it
+                                           subscriptions, or has had `DISCOVERY_S` for it. Of a
+                                           topic that is open it waits for so many now
 ``["moving", TOPIC, STAMP_NS, FRAME]``     a command to move is about to go out, or a zero of a
                                            stop that has not ended. STAMP_NS is ROS time less the
                                            monotonic clock; both are for the header of a

@@ -14,7 +14,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 from gateway.drive.drive import CROWD_GAP_NS, HOLD_NS, ZEROS, Drive
 from gateway.drive.effects import Command, Effect, Refused, Rules, Send, Stopped
-from gateway.drive.latch import QUIET_NS
+from gateway.drive.trip_latch import QUIET_NS
 from gateway.drive.velocity import ZERO, Velocity
 
 MS = 1_000_000

@@ -23,7 +23,7 @@ from gateway.drive.effects import (
 )
 from gateway.drive.freshness import Freshness
 from gateway.drive.refusals import CAUSE_TEXTS
-from gateway.drive.twist_cdr import TWIST_STAMPED, encode
+from gateway.drive.twist_cdr import COMMAND_TYPES, TWIST_STAMPED, encode
 from gateway.drive.velocity import ZERO
 from gateway.ports import Publisher, Qos, Ros, RosError
 from gateway.protocol import messages
@@ -76,6 +76,7 @@ class CommandTopic:
         self._drive = Drive(name, rules)
         self._publisher: Publisher | None = None
         self._guarded_type: str | None = None
+        self._readers = 0  # the subscriptions that ROS knows
         self._frame_id = ""
         self._is_guarded = False
         self._timer: asyncio.TimerHandle | None = None
@@ -108,12 +109,26 @@ class CommandTopic:
             self._guard.close(self.name)
         self._guarded_type = type_name
         self._apply(self._drive.set_guard("starting", self._now_ns()))
-        topics = self._ros.graph().topics
-        readers = sum(len(topic.subscribers) for topic in topics if topic.name == self.name)
-        self._guard.open(self.name, type_name, readers, self._on_guard)
+        self._readers = self._count_readers()
+        self._guard.open(self.name, type_name, self._readers, self._on_guard)
+
+    def on_graph_change(self, types: tuple[str, ...]) -> None:
+        """Have the guard prepare for the first robot; *types* are those that ROS knows.
+
+        A robot that comes up while somebody pushes the stick does not move: the guard has not
+        discovered it yet.
+        """
+        if self._guarded_type is None or (not self.is_open and types != (self._guarded_type,)):
+            if len(types) == 1 and types[0] in COMMAND_TYPES:
+                self.prepare(types[0])
+            return
+        known, self._readers = self._readers, self._count_readers()
+        if self._readers and not known:
+            self._apply(self._drive.set_guard("starting", self._now_ns()))
+            self._guard.open(self.name, self._guarded_type, self._readers, self._on_guard)
 
     def driver(self, session: Session) -> Driver:
-        """Return a client's part in an open topic; it begins now if there is none."""
+        """Return the part of a client in an open topic; a new client gets one."""
         return self.drivers.setdefault(session, Driver())
 
     def command(
@@ -290,6 +305,10 @@ class CommandTopic:
             return False
         answered_ns[code] = now_ns
         return True
+
+    def _count_readers(self) -> int:
+        topics = self._ros.graph().topics
+        return sum(len(topic.subscribers) for topic in topics if topic.name == self.name)
 
     def _on_guard(self, state: GuardState) -> None:
         self._apply(self._drive.set_guard(state, self._now_ns()))

@@ -154,11 +154,7 @@ class Commands:
     def on_graph_change(self) -> None:
         """Have the guard prepare for the robots that are there."""
         for topic in self._topics.values():
-            if topic.is_open:
-                continue
-            match self._types.known(topic.name):
-                case (only,) if only in COMMAND_TYPES:
-                    topic.prepare(only)
+            topic.on_graph_change(self._types.known(topic.name))
 
     def revoke(self, session: Session) -> None:
         """Stop whatever a client moves: it may not any more."""

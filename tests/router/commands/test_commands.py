@@ -324,3 +324,16 @@ async def test_without_command_topics_a_twist_is_a_message_like_any_other(build:
     push(scene.client(), 1e3)
     await eventually(lambda: speeds(heard) == [1e3])
     assert scene.guard.told == []
+
+
+async def test_a_robot_that_comes_up_while_the_stick_is_pushed_does_not_move(scene: Scene):
+    client = scene.client()
+    push(client, type=TWIST)
+    await scene.settle()
+    scene.guard.is_ready = False
+    heard = scene.listen()
+    await eventually(lambda: scene.guard.told[-1] == ("open", "/cmd_vel", TWIST, 1))
+    push(client, id=1)
+    assert client.statuses[-1][0] == "tripped"
+    await eventually(lambda: len(heard) >= 3)
+    assert set(speeds(heard)) == {0.0}

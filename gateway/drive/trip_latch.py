@@ -17,7 +17,7 @@ from gateway.drive.freshness import Age
 QUIET_NS: Final = 250_000_000
 
 
-class Latch:
+class TripLatch:
     """Tripped or not, and the reset that may be under way."""
 
     def __init__(self) -> None:
