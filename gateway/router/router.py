@@ -18,7 +18,7 @@ from gateway.protocol.errors import ProtocolError
 from gateway.protocol.operations import (
     ClientOperation,
     actions,
-    control,
+    commands,
     gateway,
     parameters,
     services,
@@ -226,13 +226,13 @@ class Router:
                 self._transforms.watch(session, operation)
             case transforms.CancelTransform():
                 self._transforms.cancel(session, operation)
-            case control.Stop():
+            case commands.Stop():
                 self._commands.stop(session, operation)
-            case control.AcquireControl():
+            case commands.AcquireControl():
                 self._commands.acquire(session, operation)
-            case control.ReleaseControl():
+            case commands.ReleaseControl():
                 self._commands.release(session, operation)
-            case control.Control():
+            case commands.Control():
                 self._commands.control(session, operation)
             case gateway.Ping():
                 self._introspection.ping(session, operation)

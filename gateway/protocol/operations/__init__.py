@@ -9,7 +9,7 @@ from typing import Final, get_args
 
 from gateway.protocol.operations import (
     actions,
-    control,
+    commands,
     fragment,
     gateway,
     parameters,
@@ -40,10 +40,10 @@ ClientOperation = (
     | parameters.DescribeParameters
     | transforms.LookupTransform
     | transforms.CancelTransform
-    | control.Stop
-    | control.AcquireControl
-    | control.ReleaseControl
-    | control.Control
+    | commands.Stop
+    | commands.AcquireControl
+    | commands.ReleaseControl
+    | commands.Control
     | gateway.SetLevel
     | gateway.Hello
     | gateway.Ping

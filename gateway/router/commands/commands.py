@@ -11,7 +11,7 @@ from gateway.drive.twist_cdr import COMMAND_TYPES
 from gateway.ports import Ros, RosError
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import TopicName, resolve_topic
-from gateway.protocol.operations.control import AcquireControl, Control, ReleaseControl, Stop
+from gateway.protocol.operations.commands import AcquireControl, Control, ReleaseControl, Stop
 from gateway.protocol.operations.topics import Advertise, Publish, Unadvertise
 from gateway.protocol.session import Session
 from gateway.router.commands.command_topic import CommandTopic
