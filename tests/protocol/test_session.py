@@ -106,6 +106,13 @@ def test_what_is_rate_limited_gets_the_answer_that_is_waited_for():
     assert (ping["op"], ping["id"], ping["code"]) == ("status", 1, "rate_limited")
 
 
+def test_a_stop_is_never_rate_limited():
+    client = Client()
+    assert all(client.send(op="ping") for _ in range(10))
+    assert client.send(op="ping") is None
+    assert all(client.send(op="stop") for _ in range(10))
+
+
 def test_json_is_read_within_the_limits_of_the_client():
     client = Client(Limits(max_json_depth=3, max_json_items=8))
     assert client.send(op="ping", value=[[1, 2, 3, 4]]) is not None

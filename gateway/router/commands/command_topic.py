@@ -231,7 +231,7 @@ class CommandTopic:
 
     def _send_notices(self) -> None:
         self._notice = None
-        for session in self.watchers:
+        for session in list(self.watchers):
             session.send(messages.answer("control", None, **self.state(session)))
 
     # What the drive wants done

@@ -51,10 +51,6 @@ class Commands:
         """The number of open ROS publishers."""
         return sum(topic.is_open for topic in self._topics.values())
 
-    def advertised(self, session: Session) -> int:
-        """Count the command topics that a client has open."""
-        return sum(session in topic.drivers for topic in self._topics.values())
-
     def advertise(self, session: Session, name: TopicName, request: Advertise) -> None:
         """Open a command topic for a client.
 
@@ -245,9 +241,11 @@ class Commands:
     def _end_turn(self) -> None:
         # anew: what was taken before a stop of this process must not go out after it
         self._turn_ns = time.monotonic_ns()
-        for topic in self._topics.values():
-            topic.end_turn()
-        self._turn_ns = None
+        try:
+            for topic in self._topics.values():
+                topic.end_turn()
+        finally:  # or time would stand still
+            self._turn_ns = None
 
 
 def _ignored(request: Advertise) -> Iterator[str]:

@@ -337,3 +337,15 @@ async def test_a_robot_that_comes_up_while_the_stick_is_pushed_does_not_move(sce
     assert client.statuses[-1][0] == "tripped"
     await eventually(lambda: len(heard) >= 3)
     assert set(speeds(heard)) == {0.0}
+
+
+async def test_a_client_that_may_not_drive_any_more_is_stopped(scene: Scene):
+    heard = scene.listen()
+    client = scene.client()
+    push(client)
+    await eventually(lambda: len(heard) == 1)
+    scene.router._commands.revoke(client.session)
+    await eventually(lambda: speeds(heard)[1:2] == [0.0])
+    push(client, id=1)
+    assert client.statuses[-1][0] == "tripped"
+    assert "the permission to drive ended" in client.statuses[-1][1]
