@@ -116,6 +116,22 @@ async def test_after_a_blackout_nothing_moves_until_the_stick_is_let_go(
 # Gateway: each needs one of its own
 
 
+def guard_of(gateway: Gateway) -> int:
+    """Return the process id of a gateway's guard."""
+    pid = gateway.process.pid
+    children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+    assert len(children) == 1
+    return int(children[0])
+
+
+def is_running(pid: int) -> bool:
+    try:
+        stat = Path(f"/proc/{pid}/stat").read_text()
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+    return stat.rpartition(")")[2].split()[0] != "Z"  # an orphan whom no init has reaped
+
+
 @contextlib.asynccontextmanager
 async def driven(robot: Base) -> AsyncIterator[tuple[Gateway, asyncio.subprocess.Process]]:
     async with scene.gateway() as own, scene.operator(own.url) as driver:
@@ -130,10 +146,12 @@ async def driven(robot: Base) -> AsyncIterator[tuple[Gateway, asyncio.subprocess
 async def test_a_gateway_that_is_ended_stops_the_robot(robot, measured, number, name, allowed_s):
     for _ in REPETITIONS:
         async with driven(robot) as (own, driver):
+            guard = guard_of(own)
             at_ns = await injected(robot, driver, lambda o=own: o.process.send_signal(number))
             zero_ns = await stopped(robot, at_ns)
             measured(f"gateway {name}", (zero_ns - at_ns) / 1e9, allowed_s=allowed_s)
             await own.process.wait()
+            await until(lambda g=guard: not is_running(g))
             assert robot.moved_after(zero_ns) == []
 
 
@@ -161,18 +179,6 @@ async def test_a_gateway_that_hangs_stops_the_robot_and_does_not_move_it_afterwa
 
 
 # The guard
-
-
-def guard_of(gateway: Gateway) -> int:
-    """Return the process id of a gateway's guard."""
-    pid = gateway.process.pid
-    children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
-    assert len(children) == 1
-    return int(children[0])
-
-
-def is_running(pid: int) -> bool:
-    return Path(f"/proc/{pid}").exists()
 
 
 async def test_a_guard_that_is_killed_stops_the_robot_until_another_one_is_there(robot, measured):
