@@ -14,13 +14,14 @@ PIP := $(BIN)/python -m pip -qq --disable-pip-version-check --no-input
 ARGS ?=
 WHAT ?=
 COMPARE ?=
+REPEAT ?=
 PYTEST_ARGS ?= $(ARGS)
 # As many workers as tests/conftest.py says. Each begins with a part of the tests in their order, so that those that share
 # a gateway or a Mono process stay together; one that has done its own takes over from the others.
 WORKERS := -n auto --dist worksteal
 
 .DEFAULT_GOAL := help
-.PHONY: help demo serve test lint format docs bench mutants clean
+.PHONY: help demo serve test lint format docs bench faults mutants clean
 
 help: ## list the targets
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
@@ -58,6 +59,9 @@ docs: $(READY_FOR_TESTS) ## write the generated parts of code and documentation 
 
 bench: $(READY) ## measure speed, some 50 minutes (make bench WHAT=odometry, make bench COMPARE=ref)
 	@$(BIN)/python -m benchmarks $(WHAT) $(if $(COMPARE),--compare $(COMPARE)) $(ARGS)
+
+faults: $(READY_FOR_TESTS) ## kill, freeze and cut off what drives a robot, see that it stops (make faults REPEAT=20)
+	FAULTS_REPEAT=$(or $(REPEAT),20) $(BIN)/python -m pytest tests/e2e/faults -n0 -q $(ARGS)
 
 mutants: $(READY_FOR_TESTS) ## break lines on purpose, see that tests notice (make mutants WHAT=codec)
 	@$(BIN)/python -m tests.interfaces

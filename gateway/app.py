@@ -22,6 +22,7 @@ from gateway.codec.image import confine_to_calling_thread
 from gateway.codec.types import Types
 from gateway.config.model import Config
 from gateway.errors import BindError, ConfigError
+from gateway.guard.supervisor import GuardProcess
 from gateway.memory import exempt_from_collection, keep_large_blocks
 from gateway.ports import LogLevel, Ros, RosError
 from gateway.ros import RosOptions, open_ros
@@ -91,6 +92,7 @@ async def _serve(config: Config, announce: Announce, load: Callable[[], Config])
         ros = await _open_ros(stack, config)
         stack.enter_context(_logging_to(ros))
         workers = stack.enter_context(_workers(config.images.workers))
+        guard = await stack.enter_async_context(_guard(config))
         router = Router(
             ros,
             Types(InstalledDefinitions([*installed_prefixes(), interfaces_prefix()])),
@@ -99,6 +101,8 @@ async def _serve(config: Config, announce: Announce, load: Callable[[], Config])
             workers=workers,
             version=version("ros2-json-gateway"),
             audit=security.audit,
+            control=config.control,
+            guard=guard,
         )
         stack.callback(router.close)
         server = Server(
@@ -124,7 +128,9 @@ async def _serve(config: Config, announce: Announce, load: Callable[[], Config])
                 certificate=config.tls.cert,
             )
         )
+        guard.start()  # last: nobody waits for it to listen
         await stop.wait()
+        router.stop_robots()  # first: closing the connections takes up to a second
         end_by_force()
         logger.info("shutting down")
     return 0
@@ -135,6 +141,16 @@ async def _open_ros(stack: AsyncExitStack, config: Config) -> Ros:
         return await stack.enter_async_context(open_ros(_ros_options(config)))
     except RosError as error:
         raise ConfigError(f"ROS: {error}") from error
+
+
+def _guard(config: Config) -> GuardProcess:
+    namespace, _, name = _ros_options(config).guard_node.rpartition("/")
+    return GuardProcess(
+        name,
+        namespace or "/",
+        config.ros.domain_id,
+        deadline_s=config.control.deadline_s,
+    )
 
 
 async def _listen(

@@ -5,7 +5,7 @@ import asyncio
 import contextlib
 from collections.abc import AsyncIterator
 
-from tests.client import client
+from tests.client import Client, client
 from tests.gateway_process import GatewayProcess, gateway_process
 
 ROBOT = "/simulated_robot"
@@ -22,10 +22,20 @@ async def demonstration(*arguments: str) -> AsyncIterator[GatewayProcess]:
         yield gateway
 
 
+async def until_it_can_be_driven(speaker: Client) -> None:
+    """Wait until the guard process has discovered the robot: until then nothing moves it."""
+    state = None
+    while state != "ready":
+        await asyncio.sleep(POLL_S)
+        await speaker.send(op="control", topic="/cmd_vel")
+        state = (await speaker.receive(lambda frame: frame["op"] == "control"))["guard"]
+
+
 async def _wait_for_the_robot(url: str) -> None:
     async with client(url) as speaker:
         await speaker.send(op="subscribe", topic="/odom", type="nav_msgs/msg/Odometry")
         await speaker.message("/odom")
+        await until_it_can_be_driven(speaker)
         provided: set[str] = set()
         while not provided >= _SERVICES:
             await asyncio.sleep(POLL_S)

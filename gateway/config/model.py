@@ -10,6 +10,7 @@ from typing import Annotated, Final, Literal
 from pydantic import AfterValidator, Field, StringConstraints
 
 from gateway.config.access import AccessConfig, AuditConfig, TlsConfig
+from gateway.config.control import ControlConfig
 from gateway.config.domain_id import MAX_DOMAIN_ID
 from gateway.config.limits import Limits
 from gateway.config.section import Section
@@ -146,4 +147,5 @@ class Config(Section):
     log: LogConfig = LogConfig()
     ros: RosConfig = RosConfig()
     limits: Limits = Limits()
+    control: ControlConfig = ControlConfig()
     images: ImagesConfig = ImagesConfig()

@@ -40,20 +40,26 @@ _BEHIND_ACTION: Final = "/_action/"  # in the names of an action's topics and se
 _logger = logging.getLogger(__name__)
 
 
-def read_graph(node: Node) -> Graph:
-    """Return the whole graph; 40 us a topic and direction, so keep it until it changes."""
+def read_graph(node: Node, hidden: str = "") -> Graph:
+    """Return the whole graph; 40 us a topic and direction, so keep it until it changes.
+
+    The publishers of the node *hidden* are left out, and so is the node.
+    """
     topics = tuple(
         TopicInfo(
             name,
             tuple(sorted(types)),
-            publishers=_nodes(node.get_publishers_info_by_topic(name)),
+            publishers=tuple(
+                each for each in _nodes(node.get_publishers_info_by_topic(name)) if each != hidden
+            ),
             subscribers=_nodes(node.get_subscriptions_info_by_topic(name)),
         )
         for name, types in sorted(node.get_topic_names_and_types())
         if _BEHIND_ACTION not in name
     )
     nodes = (full_name(namespace, name) for name, namespace in node.get_node_names_and_namespaces())
-    return Graph(topics, tuple(sorted(nodes)), read_services(node), read_actions(node))
+    shown = tuple(sorted(each for each in nodes if each != hidden))
+    return Graph(topics, shown, read_services(node), read_actions(node))
 
 
 def read_services(node: Node) -> tuple[ServerInfo, ...]:
@@ -74,9 +80,15 @@ def read_actions(node: Node) -> tuple[ServerInfo, ...]:
     return _provided(node, lambda *each: get_action_server_names_and_types_by_node(node, *each))
 
 
-def read_types(node: Node, topic: str, own_nodes: Container[str]) -> tuple[str, ...]:
-    """Return the types of a topic as `gateway.ports.Ros.topic_types` describes it."""
-    endpoints = node.get_publishers_info_by_topic(topic)
+def read_types(
+    node: Node, topic: str, own_nodes: Container[str], hidden: str = ""
+) -> tuple[str, ...]:
+    """Return the types of a topic as `gateway.ports.Ros.topic_types` describes it.
+
+    The node *hidden* does not count.
+    """
+    publishers = node.get_publishers_info_by_topic(topic)
+    endpoints = [each for each in publishers if endpoint_node(each) != hidden]
     if not endpoints:
         subscribers = node.get_subscriptions_info_by_topic(topic)
         others = [each for each in subscribers if endpoint_node(each) not in own_nodes]

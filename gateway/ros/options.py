@@ -23,6 +23,11 @@ class RosOptions:
     arguments: tuple[str, ...] = ()  # as ROS takes them: ("--ros-args", "-r", "a:=b")
     taking: Taking = "auto"  # how samples come to the loop, see `gateway.ros.samples`
 
+    @property
+    def guard_node(self) -> str:
+        """The full name of the guard process' node; ROS hides such names: it has an underscore."""
+        return f"{self.namespace.rstrip('/')}/_{self.node_prefix}_guard"
+
 
 def check_room(open_entities: int, options: RosOptions, *, is_reserved: bool) -> None:
     """Check that one more entity may be opened; *is_reserved*: a publisher of a reserved topic.

@@ -168,7 +168,7 @@ class RclpyRos:
         """Return the types of a topic; see the port. Kept until the graph changes."""
         known = self._types.get(topic)
         if known is None:
-            known = read_types(self._debug, topic, self._own_nodes)
+            known = read_types(self._debug, topic, self._own_nodes, self._options.guard_node)
             if known:  # clients may name any number of topics that do not exist
                 self._types[topic] = known
         return known
@@ -191,7 +191,7 @@ class RclpyRos:
     def graph(self) -> Graph:
         """Return the graph as it is known now; kept until it changes."""
         if self._graph is None:
-            graph = read_graph(self._debug)
+            graph = read_graph(self._debug, self._options.guard_node)
             self._graph = replace(
                 graph,
                 services=self._without_ended("service", graph.services),

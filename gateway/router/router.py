@@ -12,6 +12,7 @@ from typing import Any, Protocol, assert_never
 from gateway.access.audit import Audit
 from gateway.access.permissions import UNLIMITED, Identity
 from gateway.codec.types import Types
+from gateway.config.control import ControlConfig
 from gateway.config.limits import Limits
 from gateway.deadline import Deadline
 from gateway.ports import Ros
@@ -19,6 +20,7 @@ from gateway.protocol.errors import ProtocolError
 from gateway.protocol.operations import (
     ClientOperation,
     actions,
+    commands,
     gateway,
     parameters,
     services,
@@ -29,6 +31,8 @@ from gateway.protocol.session import Session
 from gateway.router.actions.client_actions import ClientActions
 from gateway.router.actions.goals import Goals
 from gateway.router.entity_shares import EntityShares
+from gateway.router.commands.commands import Commands
+from gateway.router.commands.guard import Guard, NoGuard
 from gateway.router.interface_types import InterfaceTypes
 from gateway.router.introspection.introspection import Introspection
 from gateway.router.permission_checks import may_carry_out
@@ -58,7 +62,7 @@ class Router:
     everything of a client.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913  # one argument for each part that it shares
         self,
         ros: Ros,
         types: Types,
@@ -68,6 +72,8 @@ class Router:
         workers: Executor,
         version: str,
         audit: Audit | None = None,
+        control: ControlConfig | None = None,
+        guard: Guard | None = None,
     ) -> None:
         topic_types = TopicTypes(ros, types, table)
         interface_types = InterfaceTypes(ros, types)
@@ -82,7 +88,8 @@ class Router:
         self._service_clients = ServiceClients(ros)
         self._views = RoleViews(ros, types, self._service_clients)
         self._subscriptions = Subscriptions(ros, topic_types, workers)
-        self._publications = Publications(ros, topic_types)
+        self._commands = Commands(ros, topic_types, control or ControlConfig(), guard or NoGuard())
+        self._publications = Publications(ros, topic_types, self._commands)
         self._service_calls = ServiceCalls(
             interface_types,
             self._service_clients,
@@ -108,6 +115,7 @@ class Router:
             self._services,
             self._goals,
             self._actions,
+            self._commands,  # the last one leaves first
         )
         using = (
             self._subscriptions,
@@ -168,8 +176,13 @@ class Router:
             for part in self._parts:
                 parts.callback(part.leave, session)
 
+    def stop_robots(self) -> None:
+        """Stop whatever moves, before anything else of a shutdown; from now on nothing moves."""
+        self._commands.shut_down()
+
     def close(self) -> None:
-        """End all sessions and stop following the graph."""
+        """Stop robots, end all sessions and stop following the graph."""
+        self._commands.close()
         self._watch.close()
         for session in list(self._sessions):
             self.leave(session)
@@ -183,7 +196,7 @@ class Router:
             "clients": len(self._sessions),
             "ros_entities": self._ros.entity_count(),
             "subscriptions": self._subscriptions.topics,
-            "publishers": self._publications.publishers,
+            "publishers": self._publications.publishers + self._commands.publishers,
             "services": self._services.services,
             "action_servers": self._actions.servers,
             "service_clients": self._service_clients.clients,
@@ -248,6 +261,14 @@ class Router:
                 self._transforms.watch(session, operation)
             case transforms.CancelTransform():
                 self._transforms.cancel(session, operation)
+            case commands.Stop():
+                self._commands.stop(session, operation)
+            case commands.AcquireControl():
+                self._commands.acquire(session, operation)
+            case commands.ReleaseControl():
+                self._commands.release(session, operation)
+            case commands.Control():
+                self._commands.control(session, operation)
             case gateway.Ping():
                 self._introspection.ping(session, operation)
             case gateway.Hello():
@@ -291,4 +312,5 @@ class Router:
 
     def _on_graph_change(self) -> None:
         self._subscriptions.refresh()
+        self._commands.on_graph_change()
         self._introspection.on_graph_change()

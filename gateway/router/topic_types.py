@@ -41,6 +41,10 @@ class TopicTypes:
         except (UnknownTypeError, DefinitionError) as error:
             raise bad_type(error, self._types.definitions) from error
 
+    def known(self, topic: TopicName) -> tuple[str, ...]:
+        """Return the types that ROS knows for a topic."""
+        return self._ros.topic_types(topic)
+
     def on_topic(self, topic: TopicName, requested: str | int | None) -> MessageType | None:
         """Return the type to use on a topic; ``None`` if neither client nor ROS names one yet.
 

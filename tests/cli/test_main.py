@@ -431,7 +431,9 @@ def test_demo_shows_lines_to_paste_and_ctrl_c_ends_it_with_0():
 
 def test_a_simulated_robot_that_dies_ends_the_demo_with_1():
     with running("demo", "--port", "0", until="ws://") as (process, _):
-        (robot,) = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+        children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+        # the other one is the guard, if it has been started by now
+        (robot,) = (c for c in children if "\0sim\0" in Path(f"/proc/{c}/cmdline").read_text())
         os.kill(int(robot), signal.SIGKILL)
         assert process.wait(TIMEOUT_S) == 1
 

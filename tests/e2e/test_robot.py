@@ -13,6 +13,7 @@ import pytest
 import pytest_asyncio
 
 from tests.client import TIMEOUT_S, Client, client, eventually
+from tests.demonstration import until_it_can_be_driven
 from tests.gateway_process import GatewayProcess, gateway_process
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
@@ -26,6 +27,7 @@ async def demo() -> AsyncIterator[GatewayProcess]:
         async with client(demo.url) as speaker:
             await speaker.send(op="subscribe", topic="/odom", type="nav_msgs/msg/Odometry")
             await speaker.message("/odom")
+            await until_it_can_be_driven(speaker)
         yield demo
 
 

@@ -9,6 +9,7 @@ from typing import Final, get_args
 
 from gateway.protocol.operations import (
     actions,
+    commands,
     fragment,
     gateway,
     parameters,
@@ -39,6 +40,10 @@ ClientOperation = (
     | parameters.DescribeParameters
     | transforms.LookupTransform
     | transforms.CancelTransform
+    | commands.Stop
+    | commands.AcquireControl
+    | commands.ReleaseControl
+    | commands.Control
     | gateway.SetLevel
     | gateway.Hello
     | gateway.Ping

@@ -91,13 +91,17 @@ class Unadvertise(Operation):
 
 
 class Publish(Operation):
-    """Publish one message; advertise the topic first if the type is given or known."""
+    """Publish one message; advertise the topic first if the type is given or known.
+
+    ``monotonic_ms`` is for command topics: a clock of the client that never goes back.
+    """
 
     op = "publish"
     topic: str
     msg: Any
     type: str | int | None = None
     latch: bool | None = None
+    monotonic_ms: Annotated[float, Field(ge=0, le=1e15)] | None = None  # 30,000 years
 
 
 class Subscribe(Operation):

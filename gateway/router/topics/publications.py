@@ -11,6 +11,7 @@ from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import TopicName, resolve_topic
 from gateway.protocol.operations.topics import Advertise, Publish, Unadvertise
 from gateway.protocol.session import Session
+from gateway.router.commands.commands import Commands
 from gateway.router.topic_types import TopicTypes
 from gateway.router.topics.requested_qos import offered
 
@@ -26,11 +27,15 @@ class Advertised:
 
 
 class Publications:
-    """Opens and closes ROS publishers as clients come and go, and publishes through them."""
+    """Opens and closes ROS publishers as clients come and go, and publishes through them.
 
-    def __init__(self, ros: Ros, types: TopicTypes) -> None:
+    What concerns a command topic goes to `Commands`.
+    """
+
+    def __init__(self, ros: Ros, types: TopicTypes, commands: Commands) -> None:
         self._ros = ros
         self._types = types
+        self._commands = commands
         self._advertised: dict[Session, dict[TopicName, Advertised]] = {}
 
     @property
@@ -50,6 +55,9 @@ class Publications:
             RosError: ROS refuses it, and nothing has changed.
         """
         topic = resolve_topic(request.topic, session.limits.max_name_characters)
+        if topic in self._commands:
+            self._commands.advertise(session, topic, request)
+            return
         known = self._advertised.get(session, {}).get(topic)
         if known is None:
             known = self._open(session, topic, request)
@@ -66,6 +74,9 @@ class Publications:
             ProtocolError: the client has not advertised it.
         """
         topic = resolve_topic(request.topic, session.limits.max_name_characters)
+        if topic in self._commands:
+            self._commands.unadvertise(session, topic, request)
+            return
         own = self._advertised.get(session, {})
         known = own.get(topic)
         if known is None or (request.id is not None and request.id not in known.ids):
@@ -86,6 +97,9 @@ class Publications:
             RosError: ROS refuses to create the publisher.
         """
         topic = resolve_topic(request.topic, session.limits.max_name_characters)
+        if topic in self._commands:
+            self._commands.publish(session, topic, request)
+            return
         known = self._advertised.get(session, {}).get(topic)
         if known is None:
             known = self._open(session, topic, request)

@@ -1,0 +1,419 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The state machine of one command topic.
+
+It moves the robot only while its holder commands it to, in time:
+
+- The deadline is judged before each command, by a time that is read once per turn of the event
+  loop. So a gateway that stood still, or a link that was cut, stops the robot before it looks at
+  what has piled up. Of the commands of one turn the newest goes out.
+- A stop is `ZEROS` commands of zero, then silence.
+- After a stop that the client did not ask for, the `TripLatch` refuses commands to move.
+- More than `CROWD` commands in one turn after a silence are a backlog, whatever was before.
+
+A person who types commands by hand sends a single one and knows that the robot moves for one
+deadline. Such a motion, of one command, ends with a latch that allows a single command: it waits
+for `HOLD_NS`, and goes out unless more come crowded, as those of a backlog do: a segment of TCP
+holds several. Those that come one by one meanwhile replace it. A single late command cannot be told
+from a timely one without the client's clock; clients that send their time have no use for this
+rule, and do not get it.
+"""
+
+from collections.abc import Hashable
+from dataclasses import dataclass, replace
+from typing import Final
+
+from gateway.drive import refusals
+from gateway.drive.effects import (
+    Cause,
+    Changed,
+    Clamped,
+    Command,
+    Effect,
+    GuardState,
+    Motion,
+    Refused,
+    Rules,
+    Send,
+    Status,
+    Stopped,
+)
+from gateway.drive.lease import Lease
+from gateway.drive.trip_latch import QUIET_NS, TripLatch
+from gateway.drive.velocity import ZERO
+
+ZEROS: Final = 5  # one is enough for a reliable reader; a best-effort one may lose some
+ZERO_PERIOD_NS: Final = 50_000_000  # the last one after 200 ms
+HOLD_NS: Final = QUIET_NS
+CROWD_GAP_NS: Final = 3_000_000  # XR's 120 Hz are 8 ms apart
+CROWD: Final = 12  # 100 ms at 120 Hz, while the loop was busy; less than a backlog of 1 s at 20 Hz
+
+Effects = list[Effect]
+
+
+@dataclass(slots=True)
+class _Held:
+    """A command that waits: for the guard, or with a time, for others to come after it."""
+
+    command: Command
+    since_ns: int  # when it came
+    until_ns: int | None
+
+
+class Drive:
+    """One command topic: who drives, how fast, and whether at all.
+
+    Call `end_turn` at the end of each turn of the event loop in which there was a command, and
+    `tick` at `due_ns`. Times are those of a monotonic clock.
+    """
+
+    def __init__(self, topic: str, rules: Rules, guard: GuardState = "starting") -> None:
+        self._topic = topic
+        self._rules = rules
+        self._guard: GuardState = guard
+        self._latch = TripLatch()
+        self._lease: Lease | None = None
+        self._cause: Cause | None = None
+        self._is_over = False  # the gateway shuts down
+        # the motion
+        self._moves = False
+        self._accepted_ns = 0
+        self._commands = 0
+        self._is_by_hand = True  # no command had its client's time
+        self._pending: Command | None = None  # goes out at the end of this turn
+        self._held: _Held | None = None
+        # the turn
+        self._heard_ns: int | None = None
+        self._in_turn = 0
+        self._is_after_silence = False
+        # the stop
+        self._zeros_left = 0
+        self._next_zero_ns = 0
+
+    @property
+    def status(self) -> Status:
+        """The state, for clients that ask."""
+        motion: Motion = "moving" if self._moves else "stopping" if self._zeros_left else "stopped"
+        return Status(
+            motion,
+            self._lease.holder if self._lease else None,
+            self._cause,
+            self._latch.is_set and not self._latch.allows_single,
+            self._guard,
+        )
+
+    @property
+    def is_moving(self) -> bool:
+        """Return whether the last command was one to move."""
+        return self._moves
+
+    @property
+    def needs_guard(self) -> bool:
+        """Return whether somebody has to stop the robot if this process ends now."""
+        return self._moves or self._zeros_left > 0
+
+    @property
+    def due_ns(self) -> int | None:
+        """The time at which `tick` has something to do."""
+        times = [self._latch.due_ns]
+        if self._moves:
+            times.append(self._accepted_ns + self._rules.deadline_ns)
+        if self._zeros_left:
+            times.append(self._next_zero_ns)
+        if self._held:
+            times.append(self._held.until_ns or self._held.since_ns + self._rules.deadline_ns)
+        if self._lease:
+            times.append(self._lease.renewed_ns + self._rules.lease_ns)
+        return min((time for time in times if time is not None), default=None)
+
+    # Commands
+
+    def command(self, command: Command, now_ns: int) -> Effects:
+        """Take a command of a client."""
+        out = self.tick(now_ns)
+        refused = self._check(command, now_ns)
+        if refused is not None:
+            is_stop = command.velocity.is_zero and self._is_held_by(command)
+            if self._moves and is_stop:  # late, but never too late
+                self._stop("zero", now_ns, out, is_asked=True)
+            return [*out, refused]
+        gap_ns = None if self._heard_ns is None else now_ns - self._heard_ns
+        self._heard_ns = now_ns
+        if not self._in_turn:
+            self._is_after_silence = gap_ns is None or gap_ns >= self._rules.deadline_ns
+        self._in_turn += 1
+        if command.velocity.is_zero:
+            self._zero(command, now_ns, out)
+        else:
+            self._move(command, gap_ns, now_ns, out)
+        return out
+
+    def invalid(self, client: Hashable, now_ns: int) -> Effects:
+        """Take note that a client has sent a message that does not fit the type."""
+        out = self.tick(now_ns)
+        if self._moves and self._lease and self._lease.holder == client:
+            self._stop("invalid_value", now_ns, out)
+        return out
+
+    def end_turn(self, now_ns: int) -> Effects:
+        """Send the newest command of the turn."""
+        out = self.tick(now_ns)
+        is_crowd = self._is_after_silence and self._in_turn > CROWD
+        self._in_turn = 0
+        pending, self._pending = self._pending, None
+        waiting = pending or (self._held and self._held.command)
+        if is_crowd and waiting and not waiting.velocity.is_zero:
+            self._held = None
+            self._stop("backlog", now_ns, out)
+            out.append(self._tripped(waiting))
+        elif pending is not None:
+            out.append(Send(pending.velocity))
+        return out
+
+    # Other events
+
+    def tick(self, now_ns: int) -> Effects:
+        """Do what is due."""
+        out: Effects = []
+        if self._moves and now_ns - self._accepted_ns >= self._rules.deadline_ns:
+            self._stop("deadline", now_ns, out, allows_single=self._is_single)
+        if self._lease and self._lease.is_over(now_ns, self._rules.lease_ns):
+            if self._moves:
+                self._stop("lease", now_ns, out)
+            self._lease = None
+            out.append(Changed())
+        if self._held:
+            self._tick_held(self._held, now_ns, out)
+        if self._latch.tick(now_ns):
+            out.append(Changed())
+        if self._zeros_left and now_ns >= self._next_zero_ns:
+            self._send_zero(now_ns, out)
+        return out
+
+    def leave(self, client: Hashable, now_ns: int) -> Effects:
+        """Stop what a client has moved; it is gone."""
+        return self._end_lease(client, "disconnect", now_ns, allows_single=self._is_single)
+
+    def revoke(self, client: Hashable, now_ns: int) -> Effects:
+        """Stop what a client has moved; it may not any more."""
+        return self._end_lease(client, "permission", now_ns)
+
+    def release(self, client: Hashable, now_ns: int) -> Effects:
+        """Take control from a client that gives it back; ignored if it has none."""
+        return self._end_lease(client, "release", now_ns, is_asked=True)
+
+    def stop(self, client: Hashable, now_ns: int) -> Effects:
+        """Stop at the request of any client, also a robot that stands as far as we know."""
+        out = self.tick(now_ns)
+        is_asked = self._lease is None or self._lease.holder == client
+        self._stop("stop", now_ns, out, is_asked=is_asked)
+        return out
+
+    def acquire(self, client: Hashable, now_ns: int) -> Effects:
+        """Give control to a client; what another one has moved is stopped first."""
+        out = self.tick(now_ns)
+        if self._lease and self._lease.holder != client:
+            if self._moves:
+                self._stop("takeover", now_ns, out)
+            self._hand_over(out)
+        if self._lease is None:
+            self._lease = Lease(client, now_ns)
+        self._lease.is_asked_for = True
+        self._lease.renewed_ns = now_ns
+        out.append(Changed())
+        return out
+
+    def set_guard(self, guard: GuardState, now_ns: int) -> Effects:
+        """Follow the guard process: without it nothing moves."""
+        out = self.tick(now_ns)
+        if guard != self._guard:
+            self._guard = guard
+            out.append(Changed())
+        if guard != "ready" and self._moves:
+            self._stop("guard", now_ns, out)
+        if self._held and guard == "lost":
+            out.append(self._tripped(self._held.command))
+            self._held = None
+        elif self._held and guard == "ready" and self._held.until_ns is None:
+            self._send_held(self._held, self._held.since_ns, out)
+        return out
+
+    def shut_down(self, now_ns: int) -> Effects:
+        """Stop, and refuse to move from now on."""
+        out = self.tick(now_ns)
+        self._is_over = True
+        self._held = None
+        if self._moves:
+            self._stop("shutdown", now_ns, out)
+        return out
+
+    # Rules
+
+    @property
+    def _is_single(self) -> bool:
+        return self._commands == 1 and self._is_by_hand
+
+    def _check(self, command: Command, now_ns: int) -> Refused | None:
+        if self._lease and not self._may_command(self._lease, command, now_ns):
+            return refusals.not_holder(command, self._topic, self._rules)
+        if command.age == "stale":
+            return refusals.stale(command, self._topic)
+        return None
+
+    def _may_command(self, lease: Lease, command: Command, now_ns: int) -> bool:
+        if lease.holder == command.client:
+            return True
+        # with "zero" a client that would drive has to stop first, and zeros take nothing away
+        is_first = not command.velocity.is_zero and self._rules.first_command == "any"
+        return is_first and lease.is_weak(now_ns, self._rules.lease_ns)
+
+    def _is_held_by(self, command: Command) -> bool:
+        return self._lease is not None and self._lease.holder == command.client
+
+    def _zero(self, command: Command, now_ns: int, out: Effects) -> None:
+        self._take_lease(command, now_ns, out)
+        self._held = None  # it waited, and the client has thought better of it
+        if self._moves:
+            self._stop("zero", now_ns, out, is_asked=True)
+        else:
+            was_set = self._latch.is_set
+            self._latch.zero(command.age, now_ns)
+            if was_set != self._latch.is_set:
+                out.append(Changed())
+            self._pending = command
+
+    def _move(self, command: Command, gap_ns: int | None, now_ns: int, out: Effects) -> None:
+        if self._is_over or self._guard == "lost":
+            out.append(self._tripped(command))
+            return
+        is_new = not self._is_held_by(command)
+        if is_new and self._rules.first_command == "zero" and not self._latch.is_set:
+            self._latch.trip("start")
+        if self._latch.is_set and not self._may_be_single(command, gap_ns):
+            self._latch.spoil()
+            held, self._held = self._held, None
+            if held:
+                out.append(self._tripped(held.command))
+            out.append(self._tripped(command))
+            return
+        self._take_lease(command, now_ns, out)
+        command = self._clamp(command, out)
+        if self._latch.is_set:
+            until_ns = self._held.until_ns if self._held else now_ns + HOLD_NS
+            self._held = _Held(command, now_ns, until_ns or now_ns + HOLD_NS)
+        elif self._guard == "starting":
+            self._held = _Held(command, now_ns, None)
+        else:
+            self._accept(command, now_ns, out)
+
+    def _may_be_single(self, command: Command, gap_ns: int | None) -> bool:
+        """Return whether a command after a motion of a single one may wait to go out."""
+        if not self._latch.allows_single or self._latch.is_resetting or command.age != "unknown":
+            return False
+        return gap_ns is None or gap_ns >= CROWD_GAP_NS
+
+    def _tick_held(self, held: _Held, now_ns: int, out: Effects) -> None:
+        if held.until_ns is None:
+            is_late = now_ns - held.since_ns >= self._rules.deadline_ns
+        elif now_ns < held.until_ns:
+            return
+        else:  # late only if the gateway stood still
+            is_late = now_ns - held.until_ns >= HOLD_NS
+        if is_late:
+            self._held = None
+            out.append(self._tripped(held.command))
+        elif self._guard == "ready":
+            self._send_held(held, now_ns, out)
+        else:
+            held.until_ns, held.since_ns = None, now_ns
+
+    def _send_held(self, held: _Held, accepted_ns: int, out: Effects) -> None:
+        self._held = None
+        self._latch = TripLatch()
+        self._accept(held.command, accepted_ns, out)
+        self._pending = None
+        out.append(Send(held.command.velocity))
+
+    def _accept(self, command: Command, now_ns: int, out: Effects) -> None:
+        self._pending = command
+        self._accepted_ns = now_ns
+        if not self._moves:
+            self._moves = True
+            self._commands = 0
+            self._is_by_hand = True
+            self._zeros_left = 0
+            out.append(Changed())
+        self._commands += 1
+        self._is_by_hand &= command.age == "unknown"
+
+    def _clamp(self, command: Command, out: Effects) -> Command:
+        velocity = command.velocity.clamped(self._rules.max_linear, self._rules.max_angular)
+        if velocity == command.velocity:
+            return command
+        out.append(Clamped(command, velocity))
+        return replace(command, velocity=velocity)
+
+    def _take_lease(self, command: Command, now_ns: int, out: Effects) -> None:
+        """Take or renew the lease; `_check` has found nothing against it."""
+        if self._lease and self._lease.holder != command.client:
+            self._hand_over(out)
+        if self._lease is None:
+            self._lease = Lease(command.client, now_ns)
+            out.append(Changed())
+        self._lease.renewed_ns = now_ns
+        if not command.velocity.is_zero:
+            self._lease.driven_ns = now_ns
+
+    def _end_lease(self, client: Hashable, cause: Cause, now_ns: int, **how: bool) -> Effects:
+        out = self.tick(now_ns)
+        if self._held and self._held.command.client == client:
+            self._held = None
+        if self._lease and self._lease.holder == client:
+            if self._moves:
+                self._stop(cause, now_ns, out, **how)
+            self._lease = None
+            out.append(Changed())
+        return out
+
+    def _hand_over(self, out: Effects) -> None:
+        """End a lease that another client takes: nothing of the former one goes out any more."""
+        held, self._held = self._held, None
+        if held:
+            out.append(self._tripped(held.command))
+        self._pending = None
+        if self._latch.is_set:
+            self._latch.spoil()
+        self._lease = None
+
+    def _stop(
+        self,
+        cause: Cause,
+        now_ns: int,
+        out: Effects,
+        *,
+        is_asked: bool = False,
+        allows_single: bool = False,
+    ) -> None:
+        self._moves = False
+        self._pending = self._held = None
+        self._cause = cause
+        if not is_asked:
+            self._latch.trip(cause, allows_single=allows_single)
+        holder = self._lease.holder if self._lease else None
+        out.append(Stopped(cause, holder, self._latch.is_set and not self._latch.allows_single))
+        out.append(Changed())
+        self._zeros_left = ZEROS
+        self._send_zero(now_ns, out)
+
+    def _send_zero(self, now_ns: int, out: Effects) -> None:
+        out.append(Send(ZERO))
+        self._zeros_left -= 1
+        self._next_zero_ns = now_ns + ZERO_PERIOD_NS
+        if not self._zeros_left:
+            out.append(Changed())
+
+    def _tripped(self, command: Command) -> Refused:
+        if self._is_over:
+            return refusals.shutting_down(command, self._topic)
+        if self._guard != "ready":
+            return refusals.unguarded(command, self._topic, self._guard)
+        return refusals.tripped(command, self._topic, self._latch.cause or "deadline")

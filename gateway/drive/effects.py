@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Inputs and outputs of a drive, as data."""
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+from typing import Literal
+
+from gateway.drive.freshness import Age
+from gateway.drive.velocity import Velocity
+
+Code = Literal["tripped", "not_lease_holder", "stale_command", "invalid_value"]
+
+Cause = Literal[
+    "zero",  # the client's own all-zero command
+    "stop",  # the operation
+    "release",
+    "deadline",  # no command in time
+    "disconnect",
+    "takeover",
+    "lease",  # it ended while the robot moved
+    "permission",
+    "invalid_value",
+    "backlog",  # many commands at once, after silence
+    "guard",
+    "shutdown",
+    "start",  # not a stop: the first command has to be zero, as configured
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """One command of a client; *request* is handed back if it is refused later."""
+
+    client: Hashable
+    velocity: Velocity
+    age: Age = "unknown"
+    request: object = None
+
+
+@dataclass(frozen=True, slots=True)
+class Send:
+    """Publish a velocity now."""
+
+    velocity: Velocity
+
+
+@dataclass(frozen=True, slots=True)
+class Refused:
+    """Answer a command with an error."""
+
+    command: Command
+    code: Code
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Stopped:
+    """A stop has begun, while the robot moved or because it was asked for; write it down."""
+
+    cause: Cause
+    client: Hashable | None  # that drove
+    is_tripped: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Clamped:
+    """A command was faster than allowed; *velocity* is what remains of it."""
+
+    command: Command
+    velocity: Velocity
+
+
+@dataclass(frozen=True, slots=True)
+class Changed:
+    """The status is another one."""
+
+
+Effect = Send | Refused | Stopped | Clamped | Changed
+GuardState = Literal["starting", "ready", "lost"]
+Motion = Literal["stopped", "moving", "stopping"]
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """The state of a drive, for clients that ask."""
+
+    motion: Motion
+    holder: Hashable | None
+    cause: Cause | None  # of the last stop
+    is_tripped: bool
+    guard: GuardState
+
+
+@dataclass(frozen=True, slots=True)
+class Rules:
+    """The configured rules; see `gateway.config.control`."""
+
+    deadline_ns: int = 500_000_000
+    lease_ns: int = 2_000_000_000
+    max_linear: float = 10.0
+    max_angular: float = 10.0
+    first_command: Literal["any", "zero"] = "any"

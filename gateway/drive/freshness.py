@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The age of a command by its client's own clock.
+
+The two clocks have nothing to do with each other. But the delay between them, gateway's time of
+arrival less client's time of sending, is smallest for the command that travelled fastest, and every
+other is older than that one by the difference.
+"""
+
+from typing import Final, Literal
+
+MAX_AGE_NS: Final = 250_000_000
+# The best delay of a connection grows by 200 ppm: more than crystals differ (100 ppm), and by less
+# than `MAX_AGE_NS` in the ten seconds after which a silent connection is ended.
+FORGETTING: Final = 5000
+# A program that reconnects may send at once what it kept meanwhile: of the first commands of a
+# connection nobody knows how old the best is.
+SETTLING_NS: Final = 1_000_000_000
+
+Age = Literal[
+    "fresh",  # not older than the best by `MAX_AGE_NS`
+    "stale",
+    "unknown",  # no time was given, or the connection is too young to know
+]
+
+
+class Freshness:
+    """The times of one connection's commands."""
+
+    __slots__ = ("_best_ns", "_first_ns", "_judged_ns")
+
+    def __init__(self) -> None:
+        self._first_ns: int | None = None
+        self._best_ns = 0
+        self._judged_ns = 0
+
+    def judge(self, sent_ms: float | None, now_ns: int) -> Age:
+        """Return the age of a command that was sent at *sent_ms* of the client's clock."""
+        if sent_ms is None:
+            return "unknown"
+        delay_ns = now_ns - round(sent_ms * 1e6)
+        if self._first_ns is None:
+            self._first_ns = self._judged_ns = now_ns
+            self._best_ns = delay_ns
+        grown_ns = self._best_ns + (now_ns - self._judged_ns) // FORGETTING
+        self._judged_ns = now_ns
+        self._best_ns = min(grown_ns, delay_ns)
+        if delay_ns - self._best_ns >= MAX_AGE_NS:
+            return "stale"
+        return "fresh" if now_ns - self._first_ns >= SETTLING_NS else "unknown"

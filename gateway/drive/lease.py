@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The lease of a command topic: one client at a time drives."""
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+
+
+@dataclass(slots=True)
+class Lease:
+    """One client's right to command, until it is silent for a while.
+
+    A client that takes it by a command need not know that there is such a thing; many pages send
+    zeros all day long. So a lease that was taken by a command is weak while only zeros come: it
+    keeps nobody out who drives. One that was asked for is kept by zeros, too.
+    """
+
+    holder: Hashable
+    renewed_ns: int
+    driven_ns: int | None = None  # of the newest non-zero command
+    is_asked_for: bool = False
+
+    def is_over(self, now_ns: int, lease_ns: int) -> bool:
+        """Return whether the holder has been silent for too long."""
+        return now_ns - self.renewed_ns >= lease_ns
+
+    def is_weak(self, now_ns: int, lease_ns: int) -> bool:
+        """Return whether a client that drives may take it."""
+        if self.is_asked_for:
+            return False
+        return self.driven_ns is None or now_ns - self.driven_ns >= lease_ns

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The answers to commands that do not go out: each says what to do about it."""
+
+from typing import Final
+
+from gateway.drive.effects import Cause, Command, GuardState, Refused, Rules
+
+CAUSE_TEXTS: Final[dict[Cause, str]] = {
+    "zero": "it was commanded to stop",
+    "stop": "another client asked for a stop",
+    "release": "control was released",
+    "deadline": "commands ceased",
+    "disconnect": "the client that drove disconnected",
+    "takeover": "another client took control",
+    "lease": "control was not renewed",
+    "permission": "the permission to drive ended",
+    "invalid_value": "a command was invalid",
+    "backlog": "many commands came at once after a silence, so they are late",
+    "guard": "the gateway's guard process was lost",
+    "shutdown": "the gateway shuts down",
+    "start": "this gateway wants a command to stop before the first to move",
+}
+
+_GUARD_TEXTS: Final[dict[GuardState, str]] = {"starting": "is starting", "lost": "is not there"}
+
+
+def not_holder(command: Command, topic: str, rules: Rules) -> Refused:
+    """Refuse a client while another one drives."""
+    reason = (
+        f"another client drives {topic}; wait until it has been silent for"
+        f' {rules.lease_ns / 1e9:g} s, take over by {{"op":"acquire_control","topic":"{topic}"}},'
+        ' or stop the robot by {"op":"stop"}'
+    )
+    return Refused(command, "not_lease_holder", reason)
+
+
+def stale(command: Command, topic: str) -> Refused:
+    """Refuse a command that is old by its client's clock."""
+    reason = (
+        f"topic {topic}: by its monotonic_ms the command came 250 ms later than others of this"
+        " connection"
+    )
+    return Refused(command, "stale_command", reason)
+
+
+def tripped(command: Command, topic: str, cause: Cause) -> Refused:
+    """Refuse a command to move, as the latch is set."""
+    reason = (
+        f'topic {topic} is stopped, {CAUSE_TEXTS[cause]}: publish a command of zero ("msg":{{}}),'
+        " nothing that moves for 250 ms, then drive on"
+    )
+    return Refused(command, "tripped", reason)
+
+
+def unguarded(command: Command, topic: str, guard: GuardState) -> Refused:
+    """Refuse a command to move, as the guard process is not there to stop it."""
+    reason = (
+        f"topic {topic}: the process that stops the robot if the gateway dies"
+        f" {_GUARD_TEXTS[guard]}; send the command again when it is there, in a second or so"
+    )
+    return Refused(command, "tripped", reason)
+
+
+def shutting_down(command: Command, topic: str) -> Refused:
+    """Refuse a command to move at the end."""
+    return Refused(command, "tripped", f"topic {topic}: the gateway shuts down")

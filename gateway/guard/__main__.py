@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The guard process; the gateway starts it, see `gateway.guard`."""
+
+import contextlib
+import os
+import select
+import signal
+import sys
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Final
+
+import orjson
+
+from gateway.drive.twist_cdr import encode
+from gateway.drive.velocity import ZERO
+from gateway.guard import DISCOVERY_S, HEARD_S, MAX_LINE_BYTES
+from gateway.guard.watch import Watch
+from gateway.ports import RosError
+from gateway.ros.stand_alone import StandAlone, StandAlonePublisher
+
+LIFESPAN_S: Final = 0.25
+DISCOVERY_PERIOD_NS: Final = 20_000_000
+ACKNOWLEDGED_S: Final = 0.5  # a reader that has not got the last zero by then has gone, too
+
+
+@dataclass(slots=True)
+class _Output:
+    """A publisher, and what its messages need beside six zeros."""
+
+    type_name: str
+    publisher: StandAlonePublisher
+    opened_ns: int
+    expected: int  # subscriptions that the gateway knows
+    is_told: bool = False  # that it is open
+    stamp_offset_ns: int = 0
+    frame_id: str = ""
+
+    @property
+    def is_heard(self) -> bool:
+        """Return whether anybody would get a zero."""
+        return self.publisher.readers > 0
+
+
+class Guard:
+    """The loop of the process; everything happens on its one thread."""
+
+    def __init__(self, ros: StandAlone, silence_ns: int) -> None:
+        self._ros = ros
+        self._watch = Watch(silence_ns)
+        self._outputs: dict[str, _Output] = {}
+        self._heard_ns = 0
+        self._rest = b""
+
+    def run(self) -> None:
+        """Watch until the gateway's end of the pipe is closed and everything stands."""
+        _say("ready")
+        poll = select.poll()
+        poll.register(0, select.POLLIN)
+        is_open = True
+        while is_open or self._watch.is_stopping:
+            timeout_ms = self._timeout_ms()
+            if is_open and poll.poll(timeout_ms):
+                data = os.read(0, 65536)
+                is_open = bool(data)
+                self._take(data)
+            elif not is_open:
+                time.sleep((timeout_ms or 0) / 1000)
+            now_ns = time.monotonic_ns()
+            if not is_open:
+                self._watch.lost(now_ns)
+            else:
+                for topic in self._watch.silent(now_ns):
+                    _say("stopped", topic)
+            self._tell_opened(now_ns)
+            self._send(self._watch.zeros(now_ns, lambda topic: self._outputs[topic].is_heard))
+        self._ros.flush(ACKNOWLEDGED_S)
+
+    def _timeout_ms(self) -> float | None:
+        due_ns = self._watch.due_ns
+        now_ns = time.monotonic_ns()
+        if any(not output.is_told for output in self._outputs.values()):
+            due_ns = min(due_ns or now_ns + DISCOVERY_PERIOD_NS, now_ns + DISCOVERY_PERIOD_NS)
+        if due_ns is None:
+            return None
+        # rounded up: a poll that returns too early would turn for nothing
+        return max(0, (due_ns - now_ns) // 1_000_000 + 1)
+
+    def _take(self, data: bytes) -> None:
+        *lines, self._rest = (self._rest + data).split(b"\n")
+        now_ns = time.monotonic_ns()
+        for line in lines:
+            self._obey(orjson.loads(line), now_ns)
+        if len(self._rest) > MAX_LINE_BYTES:
+            raise SystemExit("the guard's input is no line")
+        if lines and now_ns - self._heard_ns >= HEARD_S * 1e9:
+            self._heard_ns = now_ns
+            _say("heard")
+
+    def _obey(self, message: list[Any], now_ns: int) -> None:
+        match message:
+            case ["moving", topic, int(offset_ns), frame_id]:
+                self._watch.moving(topic, now_ns)
+                if topic in self._outputs:
+                    self._outputs[topic].stamp_offset_ns = offset_ns
+                    self._outputs[topic].frame_id = frame_id
+            case ["rest", topic]:
+                self._watch.rest(topic)
+            case ["open", topic, type_name, int(readers)]:
+                self._open(topic, type_name, readers)
+            case ["close", str(topic)]:
+                self._watch.close(topic)
+                output = self._outputs.pop(topic, None)
+                if output is not None:
+                    output.publisher.close()
+
+    def _open(self, topic: str, type_name: str, readers: int) -> None:
+        known = self._outputs.get(topic)
+        if known is not None:
+            known.expected, known.opened_ns, known.is_told = readers, time.monotonic_ns(), False
+            return
+        try:
+            publisher = self._ros.advertise(topic, type_name, LIFESPAN_S)
+        except RosError as error:
+            _say("failed", topic, str(error)[:200])
+            return
+        self._outputs[topic] = _Output(type_name, publisher, time.monotonic_ns(), readers)
+        self._watch.open(topic)
+
+    def _tell_opened(self, now_ns: int) -> None:
+        """Report the topics that have their readers, or have waited for long enough."""
+        for topic, output in self._outputs.items():
+            is_due = now_ns - output.opened_ns >= DISCOVERY_S * 1e9
+            if not output.is_told and (is_due or output.publisher.readers >= output.expected):
+                output.is_told = True
+                _say("opened", topic)
+
+    def _send(self, topics: Iterable[str]) -> None:
+        for topic in topics:
+            output = self._outputs[topic]
+            stamp_ns = max(0, time.monotonic_ns() + output.stamp_offset_ns)
+            with contextlib.suppress(RosError):  # the next one may pass
+                output.publisher.publish(encode(output.type_name, ZERO, stamp_ns, output.frame_id))
+
+
+def _say(*message: str) -> None:
+    with contextlib.suppress(OSError):  # the gateway is gone: the end of the input says so
+        os.write(1, orjson.dumps(message) + b"\n")
+
+
+def main() -> None:
+    """Run with ``{"name", "namespace", "domain_id", "silence_ns"}`` as the only argument."""
+    # Ctrl-C and a service's stop reach the whole group; the guard ends after the gateway.
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGPIPE):
+        signal.signal(number, signal.SIG_IGN)
+    options = orjson.loads(sys.argv[1])
+    with StandAlone(options["name"], options["namespace"], options["domain_id"]) as ros:
+        Guard(ros, options["silence_ns"]).run()
+
+
+if __name__ == "__main__":
+    main()

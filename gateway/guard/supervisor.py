@@ -1,0 +1,228 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The gateway's side of the guard process: starts it, talks to it, replaces it."""
+
+import asyncio
+import contextlib
+import logging
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Final, Self
+
+import orjson
+
+from gateway.drive.effects import GuardState
+from gateway.guard import MARGIN_S, MAX_LINE_BYTES, REPEAT_S
+
+RESTART_S: Final = 0.5  # doubled each time, up to
+MAX_RESTART_S: Final = 30.0
+STABLE_S: Final = 60.0  # after so long a restart is the first one again
+# A guard that is spoken to all the time answers ten times a second.
+UNANSWERED_S: Final = 1.0
+END_S: Final = 0.7  # with the clients' closing handshakes, less than the 2 s of a shutdown
+
+logger = logging.getLogger(__name__)
+
+OnState = Callable[[GuardState], None]
+
+
+@dataclass(slots=True)
+class _Topic:
+    type_name: str
+    readers: int
+    on_state: OnState
+    sent_ns: int = 0  # the newest `moving`
+
+
+class GuardProcess:
+    """One guard process at a time, on the running loop. Implements `router.commands.guard.Guard`.
+
+    Nothing here waits: what the pipe does not take at once means that the guard is not there.
+    """
+
+    def __init__(
+        self, name: str, namespace: str, domain_id: int | None, *, deadline_s: float
+    ) -> None:
+        silence_ns = round((deadline_s + MARGIN_S) * 1e9)
+        options = {
+            "name": name,
+            "namespace": namespace,
+            "domain_id": domain_id,
+            "silence_ns": silence_ns,
+        }
+        self.command: Sequence[str] = (
+            *(sys.executable, "-m", "gateway.guard"),
+            orjson.dumps(options).decode(),
+        )
+        self._topics: dict[str, _Topic] = {}
+        self._process: subprocess.Popen[bytes] | None = None
+        self._is_ready = False
+        self._rest = b""
+        self._started_s = 0.0
+        self._restart_s = RESTART_S
+        self._restart: asyncio.TimerHandle | None = None
+        self._asked_ns: int | None = None  # since when nothing has been answered
+        self._wrote_ns = 0
+        self._killed: list[subprocess.Popen[bytes]] = []  # not yet waited for
+
+    @property
+    def pid(self) -> int | None:
+        """The process id, while there is one."""
+        return self._process.pid if self._process else None
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        """End the guard: its input ends, and nothing moves any more."""
+        if self._restart:
+            self._restart.cancel()
+        for killed in self._killed:
+            killed.wait()
+        process = self._process
+        if process is None:
+            return
+        self._forget()
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            await asyncio.get_running_loop().run_in_executor(None, process.wait, END_S)
+        process.kill()
+        process.wait()
+
+    def start(self) -> None:
+        """Start the process; commands to move wait until it is ready."""
+        self._restart = None
+        self._killed = [each for each in self._killed if each.poll() is None]
+        self._started_s = time.monotonic()
+        try:
+            # a group of its own: Ctrl-C in a terminal is for the gateway
+            self._process = process = subprocess.Popen(
+                self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, process_group=0
+            )
+        except OSError as error:
+            self._lose(f"cannot be started: {error.strerror}")
+            return
+        for pipe in (process.stdin, process.stdout):
+            os.set_blocking(_fd(pipe), False)
+        asyncio.get_running_loop().add_reader(_fd(process.stdout), self._read)
+
+    # For the command topics
+
+    def open(self, topic: str, type_name: str, readers: int, on_state: OnState) -> None:
+        """Have the guard prepare for a topic; *on_state* is called when it has, or is lost."""
+        self._topics[topic] = _Topic(type_name, readers, on_state)
+        if self._is_ready:
+            self._write("open", topic, type_name, readers)
+
+    def close(self, topic: str) -> None:
+        """Have the guard forget a topic."""
+        if self._topics.pop(topic, None) is not None and self._is_ready:
+            self._write("close", topic)
+
+    def moving(self, topic: str, stamp_offset_ns: int, frame_id: str) -> None:
+        """Announce a command to move, before it goes out."""
+        known = self._topics.get(topic)
+        now_ns = time.monotonic_ns()
+        if known is None or now_ns - known.sent_ns < REPEAT_S * 1e9:
+            return
+        known.sent_ns = now_ns
+        if now_ns - self._wrote_ns > UNANSWERED_S * 1e9 / 2:
+            self._asked_ns = None  # it was not spoken to, and owes no answer
+        if self._asked_ns is None:
+            self._asked_ns = now_ns
+        elif now_ns - self._asked_ns > UNANSWERED_S * 1e9:
+            self._lose(f"has not answered for {UNANSWERED_S:g} s")
+            return
+        self._write("moving", topic, stamp_offset_ns, frame_id)
+
+    def rest(self, topic: str) -> None:
+        """Announce that the last zero has gone out."""
+        known = self._topics.get(topic)
+        if known is not None:
+            known.sent_ns = 0
+            self._write("rest", topic)
+
+    # The pipes
+
+    def _write(self, *message: object) -> None:
+        if self._process is None:
+            return
+        line = orjson.dumps(message) + b"\n"
+        try:
+            # less than PIPE_BUF, so it is written as a whole or not at all
+            os.write(_fd(self._process.stdin), line)
+        except OSError:  # full, or closed
+            self._lose("takes nothing any more")
+        self._wrote_ns = time.monotonic_ns()
+
+    def _read(self) -> None:
+        process = self._process
+        if process is None:
+            return
+        try:
+            data = os.read(_fd(process.stdout), 65536)
+        except BlockingIOError:
+            return
+        if not data:
+            self._lose("has ended")
+            return
+        self._asked_ns = None
+        *lines, self._rest = (self._rest + data).split(b"\n")
+        if len(self._rest) > MAX_LINE_BYTES:
+            self._lose("writes nonsense")
+            return
+        for line in lines:
+            self._hear(orjson.loads(line))
+
+    def _hear(self, message: list[str]) -> None:
+        match message:
+            case ["ready"]:
+                self._is_ready = True
+                logger.debug("the guard process is ready")
+                for topic, known in list(self._topics.items()):
+                    self._write("open", topic, known.type_name, known.readers)
+            case ["opened", topic] if topic in self._topics:
+                self._topics[topic].on_state("ready")
+            case ["failed", topic, reason] if topic in self._topics:
+                logger.error("the guard process cannot guard %s: %s", topic, reason)
+                self._topics[topic].on_state("lost")
+            case ["stopped", topic]:
+                logger.warning("the guard process has stopped %s: the gateway was silent", topic)
+
+    def _lose(self, why: str) -> None:
+        """Give up the process, stop what moves, and start another a little later."""
+        process = self._process
+        if process is not None:
+            self._forget()
+            process.kill()
+            if process.poll() is None:
+                # killed, and so gone in no time; it must not stay as a zombie
+                self._killed.append(process)
+        if time.monotonic() - self._started_s > STABLE_S:
+            self._restart_s = RESTART_S
+        logger.error(
+            "the guard process %s: commands to move are refused until another is there", why
+        )
+        self._restart = asyncio.get_running_loop().call_later(self._restart_s, self.start)
+        self._restart_s = min(2 * self._restart_s, MAX_RESTART_S)
+        for known in list(self._topics.values()):
+            known.on_state("lost")
+
+    def _forget(self) -> None:
+        """Close both pipes of the process."""
+        process, self._process = self._process, None
+        self._is_ready = False
+        self._asked_ns = None
+        self._rest = b""
+        if process is not None:
+            asyncio.get_running_loop().remove_reader(_fd(process.stdout))
+            for pipe in (process.stdin, process.stdout):
+                if pipe is not None:
+                    with contextlib.suppress(OSError):
+                        pipe.close()
+
+
+def _fd(pipe: Any) -> int:
+    return int(pipe.fileno())

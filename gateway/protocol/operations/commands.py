@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Moving a robot: stop, control of a command topic, its state."""
+
+from gateway.protocol.operations.base import Operation
+
+
+class Stop(Operation):
+    """Stop one command topic, or without a name all of them; any client may."""
+
+    op = "stop"
+    topic: str | None = None
+
+
+class AcquireControl(Operation):
+    """Take control of a command topic, also from another client; it is stopped first."""
+
+    op = "acquire_control"
+    topic: str | None = None
+
+
+class ReleaseControl(Operation):
+    """Give control back; what moves is stopped."""
+
+    op = "release_control"
+    topic: str | None = None
+
+
+class Control(Operation):
+    """Ask for the state of a command topic.
+
+    Once or, with ``watch: true``, with all later changes; ``watch: false`` ends these.
+    """
+
+    op = "control"
+    topic: str | None = None
+    watch: bool | None = None

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A node that only publishes, for a process without an event loop."""
+
+import contextlib
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Final, Self
+
+from rclpy.context import Context
+from rclpy.duration import Duration
+from rclpy.event_handler import PublisherEventCallbacks
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+
+from gateway.ros import fast_dds
+from gateway.ros.errors import REFUSALS, refused, remapped
+from gateway.ros.groups import group_of_one
+from gateway.ros.interfaces import message_class
+from gateway.ros.name_checks import check_topic
+
+_PROFILE: Final = Path(__file__).with_name("fastdds_profile.xml")
+
+
+class StandAlone:
+    """One participant with one node; nothing spins it. A context manager."""
+
+    def __init__(self, name: str, namespace: str, domain_id: int | None) -> None:
+        self._context = Context()
+        with fast_dds.profile(_PROFILE):
+            arguments = ["--ros-args", "--disable-stdout-logs", "--disable-external-lib-logs"]
+            self._context.init(args=arguments, domain_id=domain_id)
+            self._node = Node(
+                name,
+                context=self._context,
+                namespace=namespace,
+                enable_rosout=False,
+                start_parameter_services=False,
+                parameter_overrides=[Parameter("start_type_description_service", value=False)],
+            )
+        self._publishers: list[Any] = []
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._node.destroy_node()
+        self._context.try_shutdown()
+        self._context.destroy()
+
+    def advertise(self, topic: str, type_name: str, lifespan_s: float) -> "StandAlonePublisher":
+        """Create a publisher of the newest message on a fully resolved topic name.
+
+        Raises:
+            RosError: as for `gateway.ports.Ros.advertise`.
+        """
+        check_topic(topic)
+        found = message_class(type_name)
+        # not by `gateway.ros.profile`: its imports take as long as all the others
+        newest = QoSProfile(
+            reliability=ReliabilityPolicy.RELIABLE,
+            durability=DurabilityPolicy.VOLATILE,
+            history=HistoryPolicy.KEEP_LAST,
+            depth=1,
+            lifespan=Duration(seconds=lifespan_s),
+        )
+        try:
+            publisher = self._node.create_publisher(
+                found,
+                topic,
+                newest,
+                callback_group=group_of_one(),
+                event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
+            )
+        except REFUSALS as error:
+            raise refused(f"topic {topic}", error) from error
+        if publisher.topic_name != topic:
+            self._node.destroy_publisher(publisher)
+            raise remapped(f"topic {topic}", publisher.topic_name)
+        self._publishers.append(publisher)
+        return StandAlonePublisher(self, publisher)
+
+    def flush(self, timeout_s: float) -> None:
+        """Wait until reliable readers have what was published, at most for a time."""
+        for publisher in self._publishers:
+            with contextlib.suppress(*REFUSALS):
+                publisher.wait_for_all_acked(Duration(seconds=timeout_s))
+
+    def destroy(self, publisher: Any) -> None:
+        """Destroy a publisher."""
+        self._publishers.remove(publisher)
+        self._node.destroy_publisher(publisher)
+
+
+class StandAlonePublisher:
+    """A publisher of raw samples; see `gateway.ports.Publisher`."""
+
+    def __init__(self, owner: StandAlone, publisher: Any) -> None:
+        self._owner = owner
+        self._publisher = publisher
+
+    def publish(self, cdr: bytes) -> None:
+        """Publish one sample, encapsulation header included."""
+        try:
+            self._publisher.publish(cdr)
+        except REFUSALS as error:
+            raise refused(f"topic {self._publisher.topic_name}", error) from error
+
+    @property
+    def readers(self) -> int:
+        """The number of subscriptions that discovery has matched."""
+        return int(self._publisher.get_subscription_count())
+
+    def close(self) -> None:
+        """Destroy it."""
+        self._owner.destroy(self._publisher)

@@ -1,0 +1,338 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One command topic at run time: its drive, its publisher, its guard, and its clients."""
+
+import asyncio
+import logging
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from gateway.codec.types import MessageType
+from gateway.drive.drive import Drive
+from gateway.drive.effects import (
+    Changed,
+    Clamped,
+    Command,
+    Effect,
+    GuardState,
+    Refused,
+    Rules,
+    Send,
+    Stopped,
+)
+from gateway.drive.freshness import Freshness
+from gateway.drive.refusals import CAUSE_TEXTS
+from gateway.drive.twist_cdr import COMMAND_TYPES, TWIST_STAMPED, encode
+from gateway.drive.velocity import ZERO
+from gateway.ports import Publisher, Qos, Ros, RosError
+from gateway.protocol import messages
+from gateway.protocol.errors import ProtocolError
+from gateway.protocol.names import TopicName
+from gateway.protocol.operations.base import Operation
+from gateway.protocol.session import Session
+from gateway.router.commands.guard import Guard
+from gateway.router.commands.twist_values import TwistValues
+
+# Reliable, as a zero must arrive; the newest only, and not when it is old; and never retained: a
+# base that restarts must not get the last command before it did.
+COMMAND_QOS: Final = Qos("reliable", "volatile", "keep_last", 1, lifespan_ns=250_000_000)
+# A refused stream is answered once in so long: a client that holds a stick sends 120 a second.
+REPEAT_NS: Final = 1_000_000_000
+# Between two `control` frames: a client that toggles must not fill the others' queues.
+NOTICE_S: Final = 0.05
+
+logger = logging.getLogger(__name__)
+
+
+@dataclass(slots=True)
+class Driver:
+    """One client that has the topic open."""
+
+    ids: set[str | int | None] = field(default_factory=set)  # of its advertisements
+    freshness: Freshness = field(default_factory=Freshness)
+    answered_ns: dict[str, int] = field(default_factory=dict)  # by the code of the answer
+
+
+class CommandTopic:
+    """It is open while clients use it or it is stopping.
+
+    The guard prepares for it as soon as a type is known: a zero reaches only who has discovered
+    the guard's publisher before. Its drive stays for as long as the gateway runs: what was stopped
+    stays so, also for a client that comes back on another connection.
+    """
+
+    def __init__(
+        self, name: TopicName, rules: Rules, ros: Ros, guard: Guard, now_ns: Callable[[], int]
+    ) -> None:
+        self.name = name
+        self.message_type: MessageType | None = None  # while it is open
+        self.drivers: dict[Session, Driver] = {}
+        self.watchers: set[Session] = set()
+        self._ros = ros
+        self._guard = guard
+        self._now_ns = now_ns
+        self._rules = rules
+        self._drive = Drive(name, rules)
+        self._publisher: Publisher | None = None
+        self._guarded_type: str | None = None
+        self._readers = 0  # the subscriptions that ROS knows
+        self._frame_id = ""
+        self._is_guarded = False
+        self._timer: asyncio.TimerHandle | None = None
+        self._timer_ns = 0
+        self._notice: asyncio.TimerHandle | None = None
+        self._is_closed = False
+
+    @property
+    def is_open(self) -> bool:
+        """Return whether there is a publisher."""
+        return self._publisher is not None
+
+    # Clients
+
+    def open(self, message_type: MessageType) -> None:
+        """Open the publisher, and have the guard open its own.
+
+        Raises:
+            RosError: ROS refuses it.
+        """
+        self.prepare(message_type.name)
+        self._publisher = self._ros.advertise(self.name, message_type.name, COMMAND_QOS)
+        self.message_type = message_type
+
+    def prepare(self, type_name: str) -> None:
+        """Have the guard open its publisher of a type, unless it has."""
+        if type_name == self._guarded_type:
+            return
+        if self._guarded_type is not None:
+            self._guard.close(self.name)
+        self._guarded_type = type_name
+        self._apply(self._drive.set_guard("starting", self._now_ns()))
+        self._readers = self._count_readers()
+        self._guard.open(self.name, type_name, self._readers, self._on_guard)
+
+    def on_graph_change(self, types: tuple[str, ...]) -> None:
+        """Have the guard prepare for the first robot; *types* are those that ROS knows.
+
+        A robot that comes up while somebody pushes the stick does not move: the guard has not
+        discovered it yet.
+        """
+        if self._guarded_type is None or (not self.is_open and types != (self._guarded_type,)):
+            if len(types) == 1 and types[0] in COMMAND_TYPES:
+                self.prepare(types[0])
+            return
+        known, self._readers = self._readers, self._count_readers()
+        if self._readers and not known:
+            self._apply(self._drive.set_guard("starting", self._now_ns()))
+            self._guard.open(self.name, self._guarded_type, self._readers, self._on_guard)
+
+    def driver(self, session: Session) -> Driver:
+        """Return the part of a client in an open topic; a new client gets one."""
+        return self.drivers.setdefault(session, Driver())
+
+    def command(
+        self, session: Session, values: TwistValues, sent_ms: float | None, request: Operation
+    ) -> None:
+        """Take a command of a client; whatever is refused is answered."""
+        now_ns = self._now_ns()
+        age = self.driver(session).freshness.judge(sent_ms, now_ns)
+        self._frame_id = values.frame_id
+        self._apply(self._drive.command(Command(session, values.velocity, age, request), now_ns))
+
+    def invalid(self, session: Session) -> None:
+        """Take note of a message that does not fit the type."""
+        self._apply(self._drive.invalid(session, self._now_ns()))
+
+    def stop(self, session: Session) -> None:
+        """Stop at a client's request."""
+        self._apply(self._drive.stop(session, self._now_ns()))
+
+    def acquire(self, session: Session) -> None:
+        """Give a client control, and send it the changes of the state from now on."""
+        self.watchers.add(session)
+        self._apply(self._drive.acquire(session, self._now_ns()))
+
+    def release(self, session: Session) -> None:
+        """Take control back from a client, if it has it."""
+        self._apply(self._drive.release(session, self._now_ns()))
+
+    def revoke(self, session: Session) -> None:
+        """Stop a client that may not drive any more."""
+        self._apply(self._drive.revoke(session, self._now_ns()))
+        self.leave(session)
+
+    def withdraw(self, session: Session) -> None:
+        """End a client's advertisements; what it moves is stopped."""
+        self.release(session)
+        self.drivers.pop(session, None)
+        self._close_if_idle()
+
+    def leave(self, session: Session) -> None:
+        """Stop what a client moves, and forget it."""
+        if session in self.drivers or self._drive.status.holder is session:
+            self._apply(self._drive.leave(session, self._now_ns()))
+        self.watchers.discard(session)
+        self.drivers.pop(session, None)
+        self._close_if_idle()
+
+    # The event loop
+
+    def end_turn(self) -> None:
+        """Send the newest command of the turn."""
+        self._apply(self._drive.end_turn(self._now_ns()))
+
+    def shut_down(self) -> None:
+        """Stop, and refuse to move from now on."""
+        self._apply(self._drive.shut_down(self._now_ns()))
+
+    def close(self) -> None:
+        """Send a last zero if a stop is under way, and release everything."""
+        self.shut_down()
+        self._is_closed = True
+        self.drivers.clear()
+        self.watchers.clear()
+        for timer in (self._timer, self._notice):
+            if timer:
+                timer.cancel()
+        self._timer = self._notice = None
+        if self._is_guarded:
+            self._publish(Send(ZERO))
+            self._is_guarded = False
+            self._guard.rest(self.name)
+        self._close()
+        if self._guarded_type is not None:
+            self._guard.close(self.name)
+            self._guarded_type = None
+
+    # State
+
+    def state(self, session: Session) -> dict[str, Any]:
+        """Return the members of a `control` frame for a client."""
+        status = self._drive.status
+        holder = None
+        if status.holder is not None:
+            holder = "you" if status.holder is session else "other"
+        return {
+            "topic": self.name,
+            "state": status.motion,
+            "tripped": status.is_tripped,
+            "cause": status.cause,
+            "holder": holder,
+            "guard": status.guard if self._guarded_type else None,
+            "deadline_s": self._rules.deadline_ns / 1e9,
+            "lease_s": self._rules.lease_ns / 1e9,
+        }
+
+    def _notify(self) -> None:
+        if self.watchers and self._notice is None:
+            loop = asyncio.get_running_loop()
+            self._notice = loop.call_later(NOTICE_S, self._send_notices)
+
+    def _send_notices(self) -> None:
+        self._notice = None
+        for session in list(self.watchers):
+            session.send(messages.answer("control", None, **self.state(session)))
+
+    # What the drive wants done
+
+    def _apply(self, effects: Iterable[Effect]) -> None:
+        for effect in effects:
+            match effect:
+                case Send():
+                    self._publish(effect)
+                case Refused():
+                    self._refuse(effect)
+                case Clamped():
+                    self._tell_clamped(effect)
+                case Stopped(cause):
+                    level = logging.WARNING if effect.is_tripped else logging.DEBUG
+                    logger.log(level, "%s stopped: %s", self.name, CAUSE_TEXTS[cause])
+                case Changed():
+                    self._notify()
+        if self._is_guarded and not self._drive.needs_guard:
+            self._is_guarded = False
+            self._guard.rest(self.name)
+            self._close_if_idle()
+        self._set_timer()
+
+    def _publish(self, effect: Send) -> None:
+        if self._publisher is None or self.message_type is None:
+            return
+        stamp_ns = self._ros.now_ns() if self.message_type.name == TWIST_STAMPED else 0
+        is_zero = effect.velocity.is_zero
+        if self._is_guarded or not is_zero:
+            self._is_guarded = True
+            offset_ns = stamp_ns - time.monotonic_ns() if stamp_ns else 0
+            self._guard.moving(self.name, offset_ns, self._frame_id)
+            if not is_zero and not self._drive.is_moving:
+                return  # the guard was found lost just now, and the robot is stopped
+        cdr = encode(self.message_type.name, effect.velocity, stamp_ns, self._frame_id)
+        try:
+            self._publisher.publish(cdr)
+        except RosError as error:
+            logger.error("%s: %s", self.name, error)
+
+    def _refuse(self, refused: Refused) -> None:
+        session, request = refused.command.client, refused.command.request
+        assert isinstance(session, Session)  # noqa: S101  # the clients of this drive are sessions
+        error = ProtocolError(refused.code, refused.reason)
+        if isinstance(request, Operation) and self._is_to_be_answered(session, request, error.code):
+            session.refuse(error, request)
+        else:
+            session.refused += 1
+
+    def _tell_clamped(self, clamped: Clamped) -> None:
+        session, request = clamped.command.client, clamped.command.request
+        assert isinstance(session, Session)  # noqa: S101  # as above
+        if not isinstance(request, Operation):
+            return
+        if not self._is_to_be_answered(session, request, "clamped"):
+            return
+        if session in self.watchers:
+            session.answer("control", request.id, **self.state(session), clamped=True)
+        else:
+            linear, angular = self._rules.max_linear, self._rules.max_angular
+            text = f"topic {self.name}: clamped to {linear:g} m/s and {angular:g} rad/s"
+            session.warn(ProtocolError("invalid_value", text), request.op, request.id)
+
+    def _is_to_be_answered(self, session: Session, request: Operation, code: str) -> bool:
+        """Return whether an answer is due: with an id always, else once in `REPEAT_NS`."""
+        now_ns = self._now_ns()
+        answered_ns = self.driver(session).answered_ns
+        last_ns = answered_ns.get(code)
+        if request.id is None and last_ns is not None and now_ns - last_ns < REPEAT_NS:
+            return False
+        answered_ns[code] = now_ns
+        return True
+
+    def _count_readers(self) -> int:
+        topics = self._ros.graph().topics
+        return sum(len(topic.subscribers) for topic in topics if topic.name == self.name)
+
+    def _on_guard(self, state: GuardState) -> None:
+        self._apply(self._drive.set_guard(state, self._now_ns()))
+
+    def _set_timer(self) -> None:
+        due_ns = self._drive.due_ns
+        if self._is_closed or due_ns is None or (self._timer and self._timer_ns <= due_ns):
+            return  # one that comes too early sets the next
+        if self._timer:
+            self._timer.cancel()
+        delay_s = max(0.0, (due_ns - time.monotonic_ns()) / 1e9)
+        self._timer = asyncio.get_running_loop().call_later(delay_s, self._on_timer)
+        self._timer_ns = due_ns
+
+    def _on_timer(self) -> None:
+        self._timer = None
+        self._apply(self._drive.tick(time.monotonic_ns()))
+
+    def _close_if_idle(self) -> None:
+        if self.is_open and not self.drivers and not self._drive.needs_guard:
+            self._close()
+
+    def _close(self) -> None:
+        if self._publisher is not None:
+            self._publisher.close()
+        self._publisher = None
+        self.message_type = None

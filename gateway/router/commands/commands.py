@@ -1,0 +1,255 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command topics: what clients publish there moves a robot, if their drives let it."""
+
+import asyncio
+import time
+from collections.abc import Iterator
+
+from gateway.config.control import ControlConfig
+from gateway.drive.effects import Rules
+from gateway.drive.twist_cdr import COMMAND_TYPES
+from gateway.ports import Ros, RosError
+from gateway.protocol.errors import ProtocolError
+from gateway.protocol.names import TopicName, resolve_topic
+from gateway.protocol.operations.commands import AcquireControl, Control, ReleaseControl, Stop
+from gateway.protocol.operations.topics import Advertise, Publish, Unadvertise
+from gateway.protocol.session import Session
+from gateway.router.commands.command_topic import CommandTopic
+from gateway.router.commands.guard import Guard
+from gateway.router.commands.twist_values import read
+from gateway.router.topic_types import TopicTypes
+
+
+class Commands:
+    """Carries out every operation on a command topic.
+
+    The time is read once in a turn of the event loop: commands that were read from a socket
+    together are as old as each other.
+    """
+
+    def __init__(self, ros: Ros, types: TopicTypes, config: ControlConfig, guard: Guard) -> None:
+        self._types = types
+        self._turn_ns: int | None = None
+        rules = Rules(
+            deadline_ns=round(config.deadline_s * 1e9),
+            lease_ns=round(config.lease_s * 1e9),
+            max_linear=config.max_linear_m_s,
+            max_angular=config.max_angular_rad_s,
+            first_command=config.first_command,
+        )
+        self._topics = {
+            TopicName(name): CommandTopic(TopicName(name), rules, ros, guard, self._now_ns)
+            for name in config.topics
+        }
+
+    def __contains__(self, topic: TopicName) -> bool:
+        """Return whether a topic moves a robot."""
+        return topic in self._topics
+
+    @property
+    def publishers(self) -> int:
+        """The number of open ROS publishers."""
+        return sum(topic.is_open for topic in self._topics.values())
+
+    def advertise(self, session: Session, name: TopicName, request: Advertise) -> None:
+        """Open a command topic for a client.
+
+        Raises:
+            ProtocolError: the type is not one that moves a robot, or another one.
+            RosError: ROS refuses it.
+        """
+        topic = self._opened(name, request.type)
+        if session not in topic.drivers:
+            self._say_what_is_ignored(session, request)
+            session.inform(f"advertised {name}, a command topic", request.op, request.id)
+        topic.driver(session).ids.add(request.id)
+
+    def unadvertise(self, session: Session, name: TopicName, request: Unadvertise) -> None:
+        """Withdraw one advertisement, or without an id all of the client's; stop with the last.
+
+        Raises:
+            ProtocolError: the client has not advertised it.
+        """
+        topic = self._topics[name]
+        driver = topic.drivers.get(session)
+        if driver is None or (request.id is not None and request.id not in driver.ids):
+            with_id = "" if request.id is None else f" with id {request.id!r}"
+            raise ProtocolError("not_found", f"not advertised: {name}{with_id}")
+        driver.ids.discard(request.id)
+        if request.id is None or not driver.ids:
+            topic.withdraw(session)
+
+    def publish(self, session: Session, name: TopicName, request: Publish) -> None:
+        """Take one command; open the topic first if nobody has.
+
+        Raises:
+            ProtocolError: the type or the message is wrong.
+            RosError: ROS refuses to create the publisher.
+        """
+        topic = self._topics[name]
+        if not topic.is_open or request.type is not None or session not in topic.drivers:
+            topic = self._opened(name, request.type)
+            topic.driver(session).ids.add(None)
+        assert topic.message_type is not None  # noqa: S101  # it is open
+        try:
+            values = read(topic.message_type, request.msg)
+        except ProtocolError:
+            topic.invalid(session)
+            raise
+        topic.command(session, values, request.monotonic_ms, request)
+
+    def stop(self, session: Session, request: Stop) -> None:
+        """Stop one command topic, or all of which the type is known; never refused for its rate.
+
+        Raises:
+            ProtocolError: the topic is no command topic.
+        """
+        chosen = [self._named(session, request.topic)] if request.topic else self._topics.values()
+        stopped = []
+        for topic in chosen:
+            if not topic.is_open and not self._opens(topic):
+                continue  # neither a client nor a robot has ever named its type
+            topic.driver(session)
+            topic.stop(session)
+            stopped.append(topic.name)
+        session.answer("stop", request.id, topics=stopped)
+
+    def acquire(self, session: Session, request: AcquireControl) -> None:
+        """Give a client control of a topic.
+
+        Raises:
+            ProtocolError: the topic is no command topic.
+        """
+        topic = self._named(session, request.topic)
+        topic.acquire(session)
+        session.answer(request.op, request.id, **topic.state(session))
+
+    def release(self, session: Session, request: ReleaseControl) -> None:
+        """Take control of a topic back from a client.
+
+        Raises:
+            ProtocolError: the topic is no command topic.
+        """
+        topic = self._named(session, request.topic)
+        topic.release(session)
+        session.answer(request.op, request.id, **topic.state(session))
+
+    def control(self, session: Session, request: Control) -> None:
+        """Answer with the state of a topic, and begin or end to send its changes.
+
+        Raises:
+            ProtocolError: the topic is no command topic.
+        """
+        topic = self._named(session, request.topic)
+        if request.watch is True:
+            topic.watchers.add(session)
+        elif request.watch is False:
+            topic.watchers.discard(session)
+        session.answer(request.op, request.id, **topic.state(session))
+
+    def on_graph_change(self) -> None:
+        """Have the guard prepare for the robots that are there."""
+        for topic in self._topics.values():
+            topic.on_graph_change(self._types.known(topic.name))
+
+    def revoke(self, session: Session) -> None:
+        """Stop whatever a client moves: it may not any more."""
+        for topic in self._topics.values():
+            topic.revoke(session)
+
+    def leave(self, session: Session) -> None:
+        """Stop whatever a client moves, and forget it."""
+        for topic in self._topics.values():
+            topic.leave(session)
+
+    def shut_down(self) -> None:
+        """Stop every robot now; from now on nothing moves."""
+        for topic in self._topics.values():
+            topic.shut_down()
+
+    def close(self) -> None:
+        """Release everything; what is stopping gets a last zero."""
+        for topic in self._topics.values():
+            topic.close()
+
+    def _named(self, session: Session, requested: str | None) -> CommandTopic:
+        """Return a topic by its name, or the only one there is."""
+        if requested is None:
+            match list(self._topics.values()):
+                case [only]:
+                    return only
+            raise ProtocolError("bad_request", f"topic: name one of {self._names()}")
+        name = resolve_topic(requested, session.limits.max_name_characters)
+        if name not in self._topics:
+            raise ProtocolError(
+                "not_found", f"{name} is no command topic; these are {self._names()}"
+            )
+        return self._topics[name]
+
+    def _names(self) -> str:
+        return ", ".join(self._topics) or "none, as configured"
+
+    def _opened(self, name: TopicName, requested: str | int | None) -> CommandTopic:
+        """Return a topic that is open, with the type asked for or the one that ROS knows."""
+        topic = self._topics[name]
+        if topic.message_type is not None:
+            if requested is None:
+                return topic
+            named = self._types.named(requested)
+            if named.name != topic.message_type.name:
+                raise ProtocolError(
+                    "type_conflict",
+                    f"topic {name} is advertised as {topic.message_type.name}, not {named.name}",
+                )
+            return topic
+        message_type = self._types.on_topic(name, requested)
+        if message_type is None:
+            raise ProtocolError(
+                "not_found", f"topic {name} is not known: name its type by `type`, or advertise it"
+            )
+        if message_type.name not in COMMAND_TYPES:
+            raise ProtocolError(
+                "type_conflict",
+                f"topic {name} moves a robot and takes {' or '.join(COMMAND_TYPES)}, not"
+                f" {message_type.name} (setting control.topics)",
+            )
+        topic.open(message_type)
+        return topic
+
+    def _opens(self, topic: CommandTopic) -> bool:
+        """Open a topic of which ROS knows the type; return whether that went well."""
+        try:
+            self._opened(topic.name, None)
+        except (ProtocolError, RosError):
+            return False
+        return True
+
+    @staticmethod
+    def _say_what_is_ignored(session: Session, request: Advertise) -> None:
+        for ignored in _ignored(request):
+            text = f"{ignored} is ignored: a command topic keeps no message for later subscribers"
+            session.warn(ProtocolError("bad_request", text), request.op, request.id)
+
+    # Turns
+
+    def _now_ns(self) -> int:
+        if self._turn_ns is None:
+            self._turn_ns = time.monotonic_ns()
+            asyncio.get_running_loop().call_soon(self._end_turn)
+        return self._turn_ns
+
+    def _end_turn(self) -> None:
+        # anew: what was taken before a stop of this process must not go out after it
+        self._turn_ns = time.monotonic_ns()
+        try:
+            for topic in self._topics.values():
+                topic.end_turn()
+        finally:  # or time would stand still
+            self._turn_ns = None
+
+
+def _ignored(request: Advertise) -> Iterator[str]:
+    if request.latch:
+        yield "latch"
+    if request.qos is not None and request.qos.durability == "transient_local":
+        yield "durability transient_local"

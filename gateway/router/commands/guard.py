@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command topics' interface to whoever stops the robot if this process cannot."""
+
+from collections.abc import Callable
+from typing import Protocol
+
+from gateway.drive.effects import GuardState
+
+
+class Guard(Protocol):
+    """See `gateway.guard`. Nothing here blocks, and callbacks come on the event loop's thread."""
+
+    def open(
+        self, topic: str, type_name: str, readers: int, on_state: Callable[[GuardState], None]
+    ) -> None:
+        """Prepare for a topic that so many subscriptions are known of.
+
+        *on_state* is called with each new state but ``starting``.
+        """
+
+    def close(self, topic: str) -> None:
+        """Forget a topic that is at rest."""
+
+    def moving(self, topic: str, stamp_offset_ns: int, frame_id: str) -> None:
+        """Announce a command to move, before it goes out, and each zero until `rest`.
+
+        *stamp_offset_ns* is ROS time less the monotonic clock, *frame_id* the command's.
+        """
+
+    def rest(self, topic: str) -> None:
+        """Announce that the last zero of a stop has gone out."""
+
+
+class NoGuard:
+    """No guard, for tests and for programs that embed the router and watch over it themselves."""
+
+    def open(
+        self, topic: str, type_name: str, readers: int, on_state: Callable[[GuardState], None]
+    ) -> None:
+        """Report at once that the topic is guarded."""
+        del topic, type_name, readers
+        on_state("ready")
+
+    def close(self, topic: str) -> None:
+        """Ignore it."""
+
+    def moving(self, topic: str, stamp_offset_ns: int, frame_id: str) -> None:
+        """Ignore it."""
+
+    def rest(self, topic: str) -> None:
+        """Ignore it."""

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The velocity in a client's Twist or TwistStamped."""
+
+import math
+import struct
+from collections.abc import Mapping
+from typing import Final, NamedTuple
+
+from gateway.codec.errors import CodecError
+from gateway.codec.types import MessageType
+from gateway.drive.twist_cdr import TWIST
+from gateway.drive.velocity import Velocity
+from gateway.protocol.errors import ProtocolError
+
+_PARTS: Final = tuple(f"{part}.{axis}" for part in ("linear", "angular") for axis in "xyz")
+_SIX_DOUBLES: Final = struct.Struct("<6d")
+
+
+class TwistValues(NamedTuple):
+    """The values of a command; the gateway stamps it itself, when it accepts it."""
+
+    velocity: Velocity
+    frame_id: str = ""
+
+
+def read(message_type: MessageType, msg: object) -> TwistValues:
+    """Check a message, and return its values.
+
+    Raises:
+        ProtocolError: ``invalid_value``: it does not fit its type, or a number is not finite;
+            ``null``, which is NaN elsewhere, is refused as well.
+    """
+    try:
+        cdr = message_type.encode(msg, 0)
+    except CodecError as error:
+        raise ProtocolError("invalid_value", str(error)) from error
+    # the last members of both types; the encoder writes little-endian
+    velocity = Velocity(*_SIX_DOUBLES.unpack(cdr[-_SIX_DOUBLES.size :]))
+    if not velocity.is_finite:
+        number = next(n for n, value in enumerate(velocity) if not math.isfinite(value))
+        root = "msg" if message_type.name == TWIST else "msg.twist"
+        raise ProtocolError(
+            "invalid_value", f"{root}.{_PARTS[number]}: expected a finite number, got null"
+        )
+    return TwistValues(velocity, _frame_id(msg))
+
+
+def _frame_id(msg: object) -> str:
+    header = msg.get("header") if isinstance(msg, Mapping) else None
+    frame_id = header.get("frame_id") if isinstance(header, Mapping) else None
+    return frame_id if isinstance(frame_id, str) else ""

@@ -1,0 +1,550 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The rules of a drive, one by one; times are milliseconds here."""
+
+from collections.abc import Iterable
+
+import pytest
+
+from gateway.drive.drive import CROWD, Drive
+from gateway.drive.effects import (
+    Changed,
+    Clamped,
+    Command,
+    Effect,
+    GuardState,
+    Refused,
+    Rules,
+    Send,
+    Stopped,
+)
+from gateway.drive.freshness import Age
+from gateway.drive.velocity import ZERO, Velocity
+
+MS = 1_000_000
+AHEAD = Velocity(linear_x=0.2)
+
+
+class Bench:
+    """A drive, its clock, and what came out of it."""
+
+    def __init__(self, guard: GuardState = "ready", **rules: object) -> None:
+        self.drive = Drive("/cmd_vel", Rules(**rules), guard)  # type: ignore[arg-type]
+        self.now = 1_000_000 * MS
+        self.out: list[Effect] = []
+
+    def take(self, effects: Iterable[Effect]) -> None:
+        self.out += effects
+
+    def command(self, velocity: Velocity = AHEAD, client: str = "a", age: Age = "unknown") -> None:
+        """Send one command in a turn of its own."""
+        self.take(self.drive.command(Command(client, velocity, age), self.now))
+        self.end_turn()
+
+    def burst(self, velocities: Iterable[Velocity], client: str = "a") -> None:
+        """Send commands in one turn."""
+        for velocity in velocities:
+            self.take(self.drive.command(Command(client, velocity), self.now))
+        self.end_turn()
+
+    def end_turn(self) -> None:
+        self.take(self.drive.end_turn(self.now))
+
+    def wait(self, milliseconds: float) -> None:
+        """Let time pass as a loop does: `tick` is called when something is due."""
+        end = self.now + round(milliseconds * MS)
+        while (due := self.drive.due_ns) is not None and due <= end:
+            self.now = max(self.now, due)
+            self.take(self.drive.tick(self.now))
+        self.now = end
+
+    def freeze(self, milliseconds: float) -> None:
+        """Let time pass without anything being called."""
+        self.now += round(milliseconds * MS)
+
+    def stream(self, count: int = 10, velocity: Velocity = AHEAD, client: str = "a") -> None:
+        """Send commands at 20 Hz."""
+        for _ in range(count):
+            self.command(velocity, client)
+            self.wait(50)
+
+    def sent(self) -> list[Velocity]:
+        sent = [each.velocity for each in self.out if isinstance(each, Send)]
+        self.out = []
+        return sent
+
+    def refusals(self) -> list[str]:
+        return [each.code for each in self.out if isinstance(each, Refused)]
+
+    def causes(self) -> list[str]:
+        return [each.cause for each in self.out if isinstance(each, Stopped)]
+
+    def reset(self) -> None:
+        """Reset the latch as an operator does."""
+        self.command(ZERO)
+        self.wait(300)
+        self.out = []
+
+    @property
+    def moves(self) -> bool:
+        return self.drive.status.motion == "moving"
+
+
+@pytest.fixture
+def bench() -> Bench:
+    return Bench()
+
+
+def tripped() -> Bench:
+    bench = Bench()
+    bench.stream()
+    bench.wait(1000)
+    assert bench.causes() == ["deadline"]
+    assert bench.drive.status.is_tripped
+    bench.out = []
+    return bench
+
+
+# Deadline and stop
+
+
+def test_a_command_moves_at_once(bench: Bench):
+    bench.command()
+    assert bench.sent() == [AHEAD]
+
+
+def test_after_the_deadline_five_zeros_come_within_250_ms_and_then_nothing(bench: Bench):
+    bench.command()
+    bench.wait(499)
+    assert bench.sent() == [AHEAD]
+    bench.wait(1)
+    assert bench.sent() == [ZERO]
+    bench.wait(249)
+    assert bench.sent() == [ZERO] * 4
+    bench.wait(10_000)
+    assert bench.sent() == []
+    assert bench.drive.status.motion == "stopped"
+
+
+def test_each_command_starts_the_deadline_anew(bench: Bench):
+    bench.command()
+    bench.wait(400)
+    bench.command()
+    bench.wait(499)
+    assert ZERO not in bench.sent()
+    bench.wait(1)
+    assert bench.sent() == [ZERO]
+
+
+def test_a_zero_stops_at_once_and_the_client_may_drive_on(bench: Bench):
+    bench.stream()
+    bench.sent()
+    bench.command(ZERO)
+    assert bench.sent() == [ZERO]
+    bench.command()
+    assert bench.sent() == [AHEAD]
+    assert bench.moves
+
+
+def test_zeros_of_a_robot_that_stands_pass(bench: Bench):
+    bench.stream(3, ZERO)
+    assert bench.sent() == [ZERO] * 3
+
+
+def test_the_newest_of_a_turn_goes_out(bench: Bench):
+    bench.burst([AHEAD, Velocity(linear_x=0.3), Velocity(linear_x=0.1)])
+    assert bench.sent() == [Velocity(linear_x=0.1)]
+
+
+# The latch
+
+
+def test_after_a_stop_by_the_deadline_only_a_zero_and_quiet_let_it_move_again():
+    bench = tripped()
+    bench.stream(20)
+    assert set(bench.refusals()) == {"tripped"}
+    assert bench.sent() == []
+    bench.command(ZERO)
+    bench.wait(249)
+    bench.command()
+    assert bench.sent() == [ZERO]  # too early, and the zero is spent
+    bench.wait(1000)
+    bench.command()
+    assert bench.sent() == []
+    bench.command(ZERO)
+    bench.wait(250)
+    bench.command()
+    assert bench.sent() == [ZERO, AHEAD]
+
+
+def test_a_refusal_says_what_to_send():
+    bench = tripped()
+    bench.command()
+    (refused,) = [each for each in bench.out if isinstance(each, Refused)]
+    assert 'publish a command of zero ("msg":{})' in refused.reason
+    assert "commands ceased" in refused.reason
+
+
+def test_a_stream_of_zeros_resets_while_it_lasts():
+    bench = tripped()
+    bench.stream(6, ZERO)
+    bench.command()
+    assert bench.sent()[-1] == AHEAD
+
+
+@pytest.mark.parametrize("stopped_after_ms", [500, 1500, 4000, 20_000])
+def test_a_backlog_does_not_move_the_robot_though_there_are_zeros_in_it(stopped_after_ms: int):
+    bench = Bench()
+    bench.stream()
+    bench.sent()
+    bench.wait(stopped_after_ms)
+    backlog = [AHEAD] * 30 + [ZERO] * 5 + [AHEAD] * 30
+    for velocity in backlog:
+        bench.command(velocity)
+        bench.wait(0.06)
+    bench.stream(20)
+    assert set(bench.sent()) == {ZERO}
+    bench.reset()
+    bench.command()
+    assert bench.sent() == [AHEAD]
+
+
+def test_a_gateway_that_stood_still_judges_the_deadline_before_what_has_piled_up(bench: Bench):
+    bench.stream()
+    bench.sent()
+    bench.freeze(3000)
+    bench.burst([AHEAD] * 10 + [ZERO] + [AHEAD])
+    bench.command()
+    assert set(bench.sent()) == {ZERO}
+
+
+def test_a_reset_that_ends_late_begins_anew_as_commands_may_wait():
+    bench = tripped()
+    bench.command(ZERO)
+    bench.freeze(3000)
+    bench.burst([AHEAD] * 3)
+    assert bench.sent() == [ZERO]
+    assert set(bench.refusals()) <= {"tripped"}
+
+
+def test_a_command_of_a_turn_during_which_the_gateway_stood_still_does_not_go_out(bench: Bench):
+    bench.take(bench.drive.command(Command("a", AHEAD), bench.now))
+    bench.freeze(600)
+    bench.end_turn()
+    assert bench.sent() == [ZERO]
+
+
+def test_many_commands_at_once_after_a_silence_are_a_backlog(bench: Bench):
+    bench.burst([AHEAD] * (CROWD + 1))
+    assert bench.causes() == ["backlog"]
+    assert set(bench.sent()) == {ZERO}
+    bench.command()
+    assert bench.refusals() == ["tripped"]
+
+
+def test_fewer_commands_or_a_stream_that_goes_on_are_no_backlog(bench: Bench):
+    bench.burst([AHEAD] * CROWD)
+    assert bench.sent() == [AHEAD]
+    bench.wait(100)
+    bench.burst([AHEAD] * (CROWD + 1))
+    assert bench.sent() == [AHEAD]
+
+
+# A single command, typed by hand
+
+
+def test_a_single_command_may_be_sent_again_after_its_deadline(bench: Bench):
+    bench.command()
+    bench.wait(5000)
+    assert not bench.drive.status.is_tripped
+    bench.sent()
+    bench.command()
+    bench.wait(249)
+    assert bench.sent() == []
+    bench.wait(1)
+    assert bench.sent() == [AHEAD]
+    bench.wait(499)
+    assert bench.sent() == []
+    bench.wait(1)
+    assert bench.sent() == [ZERO]
+
+
+def test_a_single_command_that_is_followed_closely_was_in_a_backlog(bench: Bench):
+    bench.command()
+    bench.wait(5000)
+    bench.sent()
+    bench.command()
+    bench.wait(2)
+    bench.command()
+    assert bench.refusals() == ["tripped", "tripped"]
+    bench.wait(300)
+    bench.stream(5)
+    assert bench.sent() == []
+
+
+def test_a_stream_that_follows_a_single_command_begins_a_little_later(bench: Bench):
+    bench.command()
+    bench.wait(5000)
+    bench.sent()
+    bench.stream(10)
+    assert bench.refusals() == []
+    assert bench.sent() == [AHEAD] * 6
+
+
+def test_a_zero_takes_back_the_command_that_waits(bench: Bench):
+    bench.command()
+    bench.wait(5000)
+    bench.sent()
+    bench.command()
+    bench.wait(100)
+    bench.command(ZERO)
+    bench.wait(1000)
+    assert set(bench.sent()) == {ZERO}
+
+
+def test_two_commands_are_a_stream(bench: Bench):
+    bench.stream(2)
+    bench.wait(1000)
+    assert bench.drive.status.is_tripped
+
+
+def test_a_client_that_sends_its_time_gets_no_single_command(bench: Bench):
+    bench.command(age="fresh")
+    bench.wait(5000)
+    assert bench.drive.status.is_tripped
+
+
+def test_a_command_that_waited_while_the_gateway_stood_still_does_not_go_out(bench: Bench):
+    bench.command()
+    bench.wait(5000)
+    bench.sent()
+    bench.command()
+    bench.freeze(600)
+    bench.take(bench.drive.tick(bench.now))
+    assert bench.refusals() == ["tripped"]
+    assert bench.sent() == []
+
+
+# Freshness
+
+
+def test_a_stale_command_is_refused_and_does_not_hold_off_the_deadline(bench: Bench):
+    bench.stream()
+    for _ in range(20):
+        bench.command(age="stale")
+        bench.wait(50)
+    assert set(bench.refusals()) == {"stale_command"}
+    assert bench.causes() == ["deadline"]
+
+
+def test_a_fresh_zero_resets_at_once_and_a_stale_one_stops_but_does_not_reset():
+    bench = tripped()
+    bench.command(ZERO, age="stale")
+    bench.wait(1000)
+    bench.command(age="fresh")
+    assert bench.sent() == []
+    bench.command(ZERO, age="fresh")
+    bench.command(age="fresh")
+    assert bench.sent() == [ZERO, AHEAD]
+    bench.command(ZERO, age="stale")
+    assert bench.sent() == [ZERO]
+
+
+# The lease
+
+
+def test_a_client_that_drives_keeps_others_out_until_it_is_silent_for_the_lease(bench: Bench):
+    bench.stream()
+    bench.command(client="b")
+    bench.command(ZERO, client="b")
+    assert bench.refusals() == ["not_lease_holder"] * 2
+    assert bench.moves
+    bench.command(ZERO)
+    bench.wait(1999)
+    assert bench.drive.status.holder == "a"
+    bench.wait(1)
+    assert bench.drive.status.holder is None
+    bench.sent()
+    bench.command(client="b")
+    assert bench.sent() == [AHEAD]
+
+
+def test_a_client_that_only_sends_zeros_keeps_nobody_out_who_drives(bench: Bench):
+    bench.stream(30, ZERO)
+    bench.sent()
+    bench.command(client="b")
+    assert bench.sent() == [AHEAD]
+    bench.command(ZERO)
+    assert bench.refusals() == ["not_lease_holder"]
+    assert bench.moves
+
+
+def test_control_that_was_asked_for_is_kept_by_zeros(bench: Bench):
+    bench.take(bench.drive.acquire("a", bench.now))
+    bench.stream(100, ZERO)
+    bench.command(client="b")
+    assert bench.refusals() == ["not_lease_holder"]
+
+
+def test_taking_control_stops_the_robot_first(bench: Bench):
+    bench.stream()
+    bench.sent()
+    bench.take(bench.drive.acquire("b", bench.now))
+    assert bench.causes() == ["takeover"]
+    assert bench.sent() == [ZERO]
+    bench.command()
+    bench.command(client="b")
+    assert bench.refusals() == ["not_lease_holder", "tripped"]
+    bench.command(ZERO, client="b")
+    bench.wait(250)
+    bench.command(client="b")
+    assert bench.sent()[-1] == AHEAD
+
+
+def test_a_zero_of_the_former_driver_does_not_reset_for_the_next_one():
+    bench = tripped()
+    bench.command(ZERO)
+    bench.wait(100)
+    bench.take(bench.drive.acquire("b", bench.now))
+    bench.wait(200)
+    bench.command(client="b")
+    assert bench.refusals() == ["tripped"]
+
+
+def test_releasing_control_stops_the_robot_as_asked(bench: Bench):
+    bench.stream()
+    bench.sent()
+    bench.take(bench.drive.release("b", bench.now))
+    assert bench.moves
+    bench.take(bench.drive.release("a", bench.now))
+    assert bench.sent() == [ZERO]
+    bench.command(client="b")
+    assert bench.sent() == [AHEAD]
+
+
+def test_where_the_first_command_must_be_zero_nothing_else_takes_control():
+    bench = Bench(first_command="zero")
+    bench.command()
+    assert bench.refusals() == ["tripped"]
+    bench.reset()
+    bench.command()
+    assert bench.sent() == [AHEAD]
+    bench.command(client="b")
+    assert bench.refusals() == ["not_lease_holder"]
+
+
+# Other stops
+
+
+@pytest.mark.parametrize(
+    ("event", "cause"),
+    [
+        (lambda bench: bench.drive.leave("a", bench.now), "disconnect"),
+        (lambda bench: bench.drive.revoke("a", bench.now), "permission"),
+        (lambda bench: bench.drive.invalid("a", bench.now), "invalid_value"),
+        (lambda bench: bench.drive.stop("b", bench.now), "stop"),
+        (lambda bench: bench.drive.set_guard("lost", bench.now), "guard"),
+        (lambda bench: bench.drive.set_guard("starting", bench.now), "guard"),
+        (lambda bench: bench.drive.shut_down(bench.now), "shutdown"),
+    ],
+)
+def test_a_stop_that_the_driver_did_not_ask_for_trips(bench: Bench, event, cause: str):
+    bench.stream()
+    bench.sent()
+    bench.take(event(bench))
+    assert bench.causes() == [cause]
+    assert bench.sent() == [ZERO]
+    bench.command()
+    bench.wait(220)
+    assert "tripped" in bench.refusals()
+    assert bench.sent() == [ZERO] * 4
+
+
+@pytest.mark.parametrize("event", ["leave", "revoke", "invalid", "release"])
+def test_other_clients_events_do_not_stop_the_robot(bench: Bench, event: str):
+    bench.stream()
+    bench.sent()
+    bench.take(getattr(bench.drive, event)("b", bench.now))
+    assert bench.sent() == []
+    assert bench.moves
+
+
+def test_a_stop_of_the_driver_itself_does_not_trip(bench: Bench):
+    bench.stream()
+    bench.sent()
+    bench.take(bench.drive.stop("a", bench.now))
+    assert bench.sent() == [ZERO]
+    bench.command()
+    assert bench.sent() == [AHEAD]
+
+
+def test_a_stop_is_published_although_the_robot_stands(bench: Bench):
+    bench.take(bench.drive.stop("a", bench.now))
+    bench.wait(250)
+    assert bench.sent() == [ZERO] * 5
+
+
+def test_a_shut_down_drive_stays_shut(bench: Bench):
+    bench.take(bench.drive.shut_down(bench.now))
+    bench.reset()
+    bench.command()
+    assert bench.refusals() == ["tripped"]
+    assert bench.sent() == []
+
+
+# The guard
+
+
+def test_a_command_waits_for_the_guard_but_not_beyond_its_deadline():
+    bench = Bench(guard="starting")
+    bench.command()
+    bench.wait(100)
+    bench.command(Velocity(linear_x=0.1))
+    bench.wait(100)
+    assert bench.sent() == []
+    bench.take(bench.drive.set_guard("ready", bench.now))
+    bench.end_turn()
+    assert bench.sent() == [Velocity(linear_x=0.1)]
+    bench = Bench(guard="starting")
+    bench.command()
+    bench.wait(500)
+    assert bench.refusals() == ["tripped"]
+    bench.take(bench.drive.set_guard("ready", bench.now))
+    bench.end_turn()
+    assert bench.sent() == []
+
+
+def test_without_the_guard_commands_to_move_are_refused_and_zeros_pass():
+    bench = Bench(guard="lost")
+    bench.command()
+    bench.command(ZERO)
+    assert bench.refusals() == ["tripped"]
+    assert bench.sent() == [ZERO]
+
+
+def test_the_guard_is_needed_from_the_first_command_until_the_last_zero(bench: Bench):
+    assert not bench.drive.needs_guard
+    bench.command()
+    assert bench.drive.needs_guard
+    bench.wait(699)
+    assert bench.drive.needs_guard
+    bench.wait(1)
+    assert not bench.drive.needs_guard
+
+
+# Values
+
+
+def test_a_command_that_is_too_fast_is_clamped_and_its_client_told():
+    bench = Bench(max_linear=0.5)
+    bench.command(Velocity(linear_x=1e308))
+    (clamped,) = [each for each in bench.out if isinstance(each, Clamped)]
+    assert clamped.velocity == Velocity(linear_x=0.5)
+    assert bench.sent() == [Velocity(linear_x=0.5)]
+
+
+def test_changes_are_reported_once_each(bench: Bench):
+    bench.command()
+    bench.out = []
+    bench.wait(50)
+    bench.command()
+    assert not [each for each in bench.out if isinstance(each, Changed)]

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Robot, gateway, link and operator, each a process that can be stopped or killed."""
+
+import asyncio
+import contextlib
+import re
+import signal
+import sys
+import time
+from asyncio.subprocess import PIPE, Process
+from collections.abc import AsyncIterator
+from dataclasses import dataclass, field
+
+START_S = 180  # a busy machine imports for a while
+MOVES_FOR = 5  # commands that the robot has to hear before a fault: it is no accident that it moves
+LATELY_NS = 300_000_000
+
+_PORT = re.compile(r"ws://\S+?:(\d+)")
+
+
+@dataclass
+class Base:
+    """What the robot has heard: times of the monotonic clock and speeds, oldest first."""
+
+    heard: list[tuple[int, float]] = field(default_factory=list)
+
+    def zero_after(self, since_ns: int) -> int | None:
+        """Return when the first zero came after a time, if one has come."""
+        return next((at for at, speed in self.heard if at >= since_ns and not speed), None)
+
+    def moved_after(self, since_ns: int) -> list[int]:
+        """Return when commands to move came after a time."""
+        return [at for at, speed in self.heard if at >= since_ns and speed]
+
+    @property
+    def last_moved_ns(self) -> int:
+        return max((at for at, speed in self.heard if speed), default=0)
+
+    @property
+    def is_moving(self) -> bool:
+        newest = self.heard[-MOVES_FOR:]
+        is_recent = bool(newest) and time.monotonic_ns() - newest[-1][0] < LATELY_NS
+        return len(newest) == MOVES_FOR and all(speed for _, speed in newest) and is_recent
+
+
+async def until(condition, within_s: float = START_S) -> None:
+    async with asyncio.timeout(within_s):
+        while not condition():  # noqa: ASYNC110  # of anything, without its cooperation
+            await asyncio.sleep(0.005)
+
+
+@contextlib.asynccontextmanager
+async def process(*arguments: str) -> AsyncIterator[Process]:
+    """Run a module of Python until the context ends, however it is then."""
+    started = await asyncio.create_subprocess_exec(sys.executable, "-m", *arguments, stdout=PIPE)
+    try:
+        yield started
+    finally:
+        if started.returncode is None:
+            with contextlib.suppress(ProcessLookupError):
+                started.send_signal(signal.SIGCONT)
+                started.kill()
+        await started.wait()
+
+
+async def line(started: Process) -> str:
+    assert started.stdout is not None
+    async with asyncio.timeout(START_S):
+        return (await started.stdout.readline()).decode()
+
+
+@contextlib.asynccontextmanager
+async def base() -> AsyncIterator[Base]:
+    """Run the robot."""
+    heard = Base()
+
+    async def listen(robot: Process) -> None:
+        assert robot.stdout is not None
+        async for text in robot.stdout:
+            at_ns, speed = text.split()
+            heard.heard.append((int(at_ns), float(speed)))
+
+    async with process("tests.e2e.faults.robot") as robot:
+        assert await line(robot) == "ready\n"
+        listening = asyncio.create_task(listen(robot))
+        try:
+            yield heard
+        finally:
+            listening.cancel()
+
+
+@dataclass
+class Gateway:
+    """A gateway that is to suffer."""
+
+    process: Process
+    port: int
+
+    @property
+    def url(self) -> str:
+        return f"ws://127.0.0.1:{self.port}/"
+
+
+@contextlib.asynccontextmanager
+async def gateway(*arguments: str) -> AsyncIterator[Gateway]:
+    """Run a gateway that can be hung."""
+    command = ("tests.e2e.faults.hanging_gateway", "serve", "--port", "0")
+    async with process(*command, *arguments) as started:
+        while not (found := _PORT.search(await line(started))):
+            pass
+        yield Gateway(started, int(found[1]))
+
+
+@contextlib.asynccontextmanager
+async def link(port: int) -> AsyncIterator[tuple[Process, str]]:
+    """Run a link to a port; yield its process and its address."""
+    async with process("tests.e2e.faults.link", "127.0.0.1", str(port)) as started:
+        yield started, f"ws://127.0.0.1:{int(await line(started))}/"
+
+
+@contextlib.asynccontextmanager
+async def operator(url: str) -> AsyncIterator[Process]:
+    """Run an operator."""
+    async with process("tests.e2e.faults.operator", url) as started:
+        yield started
+
+
+async def until_it_moves(robot: Base, driver: Process) -> None:
+    """Wait until the robot moves, with the stick let go of whenever the latch has tripped."""
+    async with asyncio.timeout(START_S):
+        while True:
+            try:
+                await until(lambda: robot.is_moving, within_s=3)
+            except TimeoutError:
+                driver.send_signal(signal.SIGUSR1)
+            else:
+                return

@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The robot stops in time, whatever dies, hangs or is cut off. Measured at the robot."""
+
+import asyncio
+import contextlib
+import os
+import signal
+import time
+from collections.abc import AsyncIterator, Callable
+from pathlib import Path
+
+import pytest
+import pytest_asyncio
+
+from tests.e2e.faults import scene
+from tests.e2e.faults.conftest import IS_EXACT, REPEAT
+from tests.e2e.faults.scene import Base, Gateway, until, until_it_moves
+
+pytestmark = [pytest.mark.asyncio(loop_scope="module"), pytest.mark.timeout(3600)]
+
+DEADLINE_S = 0.5
+REPETITIONS = range(REPEAT)
+QUIET_S = 1.0  # a backlog of 20 s takes milliseconds
+# the last one outlives the connection, which is ended after ten seconds of silence
+BLACKOUTS_S = (0.5, 1.5, 4.0, 20.0) if IS_EXACT else (0.5, 1.5, 4.0)
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def robot() -> AsyncIterator[Base]:
+    async with scene.base() as robot:
+        yield robot
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def gateway() -> AsyncIterator[Gateway]:
+    async with scene.gateway() as gateway:
+        yield gateway
+
+
+async def stopped(robot: Base, since_ns: int) -> int:
+    """Wait for the first zero after a time, and return when it came."""
+    await until(lambda: robot.zero_after(since_ns) is not None)
+    at_ns = robot.zero_after(since_ns)
+    assert at_ns is not None
+    return at_ns
+
+
+async def injected(robot: Base, driver, inject: Callable[[], None]) -> int:
+    """Inject a fault into a robot that moves; return when, or anew if it stopped meanwhile."""
+    while True:
+        await until_it_moves(robot, driver)
+        before_ns = time.monotonic_ns()
+        if robot.zero_after(before_ns - 200_000_000) is None:
+            inject()
+            return before_ns
+
+
+# Client
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT], ids=["killed", "closed"])
+async def test_a_client_that_ends_stops_the_robot(robot, gateway, measured, number):
+    for _ in REPETITIONS:
+        async with scene.operator(gateway.url) as driver:
+            at_ns = await injected(robot, driver, lambda d=driver: d.send_signal(number))
+            took_s = (await stopped(robot, at_ns) - at_ns) / 1e9
+            name = "killed" if number is signal.SIGKILL else "closed"
+            measured(f"client {name}", took_s, allowed_s=0.1)
+
+
+async def test_a_client_that_is_frozen_stops_the_robot(robot, gateway, measured):
+    for _ in REPETITIONS:
+        async with scene.operator(gateway.url) as driver:
+            at_ns = await injected(robot, driver, lambda d=driver: d.send_signal(signal.SIGSTOP))
+            took_s = (await stopped(robot, at_ns) - at_ns) / 1e9
+            measured("client frozen", took_s, after_s=DEADLINE_S, allowed_s=0.1)
+
+
+async def test_a_link_that_goes_black_stops_the_robot(robot, gateway, measured):
+    for _ in REPETITIONS:
+        async with (
+            scene.link(gateway.port) as (cable, url),
+            scene.operator(url) as driver,
+        ):
+            at_ns = await injected(robot, driver, lambda c=cable: c.send_signal(signal.SIGSTOP))
+            took_s = (await stopped(robot, at_ns) - at_ns) / 1e9
+            measured("link black", took_s, after_s=DEADLINE_S, allowed_s=0.1)
+
+
+@pytest.mark.parametrize("dark_s", BLACKOUTS_S)
+async def test_after_a_blackout_nothing_moves_until_the_stick_is_let_go(
+    robot, gateway, measured, dark_s
+):
+    for _ in REPETITIONS:
+        async with (
+            scene.link(gateway.port) as (cable, url),
+            scene.operator(url) as driver,
+        ):
+            at_ns = await injected(robot, driver, lambda c=cable: c.send_signal(signal.SIGSTOP))
+            zero_ns = await stopped(robot, at_ns)
+            measured(
+                f"blackout of {dark_s:g} s: stop",
+                (zero_ns - at_ns) / 1e9,
+                after_s=DEADLINE_S,
+                allowed_s=0.1,
+            )
+            await asyncio.sleep(max(dark_s - (time.monotonic_ns() - at_ns) / 1e9, 0.1))
+            cable.send_signal(signal.SIGCONT)
+            # the operator pushes all the time; nothing of it may come, old or new
+            await asyncio.sleep(QUIET_S + (1 if dark_s > 10 else 0))
+            assert robot.moved_after(zero_ns) == []
+            driver.send_signal(signal.SIGUSR1)
+            await until_it_moves(robot, driver)
+
+
+# Gateway: each needs one of its own
+
+
+def guard_of(gateway: Gateway) -> int:
+    """Return the process id of a gateway's guard."""
+    pid = gateway.process.pid
+    children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+    assert len(children) == 1
+    return int(children[0])
+
+
+def is_running(pid: int) -> bool:
+    try:
+        stat = Path(f"/proc/{pid}/stat").read_text()
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+    return stat.rpartition(")")[2].split()[0] != "Z"  # an orphan whom no init has reaped
+
+
+@contextlib.asynccontextmanager
+async def driven(robot: Base) -> AsyncIterator[tuple[Gateway, asyncio.subprocess.Process]]:
+    async with scene.gateway() as own, scene.operator(own.url) as driver:
+        await until_it_moves(robot, driver)
+        yield own, driver
+
+
+@pytest.mark.parametrize(
+    ("number", "name", "allowed_s"),
+    [(signal.SIGTERM, "SIGTERM", 0.1), (signal.SIGKILL, "SIGKILL", 0.2)],
+)
+async def test_a_gateway_that_is_ended_stops_the_robot(robot, measured, number, name, allowed_s):
+    for _ in REPETITIONS:
+        async with driven(robot) as (own, driver):
+            guard = guard_of(own)
+            at_ns = await injected(robot, driver, lambda o=own: o.process.send_signal(number))
+            zero_ns = await stopped(robot, at_ns)
+            measured(f"gateway {name}", (zero_ns - at_ns) / 1e9, allowed_s=allowed_s)
+            await own.process.wait()
+            await until(lambda g=guard: not is_running(g))
+            assert robot.moved_after(zero_ns) == []
+
+
+@pytest.mark.parametrize(
+    ("number", "name"),
+    [
+        (signal.SIGSTOP, "gateway frozen"),
+        (signal.SIGUSR1, "event loop blocked"),
+        (signal.SIGUSR2, "GIL held"),
+    ],
+)
+async def test_a_gateway_that_hangs_stops_the_robot_and_does_not_move_it_afterwards(
+    robot, measured, number, name
+):
+    async with driven(robot) as (own, driver):
+        for _ in REPETITIONS:
+            at_ns = await injected(robot, driver, lambda o=own: o.process.send_signal(number))
+            zero_ns = await stopped(robot, at_ns)
+            measured(name, (zero_ns - at_ns) / 1e9, after_s=DEADLINE_S, allowed_s=0.15)
+            await asyncio.sleep(1)
+            own.process.send_signal(signal.SIGCONT)
+            await asyncio.sleep(2)
+            assert robot.moved_after(zero_ns) == []
+            driver.send_signal(signal.SIGUSR1)
+
+
+# The guard
+
+
+async def test_a_guard_that_is_killed_stops_the_robot_until_another_one_is_there(robot, measured):
+    async with driven(robot) as (own, driver):
+        for _ in REPETITIONS:
+            guard = guard_of(own)
+            at_ns = await injected(robot, driver, lambda g=guard: os.kill(g, signal.SIGKILL))
+            zero_ns = await stopped(robot, at_ns)
+            measured("guard killed", (zero_ns - at_ns) / 1e9, allowed_s=0.1)
+            driver.send_signal(signal.SIGUSR1)
+            await until_it_moves(robot, driver)
+            assert guard_of(own) != guard
+
+
+async def test_nothing_is_left_of_a_gateway_that_has_ended(robot):
+    async with driven(robot) as (own, _):
+        guard = guard_of(own)
+        os.kill(guard, signal.SIGINT)  # as Ctrl-C does to all of a terminal
+        own.process.send_signal(signal.SIGINT)
+        assert await own.process.wait() == 0
+        assert not is_running(guard)

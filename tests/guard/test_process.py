@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The guard process itself, with real ROS and a robot that listens."""
+
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from gateway.codec.types import Types
+from gateway.drive.effects import GuardState
+from gateway.drive.twist_cdr import TWIST, TWIST_STAMPED
+from gateway.guard import supervisor
+from gateway.guard.supervisor import GuardProcess
+from gateway.guard.watch import ZEROS
+from gateway.ports import Sample
+from schemas.installed import InstalledDefinitions
+from tests.client import TIMEOUT_S, eventually
+from tests.ros.outside import Outside
+
+TOPIC = "/cmd_vel"
+
+
+@pytest.fixture
+def outside() -> Iterator[Outside]:
+    outside = Outside()
+    yield outside
+    outside.close()
+
+
+def guard_process() -> GuardProcess:
+    return GuardProcess("_test_guard", "/", None, deadline_s=0.5)
+
+
+async def test_the_end_of_the_pipe_stops_what_moves_with_the_stamp_and_frame_it_had(
+    outside: Outside, monkeypatch
+):
+    monkeypatch.setattr(supervisor, "END_S", TIMEOUT_S)
+    heard: list[Sample] = []
+    outside.add_subscription(TOPIC, TWIST_STAMPED, heard.extend)
+    states: list[GuardState] = []
+    offset_ns = 10**18
+    async with guard_process() as guard:
+        guard.open(TOPIC, TWIST_STAMPED, 1, states.append)
+        guard.start()
+        await eventually(lambda: states == ["ready"])
+        guard.moving(TOPIC, offset_ns, "base")
+        before_ns = time.monotonic_ns()
+    await eventually(lambda: len(heard) == ZEROS)
+    decode = Types(InstalledDefinitions()).get(TWIST_STAMPED).decode
+    for sample in heard:
+        message = decode(bytes(sample.cdr))
+        stamp = message["header"]["stamp"]
+        assert message["header"]["frame_id"] == "base"
+        assert stamp["sec"] * 10**9 + stamp["nanosec"] >= offset_ns + before_ns
+        assert not any(message["twist"]["linear"].values())
+
+
+async def test_a_gateway_that_is_silent_is_stopped_for_and_one_that_has_stopped_is_not(
+    outside: Outside,
+):
+    heard: list[Sample] = []
+    outside.add_subscription(TOPIC, TWIST, heard.extend)
+    states: list[GuardState] = []
+    async with guard_process() as guard:
+        guard.open(TOPIC, TWIST, 1, states.append)
+        guard.start()
+        await eventually(lambda: states == ["ready"])
+        guard.moving(TOPIC, 0, "")
+        guard.rest(TOPIC)
+        guard.moving(TOPIC, 0, "")
+        await eventually(lambda: len(heard) == ZEROS)
+        guard.moving(TOPIC, 0, "")
+        guard.rest(TOPIC)
+    assert len(heard) == ZEROS
+
+
+async def test_a_type_that_is_not_there_cannot_be_guarded():
+    states: list[GuardState] = []
+    async with guard_process() as guard:
+        guard.open(TOPIC, "no_msgs/msg/Such", 0, states.append)
+        guard.start()
+        await eventually(lambda: states == ["lost"])

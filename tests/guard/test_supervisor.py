@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The gateway's side of the guard process, with stand-ins for the process."""
+
+import asyncio
+import contextlib
+import sys
+import time
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+
+from gateway.drive.effects import GuardState
+from gateway.guard import MARGIN_S, REPEAT_S, supervisor
+from gateway.guard.supervisor import GuardProcess
+from tests.client import eventually
+
+TOPIC, TWIST = "/cmd_vel", "geometry_msgs/msg/Twist"
+
+# Guards that open what they are asked to, and then answer, do not answer, end, or write nonsense.
+OBEDIENT = """
+import json, sys
+def say(*message):
+    try:
+        print(json.dumps(message), flush=True)
+    except BrokenPipeError:
+        pass  # the gateway's side is closed first
+say("ready")
+for line in sys.stdin:
+    verb, *rest = json.loads(line)
+    print(line, end="", file=sys.stderr, flush=True)
+    if verb == "open":
+        say("opened", rest[0])
+    {then}
+"""
+ANSWERS = OBEDIENT.format(then='say("heard")')
+SILENT = OBEDIENT.format(then="pass")
+ENDS = OBEDIENT.format(then='if verb == "moving": break')
+NONSENSE = OBEDIENT.format(then='if verb == "moving": print("x" * 9000, end="", flush=True)')
+
+
+@contextlib.asynccontextmanager
+async def supervised(source: str) -> AsyncIterator[tuple[GuardProcess, list[GuardState]]]:
+    """Run a stand-in; yield its supervisor and the states of one topic."""
+    states: list[GuardState] = []
+    async with GuardProcess("_guard", "/", None, deadline_s=0.5) as guard:
+        guard.command = (sys.executable, "-c", source)
+        guard.start()
+        guard.open(TOPIC, TWIST, 2, states.append)
+        yield guard, states
+
+
+def is_running(pid: int) -> bool:
+    return Path(f"/proc/{pid}").exists()
+
+
+async def test_a_topic_that_was_opened_before_the_guard_was_ready_is_opened_then():
+    async with supervised(ANSWERS) as (guard, states):
+        await eventually(lambda: states == ["ready"])
+        pid = guard.pid
+        assert pid is not None
+    assert not is_running(pid)
+
+
+async def test_what_is_said_reaches_the_guard_and_repetitions_within_20_ms_do_not(capfd):
+    async with supervised(ANSWERS) as (guard, states):
+        await eventually(lambda: states == ["ready"])
+        for _ in range(3):
+            guard.moving(TOPIC, 5, "base")
+        await asyncio.sleep(2 * REPEAT_S)
+        guard.moving(TOPIC, 5, "base")
+        guard.rest(TOPIC)
+        guard.close(TOPIC)
+    heard = capfd.readouterr().err.splitlines()
+    moving = f'["moving","{TOPIC}",5,"base"]'
+    expected = [f'["open","{TOPIC}","{TWIST}",2]', moving, moving]
+    assert heard == [*expected, f'["rest","{TOPIC}"]', f'["close","{TOPIC}"]']
+
+
+@pytest.mark.parametrize("source", [ENDS, NONSENSE])
+async def test_a_guard_that_is_lost_is_replaced(source: str):
+    async with supervised(source) as (guard, states):
+        await eventually(lambda: states == ["ready"])
+        first = guard.pid
+        guard.moving(TOPIC, 0, "")
+        await eventually(lambda: states == ["ready", "lost"])
+        await eventually(lambda: states == ["ready", "lost", "ready"])
+        assert guard.pid != first
+        assert first is not None
+        await eventually(lambda: not is_running(first))
+
+
+async def test_a_guard_that_answers_nothing_while_something_moves_is_lost(monkeypatch):
+    monkeypatch.setattr(supervisor, "UNANSWERED_S", 0.2)
+    async with supervised(SILENT) as (guard, states):
+        await eventually(lambda: states == ["ready"])
+        started_s = time.monotonic()
+        while "lost" not in states:
+            guard.moving(TOPIC, 0, "")
+            await asyncio.sleep(REPEAT_S)
+        assert time.monotonic() - started_s >= 0.2
+
+
+async def test_a_guard_that_is_not_spoken_to_owes_no_answer(monkeypatch):
+    monkeypatch.setattr(supervisor, "UNANSWERED_S", 0.1)
+    async with supervised(SILENT) as (guard, states):
+        await eventually(lambda: states == ["ready"])
+        for _ in range(3):
+            guard.moving(TOPIC, 0, "")
+            await asyncio.sleep(0.15)
+        assert states == ["ready"]
+
+
+async def test_a_guard_that_cannot_be_started_is_tried_less_and_less_often(monkeypatch):
+    monkeypatch.setattr(supervisor, "RESTART_S", 0.01)
+    starts: list[float] = []
+    async with GuardProcess("_guard", "/", None, deadline_s=0.5) as guard:
+        guard._restart_s = 0.01
+        guard.command = ("/nowhere/python",)
+        original = guard.start
+
+        def start() -> None:
+            starts.append(time.monotonic())
+            original()
+
+        guard.start = start  # type: ignore[method-assign]
+        guard.start()
+        await eventually(lambda: len(starts) == 5)
+        assert starts[4] - starts[0] >= 0.01 + 0.02 + 0.04 + 0.08
+        assert guard.pid is None
+
+
+async def test_a_guard_that_does_not_end_is_killed(monkeypatch):
+    monkeypatch.setattr(supervisor, "END_S", 0.05)
+    stubborn = "import time\nprint('[\"ready\"]', flush=True)\ntime.sleep(600)"
+    async with GuardProcess("_guard", "/", None, deadline_s=0.5) as guard:
+        guard.command = (sys.executable, "-c", stubborn)
+        guard.start()
+        pid = guard.pid
+        assert pid is not None
+    assert not is_running(pid)
+
+
+def test_the_guard_acts_after_the_deadline_and_before_150_ms_more():
+    # a command may follow the last `moving` by REPEAT_S
+    assert REPEAT_S < MARGIN_S < 0.1

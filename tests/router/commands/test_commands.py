@@ -1,0 +1,351 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Operations on command topics, down to what ROS, the guard and the client get."""
+
+import asyncio
+import time
+
+import pytest
+
+from gateway.router.commands.command_topic import COMMAND_QOS
+from tests.client import eventually
+from tests.router.commands.conftest import STAMPED, TWIST, Build, Scene, push, speeds
+
+
+async def test_a_command_reaches_the_robot_and_its_end_stops_it(scene: Scene):
+    heard = scene.listen()
+    client = scene.client()
+    push(client)
+    await eventually(lambda: speeds(heard) == [0.2])
+    await eventually(lambda: len(heard) == 6)
+    assert speeds(heard)[1:] == [0.0] * 5
+    assert client.frames == []
+    assert scene.guard.verbs[0] == "open"
+    assert scene.guard.verbs[-1] == "rest"
+
+
+async def test_the_guard_hears_of_a_command_before_it_goes_out(scene: Scene):
+    client = scene.client()
+    client.send(op="advertise", topic="/cmd_vel", type=TWIST)
+    (publisher,) = scene.ros.publishers
+    publisher.publish = lambda cdr: scene.guard.told.append(("publish", cdr))  # type: ignore[method-assign]
+    push(client)
+    await eventually(lambda: "publish" in scene.guard.verbs)
+    assert scene.guard.verbs[:3] == ["open", "moving", "publish"]
+    await eventually(lambda: "rest" in scene.guard.verbs)
+    assert scene.guard.verbs[3:] == ["moving", "publish"] * 5 + ["rest"]
+
+
+async def test_a_guard_that_is_found_lost_while_a_command_goes_out_keeps_it_back(scene: Scene):
+    heard = scene.listen()
+    scene.guard.on_moving = lambda: scene.guard.report("lost")
+    client = scene.client()
+    push(client)
+    await eventually(lambda: len(heard) >= 1)
+    assert set(speeds(heard)) == {0.0}
+    push(client)
+    assert client.statuses[-1][0] == "tripped"
+    assert "if the gateway dies is not there" in client.statuses[-1][1]
+
+
+async def test_the_guard_prepares_for_a_robot_before_anybody_drives_it(scene: Scene):
+    scene.listen()
+    await eventually(lambda: bool(scene.guard.told))
+    assert scene.guard.told == [("open", "/cmd_vel", TWIST, 1)]
+    client = scene.client()
+    client.send(op="control")
+    assert client.of("control")[0]["guard"] == "ready"
+    push(client)
+    assert scene.guard.verbs.count("open") == 1
+    assert len([each for each in scene.ros.publishers if each.topic == "/cmd_vel"]) == 1
+
+
+async def test_the_guard_follows_another_type(scene: Scene):
+    robot = scene.ros.add_subscription("/cmd_vel", TWIST, lambda samples: None)
+    await eventually(lambda: scene.guard.verbs == ["open"])
+    robot.close()
+    scene.listen(type_name=STAMPED)
+    await eventually(lambda: scene.guard.verbs == ["open", "close", "open"])
+    assert scene.guard.told[-1] == ("open", "/cmd_vel", STAMPED, 1)
+
+
+async def test_a_command_waits_for_a_guard_that_starts(scene: Scene):
+    heard = scene.listen()
+    scene.guard.is_ready = False
+    push(scene.client())
+    await scene.settle()
+    assert heard == []
+    scene.guard.report("ready")
+    await eventually(lambda: speeds(heard)[:1] == [0.2])
+
+
+async def test_of_the_commands_that_come_together_the_newest_goes_out(scene: Scene):
+    heard = scene.listen()
+    client = scene.client()
+    for number in range(10):
+        push(client, number / 10)
+    await eventually(lambda: len(heard) >= 1)
+    assert 0.9 in speeds(heard)
+    assert not {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8} & set(speeds(heard))
+
+
+async def test_the_publisher_is_reliable_and_keeps_one_command_for_a_moment(scene: Scene):
+    scene.listen()
+    client = scene.client()
+    client.send(op="advertise", topic="/cmd_vel", type=TWIST, latch=True, queue_size=50)
+    (publisher,) = [each for each in scene.ros.publishers if each.topic == "/cmd_vel"]
+    assert publisher.qos.reliability == COMMAND_QOS.reliability == "reliable"
+    assert publisher.qos.durability == "volatile"
+    assert publisher.qos.depth == 1
+    assert publisher.qos.lifespan_ns == 250_000_000
+    assert client.statuses == [
+        ("bad_request", "latch is ignored: a command topic keeps no message for later subscribers")
+    ]
+
+
+@pytest.mark.parametrize(
+    ("linear", "where"), [({"x": None}, "linear.x"), ({"z": None}, "linear.z")]
+)
+async def test_null_is_no_speed_and_stops_a_robot_that_moves(scene: Scene, linear, where: str):
+    heard = scene.listen()
+    client = scene.client()
+    push(client)
+    await eventually(lambda: len(heard) == 1)
+    client.send(op="publish", topic="/cmd_vel", msg={"linear": linear})
+    code, text = client.statuses[-1]
+    assert code == "invalid_value"
+    assert text == f"msg.{where}: expected a finite number, got null"
+    await eventually(lambda: speeds(heard)[1:] == [0.0] * 5)
+
+
+async def test_a_speed_beyond_the_limit_is_clamped_and_the_client_told(build: Build):
+    scene = build(max_linear_m_s=0.5)
+    heard = scene.listen()
+    client, watcher = scene.client(), scene.client()
+    push(client, 1e308)
+    await eventually(lambda: speeds(heard)[:1] == [0.5])
+    assert client.statuses == [("invalid_value", "topic /cmd_vel: clamped to 0.5 m/s and 10 rad/s")]
+    watcher.send(op="acquire_control", topic="/cmd_vel")
+    watcher.send(op="publish", topic="/cmd_vel", msg={})
+    await asyncio.sleep(0.3)  # the latch wants quiet
+    push(watcher, 7)
+    assert watcher.of("control")[-1]["clamped"] is True
+
+
+async def test_a_client_that_leaves_stops_the_robot_and_leaves_nothing_open(scene: Scene):
+    heard = scene.listen()
+    client = scene.client()
+    push(client)
+    await eventually(lambda: len(heard) == 1)
+    scene.router.leave(client.session)
+    await eventually(lambda: speeds(heard)[1:] == [0.0] * 5)
+    assert scene.ros.entity_count() == 0
+    assert scene.guard.verbs[-1] == "rest"
+    assert scene.router.counts()["publishers"] == 0
+
+
+async def test_what_was_stopped_stays_so_for_a_client_that_comes_back(scene: Scene):
+    heard = scene.listen()
+    client = scene.client()
+    push(client)
+    await scene.settle()
+    push(client)
+    await eventually(lambda: len(heard) == 2)
+    scene.router.leave(client.session)
+    again = scene.client()
+    push(again, id=1)
+    assert again.statuses[0][0] == "tripped"
+    again.send(op="publish", topic="/cmd_vel", msg={})
+    await asyncio.sleep(0.3)  # the latch wants quiet
+    push(again, 0.1)
+    await eventually(lambda: speeds(heard)[-1] == 0.1)
+
+
+async def test_a_refused_stream_is_answered_once_a_second_but_always_with_an_id(scene: Scene):
+    scene.listen()
+    driver, other = scene.client(), scene.client()
+    push(driver)
+    for _ in range(10):
+        push(other)
+    assert [code for code, _ in other.statuses] == ["not_lease_holder"]
+    push(other, id="q")
+    assert other.of("status")[-1]["id"] == "q"
+    assert other.session.refused == 11
+
+
+async def test_any_client_may_stop_every_robot(scene: Scene):
+    heard = scene.listen()
+    driver, other = scene.client(), scene.client()
+    push(driver)
+    await eventually(lambda: len(heard) == 1)
+    other.send(op="stop", id="s")
+    assert other.of("stop") == [{"op": "stop", "id": "s", "topics": ["/cmd_vel"]}]
+    await eventually(lambda: len(heard) == 6)
+    push(driver)
+    assert driver.statuses[-1][0] == "tripped"
+    assert "another client asked for a stop" in driver.statuses[-1][1]
+
+
+async def test_a_stop_without_a_driver_is_published_if_the_robot_is_known(build: Build):
+    scene = build(topics=("/cmd_vel", "/arm"))
+    heard = scene.listen()
+    client = scene.client()
+    client.send(op="stop")
+    assert client.of("stop")[0]["topics"] == ["/cmd_vel"]
+    await eventually(lambda: speeds(heard) == [0.0] * 5)
+    client.send(op="stop", topic="/odom")
+    assert client.statuses == [("not_found", "/odom is no command topic; these are /cmd_vel, /arm")]
+
+
+async def test_control_is_taken_held_and_given_back(scene: Scene):
+    heard = scene.listen()
+    one, two = scene.client(), scene.client()
+    push(one)
+    await eventually(lambda: len(heard) == 1)
+    two.send(op="acquire_control", id=1)
+    answer = two.of("acquire_control")[0]
+    assert answer["id"] == 1
+    assert (answer["holder"], answer["tripped"], answer["cause"]) == ("you", True, "takeover")
+    one.send(op="control", topic="cmd_vel")
+    assert one.of("control")[0]["holder"] == "other"
+    two.send(op="release_control")
+    assert two.of("release_control")[0]["holder"] is None
+
+
+async def test_a_watcher_gets_the_changes_and_no_more_after_it_has_ended_it(scene: Scene):
+    heard = scene.listen()
+    driver, watcher = scene.client(), scene.client()
+    watcher.send(op="control", id="w", watch=True)
+    assert watcher.of("control")[0]["state"] == "stopped"
+    push(driver)
+    await eventually(lambda: any(f["state"] == "moving" for f in watcher.of("control")))
+    await eventually(lambda: len(heard) == 6)
+    await eventually(lambda: watcher.of("control")[-1]["state"] == "stopped")
+    assert watcher.of("control")[-1]["cause"] == "deadline"
+    watcher.send(op="control", watch=False)
+    count = len(watcher.of("control"))
+    push(driver)
+    await eventually(lambda: len(heard) == 12)
+    assert len(watcher.of("control")) == count
+    assert driver.frames == []
+
+
+async def test_the_only_command_topic_need_not_be_named_but_one_of_several(build: Build):
+    scene = build(topics=("/a", "/b"))
+    client = scene.client()
+    client.send(op="control")
+    assert client.statuses == [("bad_request", "topic: name one of /a, /b")]
+
+
+async def test_a_stamped_command_is_stamped_by_the_gateway_and_so_is_its_zero(scene: Scene):
+    heard = scene.listen(type_name=STAMPED)
+    client = scene.client()
+    stamp = {"sec": 5, "nanosec": 0}
+    client.send(
+        op="publish",
+        topic="/cmd_vel",
+        msg={"header": {"frame_id": "base", "stamp": stamp}, "twist": {"linear": {"x": 0.1}}},
+    )
+    await eventually(lambda: len(heard) == 6)
+    assert [each["twist"]["linear"]["x"] for each in heard] == [0.1, 0, 0, 0, 0, 0]
+    assert {each["header"]["frame_id"] for each in heard} == {"base"}
+    assert all(each["header"]["stamp"]["sec"] == 1_700_000_000 for each in heard)
+    assert ("moving", "/cmd_vel", "base") in scene.guard.told
+
+
+async def test_other_types_and_other_than_the_robots_are_refused(scene: Scene):
+    client = scene.client()
+    client.send(op="advertise", topic="/cmd_vel", type="std_msgs/msg/String")
+    assert client.statuses[-1][0] == "type_conflict"
+    assert "control.topics" in client.statuses[-1][1]
+    push(client)
+    assert client.statuses[-1][0] == "not_found"
+    scene.listen()
+    client.send(op="publish", topic="/cmd_vel", type=STAMPED, msg={})
+    assert client.statuses[-1] == (
+        "type_conflict",
+        f"topic /cmd_vel has type {TWIST}, not {STAMPED}",
+    )
+    push(client)
+    client.send(op="publish", topic="/cmd_vel", type=STAMPED, msg={})
+    assert client.statuses[-1][0] == "type_conflict"
+    assert scene.ros.entity_count() == 1
+
+
+async def test_unadvertising_stops_as_asked(scene: Scene):
+    heard = scene.listen()
+    client = scene.client()
+    client.send(op="advertise", topic="/cmd_vel", type=TWIST, id="a")
+    push(client)
+    await eventually(lambda: len(heard) == 1)
+    client.send(op="unadvertise", topic="/cmd_vel", id="b")
+    assert client.statuses == [("not_found", "not advertised: /cmd_vel with id 'b'")]
+    client.send(op="unadvertise", topic="/cmd_vel")
+    client.send(op="unadvertise", topic="/cmd_vel")
+    assert client.statuses[-1] == ("not_found", "not advertised: /cmd_vel")
+    await eventually(lambda: speeds(heard)[1:] == [0.0] * 5)
+    push(client)
+    await eventually(lambda: speeds(heard)[-1] == 0.2)
+
+
+async def test_a_stale_command_is_told_by_the_clients_clock(scene: Scene):
+    heard = scene.listen()
+    client = scene.client()
+    sent_ms = time.monotonic_ns() / 1e6
+    push(client, monotonic_ms=sent_ms)
+    await eventually(lambda: len(heard) == 1)
+    push(client, monotonic_ms=sent_ms - 300)
+    assert client.statuses[-1][0] == "stale_command"
+
+
+async def test_a_shutdown_stops_at_once_and_nothing_moves_after(scene: Scene):
+    heard = scene.listen()
+    client = scene.client()
+    push(client)
+    await eventually(lambda: len(heard) == 1)
+    scene.router.stop_robots()
+    await eventually(lambda: speeds(heard)[1:2] == [0.0])
+    push(client, id=1)
+    assert client.statuses[-1] == ("tripped", "topic /cmd_vel: the gateway shuts down")
+
+
+async def test_a_router_that_closes_in_the_middle_of_a_motion_sends_a_zero(build: Build):
+    scene = build()
+    heard = scene.listen()
+    push(scene.client())
+    await eventually(lambda: len(heard) == 1)
+    scene.router.close()
+    await eventually(lambda: 0.0 in speeds(heard))
+    assert scene.guard.verbs[-2:] == ["rest", "close"]
+
+
+async def test_without_command_topics_a_twist_is_a_message_like_any_other(build: Build):
+    scene = build(topics=())
+    heard = scene.listen()
+    push(scene.client(), 1e3)
+    await eventually(lambda: speeds(heard) == [1e3])
+    assert scene.guard.told == []
+
+
+async def test_a_robot_that_comes_up_while_the_stick_is_pushed_does_not_move(scene: Scene):
+    client = scene.client()
+    push(client, type=TWIST)
+    await scene.settle()
+    scene.guard.is_ready = False
+    heard = scene.listen()
+    await eventually(lambda: scene.guard.told[-1] == ("open", "/cmd_vel", TWIST, 1))
+    push(client, id=1)
+    assert client.statuses[-1][0] == "tripped"
+    await eventually(lambda: len(heard) >= 3)
+    assert set(speeds(heard)) == {0.0}
+
+
+async def test_a_client_that_may_not_drive_any_more_is_stopped(scene: Scene):
+    heard = scene.listen()
+    client = scene.client()
+    push(client)
+    await eventually(lambda: len(heard) == 1)
+    scene.router._commands.revoke(client.session)
+    await eventually(lambda: speeds(heard)[1:2] == [0.0])
+    push(client, id=1)
+    assert client.statuses[-1][0] == "tripped"
+    assert "the permission to drive ended" in client.statuses[-1][1]
