@@ -224,6 +224,7 @@ def _ros_options(config: Config) -> RosOptions:
         domain_id=config.ros.domain_id,
         use_sim_time=config.ros.use_sim_time,
         max_entities=config.limits.max_ros_entities,
+        reserved_topics=config.control.topics,
         reserved_entities=config.limits.reserved_ros_entities,
     )
 

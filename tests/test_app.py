@@ -12,6 +12,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from gateway import app
+from gateway.config.control import ControlConfig
 from gateway.config.limits import Limits
 from gateway.config.model import Config, RosConfig
 from gateway.ros import RosOptions
@@ -22,6 +23,7 @@ from tests.gateway_process import gateway_process
 CONFIG = Config(
     ros=RosConfig(node_prefix="arm", namespace="/robot7", domain_id=7, use_sim_time=True),
     limits=Limits(max_ros_entities=1307, reserved_ros_entities=1308),
+    control=ControlConfig(topics=("/wheels",)),
 )
 ROS_OPTIONS = RosOptions(
     node_prefix="arm",
@@ -30,12 +32,12 @@ ROS_OPTIONS = RosOptions(
     use_sim_time=True,
     max_entities=1307,
     reserved_entities=1308,
+    reserved_topics=("/wheels",),
 )
 BUSY_MACHINE_S = 5
 NOT_CONFIGURED = {
     "arguments",
     "taking",
-    "reserved_topics",
 }  # for tests, and for who embeds the gateway
 
 

@@ -283,6 +283,7 @@ class Drive:
 
     def _move(self, command: Command, gap_ns: int | None, now_ns: int, out: Effects) -> None:
         if self._is_over or self._guard == "lost":
+            self._latch.spoil()  # it may be one of a backlog behind a zero all the same
             out.append(self._tripped(command))
             return
         is_new = not self._is_held_by(command)
@@ -314,6 +315,8 @@ class Drive:
     def _tick_held(self, held: _Held, now_ns: int, out: Effects) -> None:
         if held.until_ns is None:
             is_late = now_ns - held.since_ns >= self._rules.deadline_ns
+            if not is_late:
+                return  # `set_guard` sends it
         elif now_ns < held.until_ns:
             return
         else:  # late only if the gateway stood still

@@ -34,7 +34,6 @@ ROS_SHARP_FRAGMENT_SIZE: Final = 2**31 - 1  # only ROS# sends it, with every req
 _NAMED_BY: Final = {"call_service": "service", "send_action_goal": "action"}
 
 # a robot must be stopped by whoever sees the need; its frames count as all do
-_NEVER_LIMITED: Final = "stop"
 
 
 class Session:

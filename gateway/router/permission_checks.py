@@ -14,6 +14,7 @@ from gateway.protocol.names import resolve_action, resolve_service, resolve_topi
 from gateway.protocol.operations import (
     ClientOperation,
     actions,
+    commands,
     gateway,
     parameters,
     services,
@@ -71,6 +72,16 @@ def check_call(permissions: Permissions, service: str) -> None:
     _check(permissions, "call", service, "calling")
 
 
+def check_publish(session: Session, topic: str) -> None:
+    """Refuse to let a client drive who may not publish on a topic.
+
+    Raises:
+        ProtocolError: ``forbidden``.
+    """
+    if session.is_restricted and session.identity is not None:
+        _check(session.identity.permissions, "publish", topic, "publishing on")
+
+
 def _check(permissions: Permissions, action: Action, name: str, doing: str) -> None:
     if permissions.may(action, name):
         return
@@ -119,6 +130,12 @@ def _needs_no_permission(
     | actions.ActionFeedback
     | actions.ActionResult
     | transforms.CancelTransform
+    # whoever sees a robot may stop it
+    | commands.Stop
+    | commands.ReleaseControl
+    # checked where the topic is known
+    | commands.AcquireControl
+    | commands.Control
     # checked where the node is known
     | parameters.ListParameters
     | parameters.GetParameters

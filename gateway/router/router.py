@@ -30,9 +30,9 @@ from gateway.protocol.operations import (
 from gateway.protocol.session import Session
 from gateway.router.actions.client_actions import ClientActions
 from gateway.router.actions.goals import Goals
-from gateway.router.entity_shares import EntityShares
 from gateway.router.commands.commands import Commands
 from gateway.router.commands.guard import Guard, NoGuard
+from gateway.router.entity_shares import EntityShares
 from gateway.router.interface_types import InterfaceTypes
 from gateway.router.introspection.introspection import Introspection
 from gateway.router.permission_checks import may_carry_out
@@ -88,7 +88,9 @@ class Router:
         self._service_clients = ServiceClients(ros)
         self._views = RoleViews(ros, types, self._service_clients)
         self._subscriptions = Subscriptions(ros, topic_types, workers)
-        self._commands = Commands(ros, topic_types, control or ControlConfig(), guard or NoGuard())
+        self._commands = Commands(
+            ros, topic_types, control or ControlConfig(), guard or NoGuard(), self._audit
+        )
         self._publications = Publications(ros, topic_types, self._commands)
         self._service_calls = ServiceCalls(
             interface_types,

@@ -4,10 +4,11 @@
 import asyncio
 import logging
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass, field
 from typing import Any, Final
 
+from gateway.access.audit import Audit, Fact
 from gateway.codec.types import MessageType
 from gateway.drive.drive import Drive
 from gateway.drive.effects import (
@@ -63,7 +64,13 @@ class CommandTopic:
     """
 
     def __init__(
-        self, name: TopicName, rules: Rules, ros: Ros, guard: Guard, now_ns: Callable[[], int]
+        self,
+        name: TopicName,
+        rules: Rules,
+        ros: Ros,
+        guard: Guard,
+        audit: Audit,
+        now_ns: Callable[[], int],
     ) -> None:
         self.name = name
         self.message_type: MessageType | None = None  # while it is open
@@ -71,6 +78,8 @@ class CommandTopic:
         self.watchers: set[Session] = set()
         self._ros = ros
         self._guard = guard
+        self._audit = audit
+        self._recorded_holder: Hashable | None = None
         self._now_ns = now_ns
         self._rules = rules
         self._drive = Drive(name, rules)
@@ -248,13 +257,28 @@ class CommandTopic:
                 case Stopped(cause):
                     level = logging.WARNING if effect.is_tripped else logging.DEBUG
                     logger.log(level, "%s stopped: %s", self.name, CAUSE_TEXTS[cause])
+                    self._record("stop", effect.client, cause=cause, tripped=effect.is_tripped)
                 case Changed():
+                    self._record_holder()
                     self._notify()
         if self._is_guarded and not self._drive.needs_guard:
             self._is_guarded = False
             self._guard.rest(self.name)
             self._close_if_idle()
         self._set_timer()
+
+    def _record_holder(self) -> None:
+        holder = self._drive.status.holder
+        if holder is not self._recorded_holder:
+            self._recorded_holder = holder
+            if holder is not None:
+                self._record("control_taken", holder)
+
+    def _record(self, event: str, client: Hashable | None, **facts: Fact) -> None:
+        if isinstance(client, Session) and client.identity is not None:
+            facts |= {"name": client.identity.name, "role": client.identity.role}
+            facts["address"] = client.address
+        self._audit.record(event, topic=self.name, **facts)
 
     def _publish(self, effect: Send) -> None:
         if self._publisher is None or self.message_type is None:

@@ -5,6 +5,7 @@ import asyncio
 import time
 from collections.abc import Iterator
 
+from gateway.access.audit import Audit
 from gateway.config.control import ControlConfig
 from gateway.drive.effects import Rules
 from gateway.drive.twist_cdr import COMMAND_TYPES
@@ -17,6 +18,7 @@ from gateway.protocol.session import Session
 from gateway.router.commands.command_topic import CommandTopic
 from gateway.router.commands.guard import Guard
 from gateway.router.commands.twist_values import read
+from gateway.router.permission_checks import check_publish
 from gateway.router.topic_types import TopicTypes
 
 
@@ -27,7 +29,9 @@ class Commands:
     together are as old as each other.
     """
 
-    def __init__(self, ros: Ros, types: TopicTypes, config: ControlConfig, guard: Guard) -> None:
+    def __init__(
+        self, ros: Ros, types: TopicTypes, config: ControlConfig, guard: Guard, audit: Audit
+    ) -> None:
         self._types = types
         self._turn_ns: int | None = None
         rules = Rules(
@@ -38,7 +42,7 @@ class Commands:
             first_command=config.first_command,
         )
         self._topics = {
-            TopicName(name): CommandTopic(TopicName(name), rules, ros, guard, self._now_ns)
+            TopicName(name): CommandTopic(TopicName(name), rules, ros, guard, audit, self._now_ns)
             for name in config.topics
         }
 
@@ -112,15 +116,16 @@ class Commands:
             topic.driver(session)
             topic.stop(session)
             stopped.append(topic.name)
-        session.answer("stop", request.id, topics=stopped)
+        session.answer("stop", request.id, topics=list(filter(session.sees, stopped)))
 
     def acquire(self, session: Session, request: AcquireControl) -> None:
         """Give a client control of a topic.
 
         Raises:
-            ProtocolError: the topic is no command topic.
+            ProtocolError: the topic is no command topic, or the client may not publish on it.
         """
         topic = self._named(session, request.topic)
+        check_publish(session, topic.name)
         topic.acquire(session)
         session.answer(request.op, request.id, **topic.state(session))
 
@@ -174,20 +179,17 @@ class Commands:
 
     def _named(self, session: Session, requested: str | None) -> CommandTopic:
         """Return a topic by its name, or the only one there is."""
+        visible = list(filter(session.sees, self._topics))
+        names = ", ".join(visible) or "none"
         if requested is None:
-            match list(self._topics.values()):
+            match visible:
                 case [only]:
-                    return only
-            raise ProtocolError("bad_request", f"topic: name one of {self._names()}")
+                    return self._topics[only]
+            raise ProtocolError("bad_request", f"topic: name one of {names}")
         name = resolve_topic(requested, session.limits.max_name_characters)
-        if name not in self._topics:
-            raise ProtocolError(
-                "not_found", f"{name} is no command topic; these are {self._names()}"
-            )
+        if name not in visible:
+            raise ProtocolError("not_found", f"{name} is no command topic; these are {names}")
         return self._topics[name]
-
-    def _names(self) -> str:
-        return ", ".join(self._topics) or "none, as configured"
 
     def _opened(self, name: TopicName, requested: str | int | None) -> CommandTopic:
         """Return a topic that is open, with the type asked for or the one that ROS knows."""
