@@ -182,8 +182,8 @@ async def test_a_gateway_that_hangs_stops_the_robot_and_does_not_move_it_afterwa
 
 
 async def test_a_guard_that_is_killed_stops_the_robot_until_another_one_is_there(robot, measured):
-    async with driven(robot) as (own, driver):
-        for _ in REPETITIONS:
+    for _ in REPETITIONS:  # each of a gateway of its own: the second restart is a later one
+        async with driven(robot) as (own, driver):
             guard = guard_of(own)
             at_ns = await injected(robot, driver, lambda g=guard: os.kill(g, signal.SIGKILL))
             zero_ns = await stopped(robot, at_ns)
