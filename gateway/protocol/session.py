@@ -33,8 +33,6 @@ ROS_SHARP_FRAGMENT_SIZE: Final = 2**31 - 1  # only ROS# sends it, with every req
 # the operations whose failure has a frame of its own, and the key that names their subject
 _NAMED_BY: Final = {"call_service": "service", "send_action_goal": "action"}
 
-# a robot must be stopped by whoever sees the need; its frames count as all do
-
 
 class Session:
     """The sans-I/O core of a connection.

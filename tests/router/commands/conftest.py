@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """A router with a guard that does what a test says, and a robot that hears commands."""
 
+import json
+import time
 from collections.abc import AsyncIterator, Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
+from gateway.access.audit import Audit
 from gateway.codec.types import Types
 from gateway.config.control import ControlConfig
 from gateway.drive.effects import GuardState
@@ -61,9 +64,18 @@ class FakeGuard:
 class Scene(Bench):
     """The bench, with a guard."""
 
-    def __init__(self, ros: FakeRos, router: Router, types: Types, guard: FakeGuard) -> None:
+    def __init__(
+        self, ros: FakeRos, router: Router, types: Types, guard: FakeGuard, audited: list[str]
+    ) -> None:
         super().__init__(ros, router, types)
         self.guard = guard
+        self._audited = audited
+
+    @property
+    def audited(self) -> list[Frame]:
+        """The events of the audit log, without their times."""
+        events: list[Frame] = [json.loads(line) for line in self._audited]
+        return [{k: v for k, v in event.items() if k != "time"} for event in events]
 
     def listen(self, topic: str = "/cmd_vel", type_name: str = TWIST) -> list[Frame]:
         heard: list[Frame] = []
@@ -97,6 +109,7 @@ async def build() -> AsyncIterator[Build]:
         def build(**control: object) -> Scene:
             ros, guard = FakeRos(), FakeGuard()
             types = Types(InstalledDefinitions())
+            audited: list[str] = []
             router = Router(
                 ros,
                 types,
@@ -106,8 +119,9 @@ async def build() -> AsyncIterator[Build]:
                 version="test",
                 control=ControlConfig(**control),  # type: ignore[arg-type]
                 guard=guard,
+                audit=Audit(time.time_ns, audited.append),
             )
-            made.append(Scene(ros, router, types, guard))
+            made.append(Scene(ros, router, types, guard, audited))
             return made[-1]
 
         yield build

@@ -6,9 +6,12 @@ import time
 
 import pytest
 
+from gateway.access.permissions import Identity, Policy
+from gateway.config.access import AccessConfig, OperatorConfig
 from gateway.router.commands.command_topic import COMMAND_QOS
 from tests.client import eventually
 from tests.router.commands.conftest import STAMPED, TWIST, Build, Scene, push, speeds
+from tests.router.conftest import Socketless
 
 
 async def test_a_command_reaches_the_robot_and_its_end_stops_it(scene: Scene):
@@ -349,3 +352,55 @@ async def test_a_client_that_may_not_drive_any_more_is_stopped(scene: Scene):
     push(client, id=1)
     assert client.statuses[-1][0] == "tripped"
     assert "the permission to drive ended" in client.statuses[-1][1]
+
+
+def of_role(scene: Scene, role: str, **access: object) -> Socketless:
+    config = AccessConfig(**access)
+    return scene.client(identity=Identity("tablet", Policy(config).of(role)))
+
+
+async def test_who_takes_control_and_what_stops_a_robot_is_in_the_audit_log(scene: Scene):
+    scene.listen()
+    client = of_role(scene, "operator")
+    push(client)
+    await eventually(lambda: len(scene.audited) == 2)
+    who = {"topic": "/cmd_vel", "name": "tablet", "role": "operator"}
+    taken, stop = ({k: v for k, v in event.items() if k != "address"} for event in scene.audited)
+    assert taken == {"event": "control_taken", **who}
+    assert stop == {"event": "stop", "cause": "deadline", "tripped": False, **who}
+    client.send(op="release_control")
+    push(client)
+    await eventually(lambda: "control_taken" in [each["event"] for each in scene.audited[2:]])
+
+
+async def test_a_viewer_stops_a_robot_but_takes_no_control(scene: Scene):
+    heard = scene.listen()
+    driver, viewer = scene.client(), of_role(scene, "viewer")
+    push(driver)
+    await eventually(lambda: speeds(heard) == [0.2])
+    viewer.send(op="acquire_control", id=1)
+    assert viewer.statuses == [
+        (
+            "forbidden",
+            "publishing on /cmd_vel takes role operator or admin, and this client is viewer",
+        )
+    ]
+    viewer.send(op="stop", id=2)
+    assert viewer.of("stop") == [{"op": "stop", "id": 2, "topics": ["/cmd_vel"]}]
+    await eventually(lambda: 0.0 in speeds(heard))
+    assert [each["cause"] for each in scene.audited if each["event"] == "stop"] == ["stop"]
+
+
+async def test_a_command_topic_that_is_hidden_is_none(build: Build):
+    scene = build(topics=("/cmd_vel", "/secret"))
+    scene.listen("/secret")
+    hidden = {f"deny_{action}": ("/secret",) for action in ("subscribe", "publish", "call")}
+    client = of_role(scene, "operator", operator=OperatorConfig(**hidden))
+    client.send(op="control", topic="/secret")
+    assert client.statuses == [
+        ("not_found", "/secret is no command topic; these are /cmd_vel"),
+    ]
+    client.send(op="control")
+    assert [each["topic"] for each in client.of("control")] == ["/cmd_vel"]
+    client.send(op="stop")
+    assert [each["topics"] for each in client.of("stop")] == [[]]
