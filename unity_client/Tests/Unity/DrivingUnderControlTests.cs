@@ -52,7 +52,7 @@ namespace Ros2Gateway.Unity.Tests
             yield return Hold(driver);
             Assert.AreEqual("you drive", driver.Status);
             _scene.Observer.StopRobots();
-            yield return _scene.Until(() => driver.Control.IsTripped, "to be stopped");
+            yield return _scene.Until(() => IsStopped(driver.Control), "to be stopped");
             yield return _scene.UntilHeard(0, 0);
             _scene.Heard.Clear();
             for (int i = 0; i < AFewFrames; i++)
@@ -82,7 +82,7 @@ namespace Ros2Gateway.Unity.Tests
             yield return Hold(driver);
             driver.SendMessage("OnApplicationFocus", false); // keys are let go of, and a zero goes
             _scene.Observer.StopRobots();
-            yield return _scene.Until(() => driver.Control.Cause == "stop", "to be stopped");
+            yield return _scene.Until(() => IsStopped(driver.Control), "to be stopped");
             yield return _scene.Until(() => !driver.Control.IsTripped, "for the reset");
         }
 
@@ -104,6 +104,17 @@ namespace Ros2Gateway.Unity.Tests
         }
 
         [UnityTest]
+        public IEnumerator AKeyThatIsPressedAnewDrivesARobotThatAnotherClientHasLeftStopped()
+        {
+            TeleopDriver driver = Driver();
+            yield return Clear();
+            yield return OtherDrives(driver);
+            yield return _scene.Until(
+                () => driver.Control.IsTripped && driver.Control.Holder == ControlHolder.None, "for its lease to end");
+            yield return Hold(driver);
+        }
+
+        [UnityTest]
         public IEnumerator StopStopsARobotThatAnotherClientDrives()
         {
             TeleopDriver driver = Driver();
@@ -113,8 +124,7 @@ namespace Ros2Gateway.Unity.Tests
             _keys.StopPressed = true;
             yield return null;
             _keys.StopPressed = false;
-            yield return _scene.Until(() => _control.State.IsTripped, "for the other to be stopped", Push);
-            Assert.AreEqual("stop", _control.State.Cause);
+            yield return _scene.Until(() => IsStopped(_control.State), "for the other to be stopped", Push);
         }
 
         [UnityTest]
@@ -145,11 +155,18 @@ namespace Ros2Gateway.Unity.Tests
             driver.SetTarget(Vector3.left);
             yield return _scene.Until(() => failure != null, "to be refused", Push);
             StringAssert.Contains("another client drives", failure);
+            bool wasStopped = false;
+            _control.Changed += state => wasStopped |= IsStopped(state);
             driver.Abandon("the scene ends");
-            bool isAnswered = false;
-            _scene.Connection.Client.Request("ping", null, reply => isAnswered = true);
-            yield return _scene.Until(() => isAnswered, "for what went before to be through", Push);
-            Assert.AreEqual(RobotMotion.Moving, _control.State.Motion);
+            _scene.Heard.Clear();
+            yield return _scene.Until(
+                () => _scene.Heard.FindAll(one => one.linear > 0).Count > AFewFrames || wasStopped, "to drive on", Push);
+            Assert.IsFalse(wasStopped);
+        }
+
+        private static bool IsStopped(ControlState state)
+        {
+            return state.IsTripped && state.Cause == "stop"; // the cause alone may be another test's
         }
 
         private TeleopDriver Driver()
@@ -237,7 +254,10 @@ namespace Ros2Gateway.Unity.Tests
         {
             TwistMsg ahead = new TwistMsg();
             ahead.linear.x = 0.05;
-            _others.Publish(ahead);
+            if (!_others.Publish(ahead) && _control.State.Cause == "deadline")
+            {
+                _others.Publish(new TwistMsg()); // a machine that is busy with other things has held up a command
+            }
         }
     }
 }

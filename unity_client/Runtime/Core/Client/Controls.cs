@@ -151,6 +151,16 @@ namespace Ros2Gateway
             return false;
         }
 
+        /// <summary>Stops one robot, or all without a topic; nobody waits for the answer.</summary>
+        internal void Stop(string topic)
+        {
+            string refusal = Send("stop", "stop", topic);
+            if (refusal != null)
+            {
+                _reports.Error("stop", refusal);
+            }
+        }
+
         private ControlTopic[] All()
         {
             lock (_gate)
@@ -171,13 +181,17 @@ namespace Ros2Gateway
             _outbox.Post(frame);
         }
 
-        private void Send(string op, string id, string topic)
+        // Returns why it does not go, or null.
+        private string Send(string op, string id, string topic)
         {
             JsonWriter frame = _outbox.Rent();
             frame.Begin(op, id);
-            frame.Member("topic", topic);
+            if (topic != null)
+            {
+                frame.Member("topic", topic);
+            }
             frame.EndObject();
-            _outbox.Post(frame);
+            return _outbox.Post(frame);
         }
     }
 }

@@ -245,7 +245,7 @@ namespace Ros2Gateway
         /// <param name="done">Gets the command topics that are stopped.</param>
         public void StopRobots(Action<Reply<string[]>> done = null)
         {
-            RobotControl.Stop(_requests, null, done, _options.CallMilliseconds);
+            RobotControl.Stop(_controls, _requests, null, done, _options.CallMilliseconds);
         }
 
         /// <summary>Calls a service; *done* is called by <see cref="Pump"/>, once, whatever happens.</summary>

@@ -54,7 +54,7 @@ namespace Ros2Gateway
         /// <param name="done">Gets the topics that are stopped: none if no type of the topic is known yet.</param>
         public void Stop(Action<Reply<string[]>> done = null)
         {
-            Stop(_requests, Topic, done, _patience);
+            Stop(_controls, _requests, Topic, done, _patience);
         }
 
         /// <summary>
@@ -85,8 +85,14 @@ namespace Ros2Gateway
         }
 
         /// <summary>Stops one robot, or all without a topic.</summary>
-        internal static void Stop(Requests requests, string topic, Action<Reply<string[]>> done, int patience)
+        internal static void Stop(
+            Controls controls, Requests requests, string topic, Action<Reply<string[]>> done, int patience)
         {
+            if (done == null)
+            {
+                controls.Stop(topic); // so that a scene that ends now has no open question
+                return;
+            }
             requests.Send(
                 "stop",
                 topic == null ? "stop" : "stop " + topic,

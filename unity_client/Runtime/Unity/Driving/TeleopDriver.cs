@@ -46,6 +46,7 @@ namespace Ros2Gateway.Unity
         private IDriveInput _input;
         private bool _isUnfocused;
         private bool _isPaused;
+        private bool _mayDrive; // as long as a key is held
         private int _changes; // of the connection, when keys were let go of last
 
         /// <summary><see cref="Status"/> is another.</summary>
@@ -166,11 +167,17 @@ namespace Ros2Gateway.Unity
                 Stop();
             }
             DriveCommand command = DriveCommand.Zero;
-            if (!_isUnfocused && !_isPaused && _keys.Step(Input.Held, Time.unscaledTimeAsDouble, out command))
+            bool isDue = !_isUnfocused && !_isPaused
+                && _keys.Step(Input.Held, Time.unscaledTimeAsDouble, out command);
+            bool isZero = command.Equals(DriveCommand.Zero);
+            // A key that was pressed anew may begin with the zero that a stopped robot waits for; one that was
+            // held when it was stopped must be let go of.
+            _mayDrive = !isZero && (_mayDrive || _output.LetGo());
+            if (isDue && (isZero || _mayDrive))
             {
                 _output.Send(command);
             }
-            else if (command.Equals(DriveCommand.Zero))
+            else if (isZero)
             {
                 _output.Rest();
             }
