@@ -151,7 +151,7 @@ class Rogue:
             frame = json.loads(text)
             topic = frame.get("topic")
             answer = {"op": frame["op"], "id": frame.get("id"), "topic": topic}
-            refusal = {"op": "status", "level": "error", "id": frame.get("id"), "request": frame["op"]}
+            refusal = {"op": "status", "level": "error", "id": answer["id"], "request": frame["op"]}
             if frame["op"] == "ping":
                 await client.send(json.dumps({"op": "pong", "value": frame["value"]}))
             elif frame["op"] == "control" and topic != "/forbidden":

@@ -55,15 +55,13 @@ namespace Ros2Gateway.Unity.Tests
             yield return _scene.Until(() => IsStopped(driver.Control), "to be stopped");
             yield return _scene.UntilHeard(0, 0);
             _scene.Heard.Clear();
-            for (int i = 0; i < AFewFrames; i++)
-            {
-                yield return null;
-                _scene.Observer.Pump();
-            }
+            yield return _scene.Until(
+                () => driver.Status == "stopped, another client asked for it: let go (publish zero), then drive on",
+                "to be told");
+            // The key is held, and nothing goes: the lease ends.
+            yield return _scene.Until(() => driver.Control.Holder == ControlHolder.None, "for the lease to end");
+            Assert.IsTrue(driver.Control.IsTripped);
             Assert.IsFalse(_scene.HasHeard(Speed, 0));
-            Assert.IsTrue(driver.Control.IsTripped, "while the key is held");
-            Assert.AreEqual(
-                "stopped, another client asked for it: let go (publish zero), then drive on", driver.Status);
             _keys.Held = DriveKeys.None;
             yield return _scene.Until(() => !driver.Control.IsTripped, "for the reset");
             yield return Hold(driver);
