@@ -172,7 +172,10 @@ namespace Ros2Gateway.Unity
         {
             lock (_gate)
             {
-                if (_isMoving && _sinceSent.ElapsedMilliseconds > FrozenMilliseconds)
+                // While commands are refused it is the gateway that has stopped the robot, and a zero of ours would
+                // say that a stick was let go of.
+                bool isSilent = _sinceSent.ElapsedMilliseconds > FrozenMilliseconds;
+                if (_isMoving && isSilent && _publisher.Refusal == null)
                 {
                     Publish(DriveCommand.Zero);
                 }
