@@ -71,6 +71,7 @@ class Rogue:
             "/refuses": self._refuses,
             "/full": self._full,
             "/stops-reading": self._stops_reading,
+            "/refuses-commands": self._refuses_commands,
             "/through": self._through,
         }
 
@@ -143,6 +144,24 @@ class Rogue:
                 await client.send(json.dumps(frame))
             elif frame["op"] == "ping":
                 await client.send(json.dumps({"op": "pong", "value": frame["value"]}))
+
+    async def _refuses_commands(self, client: ServerConnection) -> None:
+        """Have lost the guard process, and forbid to publish on ``/forbidden``."""
+        async for text in client:
+            frame = json.loads(text)
+            topic = frame.get("topic")
+            answer = {"op": frame["op"], "id": frame.get("id"), "topic": topic}
+            refusal = {"op": "status", "level": "error", "id": answer["id"], "request": frame["op"]}
+            if frame["op"] == "ping":
+                await client.send(json.dumps({"op": "pong", "value": frame["value"]}))
+            elif frame["op"] == "control" and topic != "/forbidden":
+                state = {"state": "stopped", "tripped": False, "cause": None, "holder": None}
+                await client.send(json.dumps({**answer, **state, "guard": "lost"}))
+            elif frame["op"] == "control":
+                await client.send(json.dumps({**refusal, "msg": "no topic", "code": "not_found"}))
+            elif frame["op"] == "publish" and topic == "/forbidden":
+                reason = "you may not publish on /forbidden"
+                await client.send(json.dumps({**refusal, "msg": reason, "code": "forbidden"}))
 
     async def _through(self, client: ServerConnection) -> None:
         async with connect(self._gateway, max_size=None) as gateway, asyncio.TaskGroup() as group:

@@ -62,6 +62,8 @@ namespace Ros2Gateway.Samples.Tests
             keys.Held = DriveKeys.Forward;
             yield return _demo.Until(() => twin.position.z > 0.1f, "for the twin to be ahead");
             Assert.AreEqual(0.26, heard.linear.x, 1e-6);
+            TextMesh state = GameObject.Find("Drive's State").GetComponent<TextMesh>();
+            yield return _demo.Until(() => state.text == "you drive", "to be told who drives");
             keys.StopPressed = true;
             yield return null;
             keys.StopPressed = false;

@@ -6,7 +6,7 @@ namespace Ros2Gateway.Samples.Teleoperation
 {
     /// <summary>
     /// Builds the demonstration in an empty scene: a room, a player, a robot's digital twin, screens with its
-    /// camera, battery, messages and log. Arrow keys drive the robot, space stops it, WASD and the mouse move
+    /// camera, battery, messages, log and who drives. Arrow keys drive the robot, space stops it, WASD and the mouse move
     /// the player.
     /// </summary>
     public sealed class TeleoperationScene : MonoBehaviour
@@ -63,9 +63,7 @@ namespace Ros2Gateway.Samples.Teleoperation
             BuildPlayer();
             BuildScreens();
             BuildTwin();
-            GameObject driver = New("Teleop Driver", transform);
-            driver.AddComponent<TeleopDriver>().Topic = _commandTopic;
-            driver.SetActive(true);
+            BuildDriver();
         }
 
         private void OnDestroy()
@@ -136,6 +134,18 @@ namespace Ros2Gateway.Samples.Teleoperation
             GameObject hud = Text("Connection HUD", new Vector3(0, 1.2f, 3));
             hud.AddComponent<ConnectionHud>();
             hud.SetActive(true);
+        }
+
+        private void BuildDriver()
+        {
+            GameObject words = Text("Drive's State", new Vector3(1.2f, 1.2f, 3));
+            TextMesh text = words.GetComponent<TextMesh>();
+            words.SetActive(true);
+            GameObject holder = New("Teleop Driver", transform);
+            TeleopDriver driver = holder.AddComponent<TeleopDriver>();
+            driver.Topic = _commandTopic;
+            driver.StatusChanged += status => text.text = status;
+            holder.SetActive(true);
         }
 
         private void BuildTwin()

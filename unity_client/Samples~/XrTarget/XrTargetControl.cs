@@ -100,7 +100,7 @@ namespace Ros2Gateway.Samples.XrTarget
         {
             if (_driver != null)
             {
-                _driver.Stop("what stops it was disabled");
+                _driver.Abandon("what stops it was disabled"); // the scene may end while another client drives
             }
         }
 
@@ -110,7 +110,7 @@ namespace Ros2Gateway.Samples.XrTarget
             bool isPresent = Input.IsUserPresent;
             if (_wasPresent && !isPresent)
             {
-                _driver.Stop("the headset was taken off");
+                _driver.Abandon("the headset was taken off");
             }
             _wasPresent = isPresent;
             if (Input.StopPressed)

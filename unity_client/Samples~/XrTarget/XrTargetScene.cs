@@ -77,6 +77,7 @@ namespace Ros2Gateway.Samples.XrTarget
             {
                 words += ": " + _driver.Reason;
             }
+            words += "\n" + _driver.Status;
             if (_state.text != words)
             {
                 _state.text = words;

@@ -102,6 +102,23 @@ namespace Ros2Gateway.Tests
         }
 
         [Test]
+        public void AVelocityThatTheGatewayRefusesReturnsFalseAndADebugMessageSaysWhy()
+        {
+            Connect();
+            Assert.IsTrue(add_publisher("/cmd_vel", Twist, 1));
+            Assert.IsTrue(add_subscriber("/odom", Odometry, 1, 1));
+            OdometryMsg odometry = null;
+            Until(() => Speed(ref odometry) > 0.04, "to drive", Push);
+            Until(() => Speed(ref odometry) < 0.001, "for the gateway to stop a robot that nobody commands");
+            Until(() => !send_twist("/cmd_vel", 0.05, 0, 0, 0, 0, 0), "to be refused");
+            string said = "";
+            Until(() => poll_debug_message(out said) && said.Contains("commands ceased"), "for the reason");
+            Assert.IsTrue(send_twist("/cmd_vel", 0, 0, 0, 0, 0, 0));
+            Until(() => Speed(ref odometry) > 0.04, "to drive again", Push);
+            Assert.IsTrue(send_twist("/cmd_vel", 0, 0, 0, 0, 0, 0));
+        }
+
+        [Test]
         public void FiveMessagesArriveInOrder()
         {
             Connect();
@@ -217,6 +234,23 @@ namespace Ros2Gateway.Tests
             string words = "";
             Until(() => !poll_twist("/odom", out twist) && poll_debug_message(out words) && words.Contains("has type"), "for the words");
             StringAssert.Contains("the subscriber has type nav_msgs/msg/Odometry", words);
+        }
+
+        /// <summary>Drives as a stick does, which is let go of when the robot does not move.</summary>
+        private static void Push()
+        {
+            if (!send_twist("/cmd_vel", 0.05, 0, 0, 0, 0, 0))
+            {
+                send_twist("/cmd_vel", 0, 0, 0, 0, 0, 0);
+            }
+            Thread.Sleep(20);
+        }
+
+        private static double Speed(ref OdometryMsg newest)
+        {
+            OdometryMsg odometry;
+            newest = poll_odometry("/odom", out odometry) ? odometry : newest;
+            return newest == null ? double.NaN : newest.twist.twist.linear.x;
         }
 
         private static void Connect()

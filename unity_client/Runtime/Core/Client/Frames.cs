@@ -35,6 +35,12 @@ namespace Ros2Gateway
             frame.Value(value);
         }
 
+        internal static void Member(this JsonWriter frame, string name, long value)
+        {
+            frame.Name(name);
+            frame.Value(value);
+        }
+
         internal static void Member(this JsonWriter frame, string name, double value)
         {
             frame.Name(name);

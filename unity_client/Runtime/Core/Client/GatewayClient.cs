@@ -25,6 +25,7 @@ namespace Ros2Gateway
         private readonly Outbox _outbox;
         private readonly Reports _reports;
         private readonly Subscriptions _subscriptions;
+        private readonly Controls _controls;
         private readonly Publishers _publishers;
         private readonly Requests _requests;
         private readonly Goals _goals;
@@ -45,13 +46,14 @@ namespace Ros2Gateway
             _outbox = new Outbox(_clock, options.FreshMilliseconds);
             _reports = new Reports(_mailbox, _clock);
             _subscriptions = new Subscriptions(_outbox);
-            _publishers = new Publishers(_outbox, _reports);
+            _controls = new Controls(_outbox, _mailbox, _reports, _clock);
+            _publishers = new Publishers(_outbox, _reports, _controls, _clock);
             _requests = new Requests(_outbox, _mailbox, _reports, _clock);
             _goals = new Goals(_outbox, _mailbox, _reports);
             _providers = new ServiceProviders(_outbox, _mailbox);
             _graph = new GraphWatch(_outbox, _mailbox);
             _inbox = new Inbox(
-                _subscriptions, _publishers, _requests, _goals, _providers, _graph, new Core(this), _reports);
+                _subscriptions, _publishers, _controls, _requests, _goals, _providers, _graph, new Core(this), _reports);
             _link = new Link(options, new Core(this));
             if (options.UsesThreads)
             {
@@ -224,6 +226,28 @@ namespace Ros2Gateway
             return publisher;
         }
 
+        /// <summary>
+        /// Watches who drives the robot behind a command topic and whether it may be driven; by what this returns
+        /// it is stopped, and control taken.
+        /// </summary>
+        /// <param name="changed">Called by <see cref="Pump"/> with each change; null for none.</param>
+        public RobotControl Control(string topic = "/cmd_vel", Action<ControlState> changed = null)
+        {
+            RobotControl control = new RobotControl(_controls, _requests, Names.Absolute(topic), _options.CallMilliseconds);
+            if (changed != null)
+            {
+                control.Changed += changed;
+            }
+            return control;
+        }
+
+        /// <summary>Stops every robot of the gateway, whoever drives it; any client may.</summary>
+        /// <param name="done">Gets the command topics that are stopped.</param>
+        public void StopRobots(Action<Reply<string[]>> done = null)
+        {
+            RobotControl.Stop(_controls, _requests, null, done, _options.CallMilliseconds);
+        }
+
         /// <summary>Calls a service; *done* is called by <see cref="Pump"/>, once, whatever happens.</summary>
         /// <param name="timeoutMilliseconds">0 for <see cref="GatewayOptions.CallMilliseconds"/>.</param>
         public void CallService<TResponse>(
@@ -371,6 +395,7 @@ namespace Ros2Gateway
             }
             Post("hello");
             _publishers.Restore();
+            _controls.Restore();
             _providers.Restore();
             _outbox.OpenLanes();
             _subscriptions.Restore();
@@ -382,6 +407,7 @@ namespace Ros2Gateway
             _outbox.Detach();
             RosClock.Forget();
             _providers.OnDown();
+            _controls.OnDown();
             _requests.FailAll(words);
             _goals.FailAll(words);
         }

@@ -44,6 +44,7 @@ namespace Ros2Gateway
 
         private readonly Subscriptions _subscriptions;
         private readonly Publishers _publishers;
+        private readonly Controls _controls;
         private readonly Requests _requests;
         private readonly Goals _goals;
         private readonly ServiceProviders _providers;
@@ -71,11 +72,12 @@ namespace Ros2Gateway
         private bool _isDelivered;
 
         internal Inbox(
-            Subscriptions subscriptions, Publishers publishers, Requests requests, Goals goals,
+            Subscriptions subscriptions, Publishers publishers, Controls controls, Requests requests, Goals goals,
             ServiceProviders providers, GraphWatch graph, IInboxOwner owner, Reports reports)
         {
             _subscriptions = subscriptions;
             _publishers = publishers;
+            _controls = controls;
             _requests = requests;
             _goals = goals;
             _providers = providers;
@@ -226,6 +228,15 @@ namespace Ros2Gateway
                         _graph.OnFrame(Whole());
                     }
                     break;
+                case "control":
+                case "acquire_control":
+                case "release_control":
+                    _controls.OnFrame(_op, Whole());
+                    if (_requests.IsPending(_id))
+                    {
+                        _requests.Answer(_id, Whole());
+                    }
+                    break;
                 case null:
                     throw new JsonFormatException("op is missing", "", 0);
                 default:
@@ -313,6 +324,14 @@ namespace Ros2Gateway
             {
                 _requests.Fail(_id, words);
                 return;
+            }
+            if (_level == "error" && _id != null)
+            {
+                if (_controls.OnRefused(_id, words))
+                {
+                    return;
+                }
+                _publishers.OnRefused(_id, _code ?? "", words);
             }
             EventLevel level = _level == "error" ? EventLevel.Error
                 : _level == "info" ? EventLevel.Info : EventLevel.Warning;

@@ -7,9 +7,17 @@ namespace Ros2Gateway
     /// <summary>Publishes on a topic. It survives reconnections and ends with <see cref="Dispose"/>.</summary>
     public class Publisher : IDisposable
     {
+        // A refusal without a known end is asked for again after so long: soon enough not to miss a deadline.
+        private const int AskAgainMilliseconds = 250;
+
+        // What resets a trip is told by a change of state; if that was lost on the way, this ends the waiting.
+        private const int ResetMilliseconds = 300;
+
         private readonly Publishers _publishers;
         private readonly Lane _lane;
         private byte[] _latched; // a frame, to be sent again with each connection
+        private volatile Refused _refused;
+        private string _told; // of the refusals, so that a held stick is one piece of news
 
         internal Publisher(Publishers publishers, string id, string topic, string type, AdvertiseOptions options)
         {
@@ -36,6 +44,29 @@ namespace Ros2Gateway
             get { return _lane.Dropped; }
         }
 
+        /// <summary>
+        /// Why the gateway takes no command to move now, in words, or null. Then <see cref="Publish"/> is false:
+        /// on a command topic for all but zeros, which reset a robot that was stopped.
+        /// </summary>
+        public string Refusal
+        {
+            get
+            {
+                ControlState state = Control == null ? null : Control.State;
+                if (state != null && state.Refusal != null)
+                {
+                    return state.Refusal;
+                }
+                // The last word counts: a state that came after the refusal knows better.
+                Refused refused = _refused;
+                return refused != null && refused.State == state && _publishers.Now < refused.Until
+                    ? refused.Words : null;
+            }
+        }
+
+        /// <summary>What is known of the robot that this may move; null for messages that move none.</summary>
+        internal ControlTopic Control { get; set; }
+
         internal string Id { get; private set; }
 
         internal AdvertiseOptions Options { get; private set; }
@@ -44,7 +75,8 @@ namespace Ros2Gateway
 
         /// <summary>
         /// Sends a message; false, and an event says why, if there is no connection, if the gateway has left a
-        /// ping unanswered for <see cref="GatewayOptions.FreshMilliseconds"/>, or if it cannot be written.
+        /// ping unanswered for <see cref="GatewayOptions.FreshMilliseconds"/>, if it cannot be written, or if the
+        /// gateway refuses what moves a robot, see <see cref="Refusal"/>.
         /// </summary>
         /// <remarks>
         /// Nothing is kept for later: a robot must not carry out what was meant for another moment. What the
@@ -61,8 +93,15 @@ namespace Ros2Gateway
         {
             string refusal = IsDisposed ? "publisher was disposed"
                 : message == null ? "no message"
-                : message.RosType != Type ? "expected " + Type + ", got " + message.RosType
-                : Send(message, evenLate);
+                : message.RosType != Type ? "expected " + Type + ", got " + message.RosType : null;
+            if (refusal == null)
+            {
+                if (IsRefused(message))
+                {
+                    return false;
+                }
+                refusal = Send(message, evenLate);
+            }
             if (refusal != null)
             {
                 _publishers.Report(this, refusal);
@@ -83,10 +122,56 @@ namespace Ros2Gateway
         /// <summary>Sends what was latched, on a new connection.</summary>
         internal void Restore()
         {
-            if (_latched != null)
+            if (_latched != null && !MovesARobot) // what moved it once must not move it again
             {
                 _publishers.SendLatched(_latched);
             }
+        }
+
+        /// <summary>The gateway has refused a message, or the topic itself.</summary>
+        internal void OnRefused(string code, string words)
+        {
+            bool isTripped = code == "tripped";
+            bool lasts = isTripped || code == "not_lease_holder" || code == "stale_command" || code == "forbidden"
+                || (code == "invalid_value" && MovesARobot); // elsewhere the next message may be right
+            if (!lasts)
+            {
+                return;
+            }
+            ControlState state = Control == null ? null : Control.State;
+            bool isEndTold = isTripped && state != null && state.IsKnown;
+            long until = isEndTold ? long.MaxValue : _publishers.Now + AskAgainMilliseconds;
+            _told = words; // it is an event already
+            _refused = new Refused(words, until, state);
+        }
+
+        private bool MovesARobot
+        {
+            get { return Control != null && Control.MovesARobot; }
+        }
+
+        private bool IsRefused(IMessage message)
+        {
+            string words = Refusal;
+            if (words == null)
+            {
+                return false;
+            }
+            if (Control != null && Velocities.MayBeZero(message))
+            {
+                Refused refused = _refused;
+                if (refused != null && refused.Until == long.MaxValue)
+                {
+                    _refused = new Refused(refused.Words, _publishers.Now + ResetMilliseconds, refused.State);
+                }
+                return false;
+            }
+            if (!ReferenceEquals(words, _told))
+            {
+                _told = words;
+                _publishers.Report(this, words);
+            }
+            return true;
         }
 
         // Returns why it does not go, or null.
@@ -104,7 +189,7 @@ namespace Ros2Gateway
                 return error.Message;
             }
             string refusal;
-            if (Options.Latch)
+            if (Options.Latch && !MovesARobot)
             {
                 byte[] latched = frame.ToArray();
                 _lane.GiveBack(frame);
@@ -123,9 +208,29 @@ namespace Ros2Gateway
         {
             frame.Begin("publish", Id);
             frame.Member("topic", Topic);
+            if (Control != null)
+            {
+                // by which the gateway tells commands that are late
+                frame.Member("monotonic_ms", _publishers.Now);
+            }
             frame.Name("msg");
             message.Write(frame);
             frame.EndObject();
+        }
+
+        /// <summary>A refusal: its words, its end, and the state that was known when it came.</summary>
+        private sealed class Refused
+        {
+            internal readonly string Words;
+            internal readonly long Until;
+            internal readonly ControlState State;
+
+            internal Refused(string words, long until, ControlState state)
+            {
+                Words = words;
+                Until = until;
+                State = state;
+            }
         }
     }
 

@@ -10,12 +10,22 @@ namespace Ros2Gateway
         private readonly object _gate = new object(); // held while sending, so that nothing overtakes its advertisement
         private readonly Outbox _outbox;
         private readonly Reports _reports;
+        private readonly Controls _controls;
+        private readonly Clock _clock;
         private readonly List<Publisher> _all = new List<Publisher>();
 
-        internal Publishers(Outbox outbox, Reports reports)
+        internal Publishers(Outbox outbox, Reports reports, Controls controls, Clock clock)
         {
             _outbox = outbox;
             _reports = reports;
+            _controls = controls;
+            _clock = clock;
+        }
+
+        /// <summary>Milliseconds of a clock that never goes back, over all connections.</summary>
+        internal long Now
+        {
+            get { return _clock.Now; }
         }
 
         internal void Add(Publisher publisher)
@@ -24,6 +34,10 @@ namespace Ros2Gateway
             {
                 _all.Add(publisher);
                 Advertise(publisher);
+            }
+            if (Velocities.IsType(publisher.Type))
+            {
+                publisher.Control = _controls.Open(publisher.Topic);
             }
         }
 
@@ -38,6 +52,10 @@ namespace Ros2Gateway
                 frame.Member("topic", publisher.Topic);
                 frame.EndObject();
                 _outbox.PostLast(lane, frame);
+            }
+            if (publisher.Control != null)
+            {
+                _controls.Close(publisher.Control);
             }
         }
 
@@ -57,10 +75,17 @@ namespace Ros2Gateway
         /// <summary>The topic of a publisher; null if there is none with that id.</summary>
         internal string TopicOf(string id)
         {
-            lock (_gate)
+            Publisher found = Find(id);
+            return found == null ? null : found.Topic;
+        }
+
+        /// <summary>The gateway has refused something of a publisher, if there is one with that id.</summary>
+        internal void OnRefused(string id, string code, string words)
+        {
+            Publisher found = Find(id);
+            if (found != null)
             {
-                Publisher found = _all.Find(publisher => publisher.Id == id);
-                return found == null ? null : found.Topic;
+                found.OnRefused(code, words);
             }
         }
 
@@ -85,6 +110,14 @@ namespace Ros2Gateway
         internal void Report(Publisher publisher, string words)
         {
             _reports.Error("publish", publisher.Topic + ": " + words);
+        }
+
+        private Publisher Find(string id)
+        {
+            lock (_gate)
+            {
+                return _all.Find(publisher => publisher.Id == id);
+            }
         }
 
         private void Advertise(Publisher publisher)

@@ -10,7 +10,8 @@ namespace Ros2Gateway.Unity
     /// <summary>
     /// Publishes commands as Twist, and knows whether the robot may still be moving by them: after a
     /// connection was lost in the middle of driving, the first thing that the robot hears is zero; and when
-    /// the application freezes in the middle of driving, a timer of its own sends zero.
+    /// the application freezes in the middle of driving, a timer of its own sends zero. Where the gateway has
+    /// stopped the robot, zeros that are sent once nobody pushes any more allow to drive on.
     /// </summary>
     internal sealed class DriveOutput : IDisposable
     {
@@ -19,14 +20,20 @@ namespace Ros2Gateway.Unity
         private const int FrozenMilliseconds = 300;
         private const int CheckMilliseconds = 50;
 
+        // Between two zeros for a robot that was stopped: one is enough, unless it was late or refused.
+        private const int ZeroMilliseconds = 100;
+
         private readonly object _gate = new object(); // the timer has a thread of its own
         private readonly GatewayConnection _connection;
         private readonly GatewayClient _client;
         private readonly Publisher<TwistMsg> _publisher;
+        private readonly RobotControl _control;
         private readonly TwistMsg _twist = new TwistMsg();
         private readonly Stopwatch _sinceSent = new Stopwatch();
+        private readonly Stopwatch _sinceZero = Stopwatch.StartNew();
         private readonly Timer _deadMan; // null where there are no threads: there the page is what freezes
         private bool _isMoving;
+        private bool _hasPushed; // so it may be this driver whom the gateway waits for to let go
         private bool _isUp;
 
         internal DriveOutput(GatewayConnection connection, string topic)
@@ -35,6 +42,7 @@ namespace Ros2Gateway.Unity
             _client = connection.Client;
             // A command that waited is one for a robot that is elsewhere by now.
             _publisher = _client.Advertise<TwistMsg>(topic, new AdvertiseOptions { Queue = 1 });
+            _control = _client.Control(topic);
             _isUp = _client.IsConnected;
             connection.StateChanged += Changed;
             connection.Leaving += Stand; // a scene may disable the connection first
@@ -49,6 +57,24 @@ namespace Ros2Gateway.Unity
             get { return _isUp && _client.IsConnected; }
         }
 
+        /// <summary>Who drives, and whether the robot may be driven.</summary>
+        internal ControlState Control
+        {
+            get { return _control.State; }
+        }
+
+        /// <summary>Why no command to move goes, or null.</summary>
+        internal string Refusal
+        {
+            get { return _publisher.Refusal; }
+        }
+
+        /// <summary>How things stand, in words for people.</summary>
+        internal string Status
+        {
+            get { return !IsConnected ? "not connected" : _publisher.Refusal ?? _control.State.ToString(); }
+        }
+
         /// <summary>
         /// Another number than before means that the connection is another, too: one that was lost and made
         /// again between two frames is never seen as lost.
@@ -61,6 +87,57 @@ namespace Ros2Gateway.Unity
             lock (_gate)
             {
                 return _isUp && Publish(command);
+            }
+        }
+
+        /// <summary>
+        /// Stops the robot, whoever drives it; where the gateway knows of no robot behind the topic by a zero.
+        /// </summary>
+        internal void Stop()
+        {
+            if (_control.State.IsKnown)
+            {
+                _control.Stop();
+            }
+            if (_control.State.Holder != ControlHolder.Other)
+            {
+                Send(DriveCommand.Zero);
+            }
+        }
+
+        /// <summary>
+        /// Whether a robot that was stopped may be driven again: sends zeros until it may.
+        /// </summary>
+        internal bool LetGo()
+        {
+            lock (_gate)
+            {
+                ControlState state = _control.State;
+                if (_isUp && state.IsTripped && state.Holder != ControlHolder.Other
+                    && _sinceZero.ElapsedMilliseconds >= ZeroMilliseconds)
+                {
+                    Publish(DriveCommand.Zero);
+                }
+                return !state.IsTripped;
+            }
+        }
+
+        /// <summary>
+        /// Nobody pushes, call it in every frame of that: where this driver was stopped by the gateway, zeros go
+        /// until it may drive again. A driver that has not driven leaves the latch to those who have.
+        /// </summary>
+        internal void Rest()
+        {
+            ControlState state = _control.State;
+            bool isOver = state.Holder == ControlHolder.Other
+                || (!state.IsTripped && state.Holder == ControlHolder.None && !_isMoving);
+            if (state.IsKnown && isOver)
+            {
+                _hasPushed = false;
+            }
+            else if (_hasPushed)
+            {
+                LetGo();
             }
         }
 
@@ -85,6 +162,7 @@ namespace Ros2Gateway.Unity
                 _deadMan.Dispose();
             }
             Stand();
+            _control.Dispose();
             _publisher.Dispose();
             _connection.StateChanged -= Changed;
             _connection.Leaving -= Stand;
@@ -94,7 +172,10 @@ namespace Ros2Gateway.Unity
         {
             lock (_gate)
             {
-                if (_isMoving && _sinceSent.ElapsedMilliseconds > FrozenMilliseconds)
+                // While commands are refused it is the gateway that has stopped the robot, and a zero of ours would
+                // say that a stick was let go of.
+                bool isSilent = _sinceSent.ElapsedMilliseconds > FrozenMilliseconds;
+                if (_isMoving && isSilent && _publisher.Refusal == null)
                 {
                     Publish(DriveCommand.Zero);
                 }
@@ -106,11 +187,16 @@ namespace Ros2Gateway.Unity
             bool isZero = command.Equals(DriveCommand.Zero);
             _twist.linear.x = command.linear;
             _twist.angular.z = command.angular;
+            _hasPushed |= !isZero;
             bool isSent = _client.IsConnected && _publisher.Publish(_twist, isZero);
             if (isSent)
             {
                 _isMoving = !isZero;
                 _sinceSent.Restart();
+                if (isZero)
+                {
+                    _sinceZero.Restart();
+                }
             }
             return isSent;
         }

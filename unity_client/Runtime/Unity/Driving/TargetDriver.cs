@@ -16,12 +16,16 @@ namespace Ros2Gateway.Unity
     /// <summary>
     /// Drives a robot to a point of the scene by its odometry: it turns, then drives, as
     /// <see cref="DriveToTarget"/> says. The target is given up and the robot told to stand when the window
-    /// loses the focus, the application pauses, the component is disabled or the connection is lost; a new
-    /// connection resumes nothing.
+    /// loses the focus, the application pauses, the component is disabled, the connection is lost or the gateway
+    /// refuses to drive on; a new connection resumes nothing. A new target lets a robot that was stopped drive
+    /// again.
     /// </summary>
     [AddComponentMenu("ROS 2 Gateway/Target Driver")]
     public sealed class TargetDriver : MonoBehaviour
     {
+        // A robot that was stopped may drive again 0.25 s after a zero; what takes longer has other reasons.
+        private const double LetGoSeconds = 2;
+
         [SerializeField]
         [Tooltip("Without, the scene's")]
         private GatewayConnection _connection;
@@ -64,12 +68,17 @@ namespace Ros2Gateway.Unity
         [SerializeField]
         private ReasonEvent _onFailed = new ReasonEvent();
 
+        [SerializeField]
+        private ReasonEvent _onStatus = new ReasonEvent();
+
+        private readonly DriveStatus _status = new DriveStatus();
         private DriveOutput _output;
         private DriveToTarget _drive;
         private Subscription<OdometryMsg> _subscription;
         private PlanarPose _pose;
         private double _poseTime = double.NaN;
         private double _next;
+        private double _begins; // when the target was set; NaN once it is driven to
         private int _changes; // of the connection, when the target was set
         private Vector3 _place; // of the target, in the world
 
@@ -78,6 +87,29 @@ namespace Ros2Gateway.Unity
 
         /// <summary>The target was given up, and why: also by <see cref="Stop"/> with its reason.</summary>
         public event Action<string> Failed;
+
+        /// <summary><see cref="Status"/> is another.</summary>
+        public event Action<string> StatusChanged;
+
+        /// <summary>Called with <see cref="Status"/> when it is another, from the Inspector's list.</summary>
+        public ReasonEvent OnStatus
+        {
+            get { return _onStatus; }
+        }
+
+        /// <summary>
+        /// Who drives, what has stopped the robot and what to do about it, in words for people; as of the last frame.
+        /// </summary>
+        public string Status
+        {
+            get { return _status.Words; }
+        }
+
+        /// <summary>The same for programs; null while the component is disabled.</summary>
+        public ControlState Control
+        {
+            get { return _output == null ? null : _output.Control; }
+        }
 
         /// <summary>
         /// Where commands go; a change takes effect when the component is enabled the next time.
@@ -192,6 +224,7 @@ namespace Ros2Gateway.Unity
                 return false;
             }
             _changes = _output.Changes;
+            _begins = Time.unscaledTimeAsDouble;
             _next = 0;
             _place = worldPosition;
             ShowMarker();
@@ -199,15 +232,31 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Tells the robot to stand, whatever it does and whichever driver of this connection drove it, and
-        /// takes the target away.
+        /// Tells the robot to stand, whatever it does and whoever drives it, another client, too, and takes the
+        /// target away.
         /// </summary>
         public void Stop(string reason)
         {
             if (_output != null)
             {
                 _connection.Halt(reason);
-                _output.Send(DriveCommand.Zero);
+                _output.Stop();
+            }
+        }
+
+        /// <summary>
+        /// Takes the target away, and lets the robot stand if a driver of this connection drove it; what another
+        /// client does goes on.
+        /// </summary>
+        public void Abandon(string reason)
+        {
+            if (_output != null)
+            {
+                _connection.Halt(reason);
+                if (_output.Control.Holder != ControlHolder.Other)
+                {
+                    _output.Send(DriveCommand.Zero);
+                }
             }
         }
 
@@ -251,12 +300,21 @@ namespace Ros2Gateway.Unity
             {
                 GiveUp("connection lost");
             }
+            if (_status.Take(_output.Status))
+            {
+                TellStatus();
+            }
+            if (_output == null) // who is told may disable this
+            {
+                return;
+            }
             double now = Time.unscaledTimeAsDouble;
             if (!_drive.IsActive)
             {
                 _output.Stand(); // after a connection was lost
+                _output.Rest();
             }
-            else if (now >= _next)
+            else if (now >= _next && MayDrive(now))
             {
                 _next = now + 1.0 / _rate;
                 Step(now);
@@ -302,6 +360,10 @@ namespace Ros2Gateway.Unity
                 _connection.Halted -= GiveUp;
                 _output.Dispose();
                 _output = null;
+                if (_status.Take(""))
+                {
+                    TellStatus();
+                }
             }
         }
 
@@ -314,6 +376,35 @@ namespace Ros2Gateway.Unity
             }
         }
 
+        /// <summary>Whether the robot that was stopped may drive to a new target already.</summary>
+        private bool MayDrive(double now)
+        {
+            if (double.IsNaN(_begins))
+            {
+                return true;
+            }
+            if (_output.LetGo())
+            {
+                _begins = double.NaN;
+                return true;
+            }
+            if (now - _begins > LetGoSeconds || _output.Control.Holder == ControlHolder.Other)
+            {
+                GiveUp(_output.Refusal ?? "the robot stays stopped");
+            }
+            return false;
+        }
+
+        private void TellStatus()
+        {
+            string words = _status.Words;
+            if (StatusChanged != null)
+            {
+                StatusChanged(words);
+            }
+            _onStatus.Invoke(words);
+        }
+
         private void Step(double now)
         {
             DriveCommand command = _drive.Step(_pose, _poseTime, now);
@@ -324,7 +415,7 @@ namespace Ros2Gateway.Unity
             }
             else if (!isSent)
             {
-                GiveUp("the command could not be published");
+                GiveUp(_output.Refusal ?? "the command could not be published");
             }
         }
 

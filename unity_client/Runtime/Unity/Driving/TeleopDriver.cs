@@ -9,7 +9,8 @@ namespace Ros2Gateway.Unity
     /// Drives a robot by keys: a Twist while one is held, zero on release. The robot is told to stand, and
     /// held keys must be pressed anew, when the window loses the focus, the application pauses, the component
     /// is disabled or STOP is pressed; while there is no connection nothing is published, and a new one
-    /// resumes no motion.
+    /// resumes no motion. Where the gateway has stopped the robot, or another client drives it, <see
+    /// cref="Status"/> says so, and keys must be let go before it drives on.
     /// </summary>
     [AddComponentMenu("ROS 2 Gateway/Teleop Driver")]
     public sealed class TeleopDriver : MonoBehaviour
@@ -36,12 +37,40 @@ namespace Ros2Gateway.Unity
         [Range(10, 20)]
         private float _rate = 15;
 
+        [SerializeField]
+        private ReasonEvent _onStatus = new ReasonEvent();
+
+        private readonly DriveStatus _status = new DriveStatus();
         private DriveOutput _output;
         private KeyDrive _keys;
         private IDriveInput _input;
         private bool _isUnfocused;
         private bool _isPaused;
+        private bool _mayDrive; // as long as a key is held
         private int _changes; // of the connection, when keys were let go of last
+
+        /// <summary><see cref="Status"/> is another.</summary>
+        public event Action<string> StatusChanged;
+
+        /// <summary>Called with <see cref="Status"/> when it is another, from the Inspector's list.</summary>
+        public ReasonEvent OnStatus
+        {
+            get { return _onStatus; }
+        }
+
+        /// <summary>
+        /// Who drives, what has stopped the robot and what to do about it, in words for people; as of the last frame.
+        /// </summary>
+        public string Status
+        {
+            get { return _status.Words; }
+        }
+
+        /// <summary>The same for programs; null while the component is disabled.</summary>
+        public ControlState Control
+        {
+            get { return _output == null ? null : _output.Control; }
+        }
 
         /// <summary>The topic; a change takes effect when the component is enabled the next time.</summary>
         public string Topic
@@ -79,15 +108,15 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Tells the robot to stand, whatever it does and whichever driver of this connection drove it; held
-        /// keys must be pressed anew.
+        /// Tells the robot to stand, whatever it does and whoever drives it, another client, too; held keys must be
+        /// pressed anew. For a key, and for a button's list of what to call.
         /// </summary>
         public void Stop()
         {
             if (_output != null)
             {
                 _connection.Halt("stop was pressed");
-                _output.Send(DriveCommand.Zero);
+                _output.Stop();
             }
         }
 
@@ -120,7 +149,11 @@ namespace Ros2Gateway.Unity
             {
                 return;
             }
-            if (!_output.IsConnected)
+            if (_status.Take(_output.Status))
+            {
+                TellStatus();
+            }
+            if (_output == null || !_output.IsConnected) // who is told may disable this
             {
                 return;
             }
@@ -133,10 +166,20 @@ namespace Ros2Gateway.Unity
             {
                 Stop();
             }
-            DriveCommand command;
-            if (!_isUnfocused && !_isPaused && _keys.Step(Input.Held, Time.unscaledTimeAsDouble, out command))
+            DriveCommand command = DriveCommand.Zero;
+            bool isDue = !_isUnfocused && !_isPaused
+                && _keys.Step(Input.Held, Time.unscaledTimeAsDouble, out command);
+            bool isZero = command.Equals(DriveCommand.Zero);
+            // A key that was pressed anew may begin with the zero that a stopped robot waits for; one that was
+            // held when it was stopped must be let go of.
+            _mayDrive = !isZero && (_mayDrive || _output.LetGo());
+            if (isDue && (isZero || _mayDrive))
             {
                 _output.Send(command);
+            }
+            else if (isZero)
+            {
+                _output.Rest();
             }
         }
 
@@ -165,7 +208,21 @@ namespace Ros2Gateway.Unity
                 _connection.Halted -= Halt;
                 _output.Dispose();
                 _output = null;
+                if (_status.Take(""))
+                {
+                    TellStatus();
+                }
             }
+        }
+
+        private void TellStatus()
+        {
+            string words = _status.Words;
+            if (StatusChanged != null)
+            {
+                StatusChanged(words);
+            }
+            _onStatus.Invoke(words);
         }
 
         private void Halt(string reason)

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+using Ros2Gateway.Json;
+
+namespace Ros2Gateway
+{
+    /// <summary>What the gateway does with a robot now.</summary>
+    public enum RobotMotion
+    {
+        /// <summary>Nothing is known.</summary>
+        Unknown,
+
+        /// <summary>No command moves it.</summary>
+        Stopped,
+
+        /// <summary>The last command was one to move.</summary>
+        Moving,
+
+        /// <summary>It is told to stand, several times.</summary>
+        Stopping,
+    }
+
+    /// <summary>Which client drives a robot.</summary>
+    public enum ControlHolder
+    {
+        /// <summary>None, as far as is known.</summary>
+        None,
+
+        /// <summary>This one.</summary>
+        You,
+
+        /// <summary>Another one.</summary>
+        Other,
+    }
+
+    /// <summary>The process beside the gateway that stops a robot if the gateway dies.</summary>
+    public enum GuardState
+    {
+        /// <summary>Nothing is known, or nothing is to be guarded yet.</summary>
+        Unknown,
+
+        /// <summary>It is there.</summary>
+        Ready,
+
+        /// <summary>It will be there soon: a command to move waits for it, for a moment.</summary>
+        Starting,
+
+        /// <summary>It is gone: nothing moves.</summary>
+        Lost,
+    }
+
+    /// <summary>Who drives a robot, and whether it may be driven; as of one moment.</summary>
+    public sealed class ControlState
+    {
+        private readonly string _words;
+
+        /// <summary>The command topic, such as /cmd_vel.</summary>
+        public readonly string Topic;
+
+        /// <summary>
+        /// Whether the gateway has said anything: not without a connection, nor of a topic that moves no robot.
+        /// </summary>
+        public readonly bool IsKnown;
+
+        /// <summary>What the robot is told to do.</summary>
+        public readonly RobotMotion Motion;
+
+        /// <summary>Whether it was stopped, and stays so until a command of zero is published.</summary>
+        public readonly bool IsTripped;
+
+        /// <summary>
+        /// Why it was stopped last, for programs: zero, stop, release, deadline, disconnect, takeover, lease,
+        /// permission, invalid_value, backlog, guard, shutdown; empty if it never was.
+        /// </summary>
+        public readonly string Cause;
+
+        /// <summary>Which client drives.</summary>
+        public readonly ControlHolder Holder;
+
+        /// <summary>Whether something stops the robot if the gateway dies.</summary>
+        public readonly GuardState Guard;
+
+        /// <summary>After so many seconds without a command the robot is stopped.</summary>
+        public readonly double DeadlineSeconds;
+
+        /// <summary>After so many seconds without a command another client may drive.</summary>
+        public readonly double LeaseSeconds;
+
+        /// <summary>Why a command to move would be refused, in words; null if none of this is against it.</summary>
+        public readonly string Refusal;
+
+        internal ControlState(string topic, string words)
+        {
+            Topic = topic;
+            Cause = "";
+            _words = words;
+        }
+
+        private ControlState(string topic, JsonValue frame)
+        {
+            Topic = topic;
+            IsKnown = true;
+            Motion = MotionOf(frame["state"].AsString());
+            IsTripped = frame["tripped"].AsBool();
+            Cause = frame["cause"].AsString();
+            Holder = HolderOf(frame["holder"].AsString());
+            Guard = GuardOf(frame["guard"].AsString());
+            DeadlineSeconds = frame["deadline_s"].AsDouble(0);
+            LeaseSeconds = frame["lease_s"].AsDouble(0);
+            Refusal = RefusalOf();
+            _words = Refusal ?? Words();
+        }
+
+        /// <summary>What people should know of it, in a few words.</summary>
+        public override string ToString()
+        {
+            return _words;
+        }
+
+        internal static ControlState Read(JsonValue frame)
+        {
+            return new ControlState(Names.Absolute(frame["topic"].AsString()), frame);
+        }
+
+        private string RefusalOf()
+        {
+            if (Guard == GuardState.Lost)
+            {
+                return "stopped: the process that stops the robot if the gateway dies is not there";
+            }
+            if (Holder == ControlHolder.Other && Motion == RobotMotion.Moving)
+            {
+                return "another client drives";
+            }
+            return IsTripped ? "stopped, " + CauseWords() + ": let go (publish zero), then drive on" : null;
+        }
+
+        private string Words()
+        {
+            if (Guard == GuardState.Starting)
+            {
+                return "the gateway prepares to stop the robot; driving begins in a moment";
+            }
+            switch (Motion)
+            {
+                case RobotMotion.Moving:
+                    return "you drive"; // another's driving is a refusal
+                case RobotMotion.Stopping:
+                    return "stopping";
+                default:
+                    return Holder == ControlHolder.You ? "you have control"
+                        : Holder == ControlHolder.Other ? "another client has control" : "nobody drives";
+            }
+        }
+
+        private string CauseWords()
+        {
+            switch (Cause)
+            {
+                case "zero":
+                    return "it was commanded to";
+                case "stop":
+                    return "another client asked for it";
+                case "release":
+                    return "control was released";
+                case "deadline":
+                    return "commands ceased";
+                case "disconnect":
+                    return "the client that drove disconnected";
+                case "takeover":
+                    return "another client took control";
+                case "lease":
+                    return "control was not renewed";
+                case "permission":
+                    return "the permission to drive ended";
+                case "invalid_value":
+                    return "a command was invalid";
+                case "backlog":
+                    return "many commands came late and at once";
+                case "guard":
+                    return "the gateway's guard process was lost";
+                case "shutdown":
+                    return "the gateway shuts down";
+                default:
+                    return Cause.Length > 0 ? Cause : "no zero has come yet";
+            }
+        }
+
+        private static RobotMotion MotionOf(string word)
+        {
+            return word == "moving" ? RobotMotion.Moving
+                : word == "stopping" ? RobotMotion.Stopping
+                : word == "stopped" ? RobotMotion.Stopped : RobotMotion.Unknown;
+        }
+
+        private static ControlHolder HolderOf(string word)
+        {
+            return word == "you" ? ControlHolder.You
+                : word == "other" ? ControlHolder.Other : ControlHolder.None;
+        }
+
+        private static GuardState GuardOf(string word)
+        {
+            return word == "ready" ? GuardState.Ready
+                : word == "starting" ? GuardState.Starting
+                : word == "lost" ? GuardState.Lost : GuardState.Unknown;
+        }
+    }
+}

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+namespace Ros2Gateway.Unity
+{
+    /// <summary>The words that a driver last had for how things stand.</summary>
+    internal sealed class DriveStatus
+    {
+        internal string Words { get; private set; } = "";
+
+        /// <summary>Takes the words of now; returns whether they are others.</summary>
+        internal bool Take(string words)
+        {
+            if (words == Words)
+            {
+                return false;
+            }
+            Words = words;
+            return true;
+        }
+    }
+}
