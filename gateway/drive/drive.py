@@ -169,7 +169,7 @@ class Drive:
             out.append(Send(pending.velocity))
         return out
 
-    # Other events
+    # Other events; those that end something take back what waits before it could go out
 
     def tick(self, now_ns: int) -> Effects:
         """Do what is due."""
@@ -203,6 +203,7 @@ class Drive:
 
     def stop(self, client: Hashable, now_ns: int) -> Effects:
         """Stop at the request of any client, also a robot that stands as far as we know."""
+        self._held = None
         out = self.tick(now_ns)
         is_asked = self._lease is None or self._lease.holder == client
         self._stop("stop", now_ns, out, is_asked=is_asked)
@@ -210,6 +211,8 @@ class Drive:
 
     def acquire(self, client: Hashable, now_ns: int) -> Effects:
         """Give control to a client; what another one has moved is stopped first."""
+        if self._held and self._held.command.client != client:
+            self._held = None
         out = self.tick(now_ns)
         if self._lease and self._lease.holder != client:
             if self._moves:
@@ -224,9 +227,9 @@ class Drive:
 
     def set_guard(self, guard: GuardState, now_ns: int) -> Effects:
         """Follow the guard process: without it nothing moves."""
+        is_changed, self._guard = guard != self._guard, guard
         out = self.tick(now_ns)
-        if guard != self._guard:
-            self._guard = guard
+        if is_changed:
             out.append(Changed())
         if guard != "ready" and self._moves:
             self._stop("guard", now_ns, out)
@@ -239,9 +242,9 @@ class Drive:
 
     def shut_down(self, now_ns: int) -> Effects:
         """Stop, and refuse to move from now on."""
-        out = self.tick(now_ns)
         self._is_over = True
         self._held = None
+        out = self.tick(now_ns)
         if self._moves:
             self._stop("shutdown", now_ns, out)
         return out
@@ -367,9 +370,9 @@ class Drive:
             self._lease.driven_ns = now_ns
 
     def _end_lease(self, client: Hashable, cause: Cause, now_ns: int, **how: bool) -> Effects:
-        out = self.tick(now_ns)
         if self._held and self._held.command.client == client:
             self._held = None
+        out = self.tick(now_ns)
         if self._lease and self._lease.holder == client:
             if self._moves:
                 self._stop(cause, now_ns, out, **how)

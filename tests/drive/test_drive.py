@@ -324,6 +324,27 @@ def test_a_command_that_waited_while_the_gateway_stood_still_does_not_go_out(ben
     assert bench.sent() == []
 
 
+@pytest.mark.parametrize(
+    "event",
+    [
+        lambda bench: bench.drive.leave("a", bench.now),
+        lambda bench: bench.drive.release("a", bench.now),
+        lambda bench: bench.drive.stop("b", bench.now),
+        lambda bench: bench.drive.acquire("b", bench.now),
+        lambda bench: bench.drive.set_guard("lost", bench.now),
+        lambda bench: bench.drive.shut_down(bench.now),
+    ],
+)
+def test_a_command_that_waits_does_not_go_out_with_the_event_that_takes_it_back(bench, event):
+    bench.command()
+    bench.wait(5000)
+    bench.sent()
+    bench.command()
+    bench.freeze(260)  # it is due, and nobody has looked
+    bench.take(event(bench))
+    assert AHEAD not in bench.sent()
+
+
 # Freshness
 
 
@@ -510,6 +531,32 @@ def test_a_command_waits_for_the_guard_but_not_beyond_its_deadline():
     assert bench.refusals() == ["tripped"]
     bench.take(bench.drive.set_guard("ready", bench.now))
     bench.end_turn()
+    assert bench.sent() == []
+
+
+def test_a_command_that_waits_for_the_guard_gets_no_younger_by_what_happens_meanwhile():
+    bench = Bench(guard="starting")
+    bench.command()
+    for _ in range(10):
+        bench.wait(50)
+        bench.take(bench.drive.tick(bench.now))
+    assert bench.refusals() == ["tripped"]
+    bench.take(bench.drive.set_guard("ready", bench.now))
+    bench.end_turn()
+    assert bench.sent() == []
+
+
+def test_a_command_to_move_that_the_lost_guard_refuses_ends_the_reset_all_the_same():
+    bench = tripped()
+    bench.take(bench.drive.set_guard("lost", bench.now))
+    bench.command(ZERO)
+    bench.wait(100)
+    bench.command()
+    bench.wait(200)
+    bench.take(bench.drive.set_guard("ready", bench.now))
+    bench.out = []
+    bench.command()
+    assert bench.refusals() == ["tripped"]
     assert bench.sent() == []
 
 
