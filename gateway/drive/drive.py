@@ -135,6 +135,8 @@ class Drive:
             is_stop = command.velocity.is_zero and self._is_held_by(command)
             if self._moves and is_stop:  # late, but never too late
                 self._stop("zero", now_ns, out, is_asked=True)
+            if command.age == "stale":  # one that follows closely may be of the same backlog
+                self._heard_ns = now_ns
             return [*out, refused]
         gap_ns = None if self._heard_ns is None else now_ns - self._heard_ns
         self._heard_ns = now_ns
