@@ -270,7 +270,7 @@ class _EncoderWriter:
         name = variable(member.path)
         default = default_value(member)
         text = repr(default)
-        if isinstance(default, (list, bytes)):
+        if isinstance(default, (list, bytes, float)):  # NaN and infinities have no literal
             text = self._source.constant("DEFAULT", default, f"of {name}")
         value = self._get(member.path, text)
         if not isinstance(member, Text) and member.is_octets:

@@ -226,6 +226,18 @@ def test_the_elements_of_an_array_may_have_a_field_of_any_name(tmp_path):
         assert compile_decoder(definition, definitions)(cdr) == to_json(values)
 
 
+def test_defaults_that_no_literal_can_write_are_encoded(tmp_path):
+    share = tmp_path / "share" / "odd_msgs" / "msg"
+    share.mkdir(parents=True)
+    (share / "Odd.msg").write_text("float64 a nan\nfloat32 b inf\nfloat64[2] c [-inf, nan]\n")
+    definitions = InstalledDefinitions([tmp_path])
+    cdr = compile_encoder(definitions.get("odd_msgs/msg/Odd"), definitions)({}, 0)
+    a, b, c, d = struct.unpack("<4xdf4x2d", cdr)
+    assert math.isnan(a)
+    assert (b, c) == (math.inf, -math.inf)
+    assert math.isnan(d)
+
+
 class RandomTypes:
     """Makes up message types: fields of any primitive, arrays of all kinds, nested."""
 

@@ -81,11 +81,11 @@ namespace Ros2Gateway.Tests
             using (Live live = Live.Connected())
             {
                 live.Until(() => live.Client.RosClock.IsKnown, "for the first pong, which comes after hello");
-                JsonValue members = JsonValue.Object().With("service", "/reset").With("args", new string('x', 300000));
+                JsonValue members = JsonValue.Object().With("service", "/reset").With("args", new string('x', 11000000));
                 string error = null;
                 live.Client.Request("call_service", members, reply => error = reply.Error);
                 live.Until(() => error != null, "for the refusal");
-                StringAssert.StartsWith("a frame of 300", error);
+                StringAssert.StartsWith("a frame of 110", error);
                 Assert.IsTrue(live.Client.IsConnected);
             }
         }

@@ -154,10 +154,10 @@ namespace Ros2Gateway.Tests
             using (Live live = Live.Connected())
             {
                 Publisher<StringMsg> publisher = live.Client.Advertise<StringMsg>("/large");
-                StringMsg large = new StringMsg { data = new string('x', 300000) };
+                StringMsg large = new StringMsg { data = new string('x', 11000000) };
                 live.Until(() => live.Client.RosClock.IsKnown, "for the first pong, which comes after hello");
                 live.Until(() => !publisher.Publish(large), "to be refused");
-                live.Until(() => live.Heard("/large: a frame of 300"), "for the reason");
+                live.Until(() => live.Heard("/large: a frame of 110"), "for the reason");
                 Assert.IsTrue(live.Client.IsConnected);
             }
         }
