@@ -68,6 +68,13 @@ namespace Ros2Gateway.Tests
             _live.Client.CallService<TriggerResponse>(
                 "/reset", new TriggerRequest(), reply => isDone = true);
             _live.Until(() => isDone, "for an answer of /reset");
+            // Another test may have left the robot stopped.
+            _live.Until(() => _commands.Refusal == null, "for the latch to be reset", () =>
+            {
+                _commands.Publish(new TwistMsg());
+                _live.Client.Pump();
+                Thread.Sleep(PeriodMilliseconds);
+            });
             _poseTime = double.NaN;
             _live.Until(
                 () => !double.IsNaN(_poseTime) && Math.Abs(_pose.x) + Math.Abs(_pose.y) < 0.01,

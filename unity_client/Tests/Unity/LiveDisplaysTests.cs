@@ -57,10 +57,11 @@ namespace Ros2Gateway.Unity.Tests
             yield return _scene.Until(() => twin.Subscriber.Last != null, "for odometry");
             yield return null;
             Quaternion before = twin.transform.localRotation;
+            bool mayTurn = false; // another test may have left the robot stopped
             yield return _scene.Until(
                 () => Quaternion.Angle(before, twin.transform.localRotation) > 5,
                 "to turn",
-                () => driver.Publish(turn));
+                () => mayTurn = driver.Publish(mayTurn ? turn : new TwistMsg()) && (mayTurn || driver.Publish(turn)));
             driver.Publish(new TwistMsg());
         }
 
