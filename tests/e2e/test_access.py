@@ -175,7 +175,8 @@ async def test_a_reload_that_fails_changes_nothing_and_says_why(tokens: Path, tm
 
 # makes the terminal that is its standard input its controlling one, and becomes the gateway
 _ON_A_TERMINAL = (
-    "import fcntl, os, sys, termios; fcntl.ioctl(0, termios.TIOCSCTTY, 0);"
+    "import fcntl, os, signal, sys, termios; fcntl.ioctl(0, termios.TIOCSCTTY, 0);"
+    " signal.signal(signal.SIGHUP, signal.SIG_DFL);"  # also if nohup has started the tests
     " os.execv(sys.executable, [sys.executable, '-m', 'gateway', 'serve', '--port', '0'])"
 )
 

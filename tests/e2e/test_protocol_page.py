@@ -15,7 +15,9 @@ from tests.demonstration import demonstration
 PAGE = Path(__file__).parents[2] / "docs" / "protocol.md"
 CONVERSATIONS = re.findall(r"^```wscat\n(.*?)^```", PAGE.read_text(), re.DOTALL | re.MULTILINE)
 
-ATTEMPTS = 10  # at an example: on a busy machine, nodes of ROS answer later than the page expects
+# At an example: on a busy machine nodes of ROS answer later than the page expects, and a name may
+# be too new to be suggested.
+ATTEMPTS = 3
 
 ANY = "*any*"  # stands for `...` as a value
 MORE = "*more*"  # stands for `...` as a further member or element
@@ -93,11 +95,14 @@ async def test_every_example_of_the_page_holds():
 
 
 async def on_its_own_connection(url: str, conversation: str) -> str | None:
+    surprise: str | None = f"timed out {ATTEMPTS} times: {conversation}"
     for _ in range(ATTEMPTS):
         async with client(url) as speaker:
             with suppress(TooBusyError):
-                return await hold(conversation, speaker)
-    return f"timed out {ATTEMPTS} times: {conversation}"
+                surprise = await hold(conversation, speaker)
+                if surprise is None:
+                    break
+    return surprise
 
 
 def test_the_examples_tell_a_wrong_frame_from_a_right_one():
