@@ -57,11 +57,16 @@ namespace Ros2Gateway.Unity.Tests
             yield return _scene.Until(() => twin.Subscriber.Last != null, "for odometry");
             yield return null;
             Quaternion before = twin.transform.localRotation;
-            bool mayTurn = false; // another test may have left the robot stopped
+            // Another test may have left the robot stopped: zeros count as fresh after a second.
+            System.Diagnostics.Stopwatch letGo = System.Diagnostics.Stopwatch.StartNew();
+            yield return _scene.Until(
+                () => letGo.ElapsedMilliseconds > 1500,
+                "for the robot to be let go",
+                () => driver.Publish(new TwistMsg()));
             yield return _scene.Until(
                 () => Quaternion.Angle(before, twin.transform.localRotation) > 5,
                 "to turn",
-                () => mayTurn = driver.Publish(mayTurn ? turn : new TwistMsg()) && (mayTurn || driver.Publish(turn)));
+                () => driver.Publish(turn));
             driver.Publish(new TwistMsg());
         }
 
