@@ -21,6 +21,7 @@ MAX_MESSAGE_BYTES: Final = Limits().max_message_bytes
 
 _MAX_NESTING: Final = 3  # arrays of messages within arrays of messages
 _SPARE: Final = 20  # containers and items of the frame around the array
+_SPARE_FIELDS: Final = 1000  # of the messages around an array within arrays
 _IMAGE: Final = "sensor_msgs/msg/Image"
 _SCAN: Final = "sensor_msgs/msg/LaserScan"
 _STRING: Final = "std_msgs/msg/String"
@@ -63,7 +64,7 @@ class Bomb:
             (MAX_ITEMS - _SPARE) // items,
             (MAX_MESSAGE_BYTES - 1000) // (len(self.element) + 1),
         )
-        return {most, max(1, min(most, (MAX_FIELDS - _SPARE) // self.fields))}
+        return {most, max(1, min(most, (MAX_FIELDS - _SPARE_FIELDS) // self.fields))}
 
 
 def publish(type_name: str, message: str) -> bytes:
@@ -103,7 +104,7 @@ def plain_frames() -> Iterator[HostileFrame]:
         "a long string": publish(_STRING, f'{{"data":"{"a" * room}"}}'),
         "a long string, not ASCII": publish(_STRING, f'{{"data":"{"ü" * (room // 2)}"}}'),
         "unknown fields": publish(_STRING, f"{{{members}}}"),
-        "a poor man's binary": b"[" * room,
+        "unfinished arrays": b"[" * room,
         "nothing but arrays": b"[" + b",".join([b"[]"] * containers) + b"]",
         "nothing but objects": b"[" + b",".join([b'{"a":{}}'] * (containers // 2)) + b"]",
         "colons in strings": f'{{"op":"x","y" :":",{members}}}'.encode(),

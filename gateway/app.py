@@ -232,7 +232,8 @@ def _ros_options(config: Config) -> RosOptions:
 class _LoopErrors:
     """Reports what nobody awaits.
 
-    asyncio tries a hundred times a second to accept a client while no descriptor is left.
+    asyncio tries a hundred times a second to accept a client while no descriptor is left, and
+    once more a second later, even if its server was closed meanwhile: a ValueError then.
     """
 
     def __init__(self) -> None:
@@ -240,6 +241,8 @@ class _LoopErrors:
 
     def __call__(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
         error = context.get("exception")
+        if isinstance(error, ValueError) and "_start_serving" in context["message"]:
+            return
         if not isinstance(error, OSError) or error.errno not in {errno.EMFILE, errno.ENFILE}:
             loop.default_exception_handler(context)
         elif loop.time() - self._warned_s > WARN_AGAIN_S:

@@ -24,6 +24,9 @@ INTEGER_RANGES: Final = {
     "byte": (0, 2**8 - 1),
     "char": (0, 2**8 - 1),
 }
+# The first double that rounds to infinity in single precision. The largest float32 is a
+# little below, but prints as 3.4028235e38, which must come back in.
+FLOAT32_OVERFLOW: Final = 2.0**128 - 2.0**103
 FLOATS: Final = frozenset({"float32", "float64"})
 STRINGS: Final = frozenset({"string", "wstring"})
 PRIMITIVES: Final = frozenset(INTEGER_RANGES) | FLOATS | STRINGS | {"bool"}

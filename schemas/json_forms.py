@@ -17,6 +17,7 @@ Clock: TypeAlias = int | Callable[[], int]
 # The nanosec of Time and Duration. The uint32 would hold four times as much, but their
 # definitions say "valid in the range [0, 1e9)", and readers of an invalid one disagree.
 MAX_NANOSEC: Final = 10**9 - 1
+CLOCKS: Final = frozenset({"builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration"})
 
 _ROS1_NAMES: Final = {"secs": "sec", "nsecs": "nanosec"}
 

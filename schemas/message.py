@@ -8,7 +8,7 @@ a comment says so.
 """
 
 from collections.abc import Callable, Iterable, Mapping
-from typing import Annotated, ClassVar, Final, TypeAlias, TypeVar
+from typing import Annotated, ClassVar, TypeAlias, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -22,6 +22,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from schemas.definition import FLOAT32_OVERFLOW
 from schemas.json_forms import MAX_NANOSEC, Clock, OctetsError, duration, header, octets, time
 
 __all__ = [
@@ -89,12 +90,8 @@ UInt64: TypeAlias = Annotated[int, Field(ge=0, le=2**64 - 1)]
 
 Nanoseconds: TypeAlias = Annotated[int, Field(ge=0, le=MAX_NANOSEC)]
 
-# The first double that rounds to infinity in single precision. The largest float32 is a
-# little below, but prints as 3.4028235e38, which must come back in.
-_FLOAT32_OVERFLOW: Final = 2.0**128 - 2.0**103
-
 # null is NaN, which JSON does not have; integers pass as floats.
-Float32: TypeAlias = Annotated[float, Field(gt=-_FLOAT32_OVERFLOW, lt=_FLOAT32_OVERFLOW)] | None
+Float32: TypeAlias = Annotated[float, Field(gt=-FLOAT32_OVERFLOW, lt=FLOAT32_OVERFLOW)] | None
 Float64: TypeAlias = float | None
 
 # CDR strings end at NUL. The pattern also refuses lone surrogates, which have no UTF-8.

@@ -16,12 +16,12 @@ import pybase64
 
 from schemas.definition import INTEGER_RANGES, Definition, FieldType
 from schemas.installed import InstalledDefinitions
+from schemas.json_forms import CLOCKS
 from schemas.naming import attribute
 
 Plain = dict[str, Any]
 
 _TEXTS = ("", "odom", "base_link", "grüße", "ハローワールド", "\U0001f916", 'a"b\\c\n\t', "x" * 40)
-_CLOCKS = {"builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration"}
 
 
 class RandomMessages:
@@ -36,7 +36,7 @@ class RandomMessages:
         values = {
             field.name: self._value(field.type) for field in self._definitions.get(name).fields
         }
-        if name in _CLOCKS:
+        if name in CLOCKS:
             values["nanosec"] %= 10**9
         return values
 

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The configuration reaches the parts that it is for."""
 
+import asyncio
 import contextlib
 import dataclasses
 import signal
+import socket
 import threading
 import time
 from threading import Timer
@@ -49,6 +51,24 @@ def test_every_value_of_the_configuration_reaches_its_place():
             assert getattr(ROS_OPTIONS, field.name) != field.default, field.name
     values = [repr(value) for value in dataclasses.astuple(ROS_OPTIONS)]
     assert len(set(values)) == len(values)
+
+
+async def test_no_traceback_if_the_server_closed_before_asyncio_accepts_again(
+    caplog: pytest.LogCaptureFixture,
+):
+    loop = asyncio.SelectorEventLoop()
+    loop.set_exception_handler(app._LoopErrors())
+    listening = socket.socket()
+    listening.close()
+    try:  # what asyncio does a second after a lack of descriptors
+        loop.call_soon(loop._start_serving, asyncio.Protocol, listening)
+        await asyncio.to_thread(loop.run_until_complete, asyncio.sleep(0))
+        assert caplog.text == ""
+        loop.call_soon(int, "no number")
+        await asyncio.to_thread(loop.run_until_complete, asyncio.sleep(0))
+        assert "Traceback" in caplog.text
+    finally:
+        loop.close()
 
 
 async def test_an_allowed_page_may_connect_and_a_foreign_one_gets_403():

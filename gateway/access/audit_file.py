@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The file of the audit log; a thread writes it, as a disk that hangs must hold up nothing."""
 
+import errno
 import logging
 import os
 import queue
@@ -78,7 +79,7 @@ class AuditFile:
         written = os.write(self._descriptor, data)
         if written < len(data):  # the disk is full: half a line is no JSON
             os.ftruncate(self._descriptor, size)
-            raise OSError(28, "no space left on device")
+            raise OSError(errno.ENOSPC, "no space left on device")
 
     def _open(self) -> int:
         flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND

@@ -13,9 +13,16 @@ from gateway.codec.cdr.encoder import MISFITS, Encoder
 from gateway.codec.error_text import MAX_ECHO, truncate
 from gateway.codec.error_text import kind as kind_of
 from gateway.codec.errors import CodecError
-from schemas.definition import FLOATS, INTEGER_RANGES, STRINGS, Definition, FieldType
+from schemas.definition import (
+    FLOAT32_OVERFLOW,
+    FLOATS,
+    INTEGER_RANGES,
+    STRINGS,
+    Definition,
+    FieldType,
+)
 from schemas.installed import InstalledDefinitions
-from schemas.json_forms import FORMS, MAX_NANOSEC, Clock, OctetsError, octets
+from schemas.json_forms import CLOCKS, FORMS, MAX_NANOSEC, Clock, OctetsError, octets
 
 MAX_PROBLEMS: Final = 3  # as many as a person reads; the others are counted
 
@@ -27,10 +34,7 @@ _KINDS: Final[Mapping[str, frozenset[type]]] = {
     **dict.fromkeys(INTEGER_RANGES, frozenset({int})),
     **dict.fromkeys(FLOATS, frozenset({float, int, type(None)})),
 }
-_CLOCKS: Final = frozenset({"builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration"})
-# The largest double that rounds to a finite float32. The largest float32 is a little
-# below, but prints as 3.4028235e38, which must come back in.
-_FLOAT32_LIMIT: Final = math.nextafter(2.0**128 - 2.0**103, 0)
+_FLOAT32_LIMIT: Final = math.nextafter(FLOAT32_OVERFLOW, 0)
 _RANGES: Final[Mapping[str, tuple[float, float]]] = {
     **INTEGER_RANGES,
     "float32": (-_FLOAT32_LIMIT, _FLOAT32_LIMIT),
@@ -104,7 +108,7 @@ class _Problems:
         names = {field.name: None for field in definition.fields}
         for field in definition.fields:
             if field.name in value:
-                is_nanosec = field.name == "nanosec" and definition.name in _CLOCKS
+                is_nanosec = field.name == "nanosec" and definition.name in CLOCKS
                 limit = MAX_NANOSEC if is_nanosec else None
                 self._check_field(value[field.name], field.type, f"{path}.{field.name}", limit)
         unknown = [name for name in value if name not in names]

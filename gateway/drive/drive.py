@@ -38,11 +38,10 @@ from gateway.drive.effects import (
     Stopped,
 )
 from gateway.drive.lease import Lease
+from gateway.drive.stop import ZERO_PERIOD_NS, ZEROS
 from gateway.drive.trip_latch import QUIET_NS, TripLatch
 from gateway.drive.velocity import ZERO
 
-ZEROS: Final = 5  # one is enough for a reliable reader; a best-effort one may lose some
-ZERO_PERIOD_NS: Final = 50_000_000  # the last one after 200 ms
 HOLD_NS: Final = QUIET_NS
 CROWD_GAP_NS: Final = 3_000_000  # XR's 120 Hz are 8 ms apart
 CROWD: Final = 12  # 100 ms at 120 Hz, while the loop was busy; less than a backlog of 1 s at 20 Hz

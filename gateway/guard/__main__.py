@@ -13,6 +13,7 @@ from typing import Any, Final
 
 import orjson
 
+from gateway.drive.stop import LIFESPAN_NS
 from gateway.drive.twist_cdr import encode
 from gateway.drive.velocity import ZERO
 from gateway.guard import DISCOVERY_S, HEARD_S, MAX_LINE_BYTES
@@ -20,7 +21,6 @@ from gateway.guard.watch import Watch
 from gateway.ports import RosError
 from gateway.ros.stand_alone import StandAlone, StandAlonePublisher
 
-LIFESPAN_S: Final = 0.25
 DISCOVERY_PERIOD_NS: Final = 20_000_000
 ACKNOWLEDGED_S: Final = 0.5  # a reader that has not got the last zero by then has gone, too
 
@@ -121,7 +121,7 @@ class Guard:
             known.expected, known.opened_ns, known.is_told = readers, time.monotonic_ns(), False
             return
         try:
-            publisher = self._ros.advertise(topic, type_name, LIFESPAN_S)
+            publisher = self._ros.advertise(topic, type_name, LIFESPAN_NS)
         except RosError as error:
             _say("failed", topic, str(error)[:200])
             return

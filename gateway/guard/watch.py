@@ -5,8 +5,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
-ZEROS: Final = 5
-ZERO_PERIOD_NS: Final = 50_000_000
+from gateway.drive.stop import ZERO_PERIOD_NS, ZEROS
+
 # While nobody has discovered the guard's publisher, zeros reach nobody: they do not count, for
 # longer than discovery takes on a busy machine. Then there is no robot.
 UNHEARD_NS: Final = 4_000_000_000

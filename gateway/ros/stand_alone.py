@@ -53,7 +53,7 @@ class StandAlone:
         self._context.try_shutdown()
         self._context.destroy()
 
-    def advertise(self, topic: str, type_name: str, lifespan_s: float) -> "StandAlonePublisher":
+    def advertise(self, topic: str, type_name: str, lifespan_ns: int) -> "StandAlonePublisher":
         """Create a publisher of the newest message on a fully resolved topic name.
 
         Raises:
@@ -67,7 +67,7 @@ class StandAlone:
             durability=DurabilityPolicy.VOLATILE,
             history=HistoryPolicy.KEEP_LAST,
             depth=1,
-            lifespan=Duration(seconds=lifespan_s),
+            lifespan=Duration(nanoseconds=lifespan_ns),
         )
         try:
             publisher = self._node.create_publisher(

@@ -178,6 +178,11 @@ class Router:
             for part in self._parts:
                 parts.callback(part.leave, session)
 
+    def revoke(self, session: Session) -> None:
+        """End everything of a client that may not go on; that is why its robot stops."""
+        self._commands.revoke(session)
+        self.leave(session)
+
     def stop_robots(self) -> None:
         """Stop whatever moves, before anything else of a shutdown; from now on nothing moves."""
         self._commands.shut_down()

@@ -19,15 +19,16 @@ from gateway.config.access import AccessConfig
 from gateway.protocol.errors import ProtocolError, StatusCode
 from gateway.protocol.operations.gateway import Auth
 from gateway.protocol.session import Session
+from gateway.server.close_codes import (
+    GOING_AWAY,
+    OVER_CAPACITY,
+    POLICY_VIOLATION,
+    ROLE_REMOVED,
+    UNAUTHENTICATED,
+)
 from gateway.server.http import offered_subprotocols
 
 logger = logging.getLogger(__name__)
-
-GOING_AWAY: Final = 1001
-POLICY_VIOLATION: Final = 1008
-OVER_CAPACITY: Final = 1013
-UNAUTHENTICATED: Final = 4401
-ROLE_REMOVED: Final = 4403
 
 # Operations that are answered with a refusal before a client is cut off: a page that subscribes to
 # all it shows, and authenticates only then, learns why each was refused.

@@ -24,6 +24,13 @@ from gateway.protocol.errors import ProtocolError, StatusCode
 from gateway.protocol.outbox import Entry, NoFrame
 from gateway.protocol.session import Session
 from gateway.protocol.token_bucket import TokenBucket
+from gateway.server.close_codes import (
+    HEARTBEAT_TIMEOUT,
+    INTERNAL_ERROR,
+    INVALID_DATA,
+    POLICY_VIOLATION,
+    SLOW_CONSUMER,
+)
 from gateway.server.http import select_subprotocol
 from gateway.server.inbound import READ_CHUNK_BYTES, Inbound
 from gateway.server.socket_options import tune
@@ -33,12 +40,6 @@ logger = logging.getLogger(__name__)
 
 WRITE_HIGH_WATER_BYTES: Final = 64 * 1024  # beyond this, frames wait where they can be dropped
 MAX_PROTOCOL_BACKLOG_BYTES: Final = 64 * 1024  # pongs for a peer that pings and never reads
-
-INVALID_DATA: Final = 1007
-POLICY_VIOLATION: Final = 1008
-INTERNAL_ERROR: Final = 1011
-HEARTBEAT_TIMEOUT: Final = 4408
-SLOW_CONSUMER: Final = 4503
 
 
 class Acceptor(Protocol):
@@ -191,9 +192,8 @@ class Connection(asyncio.BufferedProtocol):
                 if not batch and not outbox.has_control:  # encoding may have added a status
                     break
                 self._transport.writelines(batch)
-        except Exception:  # our bug, see buffer_updated
-            logger.exception("sending to %s failed", self.address)
-            self.close(INTERNAL_ERROR, "internal error")
+        except Exception as bug:  # noqa: BLE001  # of one client's
+            self.fail(bug)
         finally:
             self._flushing = False
 
@@ -253,7 +253,10 @@ class Connection(asyncio.BufferedProtocol):
             return
         if not self._frames.allow(time.monotonic_ns()):
             logger.warning("frame flood from %s, cut off", self.address)
-            self.close(POLICY_VIOLATION, f"at most {self._limits.frames_per_s:g} frames per second")
+            self.close(
+                POLICY_VIOLATION,
+                f"at most {self._limits.frames_per_s:g} frames per second",
+            )
             return
         match event.opcode:
             case Opcode.TEXT | Opcode.BINARY if event.fin:
@@ -287,7 +290,7 @@ class Connection(asyncio.BufferedProtocol):
             self._session.is_behind = is_behind
 
     def fail(self, bug: Exception) -> None:
-        """Close this client for a bug of ours."""
+        """Close this client for a bug of ours, which concerns no other."""
         logger.error("connection from %s failed", self.address, exc_info=bug)
         self.close(INTERNAL_ERROR, "internal error")
 
@@ -300,10 +303,8 @@ class Connection(asyncio.BufferedProtocol):
         if self._protocol.state is not OPEN:
             self._inbound.drop()
             return
-        address = self._acceptor.client_address(self.address, request)
-        if address != self.address:
-            self.address = address
-            self._spending.move(address)
+        self.address = self._acceptor.client_address(self.address, request)
+        self._spending.move(self.address)
         self._session = self._acceptor.enter(self, request)
         if self._session is None:
             self._inbound.drop()
@@ -355,9 +356,8 @@ class Connection(asyncio.BufferedProtocol):
             if isinstance(frame, NoFrame):
                 return False
             self._transport.write(frame)
-        except Exception:  # our bug, see buffer_updated
-            logger.exception("sending to %s failed", self.address)
-            self.close(INTERNAL_ERROR, "internal error")
+        except Exception as bug:  # noqa: BLE001  # of one client's
+            self.fail(bug)
             return False
         return True
 

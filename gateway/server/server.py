@@ -21,13 +21,13 @@ from gateway.config.limits import Limits
 from gateway.protocol.session import Session
 from gateway.router.router import Router
 from gateway.server.admission import (
-    GOING_AWAY,
     Admission,
     Entrant,
     RoomFor,
     TurnedAwayError,
     everybody,
 )
+from gateway.server.close_codes import GOING_AWAY
 from gateway.server.connection import Connection
 from gateway.server.forwarded import client_address
 from gateway.server.http import HttpFront, own_names
@@ -197,7 +197,7 @@ class Server:
         """
         clients = [(each, each.session) for each in self._connections if each.session is not None]
         for session in self._admission.reload(tokens, policy, clients):
-            self._router.leave(session)
+            self._router.revoke(session)
 
     def receive(self, session: Session, data: bytes) -> None:
         """Carry out one message of a session."""

@@ -6,7 +6,7 @@ from collections.abc import Collection
 from typing import Final
 from xml.sax.saxutils import escape
 
-from schemas.definition import FLOATS, STRINGS, Scalar
+from schemas.definition import FLOAT32_OVERFLOW, FLOATS, STRINGS, Scalar
 from schemas.generate.catalogue import GENERATED
 from schemas.interface import ROLES
 
@@ -32,7 +32,6 @@ TYPES: Final = {
     "wstring": "string",
 }
 _SUFFIXES: Final = {"int64": "L", "uint32": "U", "uint64": "UL", "float32": "f"}
-_FLOAT32_OVERFLOW: Final = 2.0**128 - 2.0**103  # the smallest that rounds to infinity
 
 _KEYWORD_LIST: Final = """
     abstract as base bool break byte case catch char checked class const continue decimal default
@@ -109,7 +108,7 @@ def literal(base: str, value: Scalar) -> str:
     number = float(value)
     if math.isnan(number):
         return f"{TYPES[base]}.NaN"
-    if math.isinf(number) or (base == "float32" and abs(number) >= _FLOAT32_OVERFLOW):
+    if math.isinf(number) or (base == "float32" and abs(number) >= FLOAT32_OVERFLOW):
         return f"{TYPES[base]}.{'Positive' if number > 0 else 'Negative'}Infinity"
     return f"{number!r}{_SUFFIXES.get(base, '')}"
 

@@ -34,11 +34,10 @@ from gateway.codec.cdr.source import SourceCode, variable
 from gateway.codec.cdr.text import wide
 from schemas.definition import FLOATS, Definition
 from schemas.installed import InstalledDefinitions
-from schemas.json_forms import FORMS, MAX_NANOSEC, Clock, octets
+from schemas.json_forms import CLOCKS, FORMS, MAX_NANOSEC, Clock, octets
 
 Encoder: TypeAlias = Callable[[object, Clock], bytes]
 
-_CLOCKS: Final = frozenset({"builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration"})
 _CDR_LE: Final = b"\0\1\0\0"  # RTPS 2.5, 10.2; the options stay 0
 _NUMBERS: Final = frozenset({float, int})
 _INTEGERS: Final = frozenset({int})
@@ -276,7 +275,7 @@ class _EncoderWriter:
         if not isinstance(member, Text) and member.is_octets:
             value = f"octets({value})"
         self._source.line(f"{name} = {value}")
-        if member.path[-1] == "nanosec" and self._messages[member.path[:-1]].name in _CLOCKS:
+        if member.path[-1] == "nanosec" and self._messages[member.path[:-1]].name in CLOCKS:
             with self._source.block(f"if {name} > {MAX_NANOSEC}:"):
                 self._source.line("raise Misfit")
         return name

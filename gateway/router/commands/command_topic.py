@@ -24,6 +24,7 @@ from gateway.drive.effects import (
 )
 from gateway.drive.freshness import Freshness
 from gateway.drive.refusals import CAUSE_TEXTS
+from gateway.drive.stop import LIFESPAN_NS
 from gateway.drive.twist_cdr import COMMAND_TYPES, TWIST_STAMPED, encode
 from gateway.drive.velocity import ZERO
 from gateway.ports import Publisher, Qos, Ros, RosError
@@ -37,7 +38,7 @@ from gateway.router.commands.twist_values import TwistValues
 
 # Reliable, as a zero must arrive; the newest only, and not when it is old; and never retained: a
 # base that restarts must not get the last command before it did.
-COMMAND_QOS: Final = Qos("reliable", "volatile", "keep_last", 1, lifespan_ns=250_000_000)
+COMMAND_QOS: Final = Qos("reliable", "volatile", "keep_last", 1, lifespan_ns=LIFESPAN_NS)
 # A refused stream is answered once in so long: a client that holds a stick sends 120 a second.
 REPEAT_NS: Final = 1_000_000_000
 # Between two `control` frames: a client that toggles must not fill the others' queues.

@@ -347,7 +347,7 @@ async def test_a_client_that_may_not_drive_any_more_is_stopped(scene: Scene):
     client = scene.client()
     push(client)
     await eventually(lambda: len(heard) == 1)
-    scene.router._commands.revoke(client.session)
+    scene.router.revoke(client.session)
     await eventually(lambda: speeds(heard)[1:2] == [0.0])
     push(client, id=1)
     assert client.statuses[-1][0] == "tripped"
@@ -404,3 +404,13 @@ async def test_a_command_topic_that_is_hidden_is_none(build: Build):
     assert [each["topic"] for each in client.of("control")] == ["/cmd_vel"]
     client.send(op="stop")
     assert [each["topics"] for each in client.of("stop")] == [[]]
+
+
+async def test_a_client_that_may_not_go_on_is_why_its_robot_stops(scene: Scene):
+    heard = scene.listen()
+    driver = of_role(scene, "operator")
+    push(driver)
+    await eventually(lambda: speeds(heard) == [0.2])
+    scene.router.revoke(driver.session)
+    await eventually(lambda: 0.0 in speeds(heard))
+    assert [each["cause"] for each in scene.audited if each["event"] == "stop"] == ["permission"]
