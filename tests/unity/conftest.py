@@ -15,14 +15,14 @@ from tests.unity.csharp import CSharpTest
 from tests.unity.rogue import deaf, rogue
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")  # other tests in this domain want to be alone with their robot
 def gateway() -> Iterator[GatewayProcess]:
-    """``ros2-gateway demo`` on a free port, for the whole session."""
+    """``ros2-gateway demo`` on a free port."""
     with in_background(demonstration()) as process:
         yield process
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def servers(gateway: GatewayProcess) -> Iterator[dict[str, str]]:
     """Where a C# test finds the gateway, and servers that misbehave: its environment."""
     with in_background(rogue(gateway.url)) as rogue_url, in_background(deaf()) as deaf_url:
