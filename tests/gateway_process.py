@@ -34,10 +34,12 @@ class GatewayProcess:
 
 
 @contextlib.asynccontextmanager
-async def gateway_process(command: str = "serve", *arguments: str) -> AsyncIterator[GatewayProcess]:
-    """Run ``ros2-gateway COMMAND`` on a free port until the context ends."""
+async def gateway_process(
+    command: str = "serve", *arguments: str, module: str = "gateway"
+) -> AsyncIterator[GatewayProcess]:
+    """Run ``ros2-gateway COMMAND``, or another *module*, on a free port until the context ends."""
     process = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-m", "gateway", command, "--port", "0", *arguments),
+        *(sys.executable, "-m", module, command, "--port", "0", *arguments),
         stdout=PIPE,
         stderr=PIPE,
     )
