@@ -57,6 +57,13 @@ class Qos:
     lifespan_ns: int | None = None
 
 
+class Mismatch(NamedTuple):
+    """The reason that nothing comes from a publisher, with its code in the protocol."""
+
+    code: Literal["type_conflict", "qos_incompatible"]
+    text: str  # a sentence for people
+
+
 @dataclass(frozen=True, slots=True)
 class TopicInfo:
     """A topic of the graph: its types (more than one is a conflict) and its endpoints."""
@@ -101,8 +108,8 @@ class RosSubscription(Protocol):
         """
 
     @property
-    def incompatible(self) -> tuple[str, ...]:
-        """The texts given to *on_incompatible* that still apply."""
+    def incompatible(self) -> tuple[Mismatch, ...]:
+        """The mismatches given to *on_incompatible* that still apply."""
 
     def close(self) -> None:
         """Destroy it; no callback follows. Closing twice is harmless."""
@@ -281,14 +288,14 @@ class Ros(RosGraph, Protocol):
         type_name: str,
         qos: Qos,
         on_samples: Callable[[Sequence[Sample]], None],
-        on_incompatible: Callable[[str], None],
+        on_incompatible: Callable[[Mismatch], None],
     ) -> RosSubscription:
         """Subscribe to a fully resolved topic name.
 
         *on_samples* gets the samples since its last call, oldest first, never empty, at most
         `MAX_TAKES_PER_TURN` at once. Fields that *qos* leaves open are adopted from the publishers,
-        and again when they change. *on_incompatible* gets a sentence for people whenever a
-        publisher's offer cannot be matched.
+        and again when they change. *on_incompatible* hears of each publisher whose type or
+        offer cannot be matched.
 
         Raises:
             RosError: the name or the type is invalid, or the type's ROS package is not installed.

@@ -15,6 +15,8 @@ StatusCode = Literal[
     "forbidden",  # the client's role may not do this, or the client has yet to authenticate
     "limit_exceeded",
     "invalid_value",  # the message does not fit its type
+    "stale",  # a topic is silent for longer than the subscription allows
+    "fresh",  # and is heard again
     "stale_command",  # it came later than others of the connection
     "not_lease_holder",  # another client drives
     "tripped",  # the robot was stopped, and has to be told to stop before it moves again

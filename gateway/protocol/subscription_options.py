@@ -21,9 +21,9 @@ class SubscriptionOptions:
     """The sum of a client's `subscribe` requests for one topic.
 
     A `publish` frame does not say which request it is for, so several requests of one client for
-    one topic are one subscription, as in rosbridge: the shortest throttle and queue, the strongest
-    compression, the smallest fragments, all the fields that any of them names, the newest type,
-    QoS and image options.
+    one topic are one subscription, as in rosbridge: the shortest throttle, queue and silence, the
+    strongest compression, the smallest fragments, all the fields that any of them names, the newest
+    type, QoS and image options.
     """
 
     type: str | int | None
@@ -32,6 +32,7 @@ class SubscriptionOptions:
     image: ImageRequest
     meta: bool
     throttle_ns: int
+    stale_after_ns: int | None
     queue_length: int | None
     compression: Compression
     fragment_size: int | None
@@ -48,6 +49,7 @@ class SubscriptionOptions:
         if all(request.fields is not None for request in asked):
             fields = tuple(sorted({field for request in asked for field in request.fields or ()}))
         types = [request.type for request in asked if request.type is not None]
+        silences = [known for request in asked if (known := request.stale_after_ms) is not None]
         lengths = [request.queue_length for request in asked if request.queue_length]
         sizes = [known for request in asked if (known := request.fragment_size) is not None]
         return cls(
@@ -57,6 +59,7 @@ class SubscriptionOptions:
             image=image,
             meta=any(request.meta for request in asked),
             throttle_ns=round(throttle_ms * 1e6),
+            stale_after_ns=round(min(silences) * 1e6) if silences else None,
             queue_length=min(lengths, default=None),
             compression=max((compression(request) for request in asked), key=_COMPRESSIONS.index),
             fragment_size=min(sizes, default=None),

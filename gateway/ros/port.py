@@ -14,7 +14,17 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from gateway.config.domain_id import MAX_DOMAIN_ID
-from gateway.ports import GoalRequest, Graph, LogLevel, Qos, Request, RosError, Sample, ServerInfo
+from gateway.ports import (
+    GoalRequest,
+    Graph,
+    LogLevel,
+    Mismatch,
+    Qos,
+    Request,
+    RosError,
+    Sample,
+    ServerInfo,
+)
 from gateway.ros import fast_dds, rclpy_private
 from gateway.ros.action_client import RclpyActionClient
 from gateway.ros.action_entities import Actions
@@ -125,7 +135,7 @@ class RclpyRos:
         type_name: str,
         qos: Qos,
         on_samples: Callable[[Sequence[Sample]], None],
-        on_incompatible: Callable[[str], None],
+        on_incompatible: Callable[[Mismatch], None],
     ) -> RawSubscription:
         """Subscribe to a fully resolved topic name; see the port."""
         self._check_topic(topic, type_name)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from gateway.config.limits import MAX_QUEUE_DEPTH
-from gateway.ports import MAX_TAKES_PER_TURN, Durability, Qos, Reliability
+from gateway.ports import MAX_TAKES_PER_TURN, Durability, Mismatch, Qos, Reliability
 
 # what the loop takes in one turn: DDS need not drop while a turn takes 32 ms at 1 kHz; a topic
 # of 1 MB images holds at most 32 MB
@@ -82,23 +82,30 @@ def complete_offer(asked: Qos) -> Qos:
     )
 
 
-def mismatches(topic: str, type_name: str, qos: Qos, offers: Iterable[Offer]) -> list[str]:
+def mismatches(topic: str, type_name: str, qos: Qos, offers: Iterable[Offer]) -> list[Mismatch]:
     """Describe the publishers that a subscription gets nothing from, each reason once."""
-    reasons: dict[str, None] = {}
+    reasons: dict[Mismatch, None] = {}
     for offer in offers:
         if offer.node != UNKNOWN_NODE:  # its name follows within milliseconds
-            reasons.update(dict.fromkeys(_mismatch(topic, type_name, qos, offer)))
+            if offer.type_name != type_name:  # the policies of another type do not matter
+                reasons[_other_type(topic, type_name, offer)] = None
+                continue
+            reasons.update(
+                (Mismatch("qos_incompatible", text), None) for text in _mismatch(topic, qos, offer)
+            )
     return list(reasons)
 
 
-def _mismatch(topic: str, type_name: str, qos: Qos, offer: Offer) -> Iterable[str]:
+def _other_type(topic: str, type_name: str, offer: Offer) -> Mismatch:
+    return Mismatch(
+        "type_conflict",
+        f"topic {topic}: {offer.node} publishes {offer.type_name}, the subscription is for"
+        f" {type_name}; subscribe with the type {offer.type_name}",
+    )
+
+
+def _mismatch(topic: str, qos: Qos, offer: Offer) -> Iterable[str]:
     publisher = f"topic {topic}: {offer.node}"
-    if offer.type_name != type_name:
-        yield (
-            f"{publisher} publishes {offer.type_name}, the subscription is for {type_name};"
-            f" subscribe with the type {offer.type_name}"
-        )
-        return  # the policies of another type do not matter
     if qos.reliability == "reliable" and offer.reliability == "best_effort":
         yield (
             f"{publisher} offers reliability best_effort, the subscription asks for reliable;"

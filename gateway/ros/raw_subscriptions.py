@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 from rclpy.node import Node
 
-from gateway.ports import Qos, RosError, Sample
+from gateway.ports import Mismatch, Qos, RosError, Sample
 from gateway.ros.errors import REFUSALS, refused, remapped
 from gateway.ros.graph import read_offers
 from gateway.ros.interfaces import message_class
@@ -42,7 +42,7 @@ class RawSubscriptions:
         type_name: str,
         qos: Qos,
         on_samples: Callable[[Sequence[Sample]], None],
-        on_incompatible: Callable[[str], None],
+        on_incompatible: Callable[[Mismatch], None],
     ) -> "RawSubscription":
         """Open a subscription; see `gateway.ports.Ros.subscribe`."""
         check_topic(topic)
@@ -115,7 +115,7 @@ class RawSubscription:
         type_name: str,
         asked: Qos,
         on_samples: Callable[[Sequence[Sample]], None],
-        on_incompatible: Callable[[str], None],
+        on_incompatible: Callable[[Mismatch], None],
         offers: Sequence[Offer],
     ) -> None:
         self.topic = topic
@@ -126,8 +126,9 @@ class RawSubscription:
         self._on_samples = on_samples
         self._on_incompatible = on_incompatible
         self._offers = offers
-        self._refusals: list[str] = []  # why the profile that the offers require is not in force
-        self._reported: list[str] = []
+        # why the profile that the offers require is not in force
+        self._refusals: list[Mismatch] = []
+        self._reported: list[Mismatch] = []
         self.qos = adopt(asked, self._matching(offers))  # complete
         self._reader: Reader | None = self._read(self.qos)
         self._retired: Reader | None = None  # while it delivers its last samples
@@ -138,7 +139,7 @@ class RawSubscription:
         return len(self._matching(self._offers))
 
     @property
-    def incompatible(self) -> tuple[str, ...]:
+    def incompatible(self) -> tuple[Mismatch, ...]:
         """The mismatches that were reported and still hold."""
         return tuple(self._reported)
 
@@ -175,7 +176,8 @@ class RawSubscription:
         try:
             self._reader = self._read(qos)
         except RosError as error:
-            self._refusals.append(f"{error}; keeping reliability {self.qos.reliability}")
+            text = f"{error}; keeping reliability {self.qos.reliability}"
+            self._refusals.append(Mismatch("qos_incompatible", text))
             return
         self.qos = qos
         self._retired = retired

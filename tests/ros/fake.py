@@ -17,6 +17,7 @@ from gateway.ports import (
     GoalRequest,
     Graph,
     LogLevel,
+    Mismatch,
     Qos,
     Request,
     RosError,
@@ -77,11 +78,11 @@ class FakeSubscription:
     type_name: str
     asked: Qos
     on_samples: Callable[[Sequence[Sample]], None]
-    on_incompatible: Callable[[str], None]
+    on_incompatible: Callable[[Mismatch], None]
     node: str
     qos: Qos = field(init=False)
     waiting: deque[Sample] = field(default_factory=deque)
-    reported: list[str] = field(default_factory=list)
+    reported: list[Mismatch] = field(default_factory=list)
     is_scheduled: bool = False
 
     def __post_init__(self) -> None:
@@ -92,7 +93,7 @@ class FakeSubscription:
         return len(self.matching())
 
     @property
-    def incompatible(self) -> tuple[str, ...]:
+    def incompatible(self) -> tuple[Mismatch, ...]:
         return tuple(self.reported)
 
     def close(self) -> None:
@@ -202,7 +203,7 @@ class FakeRos:
         type_name: str,
         qos: Qos,
         on_samples: Callable[[Sequence[Sample]], None],
-        on_incompatible: Callable[[str], None],
+        on_incompatible: Callable[[Mismatch], None],
     ) -> FakeSubscription:
         self._check_topic(topic, type_name)
         return self._open_subscription(
@@ -416,7 +417,7 @@ class FakeRos:
         type_name: str,
         qos: Qos,
         on_samples: Callable[[Sequence[Sample]], None],
-        on_incompatible: Callable[[str], None],
+        on_incompatible: Callable[[Mismatch], None],
         node: str,
     ) -> FakeSubscription:
         subscription = FakeSubscription(

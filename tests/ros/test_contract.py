@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from gateway.config.limits import MAX_QUEUE_DEPTH
-from gateway.ports import MAX_TAKES_PER_TURN, Publisher, Qos, Ros, RosError, Sample
+from gateway.ports import MAX_TAKES_PER_TURN, Mismatch, Publisher, Qos, Ros, RosError, Sample
 from gateway.ros import RosOptions, open_ros
 from tests.client import eventually
 from tests.ros.conftest import Robot
@@ -39,12 +39,12 @@ class Received:
 
     def __init__(self) -> None:
         self.batches: list[list[Sample]] = []
-        self.reasons: list[str] = []
+        self.reasons: list[Mismatch] = []
 
     def on_samples(self, samples: Sequence[Sample]) -> None:
         self.batches.append(list(samples))
 
-    def on_incompatible(self, reason: str) -> None:
+    def on_incompatible(self, reason: Mismatch) -> None:
         self.reasons.append(reason)
 
     @property
@@ -279,7 +279,8 @@ async def test_an_offer_that_cannot_match_is_told_once_in_words(robot: Robot) ->
     publisher = robot.world.add_publisher("/scan", INT32, BEST_EFFORT)
     await eventually(lambda: bool(received.reasons))
     [reason] = received.reasons
-    assert reason == (
+    assert reason.code == "qos_incompatible"
+    assert reason.text == (
         "topic /scan: /outside offers reliability best_effort, the subscription asks for reliable;"
         " ask for best_effort or leave the reliability open"
     )
@@ -296,7 +297,7 @@ async def test_an_offer_that_stands_already_is_told_after_subscribing(robot: Rob
     received, _ = subscribe(robot, "/map", qos=Qos(durability="transient_local"))
     assert received.reasons == []  # the caller does not hold the subscription yet
     await eventually(lambda: bool(received.reasons))
-    assert "durability volatile" in received.reasons[0]
+    assert "durability volatile" in received.reasons[0].text
 
 
 async def test_a_publisher_of_another_type_is_told_in_words(robot: Robot) -> None:
@@ -304,7 +305,8 @@ async def test_a_publisher_of_another_type_is_told_in_words(robot: Robot) -> Non
     robot.world.add_publisher("/count", STRING)
     await eventually(lambda: bool(received.reasons))
     [reason] = received.reasons
-    assert reason == (
+    assert reason.code == "type_conflict"
+    assert reason.text == (
         "topic /count: /outside publishes std_msgs/msg/String, the subscription is for"
         " std_msgs/msg/Int32; subscribe with the type std_msgs/msg/String"
     )

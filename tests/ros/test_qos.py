@@ -104,7 +104,9 @@ def test_a_publisher_that_keeps_all_keeps_as_much_as_never_blocks() -> None:
 
 def test_a_mismatch_names_topic_policy_both_sides_and_the_way_out() -> None:
     qos = Qos("reliable", "transient_local", deadline_ns=50_000_000)
-    reliability, durability, deadline = mismatches("/t", TYPE, qos, [BEST_EFFORT])
+    reliability, durability, deadline = (
+        each.text for each in mismatches("/t", TYPE, qos, [BEST_EFFORT])
+    )
     assert reliability == (
         "topic /t: /b offers reliability best_effort, the subscription asks for reliable;"
         " ask for best_effort or leave the reliability open"
@@ -123,7 +125,7 @@ def test_a_deadline_matches_offers_that_are_as_short() -> None:
     qos = Qos("reliable", "volatile", deadline_ns=50_000_000)
     assert mismatches("/t", TYPE, qos, [Offer("/a", TYPE, deadline_ns=50_000_000)]) == []
     [reason] = mismatches("/t", TYPE, qos, [Offer("/a", TYPE, deadline_ns=60_000_000)])
-    assert "/a offers a deadline of 60 ms" in reason
+    assert "/a offers a deadline of 60 ms" in reason.text
 
 
 def test_the_same_reason_is_told_once() -> None:

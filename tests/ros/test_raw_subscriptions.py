@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from gateway.ports import MAX_TAKES_PER_TURN, Qos, Sample
+from gateway.ports import MAX_TAKES_PER_TURN, Mismatch, Qos, Sample
 from gateway.ros import RosOptions
 from gateway.ros.port import RclpyRos
 from gateway.ros.qos import Offer
@@ -122,10 +122,11 @@ async def test_a_refused_replacement_is_told_once_while_it_stands(
     def refuse(*_: object) -> None:
         raise RuntimeError("no memory")
 
-    reasons: list[str] = []
+    reasons: list[Mismatch] = []
     subscription = ros.subscribe("/scan", INT32, Qos(), lambda _: None, reasons.append)
     monkeypatch.setattr(ros._subscriptions._samples, "read", refuse)
-    refusal = "topic /scan: no memory; keeping reliability reliable"
+    text = "topic /scan: no memory; keeping reliability reliable"
+    refusal = Mismatch("qos_incompatible", text)
     for _ in range(3):
         subscription.follow([BEST_EFFORT])
     assert reasons.count(refusal) == 1

@@ -120,6 +120,8 @@ class Subscribe(Operation):
     )
     image: ImageRequest | None = None
     meta: bool = False
+    # below, an ordinary hiccup of WiFi or of a busy robot would be told of
+    stale_after_ms: Annotated[float, Field(ge=100, le=3_600_000)] | None = None
 
 
 class Unsubscribe(Operation):

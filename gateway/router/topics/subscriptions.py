@@ -18,6 +18,7 @@ from gateway.protocol.session import Session
 from gateway.protocol.subscription_options import SubscriptionOptions, compression
 from gateway.protocol.websocket_frames import Compression
 from gateway.router.topic_types import TopicTypes
+from gateway.router.topics.freshness import Freshness
 from gateway.router.topics.requested_qos import requested
 from gateway.router.topics.subscription import EncodingKey, Source, Subscription, TopicKey
 from gateway.router.topics.topic import Topic
@@ -37,6 +38,7 @@ class Subscriptions:
         self._workers = workers
         self._topics: dict[TopicKey, Topic] = {}
         self._subscriptions: dict[Session, dict[str, Subscription]] = {}  # by requested name
+        self._freshness = Freshness(self._heard_ns)
 
     @property
     def topics(self) -> int:
@@ -139,6 +141,10 @@ class Subscriptions:
         for subscription in waiting:
             self._reapply(subscription, subscription.requests)
 
+    def _heard_ns(self, subscription: Subscription) -> int:
+        source = subscription.source
+        return 0 if source is None else self._topics[source.topic].heard_ns
+
     def _all(self) -> Iterator[Subscription]:
         for own in self._subscriptions.values():
             yield from own.values()
@@ -195,6 +201,7 @@ class Subscriptions:
     ) -> None:
         subscription.change(requests, options)
         self._move(subscription, source)
+        self._freshness.follow(subscription)
         subscription.session.wake()
 
     def _move(self, subscription: Subscription, source: Source | None) -> None:
@@ -229,6 +236,7 @@ class Subscriptions:
         del own[subscription.requested_name]
         if not own:
             del self._subscriptions[subscription.session]
+        self._freshness.forget(subscription)
         self._move(subscription, None)
         subscription.close()
 

@@ -9,7 +9,7 @@ from typing import Final
 
 from gateway.codec.errors import CodecError
 from gateway.codec.types import MessageType
-from gateway.ports import Ros, Sample
+from gateway.ports import Mismatch, Ros, Sample
 from gateway.protocol.errors import ProtocolError
 from gateway.router.topics.encoding import (
     Encoding,
@@ -18,9 +18,9 @@ from gateway.router.topics.encoding import (
     make_encoding,
 )
 from gateway.router.topics.latch import make_latch
+from gateway.router.topics.sample_faults import SampleFaults
 from gateway.router.topics.subscription import EncodingKey, Subscription, TopicKey
 
-MAX_BROKEN: Final = 16  # a publisher that sends ever new nonsense fills no memory and no log
 RATE_BATCHES: Final = 16  # enough to tell 30 Hz from 25, few enough to follow within a second
 
 
@@ -47,7 +47,7 @@ class Topic:
         self._received: deque[tuple[int, int]] = deque(maxlen=RATE_BATCHES)  # times and numbers
         self._latch = make_latch(key.name, message_type)
         self._has_kept = False
-        self._broken: set[str] = set()  # errors of samples, as far as the clients were told
+        self._faults = SampleFaults(time.monotonic_ns())
         self._ros_subscription = ros.subscribe(
             key.name, key.type_name, key.qos, self._on_samples, self._on_incompatible
         )
@@ -56,6 +56,11 @@ class Topic:
     def is_idle(self) -> bool:
         """True while it has no subscriptions."""
         return not self._encodings
+
+    @property
+    def heard_ns(self) -> int:
+        """The time of the newest sample, by the monotonic clock; 0 if none has come."""
+        return self._received[-1][0] if self._received else 0
 
     def add(self, subscription: Subscription, key: EncodingKey) -> None:
         """Feed a subscription by the encoding of this key from now on."""
@@ -80,8 +85,9 @@ class Topic:
 
     def replay(self, subscription: Subscription, key: EncodingKey) -> None:
         """Offer a new subscription what late subscribers of the topic get, and its warnings."""
-        for text in self._ros_subscription.incompatible:
-            subscription.warn(ProtocolError("qos_incompatible", text))
+        for mismatch in self._ros_subscription.incompatible:
+            subscription.warn(ProtocolError(mismatch.code, mismatch.text))
+        self._faults.forget()
         now_ns = time.monotonic_ns()
         for seq, sample in self._latch.newest(self._retained):
             shared = SharedFrame(self._encodings[key], sample, seq)  # with nobody: others had it
@@ -136,15 +142,14 @@ class Topic:
         received_ns = self._ros.now_ns() if subscription.options.meta else None
         subscription.offer(PerClientFrame(shared, subscription, received_ns), now_ns, more=more)
 
-    def _on_incompatible(self, text: str) -> None:
+    def _on_incompatible(self, mismatch: Mismatch) -> None:
         """Warn the clients of a publisher that cannot be matched."""
-        self._warn_all(ProtocolError("qos_incompatible", text))
+        self._warn_all(ProtocolError(mismatch.code, mismatch.text))
 
     def _on_codec_error(self, error: CodecError) -> None:
-        """Warn the clients of a sample that cannot be encoded; once."""
-        text = f"{self.key.name}: {error}"
-        if text not in self._broken and len(self._broken) < MAX_BROKEN:
-            self._broken.add(text)
+        """Warn the clients of a sample that cannot be encoded, within bounds."""
+        text = self._faults.note(f"{self.key.name}: {error}", time.monotonic_ns())
+        if text is not None:
             self._warn_all(ProtocolError("invalid_value", text))
 
     def _warn_all(self, error: ProtocolError) -> None:

@@ -11,7 +11,7 @@ from typing import Any, Final
 from gateway.codec.error_text import truncate
 from gateway.codec.errors import CodecError
 from gateway.codec.types import MessageType
-from gateway.ports import Qos, Ros, RosError, RosSubscription, Sample
+from gateway.ports import Mismatch, Qos, Ros, RosError, RosSubscription, Sample
 from gateway.protocol.errors import ProtocolError
 from gateway.router.topic_types import TopicTypes
 from gateway.tf import TF_MESSAGE
@@ -153,8 +153,8 @@ class TfListener:
             text = f"frame {child!r}: it is said to be fixed and to move, so it moves"
             self._warn("contradiction", child, text)
 
-    def _on_incompatible(self, text: str) -> None:
-        self._warn("incompatible", text, text)
+    def _on_incompatible(self, mismatch: Mismatch) -> None:
+        self._warn("incompatible", mismatch.text, mismatch.text)
 
     def _warn(self, fault: str, about: str, text: str) -> None:
         """Log a *fault*, one of a few kinds, once for each subject that it is *about*."""

@@ -28,7 +28,6 @@ TYPES = Types(InstalledDefinitions())
 NAME = TopicName("/t")
 PLAIN = EncodingKey("/t", None, None)
 
-MAX_BROKEN = 16
 RATE_BATCHES = 16
 
 
@@ -141,14 +140,29 @@ async def test_a_topic_that_becomes_volatile_retains_nothing(ros: FakeRos, worke
     assert topic._latch.newest(100) == []
 
 
+def send_broken(topic: Topic, listener: Subscription, length: int = 100) -> list[Any]:
+    """Have a string arrive that is shorter than its length; return what the listener is told."""
+    topic._on_samples([Sample(b"\0\1\0\0" + length.to_bytes(4, "little"), 0)])
+    batches = [listener.session.outbox.take(1 << 20) for _ in range(2)]
+    return [frame for batch in batches for wire in batch for frame in unpacked(wire)]
+
+
 def test_broken_samples_are_reported_up_to_a_bound(topic: Topic):
     listener = subscription()
     topic.add(listener, PLAIN)
-    for length in range(100, 100 + 2 * MAX_BROKEN):
-        topic._on_samples([Sample(b"\0\1\0\0" + length.to_bytes(4, "little"), 0)])
-        assert listener.session.outbox.take(1 << 20) == []
-        statuses = listener.session.outbox.take(1 << 20)
-        assert len(statuses) == (1 if length < 100 + MAX_BROKEN else 0)
+    told = [frame for length in range(100, 200) for frame in send_broken(topic, listener, length)]
+    assert {frame["code"] for frame in told} == {"invalid_value"}
+    assert len(told) < 20
+
+
+def test_a_later_subscriber_is_told_of_a_fault_that_lasts(topic: Topic):
+    early, late = subscription(), subscription()
+    topic.add(early, PLAIN)
+    assert send_broken(topic, early)
+    assert not send_broken(topic, early)
+    topic.add(late, PLAIN)
+    topic.replay(late, PLAIN)
+    assert send_broken(topic, late)
 
 
 def test_the_rate_of_a_topic_is_that_of_its_newest_samples_and_ends_with_them(

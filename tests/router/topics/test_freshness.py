@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Word of topics that fall silent and are heard again, over the fake ROS and a clock by hand."""
+
+import asyncio
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from gateway.ports import Qos
+from gateway.router.topics import freshness
+from tests.client import Frame
+from tests.router.conftest import Bench, Socketless
+
+STRING = "std_msgs/msg/String"
+INT32 = "std_msgs/msg/Int32"
+SECOND = 1_000_000_000
+
+
+class Clock:
+    """The monotonic clock of the topics and of their ticks."""
+
+    def __init__(self) -> None:
+        self.now_ns = 1000 * SECOND
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Iterator[Clock]:
+    clock = Clock()
+    monkeypatch.setattr(freshness, "TICK_S", 0.001)
+    monkeypatch.setattr(time, "monotonic_ns", lambda: clock.now_ns)
+    yield clock
+    monkeypatch.undo()
+
+
+async def ticks() -> None:
+    """Wait for some ticks."""
+    for _ in range(5):
+        await asyncio.sleep(0.002)
+
+
+def told(client: Socketless) -> list[Frame]:
+    return [frame for frame in client.of("status") if frame["code"] in {"stale", "fresh"}]
+
+
+def codes(client: Socketless) -> list[str]:
+    return [frame["code"] for frame in told(client)]
+
+
+def hear(bench: Bench, text: str = "x") -> None:
+    bench.ros.publish("/t", bench.cdr(STRING, data=text))
+
+
+async def test_who_asks_is_told_of_silence_once_and_of_its_end(bench: Bench, clock: Clock):
+    bench.ros.add_publisher("/t", STRING)
+    client = bench.client()
+    client.send(op="subscribe", id="s", topic="/t", stale_after_ms=1000)
+    hear(bench)
+    await ticks()
+    clock.now_ns += SECOND - 1
+    await ticks()
+    assert told(client) == []
+    clock.now_ns += SECOND
+    await ticks()
+    clock.now_ns += 3 * SECOND
+    await ticks()
+    hear(bench)
+    await ticks()
+    clock.now_ns += SECOND - 1
+    await ticks()
+    stale, fresh = told(client)
+    about = {"op": "status", "request": "subscribe", "id": "s"}
+    assert about.items() <= stale.items()
+    assert about.items() <= fresh.items()
+    assert stale["level"] == "warning"
+    assert stale["msg"] == "topic /t: no message for 2.0 s"
+    assert fresh["level"] == "info"
+    assert fresh["msg"] == "topic /t: messages again, after 5.0 s"
+    assert len(client.messages) == 2
+
+
+async def test_who_does_not_ask_is_told_nothing_and_costs_no_tick(bench: Bench, clock: Clock):
+    bench.ros.add_publisher("/t", STRING)
+    client = bench.client()
+    client.send(op="subscribe", topic="/t")
+    hear(bench)
+    clock.now_ns += 3600 * SECOND
+    await ticks()
+    assert client.of("status") == []
+    assert bench.router._subscriptions._freshness._timer is None
+
+
+async def test_a_topic_that_nobody_publishes_is_silent_since_the_subscription(
+    bench: Bench, clock: Clock
+):
+    client = bench.client()
+    client.send(op="subscribe", topic="/t", stale_after_ms=1000)
+    clock.now_ns += SECOND
+    await ticks()
+    assert codes(client) == ["stale"]
+    bench.ros.add_publisher("/t", STRING)
+    await bench.settle()
+    hear(bench)
+    await ticks()
+    assert codes(client) == ["stale", "fresh"]
+
+
+async def test_another_type_on_the_topic_is_heard_as_well(bench: Bench, clock: Clock):
+    first = bench.ros.add_publisher("/t", STRING)
+    client = bench.client()
+    client.send(op="subscribe", topic="/t", stale_after_ms=1000)
+    hear(bench)
+    await ticks()
+    bench.ros.remove_publisher(first)
+    clock.now_ns += SECOND
+    await ticks()
+    bench.ros.add_publisher("/t", INT32)
+    await bench.settle()
+    bench.ros.publish("/t", bench.cdr(INT32, data=7))
+    await ticks()
+    assert codes(client) == ["stale", "fresh"]
+
+
+async def test_what_came_while_the_loop_stood_still_is_looked_at_first(bench: Bench, clock: Clock):
+    bench.ros.add_publisher("/t", STRING)
+    client = bench.client()
+    client.send(op="subscribe", topic="/t", stale_after_ms=1000)
+    hear(bench)
+    await ticks()
+    subscriptions = bench.router._subscriptions
+    clock.now_ns += 2 * SECOND
+    subscriptions._freshness._tick()  # before anything that waits in DDS is taken
+    hear(bench)
+    await bench.settle()
+    await ticks()
+    assert told(client) == []
+
+
+async def test_a_client_that_wants_no_status_gets_the_one_that_it_asked_for(
+    bench: Bench, clock: Clock
+):
+    client = bench.client()
+    client.send(op="set_level", level="none")
+    client.send(op="subscribe", topic="/t", type=STRING, stale_after_ms=1000)
+    clock.now_ns += SECOND
+    await ticks()
+    assert codes(client) == ["stale"]
+
+
+async def test_of_several_requests_the_shortest_silence_counts(bench: Bench, clock: Clock):
+    client = bench.client()
+    for number, stale_after_ms in enumerate((5000, 1000, None)):
+        client.send(
+            op="subscribe", id=number, topic="/t", type=STRING, stale_after_ms=stale_after_ms
+        )
+    clock.now_ns += SECOND
+    await ticks()
+    assert [frame["id"] for frame in told(client)] == [1]
+
+
+async def test_nothing_ticks_once_the_last_one_has_gone(bench: Bench, clock: Clock):
+    one, other = bench.client(), bench.client()
+    one.send(op="subscribe", topic="/t", type=STRING, stale_after_ms=1000)
+    other.send(op="subscribe", topic="/t", type=STRING, stale_after_ms=1000)
+    watch = bench.router._subscriptions._freshness
+    one.send(op="unsubscribe", topic="/t")
+    assert watch._timer is not None
+    bench.router.leave(other.session)
+    assert watch._timer is None
+    clock.now_ns += SECOND
+    await ticks()
+    assert told(one) == told(other) == []
+
+
+@pytest.mark.parametrize("silence", [0, 99, -1, "1000", 3_600_001])
+async def test_a_silence_out_of_range_is_refused(bench: Bench, silence: object):
+    client = bench.client()
+    client.send(op="subscribe", topic="/t", type=STRING, stale_after_ms=silence)
+    ((code, text),) = client.statuses
+    assert code == "bad_request"
+    assert "stale_after_ms" in text
+
+
+async def test_each_reason_of_a_publisher_that_does_not_match_has_its_code(bench: Bench):
+    client = bench.client()
+    client.send(op="subscribe", topic="/t", type=STRING, qos={"reliability": "reliable"})
+    bench.ros.add_publisher("/t", STRING, Qos(reliability="best_effort"))
+    await client.sees(1, "status")
+    bench.ros.add_publisher("/t", INT32)
+    await client.sees(2, "status")
+    assert [code for code, _ in client.statuses] == ["qos_incompatible", "type_conflict"]
