@@ -5,6 +5,7 @@ import time
 from collections import deque
 from collections.abc import Sequence
 from concurrent.futures import Executor
+from functools import partial
 from typing import Final
 
 from gateway.codec.errors import CodecError
@@ -47,7 +48,7 @@ class Topic:
         self._received: deque[tuple[int, int]] = deque(maxlen=RATE_BATCHES)  # times and numbers
         self._latch = make_latch(key.name, message_type)
         self._has_kept = False
-        self._faults = SampleFaults(time.monotonic_ns())
+        self._faults: dict[EncodingKey, SampleFaults] = {}  # of a picture, or of the message
         self._ros_subscription = ros.subscribe(
             key.name, key.type_name, key.qos, self._on_samples, self._on_incompatible
         )
@@ -66,10 +67,11 @@ class Topic:
         """Feed a subscription by the encoding of this key from now on."""
         encoding = self._encodings.get(key)
         if encoding is None:
+            self._faults[key] = SampleFaults(time.monotonic_ns())
             encoding = self._encodings[key] = make_encoding(
                 self._message_type,
                 key,
-                on_error=self._on_codec_error,
+                on_error=partial(self._on_codec_error, key),
                 on_ready=self._wake_all,
                 now_ns=self._ros.now_ns,
                 workers=self._workers,
@@ -81,13 +83,13 @@ class Topic:
         encoding = self._encodings[key]
         encoding.subscriptions.remove(subscription)
         if not encoding.subscriptions:
-            del self._encodings[key]
+            del self._encodings[key], self._faults[key]
 
     def replay(self, subscription: Subscription, key: EncodingKey) -> None:
         """Offer a new subscription what late subscribers of the topic get, and its warnings."""
         for mismatch in self._ros_subscription.incompatible:
             subscription.warn(ProtocolError(mismatch.code, mismatch.text))
-        self._faults.forget()
+        self._faults[key].forget()
         now_ns = time.monotonic_ns()
         for seq, sample in self._latch.newest(self._retained):
             shared = SharedFrame(self._encodings[key], sample, seq)  # with nobody: others had it
@@ -146,16 +148,21 @@ class Topic:
         """Warn the clients of a publisher that cannot be matched."""
         self._warn_all(ProtocolError(mismatch.code, mismatch.text))
 
-    def _on_codec_error(self, error: CodecError) -> None:
-        """Warn the clients of a sample that cannot be encoded, within bounds."""
-        text = self._faults.note(f"{self.key.name}: {error}", time.monotonic_ns())
+    def _on_codec_error(self, key: EncodingKey, error: CodecError) -> None:
+        """Warn those who get no sample, as it cannot be encoded for them; within bounds."""
+        if key not in self._encodings:
+            return  # a worker has ended too late
+        text = self._faults[key].note(f"{self.key.name}: {error}", time.monotonic_ns())
         if text is not None:
-            self._warn_all(ProtocolError("invalid_value", text))
+            self._warn(key, ProtocolError("invalid_value", text))
 
     def _warn_all(self, error: ProtocolError) -> None:
-        for encoding in list(self._encodings.values()):
-            for subscription in list(encoding.subscriptions):
-                subscription.warn(error)
+        for key in list(self._encodings):
+            self._warn(key, error)
+
+    def _warn(self, key: EncodingKey, error: ProtocolError) -> None:
+        for subscription in list(self._encodings[key].subscriptions):
+            subscription.warn(error)
 
     @property
     def _retained(self) -> int:

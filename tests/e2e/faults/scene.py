@@ -52,7 +52,9 @@ async def until(condition, within_s: float = START_S) -> None:
 @contextlib.asynccontextmanager
 async def process(*arguments: str) -> AsyncIterator[Process]:
     """Run a module of Python until the context ends, however it is then."""
-    started = await asyncio.create_subprocess_exec(sys.executable, "-m", *arguments, stdout=PIPE)
+    started = await asyncio.create_subprocess_exec(
+        sys.executable, "-m", *arguments, stdin=PIPE, stdout=PIPE
+    )
     try:
         yield started
     finally:
@@ -123,6 +125,42 @@ async def operator(url: str) -> AsyncIterator[Process]:
     """Run an operator."""
     async with process("tests.e2e.faults.operator", url) as started:
         yield started
+
+
+@dataclass
+class Publisher:
+    """A publisher that is to suffer, or to make others suffer."""
+
+    process: Process
+
+    async def publish(self, cdr: bytes) -> None:
+        """Publish bytes, once."""
+        await self._do(f"once {cdr.hex()}")
+
+    async def repeat(self, cdr: bytes) -> None:
+        """Publish bytes at 20 Hz, until it is told otherwise or dies."""
+        await self._do(f"repeat {cdr.hex()}")
+
+    async def end(self, number: signal.Signals) -> None:
+        """End it: by SIGTERM it leaves the graph, by SIGKILL it stays there for 20 s."""
+        self.process.send_signal(number)
+        await self.process.wait()
+
+    async def _do(self, text: str) -> None:
+        assert self.process.stdin is not None
+        self.process.stdin.write(f"{text}\n".encode())
+        assert await line(self.process) == "done\n"
+
+
+@contextlib.asynccontextmanager
+async def publisher(
+    topic: str, type_name: str, reliability: str = "reliable"
+) -> AsyncIterator[Publisher]:
+    """Run a publisher."""
+    command = ("tests.e2e.faults.publisher", topic, type_name, reliability)
+    async with process(*command) as started:
+        assert await line(started) == "ready\n"
+        yield Publisher(started)
 
 
 async def until_it_moves(robot: Base, driver: Process) -> None:
