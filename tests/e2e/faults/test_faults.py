@@ -7,13 +7,13 @@ import os
 import signal
 import time
 from collections.abc import AsyncIterator, Callable
-from pathlib import Path
 
 import pytest
 import pytest_asyncio
 
 from tests.e2e.faults import scene
 from tests.e2e.faults.conftest import IS_EXACT, REPEAT
+from tests.e2e.faults.processes import guard_of, is_running
 from tests.e2e.faults.scene import Base, Gateway, until, until_it_moves
 
 pytestmark = [pytest.mark.asyncio(loop_scope="module"), pytest.mark.timeout(3600)]
@@ -114,22 +114,6 @@ async def test_after_a_blackout_nothing_moves_until_the_stick_is_let_go(
 
 
 # Gateway: each needs one of its own
-
-
-def guard_of(gateway: Gateway) -> int:
-    """Return the process id of a gateway's guard."""
-    pid = gateway.process.pid
-    children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
-    assert len(children) == 1
-    return int(children[0])
-
-
-def is_running(pid: int) -> bool:
-    try:
-        stat = Path(f"/proc/{pid}/stat").read_text()
-    except (FileNotFoundError, ProcessLookupError):
-        return False
-    return stat.rpartition(")")[2].split()[0] != "Z"  # an orphan whom no init has reaped
 
 
 @contextlib.asynccontextmanager

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The shared memory that Fast DDS leaves behind when its process is killed.
+
+Each participant writes its samples into a segment of its own (0.5 MB; more for large messages) and
+holds a lock on a file beside it. A participant that ends removes both. What a killed one leaves
+stays until the machine restarts: nothing in Fast DDS removes it but ``fastdds shm clean``.
+"""
+
+import contextlib
+import fcntl
+import logging
+import os
+import re
+import time
+from pathlib import Path
+from typing import Final
+
+FOLDER: Final = Path("/dev/shm")  # noqa: S108  # where POSIX' shm_open puts it on Linux
+# A participant that starts creates the file first, and takes the lock a moment later.
+MIN_AGE_S: Final = 2
+
+# Fast DDS 2, Fast DDS 3. Ports have other names, and are used again by whoever comes next.
+_LOCK: Final = re.compile(r"(fastrtps|fastdds)_[0-9a-f]{16}_el")
+
+_logger = logging.getLogger(__name__)
+
+
+def remove_abandoned_segments(folder: Path = FOLDER) -> int:
+    """Remove the segments of this user whose owner is dead, and return their number.
+
+    Whoever still reads one keeps it until it has finished.
+    """
+    removed = 0
+    with contextlib.suppress(OSError):  # there is no such folder
+        for path in list(folder.iterdir()):
+            if _LOCK.fullmatch(path.name):
+                with contextlib.suppress(OSError):  # it is locked, or has gone meanwhile
+                    removed += _remove_if_abandoned(path)
+    if removed:
+        _logger.info("removed %d segments of shared memory that killed programs left", removed)
+    return removed
+
+
+def _remove_if_abandoned(lock: Path) -> bool:
+    descriptor = os.open(lock, os.O_RDONLY | os.O_NOFOLLOW | os.O_CLOEXEC)
+    try:
+        status = os.fstat(descriptor)
+        if status.st_uid != os.geteuid() or time.time() - status.st_mtime < MIN_AGE_S:
+            return False
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)  # raises if its owner lives
+        lock.with_name(lock.name.removesuffix("_el")).unlink(missing_ok=True)
+        lock.unlink()
+    finally:
+        os.close(descriptor)
+    return True

@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A gateway that is killed and started anew under load; its clients come back by themselves."""
+
+import asyncio
+import contextlib
+import itertools
+import os
+import signal
+import socket
+import time
+from collections.abc import AsyncIterator, Iterator
+from pathlib import Path
+
+import pytest
+import pytest_asyncio
+from std_msgs.msg import String
+from websockets.exceptions import WebSocketException
+
+from gateway.codec.types import Types
+from gateway.ros.shared_memory import MIN_AGE_S
+from schemas.installed import InstalledDefinitions
+from tests.client import Client, client, eventually
+from tests.clients.driver import INSTALLED, ROSLIB_2, ROSLIBPY_2, Connection, Driver, driver
+from tests.clients.robot import until
+from tests.e2e.faults import scene
+from tests.e2e.faults.conftest import REPEAT
+from tests.e2e.faults.processes import guard_of, is_running
+from tests.e2e.faults.scene import Base, until_it_moves
+from tests.ros.outside import Outside
+
+pytestmark = [pytest.mark.asyncio(loop_scope="module"), pytest.mark.timeout(3600)]
+
+STRING, IMAGE = "std_msgs/msg/String", "sensor_msgs/msg/Image"
+SHARED_MEMORY = Path("/dev/shm")  # noqa: S108
+WIDTH, HEIGHT = 640, 480
+
+_numbers = itertools.count(1)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def clients() -> None:
+    if not (INSTALLED / ".ready").exists():
+        pytest.skip(f"no clients in {INSTALLED}: `sh tools/make-clients.sh VENV` installs them")
+
+
+@pytest.fixture(scope="module")
+def outside() -> Iterator[Outside]:
+    outside = Outside("robot")
+    yield outside
+    outside.close()
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def robot() -> AsyncIterator[Base]:
+    async with scene.base() as robot:
+        yield robot
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module", params=(ROSLIBPY_2, ROSLIB_2), ids=str)
+async def library(request: pytest.FixtureRequest) -> AsyncIterator[Driver]:
+    async with driver(request.param) as running:
+        yield running
+
+
+def free_port() -> int:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        return int(server.getsockname()[1])
+
+
+def segments_of(pid: int) -> set[str]:
+    """Return the shared memory that a process has locked as its own."""
+    names = set()
+    for descriptor in Path(f"/proc/{pid}/fd").iterdir():
+        with contextlib.suppress(OSError):
+            target = descriptor.readlink()
+            if target.parent == SHARED_MEMORY and "port" not in target.name:
+                names.add(target.name.removesuffix("_el"))
+    return names
+
+
+def is_old(segment: str) -> bool:
+    """Return whether a participant can no longer be about to take its lock."""
+    return time.time() - (SHARED_MEMORY / f"{segment}_el").stat().st_mtime > MIN_AGE_S
+
+
+@contextlib.asynccontextmanager
+async def load(port: int) -> AsyncIterator[None]:
+    """Have a camera publish, and a client watch it whenever there is a gateway."""
+
+    async def watch() -> None:
+        while True:
+            with contextlib.suppress(OSError, WebSocketException):
+                async with client(f"ws://127.0.0.1:{port}/") as watcher:
+                    await watcher.send(op="subscribe", topic="/camera", type=IMAGE)
+                    await follow(watcher)
+            await asyncio.sleep(0.1)
+
+    async def follow(watcher: Client) -> None:
+        async for _ in watcher.socket:
+            pass
+
+    values = {"width": WIDTH, "height": HEIGHT, "encoding": "mono8", "step": WIDTH}
+    message = {**values, "data": [7] * (WIDTH * HEIGHT)}
+    picture = Types(InstalledDefinitions()).get(IMAGE).encode(message, now_ns=0)
+    async with scene.publisher("/camera", IMAGE) as camera:
+        await camera.repeat(picture)
+        watching = asyncio.create_task(watch())
+        try:
+            yield
+        finally:
+            watching.cancel()
+
+
+class Traffic:
+    """What a library's client subscribes to and publishes, seen from the robot's side."""
+
+    def __init__(self, connection: Connection, outside: Outside) -> None:
+        self._client = connection
+        self.out, self.into = connection.own("out"), connection.own("in")
+        self._heard: list[str] = []
+        self._publisher = outside.node.create_publisher(String, self.out, 10)
+        outside.node.create_subscription(
+            String, self.into, lambda message: self._heard.append(message.data), 10
+        )
+
+    async def begin(self) -> None:
+        await self._client.subscribe(self.out, "std_msgs/String")
+
+    async def flows_both_ways(self) -> None:
+        """Publish on both sides something new until it has come."""
+        text = f"text {next(_numbers)}"
+        events = self._client.driver.events
+
+        async def has_come() -> bool:
+            self._publisher.publish(String(data=text))
+            await self._client.publish(self.into, "std_msgs/String", {"data": text})
+            return text in self._heard and any(
+                event.kind == "message" and event.value == {"data": text} for event in events
+            )
+
+        await until(has_come)
+        events.clear()
+
+
+def gateways(outside: Outside) -> int:
+    """Count the gateways in the ROS graph; a killed one stays there for some 20 s."""
+    return outside.node.get_node_names().count("ros2_gateway_debug")
+
+
+async def test_a_gateway_that_is_killed_and_started_anew_leaves_nothing_and_loses_no_client(
+    library: Driver, robot: Base, outside: Outside, measured
+):
+    port = free_port()
+    remains: set[str] = set()
+    traffic = Traffic(connection := library.connection(), outside)
+    async with contextlib.AsyncExitStack() as stack:
+        await stack.enter_async_context(load(port))
+        driver_ = await stack.enter_async_context(scene.operator(f"ws://127.0.0.1:{port}/"))
+        for repetition in range(REPEAT + 1):
+            async with scene.gateway("--port", str(port)) as gateway:
+                if repetition == 0:
+                    await connection.connect(gateway, again=True)
+                    await traffic.begin()
+                await connection.next("connected")
+                await traffic.flows_both_ways()
+                await until_it_moves(robot, driver_)
+                guard = guard_of(gateway)
+                assert not [name for name in remains if (SHARED_MEMORY / name).exists()]
+                if repetition == REPEAT:
+                    break
+                pids = (gateway.process.pid, guard)
+                remains = {name for pid in pids for name in segments_of(pid)}
+                assert remains
+                await scene.until(lambda names=remains: all(map(is_old, names)))
+                at_ns = time.monotonic_ns()
+                os.kill(gateway.process.pid, signal.SIGKILL)
+                await scene.until(lambda since=at_ns: robot.zero_after(since) is not None)
+                zero_ns = robot.zero_after(at_ns)
+                assert zero_ns is not None
+                measured(
+                    f"gateway SIGKILL under load, {library.library}",
+                    (zero_ns - at_ns) / 1e9,
+                    allowed_s=0.2,
+                )
+                await scene.until(lambda pid=guard: not is_running(pid))
+                assert robot.moved_after(zero_ns) == []
+            await connection.next("closed")
+        await eventually(lambda: gateways(outside) == 1)
+        await connection.close()
+    library.events.clear()
