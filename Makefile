@@ -60,7 +60,7 @@ docs: $(READY_FOR_TESTS) ## write the generated parts of code and documentation 
 bench: $(READY) ## measure speed, some 50 minutes (make bench WHAT=odometry, make bench COMPARE=ref)
 	@$(BIN)/python -m benchmarks $(WHAT) $(if $(COMPARE),--compare $(COMPARE)) $(ARGS)
 
-faults: $(READY_FOR_TESTS) ## kill, freeze and cut off what drives a robot, see that it stops (make faults REPEAT=20)
+faults: $(READY_FOR_TESTS) $(CLIENTS) ## kill, freeze and cut off what drives a robot, see that it stops (make faults REPEAT=20)
 	FAULTS_REPEAT=$(or $(REPEAT),20) $(BIN)/python -m pytest tests/e2e/faults -n0 -q $(ARGS)
 
 mutants: $(READY_FOR_TESTS) ## break lines on purpose, see that tests notice (make mutants WHAT=codec)

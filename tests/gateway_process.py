@@ -7,7 +7,7 @@ import re
 import signal
 import sys
 from asyncio.subprocess import PIPE, Process
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 from dataclasses import dataclass, field
 
 STARTUP_S = 180  # a busy machine imports for a while
@@ -35,11 +35,14 @@ class GatewayProcess:
 
 @contextlib.asynccontextmanager
 async def gateway_process(
-    command: str = "serve", *arguments: str, module: str = "gateway"
+    command: str = "serve", *arguments: str, module: str = "gateway", before: Sequence[str] = ()
 ) -> AsyncIterator[GatewayProcess]:
-    """Run ``ros2-gateway COMMAND``, or another *module*, on a free port until the context ends."""
+    """Run ``ros2-gateway COMMAND``, or another *module*, on a free port until the context ends.
+
+    *before* is a command that executes the one which follows it.
+    """
     process = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-m", module, command, "--port", "0", *arguments),
+        *(*before, sys.executable, "-m", module, command, "--port", "0", *arguments),
         stdout=PIPE,
         stderr=PIPE,
     )

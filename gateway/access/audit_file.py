@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The file of the audit log; a thread writes it, as a disk that hangs must hold up nothing."""
 
+import contextlib
 import errno
 import logging
 import os
@@ -71,7 +72,8 @@ class AuditFile:
     def _append(self, data: bytes) -> None:
         size = os.fstat(self._descriptor).st_size
         if size and size + len(data) > self._max_bytes:
-            self._path.replace(self._path.with_name(f"{self._path.name}.1"))
+            with contextlib.suppress(FileNotFoundError):  # replaced, but then there was no room
+                self._path.replace(self._path.with_name(f"{self._path.name}.1"))
             new = self._open()
             os.close(self._descriptor)
             self._descriptor = new

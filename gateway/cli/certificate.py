@@ -3,6 +3,7 @@
 
 import contextlib
 import datetime as dt
+import errno
 import ipaddress
 import os
 import socket
@@ -39,14 +40,12 @@ def make_certificate(folder: Path, names: Sequence[str], *, replace: bool = Fals
     certificate, key = _signed(subjects)
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        # the key first: a certificate without a key is of no use to anybody
-        _write(folder / "key.pem", key, 0o600, replace=replace)
-        _write(folder / "cert.pem", certificate, 0o644, replace=replace)
+        _write_pair(folder / "key.pem", key, folder / "cert.pem", certificate, replace=replace)
     except FileExistsError as error:
         raise UsageError(f"{error.filename} exists, --replace makes another") from error
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
-        raise UsageError(f"cannot write {error.filename}, {reason}") from error
+        raise UsageError(f"cannot write {error.filename or folder}, {reason}") from error
     return subjects
 
 
@@ -109,9 +108,39 @@ def _own_addresses() -> list[str]:
     return [*found, "127.0.0.1", "::1"]
 
 
-def _write(path: Path, data: bytes, mode: int, *, replace: bool) -> None:
-    if replace:
-        path.unlink(missing_ok=True)
+def _write_pair(
+    key_path: Path, key: bytes, cert_path: Path, certificate: bytes, *, replace: bool
+) -> None:
+    """Write both files or neither; a key that does not fit the certificate serves nobody.
+
+    Both are written under other names first: a full disk leaves those that are there as they were.
+    """
+    new = {
+        _new(key_path): (key_path, key, 0o600),
+        _new(cert_path): (cert_path, certificate, 0o644),
+    }
+    try:
+        for path, (_, data, mode) in new.items():
+            path.unlink(missing_ok=True)  # of a process that died here
+            _write(path, data, mode)
+        if not replace:
+            for path, _, _ in new.values():
+                if path.exists():
+                    raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(path))
+        for path, (final, _, _) in new.items():
+            path.replace(final)
+    finally:
+        for path in new:
+            path.unlink(missing_ok=True)
+
+
+def _new(path: Path) -> Path:
+    return path.with_name(f".{path.name}.new")
+
+
+def _write(path: Path, data: bytes, mode: int) -> None:
     descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode)
     with os.fdopen(descriptor, "wb") as file:
         file.write(data)
+        file.flush()
+        os.fsync(descriptor)  # some file systems know only now that there is no room

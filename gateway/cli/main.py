@@ -6,6 +6,7 @@ need no ROS work without it.
 """
 
 import argparse
+import errno
 import os
 import signal
 import sys
@@ -68,7 +69,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return EXIT_OK
     except BrokenPipeError:  # the reader of our output, such as head, has closed it
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _discard_output()
         return EXIT_OK
     except Exception as error:  # noqa: BLE001  # the outermost frame reports every error
         # An extension module that is interrupted while it loads may raise anything.
@@ -114,6 +115,9 @@ def _report(error: Exception) -> int:
             sentences, code = (str(error),), EXIT_CANNOT_BIND
         case GatewayError():
             sentences, code = (str(error),), EXIT_FAILURE
+        case OSError(errno=errno.ENOSPC):
+            _discard_output()
+            sentences, code = (f"cannot write the output, {_reason(error)}",), EXIT_FAILURE
         case _:
             bug = f"internal error, {type(error).__name__}: {error} (--debug shows where)"
             sentences, code = (bug,), EXIT_FAILURE
@@ -123,7 +127,22 @@ def _report(error: Exception) -> int:
 
 
 def _announce(text: str) -> None:
-    print(text, flush=True)  # our parent process may wait for it behind a pipe
+    try:
+        print(text, flush=True)  # our parent process may wait for it behind a pipe
+    except BrokenPipeError:
+        raise
+    except OSError as error:  # a full disk: the gateway serves all the same
+        _discard_output()
+        print(f"ros2-gateway: cannot write this, {_reason(error)}: {text}", file=sys.stderr)
+
+
+def _discard_output() -> None:
+    """Write to nowhere from now on, also what waits: at its end Python would fail to write it."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _reason(error: OSError) -> str:
+    return (error.strerror or str(error)).lower()
 
 
 def _configuration(arguments: argparse.Namespace) -> "Loaded":
@@ -323,7 +342,11 @@ def _token(arguments: argparse.Namespace) -> int:
     match arguments.token_command:
         case "create":
             text = tokens.create(path, arguments.name, arguments.role)
-            print(text)
+            try:
+                print(text, flush=True)
+            except OSError:
+                tokens.revoke(path, arguments.name)  # nobody will ever know it
+                raise
             note = f"the token of {arguments.name}, {arguments.role}, shown only this once"
         case "revoke":
             tokens.revoke(path, arguments.name)

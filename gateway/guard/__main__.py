@@ -46,8 +46,10 @@ class _Output:
 class Guard:
     """The loop of the process; everything happens on its one thread."""
 
-    def __init__(self, ros: StandAlone, silence_ns: int) -> None:
+    def __init__(self, ros: StandAlone, silence_ns: int, answers: int) -> None:
+        """*answers* is the descriptor on which the gateway listens."""
         self._ros = ros
+        self._answers = answers
         self._watch = Watch(silence_ns)
         self._outputs: dict[str, _Output] = {}
         self._heard_ns = 0
@@ -55,7 +57,7 @@ class Guard:
 
     def run(self) -> None:
         """Watch until the gateway's end of the pipe is closed and everything stands."""
-        _say("ready")
+        self._say("ready")
         poll = select.poll()
         poll.register(0, select.POLLIN)
         is_open = True
@@ -72,7 +74,7 @@ class Guard:
                 self._watch.lost(now_ns)
             else:
                 for topic in self._watch.silent(now_ns):
-                    _say("stopped", topic)
+                    self._say("stopped", topic)
             self._tell_opened(now_ns)
             self._send(self._watch.zeros(now_ns, lambda topic: self._outputs[topic].is_heard))
         self._ros.flush(ACKNOWLEDGED_S)
@@ -96,7 +98,7 @@ class Guard:
             raise SystemExit("the guard's input is no line")
         if lines and now_ns - self._heard_ns >= HEARD_S * 1e9:
             self._heard_ns = now_ns
-            _say("heard")
+            self._say("heard")
 
     def _obey(self, message: list[Any], now_ns: int) -> None:
         match message:
@@ -123,7 +125,7 @@ class Guard:
         try:
             publisher = self._ros.advertise(topic, type_name, LIFESPAN_NS)
         except RosError as error:
-            _say("failed", topic, str(error)[:200])
+            self._say("failed", topic, str(error)[:200])
             return
         self._outputs[topic] = _Output(type_name, publisher, time.monotonic_ns(), readers)
         self._watch.open(topic)
@@ -134,7 +136,11 @@ class Guard:
             is_due = now_ns - output.opened_ns >= DISCOVERY_S * 1e9
             if not output.is_told and (is_due or output.publisher.readers >= output.expected):
                 output.is_told = True
-                _say("opened", topic)
+                self._say("opened", topic)
+
+    def _say(self, *message: str) -> None:
+        with contextlib.suppress(OSError):  # the gateway is gone: the end of the input says so
+            os.write(self._answers, orjson.dumps(message) + b"\n")
 
     def _send(self, topics: Iterable[str]) -> None:
         for topic in topics:
@@ -144,9 +150,14 @@ class Guard:
                 output.publisher.publish(encode(output.type_name, ZERO, stamp_ns, output.frame_id))
 
 
-def _say(*message: str) -> None:
-    with contextlib.suppress(OSError):  # the gateway is gone: the end of the input says so
-        os.write(1, orjson.dumps(message) + b"\n")
+def _own_answers() -> int:
+    """Keep the pipe to the gateway for answers, and have whoever prints write to the log.
+
+    DDS reports on standard output that there is no room for shared memory, among other things.
+    """
+    answers = os.dup(1)
+    os.dup2(2, 1)
+    return answers
 
 
 def main() -> None:
@@ -154,9 +165,10 @@ def main() -> None:
     # Ctrl-C and a service's stop reach the whole group; the guard ends after the gateway.
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGPIPE):
         signal.signal(number, signal.SIG_IGN)
+    answers = _own_answers()
     options = orjson.loads(sys.argv[1])
     with StandAlone(options["name"], options["namespace"], options["domain_id"]) as ros:
-        Guard(ros, options["silence_ns"]).run()
+        Guard(ros, options["silence_ns"], answers).run()
 
 
 if __name__ == "__main__":

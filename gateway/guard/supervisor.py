@@ -173,8 +173,13 @@ class GuardProcess:
         if len(self._rest) > MAX_LINE_BYTES:
             self._lose("writes nonsense")
             return
-        for line in lines:
-            self._hear(orjson.loads(line))
+        try:
+            messages = [orjson.loads(line) for line in lines]
+        except orjson.JSONDecodeError:
+            self._lose("writes nonsense")
+            return
+        for message in messages:
+            self._hear(message)
 
     def _hear(self, message: list[str]) -> None:
         match message:

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+import errno
 import json
 import logging
 import os
@@ -116,6 +117,37 @@ def test_a_full_file_becomes_the_former_one_and_both_are_bounded(tmp_path):
     kept = (former.read_text() + path.read_text()).splitlines()
     assert [int(line[:3]) for line in kept] == list(range(100 - len(kept), 100))
     assert sorted(each.name for each in tmp_path.iterdir()) == ["audit.jsonl", "audit.jsonl.1"]
+
+
+def test_a_full_disk_at_the_moment_of_a_new_file_is_survived(tmp_path, monkeypatch, caplog):
+    path = tmp_path / "audit.jsonl"
+    file = AuditFile(path, 10)
+    done = threading.Semaphore(0)
+    is_full = True
+    opened, append = AuditFile._open, AuditFile._append
+
+    def full(self: AuditFile) -> int:
+        if is_full:
+            raise OSError(errno.ENOSPC, "no space left on device")
+        return opened(self)
+
+    def appended(self: AuditFile, data: bytes) -> None:
+        try:
+            append(self, data)
+        finally:
+            done.release()
+
+    monkeypatch.setattr(AuditFile, "_open", full)
+    monkeypatch.setattr(AuditFile, "_append", appended)
+    for text in ("the first", "lost", "lost, too"):
+        file.write(text)
+        assert done.acquire(timeout=TIMEOUT_S)
+    is_full = False
+    file.write("kept")
+    close(file)
+    assert path.read_text() == "kept\n"
+    assert path.with_name("audit.jsonl.1").read_text() == "the first\n"
+    assert "2 lines are missing" in caplog.text
 
 
 def test_a_file_that_cannot_be_written_is_an_error_of_the_configuration(tmp_path):

@@ -36,6 +36,7 @@ for line in sys.stdin:
 ANSWERS = OBEDIENT.format(then='say("heard")')
 SILENT = OBEDIENT.format(then="pass")
 ENDS = OBEDIENT.format(then='if verb == "moving": break')
+A_LINE_OF_NONSENSE = OBEDIENT.format(then='if verb == "moving": print("x", flush=True)')
 NONSENSE = OBEDIENT.format(then='if verb == "moving": print("x" * 9000, end="", flush=True)')
 
 
@@ -77,7 +78,7 @@ async def test_what_is_said_reaches_the_guard_and_repetitions_within_20_ms_do_no
     assert heard == [*expected, f'["rest","{TOPIC}"]', f'["close","{TOPIC}"]']
 
 
-@pytest.mark.parametrize("source", [ENDS, NONSENSE])
+@pytest.mark.parametrize("source", [ENDS, NONSENSE, A_LINE_OF_NONSENSE])
 async def test_a_guard_that_is_lost_is_replaced(source: str):
     async with supervised(source) as (guard, states):
         await eventually(lambda: states == ["ready"])
