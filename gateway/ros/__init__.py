@@ -12,6 +12,7 @@ from collections.abc import AsyncIterator
 from gateway.errors import RosMissingError
 from gateway.ports import Ros
 from gateway.ros.options import RosOptions
+from gateway.ros.shared_memory import check_room, remove_abandoned_segments
 
 __all__ = ["RosOptions", "open_ros"]
 
@@ -27,6 +28,8 @@ async def open_ros(options: RosOptions | None = None) -> AsyncIterator[Ros]:
         RosMissingError: rclpy cannot be imported.
         RosError: ROS refuses the options.
     """
+    remove_abandoned_segments()
+    check_room()  # before rclpy: its tracing ends the process by SIGBUS where there is none
     try:
         import rclpy  # noqa: F401
     except ImportError as error:

@@ -51,7 +51,6 @@ from gateway.ros.ready_events import (
 )
 from gateway.ros.samples import EventfdSamples, ExecutorSamples, Samples
 from gateway.ros.service_entities import RclpyClient, RclpyService, Services
-from gateway.ros.shared_memory import remove_abandoned_segments
 from gateway.ros.watches import GraphWatch, GraphWatches
 
 _PROFILE: Final = Path(__file__).with_name("fastdds_profile.xml")
@@ -289,7 +288,6 @@ class RclpyRos:
 
 
 def _open_context(options: RosOptions, undo: contextlib.ExitStack) -> Context:
-    remove_abandoned_segments()
     # Not rclpy.init(): that would install signal handlers, and take our own command line.
     context = Context()
     # The gateway writes its log to the terminal, or to files, by other ways.

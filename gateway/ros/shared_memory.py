@@ -15,9 +15,12 @@ import time
 from pathlib import Path
 from typing import Final
 
+from gateway.ports import RosError
+
 FOLDER: Final = Path("/dev/shm")  # noqa: S108  # where POSIX' shm_open puts it on Linux
 # A participant that starts creates the file first, and takes the lock a moment later.
 MIN_AGE_S: Final = 2
+NEEDED_BYTES: Final = 16 * 1024  # by lttng-ust, which rclpy loads: two pages
 
 # Fast DDS 2, Fast DDS 3. Ports have other names, and are used again by whoever comes next.
 _LOCK: Final = re.compile(r"(fastrtps|fastdds)_[0-9a-f]{16}_el")
@@ -39,6 +42,24 @@ def remove_abandoned_segments(folder: Path = FOLDER) -> int:
     if removed:
         _logger.info("removed %d segments of shared memory that killed programs left", removed)
     return removed
+
+
+def check_room(folder: Path = FOLDER) -> None:
+    """Check that ROS can start; DDS itself does without shared memory if there is little room.
+
+    Raises:
+        RosError: there is no room.
+    """
+    try:
+        found = os.statvfs(folder)
+    except OSError:  # no such folder: DDS does without
+        return
+    free = found.f_bavail * found.f_frsize
+    if found.f_blocks and free < NEEDED_BYTES:
+        raise RosError(
+            "internal",
+            f"no space left in {folder}, {free} bytes free, needs {NEEDED_BYTES}",
+        )
 
 
 def _remove_if_abandoned(lock: Path) -> bool:

@@ -7,9 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from gateway.ros.shared_memory import remove_abandoned_segments
+from gateway.ports import RosError
+from gateway.ros.shared_memory import check_room, remove_abandoned_segments
 
 MIN_AGE_S = 2
+NEEDED_BYTES = 16 * 1024
 
 
 @pytest.fixture
@@ -74,6 +76,22 @@ def test_a_link_is_not_followed(tmp_path: Path, segment: Path):
     lock_of(segment).symlink_to(tmp_path / "elsewhere")
     assert remove_abandoned_segments(tmp_path) == 0
     assert segment.exists()
+
+
+def test_ros_is_not_started_where_there_is_no_room_at_all(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    found = os.statvfs(tmp_path)
+    fields = list(found)
+    fields[4] = (NEEDED_BYTES - 1) // found.f_frsize  # f_bavail
+    check_room(tmp_path)
+    monkeypatch.setattr(os, "statvfs", lambda folder: os.statvfs_result(fields))
+    with pytest.raises(RosError, match=f"no space left in {tmp_path}, "):
+        check_room(tmp_path)
+
+
+def test_a_machine_without_the_folder_has_room_elsewhere(tmp_path: Path):
+    check_room(tmp_path / "none")
 
 
 def test_a_machine_without_the_folder_has_nothing_to_remove(tmp_path: Path):

@@ -195,6 +195,17 @@ async def test_an_audit_log_without_room_is_said_once_and_goes_on_when_there_is_
 
 
 @needs_namespaces
+def test_a_machine_without_any_shared_memory_is_told_of_in_words(tmp_path: Path):
+    gateway = f"{sys.executable} -m gateway serve --port 0"
+    script = f"mount -t tmpfs -o size=4k tmpfs /dev/shm; echo > /dev/shm/filler; {gateway}"
+    command = ["unshare", "--mount", "sh", "-c", script]
+    finished = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert finished.returncode == 2
+    assert "ROS: no space left in /dev/shm, 0 bytes free" in finished.stderr
+    assert "Traceback" not in finished.stderr
+
+
+@needs_namespaces
 async def test_a_robot_is_driven_where_there_is_no_room_for_shared_memory(tmp_path: Path):
     shared = Path("/dev/shm")  # noqa: S108
     async with (
