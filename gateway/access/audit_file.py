@@ -34,8 +34,7 @@ class AuditFile:
         try:
             self._descriptor = self._open()
         except OSError as error:
-            reason = (error.strerror or str(error)).lower()
-            raise ConfigError(f"audit.file: cannot write {path}, {reason}") from error
+            raise ConfigError(f"audit.file: cannot write {path}, {_reason(error)}") from error
         self._thread = threading.Thread(target=self._run, name="audit", daemon=True)
         self._thread.start()
 
@@ -62,7 +61,7 @@ class AuditFile:
                 self._lost += 1
                 if not self._is_failing:
                     self._is_failing = True
-                    logger.error("cannot write %s, %s", self._path, error.strerror)
+                    logger.error("cannot write %s, %s", self._path, _reason(error))
             else:
                 if self._is_failing or self._lost:
                     logger.warning("%s: %d lines are missing", self._path, self._lost)
@@ -88,3 +87,7 @@ class AuditFile:
         descriptor = os.open(self._path, flags, 0o600)
         os.fchmod(descriptor, 0o600)  # also where it existed
         return descriptor
+
+
+def _reason(error: OSError) -> str:
+    return (error.strerror or str(error)).lower()

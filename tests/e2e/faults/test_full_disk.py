@@ -20,6 +20,7 @@ from tests.e2e.faults import scene
 from tests.gateway_process import GatewayProcess, gateway_process
 
 STRING = "std_msgs/msg/String"
+PAGE = 4096
 TEXT = b"\0\1\0\0\5\0\0\0text\0"
 
 # What follows the folder $1 runs with a small disk there. The test reaches it by /proc/PID/root.
@@ -159,6 +160,14 @@ def on_disk(disk: Path) -> list[str]:
     return ["unshare", "--mount", "sh", "-c", _MOUNT, "sh", str(disk)]
 
 
+def fill_page(path: Path) -> None:
+    """Append a line that leaves one byte of a page: a full disk has room to its end."""
+    empty = json.dumps({"event": ""}) + "\n"
+    missing = PAGE - 1 - (path.stat().st_size + len(empty)) % PAGE
+    with path.open("a") as file:
+        file.write(json.dumps({"event": "x" * missing}) + "\n")
+
+
 @needs_namespaces
 async def test_an_audit_log_without_room_is_said_once_and_goes_on_when_there_is_room_again(
     tmp_path: Path,
@@ -175,6 +184,7 @@ async def test_an_audit_log_without_room_is_said_once_and_goes_on_when_there_is_
 
         async with client(gateway.url) as stays:
             await stays.sync()
+            fill_page(seen / "audit.log")
             with contextlib.suppress(OSError):
                 filler.write_bytes(bytes(1_000_000))
             while not said("no space left on device")():
@@ -188,7 +198,7 @@ async def test_an_audit_log_without_room_is_said_once_and_goes_on_when_there_is_
                 async with client(gateway.url) as guest:
                     await guest.sync()
             await stays.sync()
-        assert len([line for line in gateway.log if "o space left on device" in line]) == 1
+        assert len([line for line in gateway.log if "no space left on device" in line]) == 1
         for line in (seen / "audit.log").read_text().splitlines():
             assert json.loads(line)["event"]
         assert await gateway.stop(signal.SIGTERM) == 0
