@@ -20,27 +20,23 @@ from gateway.codec.types import Types
 from gateway.ros.shared_memory import MIN_AGE_S
 from schemas.installed import InstalledDefinitions
 from tests.client import Client, client, eventually
-from tests.clients.driver import INSTALLED, ROSLIB_2, ROSLIBPY_2, Connection, Driver, driver
+from tests.clients.driver import INSTALLED, ROSLIB_2, ROSLIBPY_2, Driver, driver
 from tests.clients.robot import until
 from tests.e2e.faults import scene
 from tests.e2e.faults.conftest import REPEAT
 from tests.e2e.faults.processes import guard_of, is_running
-from tests.e2e.faults.scene import Base, until_it_moves
+from tests.e2e.faults.scene import Base, Gateway, until_it_moves
 from tests.ros.outside import Outside
+from tests.unity import mono, package
 
 pytestmark = [pytest.mark.asyncio(loop_scope="module"), pytest.mark.timeout(3600)]
 
 STRING, IMAGE = "std_msgs/msg/String", "sensor_msgs/msg/Image"
 SHARED_MEMORY = Path("/dev/shm")  # noqa: S108
 WIDTH, HEIGHT = 640, 480
+ECHO = Path(__file__).with_name("Echo.cs")
 
 _numbers = itertools.count(1)
-
-
-@pytest.fixture(scope="module", autouse=True)
-def clients() -> None:
-    if not (INSTALLED / ".ready").exists():
-        pytest.skip(f"no clients in {INSTALLED}: `sh tools/make-clients.sh VENV` installs them")
 
 
 @pytest.fixture(scope="module")
@@ -56,10 +52,24 @@ async def robot() -> AsyncIterator[Base]:
         yield robot
 
 
-@pytest_asyncio.fixture(scope="module", loop_scope="module", params=(ROSLIBPY_2, ROSLIB_2), ids=str)
-async def library(request: pytest.FixtureRequest) -> AsyncIterator[Driver]:
+@pytest_asyncio.fixture(
+    scope="module", loop_scope="module", params=(ROSLIBPY_2, ROSLIB_2, None), ids=str
+)
+async def comes_back(
+    request: pytest.FixtureRequest, outside: Outside
+) -> AsyncIterator["LibraryClient | UnityClient"]:
+    """A client of each kind that is installed."""
+    if request.param is None:
+        if reason := mono.missing():
+            pytest.skip(reason)
+        unity = UnityClient(outside)
+        yield unity
+        await unity.close()
+        return
+    if not (INSTALLED / ".ready").exists():
+        pytest.skip(f"no clients in {INSTALLED}: `sh tools/make-clients.sh VENV` installs them")
     async with driver(request.param) as running:
-        yield running
+        yield LibraryClient(running, outside)
 
 
 def free_port() -> int:
@@ -112,34 +122,85 @@ async def load(port: int) -> AsyncIterator[None]:
 
 
 class Traffic:
-    """What a library's client subscribes to and publishes, seen from the robot's side."""
+    """Two topics of a client, seen from the robot's side."""
 
-    def __init__(self, connection: Connection, outside: Outside) -> None:
-        self._client = connection
-        self.out, self.into = connection.own("out"), connection.own("in")
-        self._heard: list[str] = []
+    def __init__(self, outside: Outside, name: str) -> None:
+        self.out, self.into = f"/{name}/out", f"/{name}/in"
+        self.heard: list[str] = []
         self._publisher = outside.node.create_publisher(String, self.out, 10)
         outside.node.create_subscription(
-            String, self.into, lambda message: self._heard.append(message.data), 10
+            String, self.into, lambda message: self.heard.append(message.data), 10
         )
 
-    async def begin(self) -> None:
-        await self._client.subscribe(self.out, "std_msgs/String")
+    def publish(self, text: str) -> None:
+        self._publisher.publish(String(data=text))
 
-    async def flows_both_ways(self) -> None:
-        """Publish on both sides something new until it has come."""
+
+class LibraryClient:
+    """roslib or roslibpy, which connects again and restores what was open."""
+
+    def __init__(self, library: Driver, outside: Outside) -> None:
+        self.name = str(library.library)
+        self._events = library.events
+        self._connection = library.connection()
+        self._traffic = Traffic(outside, self._connection.name)
+
+    async def start(self, gateway: Gateway) -> None:
+        await self._connection.connect(gateway, again=True)  # type: ignore[arg-type]  # its url
+        await self._connection.subscribe(self._traffic.out, "std_msgs/String")
+
+    async def is_back(self) -> None:
+        """Wait until what is published on either side has come to the other."""
+        await self._connection.next("connected")
         text = f"text {next(_numbers)}"
-        events = self._client.driver.events
 
         async def has_come() -> bool:
-            self._publisher.publish(String(data=text))
-            await self._client.publish(self.into, "std_msgs/String", {"data": text})
-            return text in self._heard and any(
-                event.kind == "message" and event.value == {"data": text} for event in events
+            self._traffic.publish(text)
+            await self._connection.publish(self._traffic.into, "std_msgs/String", {"data": text})
+            return text in self._traffic.heard and any(
+                event.kind == "message" and event.value == {"data": text} for event in self._events
             )
 
         await until(has_come)
-        events.clear()
+
+    async def is_lost(self) -> None:
+        await self._connection.next("closed")
+        self._events.clear()
+
+
+class UnityClient:
+    """The client for Unity under Mono, which publishes what it hears."""
+
+    name = "Unity client"
+
+    def __init__(self, outside: Outside) -> None:
+        self._process: asyncio.subprocess.Process | None = None
+        self._traffic = Traffic(outside, f"unity_{os.getpid()}")
+        core = package.compiled("Ros2Gateway.Core", package.EDITOR)
+        self._program = mono.compile_assembly("echo.exe", [ECHO], references=[core])
+
+    async def start(self, gateway: Gateway) -> None:
+        command = mono.command(self._program, gateway.url, self._traffic.out, self._traffic.into)
+        environment = mono.environment(self._program)
+        self._process = await asyncio.create_subprocess_exec(*command, env=environment)
+
+    async def is_back(self) -> None:
+        """Wait until what is published on one side has come back from the other."""
+        text = f"text {next(_numbers)}"
+
+        async def has_come() -> bool:
+            self._traffic.publish(text)
+            return text in self._traffic.heard
+
+        await until(has_come)
+
+    async def is_lost(self) -> None:
+        """It is not asked; that its text comes back again is enough."""
+
+    async def close(self) -> None:
+        if self._process is not None:
+            self._process.kill()
+            await self._process.wait()
 
 
 def gateways(outside: Outside) -> int:
@@ -148,21 +209,18 @@ def gateways(outside: Outside) -> int:
 
 
 async def test_a_gateway_that_is_killed_and_started_anew_leaves_nothing_and_loses_no_client(
-    library: Driver, robot: Base, outside: Outside, measured
+    comes_back, robot: Base, outside: Outside, measured
 ):
     port = free_port()
     remains: set[str] = set()
-    traffic = Traffic(connection := library.connection(), outside)
     async with contextlib.AsyncExitStack() as stack:
         await stack.enter_async_context(load(port))
         driver_ = await stack.enter_async_context(scene.operator(f"ws://127.0.0.1:{port}/"))
         for repetition in range(REPEAT + 1):
             async with scene.gateway("--port", str(port)) as gateway:
                 if repetition == 0:
-                    await connection.connect(gateway, again=True)
-                    await traffic.begin()
-                await connection.next("connected")
-                await traffic.flows_both_ways()
+                    await comes_back.start(gateway)
+                await comes_back.is_back()
                 await until_it_moves(robot, driver_)
                 guard = guard_of(gateway)
                 assert not [name for name in remains if (SHARED_MEMORY / name).exists()]
@@ -178,13 +236,11 @@ async def test_a_gateway_that_is_killed_and_started_anew_leaves_nothing_and_lose
                 zero_ns = robot.zero_after(at_ns)
                 assert zero_ns is not None
                 measured(
-                    f"gateway SIGKILL under load, {library.library}",
+                    f"gateway SIGKILL under load, {comes_back.name}",
                     (zero_ns - at_ns) / 1e9,
                     allowed_s=0.2,
                 )
                 await scene.until(lambda pid=guard: not is_running(pid))
                 assert robot.moved_after(zero_ns) == []
-            await connection.next("closed")
+            await comes_back.is_lost()
         await eventually(lambda: gateways(outside) == 1)
-        await connection.close()
-    library.events.clear()
