@@ -2,8 +2,9 @@
 """The shared memory that Fast DDS leaves behind when its process is killed.
 
 Each participant writes its samples into a segment of its own (0.5 MB; more for large messages) and
-holds a lock on a file beside it. A participant that ends removes both. What a killed one leaves
-stays until the machine restarts: nothing in Fast DDS removes it but ``fastdds shm clean``.
+holds a lock on a file beside it. A participant that ends removes both. What a killed one leaves is
+removed by another one that has received from it; without any, it stays until the machine restarts
+or somebody calls ``fastdds shm clean``.
 """
 
 import contextlib

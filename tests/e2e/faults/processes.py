@@ -1,9 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Processes as the kernel sees them."""
+"""Processes as the kernel sees them, and their shared memory."""
 
+import contextlib
+import time
 from pathlib import Path
 
+from gateway.ros.shared_memory import MIN_AGE_S
 from tests.e2e.faults.scene import Gateway
+
+SHARED_MEMORY = Path("/dev/shm")  # noqa: S108
 
 
 def guard_of(gateway: Gateway) -> int:
@@ -20,3 +25,19 @@ def is_running(pid: int) -> bool:
     except (FileNotFoundError, ProcessLookupError):
         return False
     return stat.rpartition(")")[2].split()[0] != "Z"  # an orphan whom no init has reaped
+
+
+def segments_of(pid: int) -> set[str]:
+    """Return the shared memory that a process has locked as its own."""
+    names = set()
+    for descriptor in Path(f"/proc/{pid}/fd").iterdir():
+        with contextlib.suppress(OSError):
+            target = descriptor.readlink()
+            if target.parent == SHARED_MEMORY and "port" not in target.name:
+                names.add(target.name.removesuffix("_el"))
+    return names
+
+
+def is_old(segment: str) -> bool:
+    """Return whether a participant can no longer be about to take its lock."""
+    return time.time() - (SHARED_MEMORY / f"{segment}_el").stat().st_mtime > MIN_AGE_S

@@ -17,14 +17,13 @@ from std_msgs.msg import String
 from websockets.exceptions import WebSocketException
 
 from gateway.codec.types import Types
-from gateway.ros.shared_memory import MIN_AGE_S
 from schemas.installed import InstalledDefinitions
 from tests.client import Client, client, eventually
 from tests.clients.driver import INSTALLED, ROSLIB_2, ROSLIBPY_2, Driver, driver
 from tests.clients.robot import until
 from tests.e2e.faults import scene
 from tests.e2e.faults.conftest import REPEAT
-from tests.e2e.faults.processes import guard_of, is_running
+from tests.e2e.faults.processes import SHARED_MEMORY, guard_of, is_old, is_running, segments_of
 from tests.e2e.faults.scene import Base, Gateway, until_it_moves
 from tests.ros.outside import Outside
 from tests.unity import mono, package
@@ -32,7 +31,6 @@ from tests.unity import mono, package
 pytestmark = [pytest.mark.asyncio(loop_scope="module"), pytest.mark.timeout(3600)]
 
 STRING, IMAGE = "std_msgs/msg/String", "sensor_msgs/msg/Image"
-SHARED_MEMORY = Path("/dev/shm")  # noqa: S108
 WIDTH, HEIGHT = 640, 480
 ECHO = Path(__file__).with_name("Echo.cs")
 
@@ -75,22 +73,6 @@ async def comes_back(
 def free_port() -> int:
     with socket.create_server(("127.0.0.1", 0)) as server:
         return int(server.getsockname()[1])
-
-
-def segments_of(pid: int) -> set[str]:
-    """Return the shared memory that a process has locked as its own."""
-    names = set()
-    for descriptor in Path(f"/proc/{pid}/fd").iterdir():
-        with contextlib.suppress(OSError):
-            target = descriptor.readlink()
-            if target.parent == SHARED_MEMORY and "port" not in target.name:
-                names.add(target.name.removesuffix("_el"))
-    return names
-
-
-def is_old(segment: str) -> bool:
-    """Return whether a participant can no longer be about to take its lock."""
-    return time.time() - (SHARED_MEMORY / f"{segment}_el").stat().st_mtime > MIN_AGE_S
 
 
 @contextlib.asynccontextmanager
