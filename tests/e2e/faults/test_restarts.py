@@ -32,6 +32,7 @@ pytestmark = [pytest.mark.asyncio(loop_scope="module"), pytest.mark.timeout(3600
 
 STRING, IMAGE = "std_msgs/msg/String", "sensor_msgs/msg/Image"
 WIDTH, HEIGHT = 640, 480
+SETTLED = 40  # commands: two seconds
 ECHO = Path(__file__).with_name("Echo.cs")
 
 _numbers = itertools.count(1)
@@ -199,11 +200,14 @@ async def test_a_gateway_that_is_killed_and_started_anew_leaves_nothing_and_lose
         await stack.enter_async_context(load(port))
         driver_ = await stack.enter_async_context(scene.operator(f"ws://127.0.0.1:{port}/"))
         for repetition in range(REPEAT + 1):
+            began_ns = time.monotonic_ns()
             async with scene.gateway("--port", str(port)) as gateway:
                 if repetition == 0:
                     await comes_back.start(gateway)
                 await comes_back.is_back()
                 await until_it_moves(robot, driver_)
+                # a guard that has just begun may discover the robot later than the gateway does
+                await scene.until(lambda since=began_ns: len(robot.moved_after(since)) >= SETTLED)
                 guard = guard_of(gateway)
                 assert not [name for name in remains if (SHARED_MEMORY / name).exists()]
                 if repetition == REPEAT:
