@@ -25,14 +25,13 @@ from gateway.protocol.outbox import Entry, NoFrame
 from gateway.protocol.session import Session
 from gateway.protocol.token_bucket import TokenBucket
 from gateway.server.close_codes import (
-    HEARTBEAT_TIMEOUT,
     INTERNAL_ERROR,
     INVALID_DATA,
     POLICY_VIOLATION,
-    SLOW_CONSUMER,
 )
 from gateway.server.http import select_subprotocol
 from gateway.server.inbound import READ_CHUNK_BYTES, Inbound
+from gateway.server.keep_alive import Abort, Close, KeepAlive, Ping, Sending
 from gateway.server.socket_options import tune
 from gateway.server.time_budget import TimeBudgets
 
@@ -96,13 +95,9 @@ class Connection(asyncio.BufferedProtocol):
         self._frames = TokenBucket(self._limits.frames_per_s, self._limits.frame_burst, now_ns)
         now_s = now_ns / 1e9
         self._opened_s = now_s
-        self._heard_s = now_s
-        self._pinged_s: float | None = None
+        self._keep_alive = KeepAlive(self._limits, now_s)
         self._closing_s: float | None = None
-        self._progress_s = now_s
-        self._unsent_bytes = 0
         self._protocol_backlog = 0
-        self._crowded_s: float | None = None
         self._start = b""  # of the HTTP request
         self.address = "?"
 
@@ -126,11 +121,11 @@ class Connection(asyncio.BufferedProtocol):
 
     def buffer_updated(self, nbytes: int) -> None:
         """Process the bytes read."""
-        self._heard_s = time.monotonic()
-        self._pinged_s = None
+        now_s = time.monotonic()
+        self._keep_alive.heard(now_s)
         if self._session is None:
             self._start = self._start or bytes(self._buffer[: min(nbytes, 16)])
-        self._inbound.receive(bytes(memoryview(self._buffer)[:nbytes]), self._heard_s)
+        self._inbound.receive(bytes(memoryview(self._buffer)[:nbytes]), now_s)
 
     def eof_received(self) -> None:
         """Record that the peer has closed its side."""
@@ -153,7 +148,7 @@ class Connection(asyncio.BufferedProtocol):
     def pause_writing(self) -> None:
         """Stop taking from the outbox: the socket is full."""
         self._paused = True
-        self._progress_s = time.monotonic()
+        self._keep_alive.blocked(time.monotonic())
 
     def resume_writing(self) -> None:
         """Continue: the socket has sent most of its bytes."""
@@ -237,10 +232,8 @@ class Connection(asyncio.BufferedProtocol):
             if now_s - self._opened_s > limits.open_timeout_s:
                 logger.info("no handshake from %s within %g s", self.address, limits.open_timeout_s)
                 self.abort()
-        elif self._protocol.state is OPEN:
-            self._check_progress(now_s)
-            self._check_backlog(now_s)
-            self._keep_alive(now_s)
+        elif self._protocol.state is OPEN and self._session is not None:
+            self._check(now_s, self._session)
 
     # Called by its `Inbound`
 
@@ -378,46 +371,20 @@ class Connection(asyncio.BufferedProtocol):
             logger.warning("%s sends pings and reads nothing, cut off", self.address)
             self.abort()
 
-    def _check_progress(self, now_s: float) -> None:
+    # Time
+
+    def _check(self, now_s: float, session: Session) -> None:
         unsent_bytes = self._transport.get_write_buffer_size()
-        if not self._paused or unsent_bytes < self._unsent_bytes:
-            self._progress_s = now_s
-            if self._paused and self._pinged_s is not None:
-                self._pinged_s = now_s  # our ping is still behind the bytes being taken
-        elif now_s - self._progress_s > self._limits.send_deadline_s:
-            logger.warning(
-                "%s took nothing for %g s, cut off", self.address, self._limits.send_deadline_s
-            )
-            self.abort()
-        self._unsent_bytes = unsent_bytes
-
-    def _check_backlog(self, now_s: float) -> None:
-        assert self._session is not None  # noqa: S101  # the state is open
-        outbox = self._session.outbox
-        if outbox.overflowed:
-            self.close(SLOW_CONSUMER, "slow consumer: answers alone exceed the send queue")
-        elif not self._paused or outbox.excess <= outbox.max_bytes // 2:
-            # While the socket takes bytes, the queue waits for us: a picture being encoded, say.
-            self._crowded_s = None
-        elif self._crowded_s is None:
-            self._crowded_s = now_s
-        elif now_s - self._crowded_s > self._limits.slow_consumer_s:
-            self.close(
-                SLOW_CONSUMER,
-                f"slow consumer: over half of {outbox.max_bytes} bytes waiting"
-                f" for {self._limits.slow_consumer_s:g} s",
-            )
-
-    def _keep_alive(self, now_s: float) -> None:
-        if self._inbound.is_paused:  # a pong could not be read
-            self._heard_s, self._pinged_s = now_s, None
-        elif self._pinged_s is None:
-            if now_s - self._heard_s > self._limits.ping_interval_s:
-                self._pinged_s = now_s
+        sending = Sending(session.outbox, unsent_bytes, self._paused)
+        match self._keep_alive.check(now_s, sending, is_read=not self._inbound.is_paused):
+            case Ping():
                 self._protocol.send_ping(b"")
                 self._write_protocol_output()
-        elif now_s - self._pinged_s > self._limits.ping_timeout_s:
-            self.close(HEARTBEAT_TIMEOUT, f"no pong within {self._limits.ping_timeout_s:g} s")
+            case Close(code, reason):
+                self.close(code, reason)
+            case Abort(reason):
+                logger.warning("%s %s, cut off", self.address, reason)
+                self.abort()
 
 
 def _quiet_logger() -> logging.Logger:
