@@ -10,6 +10,8 @@ import asyncio
 import contextlib
 import logging
 import time
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import Final, Protocol, cast
 
 from websockets.exceptions import InvalidMessage, PayloadTooBig
@@ -27,8 +29,10 @@ from gateway.protocol.token_bucket import TokenBucket
 from gateway.server.close_codes import (
     INTERNAL_ERROR,
     INVALID_DATA,
+    MESSAGE_TOO_BIG,
     POLICY_VIOLATION,
 )
+from gateway.server.end import End, Why, answered, closed_by_gateway, ended_elsewhere
 from gateway.server.http import select_subprotocol
 from gateway.server.inbound import READ_CHUNK_BYTES, Inbound
 from gateway.server.keep_alive import Abort, Close, KeepAlive, Ping, Sending
@@ -46,6 +50,7 @@ class Acceptor(Protocol):
 
     limits: Limits
     budgets: TimeBudgets
+    numbers: Iterator[int]  # of connections
 
     def arrive(self, connection: "Connection") -> None:
         """Add a new connection; another may have to make room for it."""
@@ -68,7 +73,7 @@ class Acceptor(Protocol):
     def end_turn(self, session: Session) -> None:
         """Carry out what was deferred until the others have their turn."""
 
-    def left(self, connection: "Connection", session: Session | None) -> None:
+    def left(self, connection: "Connection", session: Session | None, end: End) -> None:
         """Forget a connection that is gone."""
 
 
@@ -97,8 +102,11 @@ class Connection(asyncio.BufferedProtocol):
         self._opened_s = now_s
         self._keep_alive = KeepAlive(self._limits, now_s)
         self._closing_s: float | None = None
+        self._why: Why | None = None  # it ends
         self._protocol_backlog = 0
         self._start = b""  # of the HTTP request
+        self._bytes_in = 0
+        self._number = next(acceptor.numbers)
         self.address = "?"
 
     # Called by asyncio
@@ -123,6 +131,7 @@ class Connection(asyncio.BufferedProtocol):
         """Process the bytes read."""
         now_s = time.monotonic()
         self._keep_alive.heard(now_s)
+        self._bytes_in += nbytes
         if self._session is None:
             self._start = self._start or bytes(self._buffer[: min(nbytes, 16)])
         self._inbound.receive(bytes(memoryview(self._buffer)[:nbytes]), now_s)
@@ -134,12 +143,11 @@ class Connection(asyncio.BufferedProtocol):
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Release everything of this client."""
-        del exc
         self._protocol.receive_eof()
         session, self._session = self._session, None
         start_s = time.monotonic()
         try:
-            self._acceptor.left(self, session)
+            self._acceptor.left(self, session, self._end(session, exc, start_s))
         finally:  # closing what a client had open takes time that it has to pay, too
             now_s = time.monotonic()
             self._spending.spend(now_s - start_s, now_s)
@@ -162,6 +170,11 @@ class Connection(asyncio.BufferedProtocol):
     def session(self) -> Session | None:
         """The session, while the WebSocket is open."""
         return self._session
+
+    @property
+    def name(self) -> str:
+        """The address and number of the client, for the log."""
+        return f"{self.address}#{self._number}"
 
     @property
     def is_half_open(self) -> bool:
@@ -197,10 +210,11 @@ class Connection(asyncio.BufferedProtocol):
         if self._closing_s is None:
             self._closing_s = time.monotonic()
         if self._protocol.state is OPEN:
-            logger.info("closing %s: %d %s", self.address, code, reason)
+            self._why = self._why or closed_by_gateway(code, reason)
             self._protocol.send_close(code, reason)
             self._write_protocol_output()
         elif self._protocol.state is CONNECTING:
+            self._why = self._why or Why("gateway", "handshake", reason)
             self._transport.close()
 
     def turn_away(self, close_code: int, reason: str, code: StatusCode) -> None:
@@ -214,8 +228,9 @@ class Connection(asyncio.BufferedProtocol):
         """Accept messages of at most so many bytes from now on."""
         self._protocol.max_message_size = max_bytes
 
-    def abort(self) -> None:
-        """Cut the connection."""
+    def abort(self, why: Why | None = None) -> None:
+        """Cut the connection; give a cause unless it is ending already."""
+        self._why = self._why or why
         self._closing_s = self._closing_s or time.monotonic()
         self._transport.abort()
 
@@ -230,8 +245,8 @@ class Connection(asyncio.BufferedProtocol):
                 self._closing_s = now_s
         elif self._protocol.state is CONNECTING:
             if now_s - self._opened_s > limits.open_timeout_s:
-                logger.info("no handshake from %s within %g s", self.address, limits.open_timeout_s)
-                self.abort()
+                text = f"no handshake within {limits.open_timeout_s:g} s"
+                self.abort(Why("gateway", "handshake", text))
         elif self._protocol.state is OPEN and self._session is not None:
             self._check(now_s, self._session)
 
@@ -245,7 +260,6 @@ class Connection(asyncio.BufferedProtocol):
         if not isinstance(event, Frame) or self._session is None or self._closing_s is not None:
             return
         if not self._frames.allow(time.monotonic_ns()):
-            logger.warning("frame flood from %s, cut off", self.address)
             self.close(
                 POLICY_VIOLATION,
                 f"at most {self._limits.frames_per_s:g} frames per second",
@@ -284,13 +298,17 @@ class Connection(asyncio.BufferedProtocol):
 
     def fail(self, bug: Exception) -> None:
         """Close this client for a bug of ours, which concerns no other."""
-        logger.error("connection from %s failed", self.address, exc_info=bug)
+        logger.error("connection failed", exc_info=bug, extra={"client": self.name})
         self.close(INTERNAL_ERROR, "internal error")
 
     # Incoming
 
     def _open(self, request: Request) -> None:
         response = self._acceptor.respond(self._protocol, request)
+        if response.status_code != 101:
+            text = (response.body or b"").decode().partition("\n")[0]
+            is_page = response.status_code < 400
+            self._why = answered(response.status_code, response.reason_phrase if is_page else text)
         self._protocol.send_response(response)
         self._write_protocol_output()
         if self._protocol.state is not OPEN:
@@ -304,7 +322,7 @@ class Connection(asyncio.BufferedProtocol):
             return
         self._session.outbox.write_directly = self._write_directly
         self._session.spend = self._spending.spend
-        logger.info("client %s connected", self.address)
+        logger.info("connected", extra={"client": self.name})
 
     def _receive(self, message: bytes, *, is_text: bool) -> None:
         # The state may be closing already: a close often comes in one packet with the last message.
@@ -329,11 +347,14 @@ class Connection(asyncio.BufferedProtocol):
         if self._session is None:
             if isinstance(self._protocol.handshake_exc, InvalidMessage):
                 self._closing_s = time.monotonic()
-                self._transport.write(self._acceptor.malformed(self._start))
+                response = self._acceptor.malformed(self._start)
+                self._why = answered(int(response.split()[1]), "no HTTP request that is understood")
+                self._transport.write(response)
             return
         if isinstance(self._protocol.parser_exc, PayloadTooBig):
             self._closing_s = time.monotonic()
             text = f"message too large, at most {self._protocol.max_message_size} bytes"
+            self._why = closed_by_gateway(MESSAGE_TOO_BIG, text)
             self._session.refuse(ProtocolError("limit_exceeded", text))
             # the state is no longer open, so `flush` would not send it
             self._transport.writelines(self._session.outbox.take(WRITE_HIGH_WATER_BYTES))
@@ -368,10 +389,18 @@ class Connection(asyncio.BufferedProtocol):
         grown = self._transport.get_write_buffer_size() - backlog
         self._protocol_backlog = self._protocol_backlog + grown if self._paused else 0
         if self._protocol_backlog > MAX_PROTOCOL_BACKLOG_BYTES:
-            logger.warning("%s sends pings and reads nothing, cut off", self.address)
-            self.abort()
+            self.abort(Why("gateway", "abuse", "it sends pings and reads nothing"))
 
     # Time
+
+    def _end(self, session: Session | None, error: Exception | None, now_s: float) -> End:
+        why = self._why or ended_elsewhere(
+            self._protocol, error, was_open=session is not None, is_silent=not self._bytes_in
+        )
+        end = End(self.name, why, now_s - self._opened_s, self._bytes_in)
+        if session is None:
+            return end
+        return replace(end, messages_in=session.received, frames_out=session.outbox.sent)
 
     def _check(self, now_s: float, session: Session) -> None:
         unsent_bytes = self._transport.get_write_buffer_size()
@@ -383,8 +412,7 @@ class Connection(asyncio.BufferedProtocol):
             case Close(code, reason):
                 self.close(code, reason)
             case Abort(reason):
-                logger.warning("%s %s, cut off", self.address, reason)
-                self.abort()
+                self.abort(Why("gateway", "send_timeout", f"it {reason}"))
 
 
 def _quiet_logger() -> logging.Logger:
