@@ -135,8 +135,9 @@ def ended_elsewhere(
     text = ((error.strerror if isinstance(error, OSError) else None) or str(error)).lower()
     if was_open:
         return Why("network", "lost", "no closing handshake" if error is None else text)
-    if protocol.handshake_exc is not None and not isinstance(protocol.handshake_exc, EOFError):
-        return Why("gateway", "handshake", str(protocol.handshake_exc))
+    refusal = protocol.handshake_exc
+    if refusal is not None and not isinstance(refusal.__cause__, EOFError):
+        return Why("gateway", "handshake", f"its request is too large: {refusal}")
     if error is not None:
         return Why("network", "handshake", text)
     sent = "nothing" if is_silent else "no whole request"
