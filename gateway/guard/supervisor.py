@@ -186,10 +186,12 @@ class GuardProcess:
             case ["opened", topic] if topic in self._topics:
                 self._topics[topic].on_state("ready")
             case ["failed", topic, reason] if topic in self._topics:
-                logger.error("the guard process cannot guard %s: %s", topic, reason)
+                extra = {"topic": topic}
+                logger.error("the guard process cannot guard it: %s", reason, extra=extra)
                 self._topics[topic].on_state("lost")
             case ["stopped", topic]:
-                logger.warning("the guard process has stopped %s: the gateway was silent", topic)
+                extra = {"topic": topic}
+                logger.warning("stopped by the guard: the gateway was silent", extra=extra)
 
     def _lose(self, why: str) -> None:
         """Give up the process, stop what moves, and start another a little later."""
