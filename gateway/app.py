@@ -115,6 +115,7 @@ async def _serve(config: Config, announce: Announce, load: Callable[[], Config])
             web_rules=security.rules,
             admission=partial(Admission, security.authentication, config.access, security.audit),
             version=version("ros2-json-gateway"),
+            find_faults=lambda: (*ros.faults(), *guard.faults(), *security.audit_faults()),
         )
         addresses = await _listen(stack, server, config, security)
         reloading = asyncio.create_task(_reload_whenever(hung_up, load, security, server))

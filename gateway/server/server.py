@@ -19,6 +19,7 @@ from gateway.access.permissions import Policy
 from gateway.access.tokens import Tokens
 from gateway.access.web_rules import WebRules
 from gateway.config.limits import Limits
+from gateway.faults import Fault
 from gateway.protocol.session import Session
 from gateway.router.router import Router
 from gateway.server.admission import (
@@ -32,6 +33,7 @@ from gateway.server.close_codes import GOING_AWAY
 from gateway.server.connection import Connection
 from gateway.server.end import End, Reason, Why
 from gateway.server.forwarded import client_address
+from gateway.server.health import FindFaults, Health, no_faults
 from gateway.server.http import HttpFront, own_names
 from gateway.server.time_budget import TimeBudgets
 
@@ -52,7 +54,7 @@ TICK_S: Final = 0.25  # how exactly times are kept; 4 wake-ups a second are not 
 class Server:
     """The connected clients, and the listening sockets."""
 
-    def __init__(
+    def __init__(  # noqa: PLR0913  # one argument for each part that it shares
         self,
         router: Router,
         *,
@@ -62,12 +64,14 @@ class Server:
         web_rules: WebRules | None = None,
         admission: MakeAdmission = everybody,
         version: str = "",
+        find_faults: FindFaults = no_faults,
     ) -> None:
         self.limits = limits
         self.budgets = TimeBudgets(limits.client_time_share, limits.address_time_share)
         self._trusted_proxies = tuple(map(ipaddress.ip_network, trusted_proxies))
         self._router = router
-        self._http = HttpFront(path, web_rules or WebRules(own_names()), self.health)
+        self._http = HttpFront(path, web_rules or WebRules(own_names()), self.judged, self.health)
+        self._find_faults = find_faults
         self._admission = admission(self._room_for)
         self._version = version
         self.numbers: Iterator[int] = itertools.count(1)
@@ -126,14 +130,25 @@ class Server:
             ticking.cancel()
             await self._close_all()
 
+    def judged(self) -> Health:
+        """Return what is wrong with the gateway."""
+        limits = self.limits
+        clients = sum(
+            1 for each in self._connections if each.session is not None and each.session.identity
+        )
+        faults = list(self._find_faults())
+        if clients >= limits.max_clients:
+            text = f"there are {clients} clients, as many as may be: further ones are refused"
+            faults.append(Fault("degraded", text))
+        return Health(tuple(faults))
+
     def health(self) -> Mapping[str, Any]:
-        """Return the members of /healthz."""
+        """Return what /healthz has beside the judgement."""
         totals = dict(self._totals)
         for connection in self._connections:
             if connection.session is not None:
                 _add(totals, connection.session)
         return {
-            "status": "ok",
             "version": self._version,
             "uptime_s": round(time.monotonic() - self._started_s, 1),
             **self._router.counts(),

@@ -169,6 +169,7 @@ def test_a_full_disk_is_said_once_and_when_it_is_over(tmp_path, monkeypatch, cap
     for _ in range(3):
         file.write("lost")
         assert done.acquire(timeout=TIMEOUT_S)
+    assert [fault.severity for fault in file.faults()] == ["degraded"]
     is_full = False
     file.write("kept")
     close(file)
