@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is wrong with a running gateway, in words for its operator; see `gateway.server.health`."""
+"""Faults of a running gateway, in words for its operator; see `gateway.server.health`."""
 
 from dataclasses import dataclass
 from typing import Literal

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What libraries and child processes write to standard output and error, as lines of the log.
+"""The output of libraries and child processes, as lines of the log.
 
 C code writes there by itself: Fast DDS its errors, rcutils an error within an error. A collector
 that expects JSON on each line would choke on those, so both descriptors become pipes while the
