@@ -23,6 +23,8 @@ from gateway.codec.types import Types
 from gateway.config.model import Config
 from gateway.errors import BindError, ConfigError
 from gateway.guard.supervisor import GuardProcess
+from gateway.log_fields import text_of
+from gateway.log_rate import LogRate
 from gateway.memory import exempt_from_collection, keep_large_blocks
 from gateway.ports import LogLevel, Ros, RosError
 from gateway.ros import RosOptions, open_ros
@@ -113,6 +115,7 @@ async def _serve(config: Config, announce: Announce, load: Callable[[], Config])
             web_rules=security.rules,
             admission=partial(Admission, security.authentication, config.access, security.audit),
             version=version("ros2-json-gateway"),
+            find_faults=lambda: (*ros.faults(), *guard.faults(), *security.audit_faults()),
         )
         addresses = await _listen(stack, server, config, security)
         reloading = asyncio.create_task(_reload_whenever(hung_up, load, security, server))
@@ -293,9 +296,15 @@ class _RosoutHandler(logging.Handler):
         super().__init__(logging.INFO)
         self._ros = ros
         self._loop = loop
+        self._rate = LogRate()
+        self.addFilter(self._rate)
 
     def emit(self, record: logging.LogRecord) -> None:
-        text = f"{record.name}: {record.getMessage()}"
+        for each in (*self._rate.overdue(), record):
+            self._log(each)
+
+    def _log(self, record: logging.LogRecord) -> None:
+        text = f"{record.name}: {text_of(record)}"
         self._loop.call_soon_threadsafe(
             self._ros.log, _ROS_LEVELS.get(record.levelno, "info"), text
         )

@@ -9,6 +9,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, Protocol
 
+from gateway.faults import Fault
+
 # action_msgs/msg/GoalStatus: how a goal ended
 GoalOutcome = Literal[4, 5, 6]
 SUCCEEDED: GoalOutcome = 4
@@ -364,6 +366,9 @@ class Ros(RosGraph, Protocol):
 
     def log(self, level: LogLevel, text: str) -> None:
         """Write to the debug node's logger, and so to ``/rosout``."""
+
+    def faults(self) -> Sequence[Fault]:
+        """Return what is wrong with ROS itself; ask every few seconds, or a hang is not found."""
 
     def entity_count(self) -> int:
         """Count the open entities of this port, of all kinds."""

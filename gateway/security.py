@@ -6,7 +6,7 @@ import logging
 import os
 import ssl
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -23,6 +23,7 @@ from gateway.access.web_rules import WebRules
 from gateway.config.access import TlsConfig
 from gateway.config.model import Config
 from gateway.errors import ConfigError
+from gateway.faults import Fault
 from gateway.server.http import own_names
 
 logger = logging.getLogger(__name__)
@@ -43,6 +44,7 @@ class Security:
     tls: ssl.SSLContext | None
     token_path: Path
     new_token: str | None  # made just now; it is kept nowhere, so it is shown once
+    audit_faults: Callable[[], Sequence[Fault]]
 
     def reload(self, config: Config) -> tuple[Tokens, Policy]:
         """Read what may change while the gateway runs: tokens, permissions, the certificate.
@@ -76,8 +78,8 @@ def open_security(config: Config) -> Iterator[Security]:
         if posture.needs_token and not authentication.tokens.known:
             new_token = _make_first(authentication, path)
     rules = WebRules(own_names(), config.allowed_hosts, config.allowed_origins)
-    with _audit(config, is_wanted=posture.is_open or posture.needs_token) as audit:
-        yield Security(posture, authentication, audit, rules, tls, path, new_token)
+    with _audit(config, is_wanted=posture.is_open or posture.needs_token) as (audit, faults):
+        yield Security(posture, authentication, audit, rules, tls, path, new_token, faults)
 
 
 def token_path(config: Config) -> Path:
@@ -147,15 +149,17 @@ def _make_first(authentication: Authentication, path: Path) -> str:
 
 
 @contextlib.contextmanager
-def _audit(config: Config, *, is_wanted: bool) -> Iterator[Audit]:
+def _audit(
+    config: Config, *, is_wanted: bool
+) -> Iterator[tuple[Audit, Callable[[], Sequence[Fault]]]]:
     """Open the audit log; on this machine alone, and without a file, it is for debugging."""
     path = config.audit.file
     level = logging.INFO if is_wanted or path is not None else logging.DEBUG
     if path is None:
-        yield Audit(time.time_ns, level=level)
+        yield Audit(time.time_ns, level=level), tuple
         return
     file = AuditFile(Path(path), config.audit.max_bytes)
     try:
-        yield Audit(time.time_ns, file.write, level)
+        yield Audit(time.time_ns, file.write, level), file.faults
     finally:
         file.close()

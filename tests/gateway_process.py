@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 STARTUP_S = 180  # a busy machine imports for a while
 SHUTDOWN_S = 120
 
-_ADDRESS = re.compile(r"wss?://\S+")
+_ADDRESS = re.compile(r"wss?://[^\s\"]+")
 
 
 @dataclass

@@ -4,6 +4,7 @@
 import asyncio
 import contextlib
 import dataclasses
+import logging
 import re
 import signal
 import socket
@@ -17,9 +18,11 @@ from gateway import app
 from gateway.config.control import ControlConfig
 from gateway.config.limits import Limits
 from gateway.config.model import Config, RosConfig
+from gateway.log_rate import BURST
 from gateway.ros import RosOptions
 from tests.client import TIMEOUT_S, client
 from tests.gateway_process import gateway_process
+from tests.ros.fake import FakeRos
 
 # Each value is unlike every other and unlike every default.
 CONFIG = Config(
@@ -68,6 +71,23 @@ async def test_no_traceback_if_the_server_closed_before_asyncio_accepts_again(
         assert "Traceback" in caplog.text
     finally:
         loop.close()
+
+
+async def test_rosout_gets_client_and_topic_and_no_flood():
+    ros = FakeRos()
+    logger = logging.getLogger("gateway.test")
+    extra = {"client": "10.0.0.5#1", "topic": "/cmd_vel"}
+    with app._logging_to(ros):
+        for _ in range(1000):
+            logger.warning("stopped", extra=extra)
+        logger.warning("ours")
+    await asyncio.sleep(0)
+    assert ros.logged[0] == (
+        "warning",
+        "gateway.test: stopped [client 10.0.0.5#1, topic /cmd_vel]",
+    )
+    assert ros.logged[-1] == ("warning", "gateway.test: ours")
+    assert len(ros.logged) == BURST + 1
 
 
 async def test_an_allowed_page_may_connect_and_a_foreign_one_gets_403():

@@ -9,7 +9,7 @@ import pytest
 REPOSITORY = Path(__file__).parents[1]
 ROOTS = ("gateway", "gateway_sim", "schemas", "benchmarks", "tools")
 GENERATED = "schemas/models/"
-MAX_FILE_LINES = 427  # gateway/server/connection.py
+MAX_FILE_LINES = 426  # gateway/drive/drive.py
 MAX_FUNCTION_LINES = 78  # argument_parser of gateway/cli/arguments.py, one statement per option
 
 

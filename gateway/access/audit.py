@@ -72,7 +72,9 @@ class Audit:
         entry: dict[str, Fact] = {"time": time, "event": event}
         entry |= {name: _shown(fact) for name, fact in facts.items() if fact is not None}
         line = json.dumps(entry)  # ASCII: no text can begin a line of its own
-        logger.log(self._level, "%s", line)
+        # lines are bounded already, and a stop must not be left out for the sake of others
+        extra = {"client": entry.get("address"), "topic": entry.get("topic"), "is_bounded": True}
+        logger.log(self._level, "%s", line, extra=extra)
         if self._write is not None:
             self._write(line)
 

@@ -7,10 +7,12 @@ import logging
 import os
 import queue
 import threading
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
 from gateway.errors import ConfigError
+from gateway.faults import Fault
 
 MAX_WAITING: Final = 1000  # lines, 300 KB; a disk that takes none loses the newest
 FLUSH_S: Final = 0.3  # at the end, for what still waits: the whole shutdown has 2 s
@@ -44,6 +46,12 @@ class AuditFile:
             self._lines.put_nowait(line)
         except queue.Full:
             self._lost += 1
+
+    def faults(self) -> Sequence[Fault]:
+        """Return whether lines are being lost."""
+        if not self._is_failing and not self._lost:
+            return ()
+        return (Fault("degraded", "the audit log cannot be written, and its lines are lost"),)
 
     def close(self) -> None:
         """Write what waits, for a moment at most, and close the file."""

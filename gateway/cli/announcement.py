@@ -4,14 +4,18 @@
 import io
 import shlex
 import socket
+import time
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Final
+
+from gateway.cli.logs import json_line
 
 if TYPE_CHECKING:
     from gateway.app import Listening
 
 EVERYWHERE: Final = frozenset({"0.0.0.0", "::"})  # noqa: S104  # for messages, not binding
 
+_WARNING: Final = "WARNING: "
 _WHO: Final = {"viewer": "watch", "operator": "drive the robot", "admin": "do everything"}
 
 
@@ -20,9 +24,17 @@ def announcement(listening: "Listening") -> str:
     return "\n".join(_lines(listening, own_addresses()))
 
 
-def wscat_command(listening: "Listening") -> str:
-    """Return the command that connects from this machine."""
-    return _wscat(listening, own_url(listening))
+def in_json(listening: "Listening", hint: str = "") -> Iterator[str]:
+    """Yield the same lines in JSON; without a QR code, as nobody could see it there."""
+    for line in (*_lines(listening, own_addresses()), *filled(hint, listening).splitlines()):
+        level = "warning" if line.startswith(_WARNING) else "info"
+        message = line.removeprefix(_WARNING).strip()
+        yield json_line(time.time(), level, "gateway", message, url=own_url(listening))
+
+
+def filled(hint: str, listening: "Listening") -> str:
+    """Return a hint in which WSCAT stands for the command that connects from this machine."""
+    return hint.replace("WSCAT", _wscat(listening, own_url(listening)))
 
 
 def qr_text(listening: "Listening", addresses: Sequence[str]) -> str | None:
@@ -80,7 +92,7 @@ def _lines(listening: "Listening", addresses: Sequence[str]) -> Iterator[str]:
         yield from _token_lines(listening, addresses)
     elif listening.posture.is_open:
         role = listening.posture.anonymous_role or ""
-        yield f"WARNING: without a token, everybody on the network may {_WHO.get(role, 'watch')}"
+        yield f"{_WARNING}without a token, everybody on the network may {_WHO.get(role, 'watch')}"
 
 
 def _token_lines(listening: "Listening", addresses: Sequence[str]) -> Iterator[str]:

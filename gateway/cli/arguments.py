@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Final, NoReturn
 
 from gateway.config.domain_id import DOMAIN_ID_EXPECTATION, is_domain_id
+from gateway.errors import UsageError
 
 ROLES: Final = ("viewer", "operator", "admin")  # `gateway.config.access` would import pydantic
 
@@ -156,7 +157,7 @@ class _Parser(argparse.ArgumentParser):
     """A parser that reports a mistake in one sentence instead of a page of usage."""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(2, f"ros2-gateway: {message}; see {self.prog} --help\n")
+        raise UsageError(f"{message}; see {self.prog} --help")
 
 
 class _Version(argparse.Action):

@@ -11,8 +11,9 @@ import os
 import signal
 import sys
 import threading
+import time
 import traceback
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from difflib import get_close_matches
 from importlib.util import find_spec
@@ -32,6 +33,7 @@ from gateway.errors import (
 
 if TYPE_CHECKING:
     from gateway.app import Listening
+    from gateway.cli.foreign_output import OwnOutput
     from gateway.config.settings import Given, Loaded
     from schemas.installed import InstalledDefinitions
 
@@ -60,10 +62,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     # shell that starts us in the background has set SIGINT to be ignored.
     for signal_number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(signal_number, interrupt)
-    debug = False
+    arguments = argparse.Namespace(debug=False, log_format=None)
     try:
-        arguments = argument_parser().parse_args(argv)
-        debug = arguments.debug
+        argument_parser().parse_args(argv, arguments)
         code = _run(arguments)
         sys.stdout.flush()
     except KeyboardInterrupt:
@@ -75,10 +76,17 @@ def main(argv: Sequence[str] | None = None) -> int:
         # An extension module that is interrupted while it loads may raise anything.
         if interrupted.is_set() and not isinstance(error, RobotDiedError):
             return EXIT_OK
-        if debug:
-            traceback.print_exc()
-        return _report(error)
+        if arguments.log_format is None:  # the configuration is not read
+            arguments.log_format = _wanted_format(sys.argv[1:] if argv is None else argv)
+        return _report(error, arguments)
     return code
+
+
+def _wanted_format(argv: Sequence[str]) -> str:
+    from gateway.cli.logs import wanted_format
+
+    serves = argv[:1] in (["serve"], ["demo"])  # the others have no log
+    return wanted_format(argv, os.environ) if serves else "text"
 
 
 def _run(arguments: argparse.Namespace) -> int:
@@ -102,7 +110,7 @@ def _run(arguments: argparse.Namespace) -> int:
     raise AssertionError(arguments.command)
 
 
-def _report(error: Exception) -> int:
+def _report(error: Exception, arguments: argparse.Namespace) -> int:
     """Report an error, each mistake in one sentence; return its exit code."""
     match error:
         case ConfigError():
@@ -121,9 +129,23 @@ def _report(error: Exception) -> int:
         case _:
             bug = f"internal error, {type(error).__name__}: {error} (--debug shows where)"
             sentences, code = (bug,), EXIT_FAILURE
+    (_write_json if arguments.log_format == "json" else _write)(sentences, arguments)
+    return code
+
+
+def _write(sentences: Sequence[str], arguments: argparse.Namespace) -> None:
+    if arguments.debug:
+        traceback.print_exc()
     for sentence in sentences:
         print(f"ros2-gateway: {sentence}", file=sys.stderr)
-    return code
+
+
+def _write_json(sentences: Sequence[str], arguments: argparse.Namespace) -> None:
+    from gateway.cli.logs import json_line
+
+    more = {"traceback": traceback.format_exc()} if arguments.debug else {}
+    for sentence in sentences:
+        print(json_line(time.time(), "error", "gateway", sentence, **more), file=sys.stderr)
 
 
 def _announce(text: str) -> None:
@@ -148,7 +170,9 @@ def _reason(error: OSError) -> str:
 def _configuration(arguments: argparse.Namespace) -> "Loaded":
     from gateway.config.settings import load
 
-    return load(_given(arguments), os.environ, arguments.config)
+    loaded = load(_given(arguments), os.environ, arguments.config)
+    arguments.log_format = loaded.config.log.format  # of errors, too, from now on
+    return loaded
 
 
 def _given(arguments: argparse.Namespace) -> list["Given"]:
@@ -174,11 +198,8 @@ def _serve(arguments: argparse.Namespace) -> int:
     if arguments.print_config:
         return _print_config(loaded)
     _use_domain(loaded.config.ros.domain_id)
-
-    def announce(listening: "Listening") -> None:
-        _announce_listening(listening, shows_qr=loaded.config.qr)
-
-    return _run_gateway(arguments, loaded, announce)
+    with _log_output(loaded) as own:
+        return _run_gateway(arguments, loaded, own)
 
 
 def _print_config(loaded: "Loaded") -> int:
@@ -188,7 +209,35 @@ def _print_config(loaded: "Loaded") -> int:
     return EXIT_OK
 
 
-def _announce_listening(listening: "Listening", *, shows_qr: bool, hint: str = "") -> None:
+@contextmanager
+def _log_output(loaded: "Loaded") -> "Iterator[OwnOutput | None]":
+    """Begin the log; with JSON, lend the outputs that are for JSON alone."""
+    from gateway.cli.logs import configure_logging
+
+    log = loaded.config.log
+    if log.format == "text":
+        configure_logging(log.level, log.format)
+        yield None
+        return
+    from gateway.cli.foreign_output import foreign_output_logged
+
+    with foreign_output_logged() as own:
+        configure_logging(log.level, log.format, own.stderr)
+        yield own
+
+
+def _announce_in_json(listening: "Listening", own: "OwnOutput", hint: str) -> None:
+    import faulthandler
+
+    from gateway.cli import announcement
+
+    for line in announcement.in_json(listening, hint):
+        print(line, file=own.stdout)
+    # rclpy has turned it on for a descriptor that is a pipe to this process, where it would be lost
+    faulthandler.enable(own.stderr)
+
+
+def _announce_listening(listening: "Listening", *, shows_qr: bool, hint: str) -> None:
     from gateway.cli import announcement
 
     _announce(announcement.announcement(listening))
@@ -197,17 +246,21 @@ def _announce_listening(listening: "Listening", *, shows_qr: bool, hint: str = "
         if text is not None:
             _announce(f"{announcement.qr_code(text)}for a phone: {text}")
     if hint:
-        _announce(hint.replace("WSCAT", announcement.wscat_command(listening)))
+        _announce(announcement.filled(hint, listening))
 
 
 def _run_gateway(
-    arguments: argparse.Namespace, loaded: "Loaded", announce: Callable[["Listening"], None]
+    arguments: argparse.Namespace, loaded: "Loaded", own: "OwnOutput | None", hint: str = ""
 ) -> int:
     _require_rclpy()
     from gateway import app
-    from gateway.cli.logs import configure_logging
 
-    configure_logging(loaded.config.log.level, loaded.config.log.format)
+    def announce(listening: "Listening") -> None:
+        if own is None:
+            _announce_listening(listening, shows_qr=loaded.config.qr, hint=hint)
+        else:
+            _announce_in_json(listening, own, hint)
+
     return app.run(loaded.config, announce=announce, load=lambda: _configuration(arguments).config)
 
 
@@ -227,10 +280,10 @@ def _demo(arguments: argparse.Namespace) -> int:
     # the robot on this desk is nobody else's business; read when the middleware starts
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
 
-    def announce(listening: "Listening") -> None:
-        _announce_listening(listening, shows_qr=loaded.config.qr, hint=_DEMO_HINT)
-
-    return demo.run(lambda: _run_gateway(arguments, loaded, announce), demo.robot_command())
+    with _log_output(loaded) as own:
+        return demo.run(
+            lambda: _run_gateway(arguments, loaded, own, _DEMO_HINT), demo.robot_command()
+        )
 
 
 def _sim(arguments: argparse.Namespace) -> int:

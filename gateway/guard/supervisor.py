@@ -15,6 +15,7 @@ from typing import Any, Final, Self
 import orjson
 
 from gateway.drive.effects import GuardState
+from gateway.faults import Fault
 from gateway.guard import MARGIN_S, MAX_LINE_BYTES, REPEAT_S
 
 RESTART_S: Final = 0.5  # doubled each time, up to
@@ -22,6 +23,7 @@ MAX_RESTART_S: Final = 30.0
 STABLE_S: Final = 60.0  # after so long a restart is the first one again
 # A guard that is spoken to all the time answers ten times a second.
 UNANSWERED_S: Final = 1.0
+SLOW_START_S: Final = 20.0  # it imports rclpy and joins DDS: one second, on a busy machine ten
 END_S: Final = 0.7  # with the clients' closing handshakes, less than the 2 s of a shutdown
 
 logger = logging.getLogger(__name__)
@@ -60,6 +62,7 @@ class GuardProcess:
         self._topics: dict[str, _Topic] = {}
         self._process: subprocess.Popen[bytes] | None = None
         self._is_ready = False
+        self._why_lost: str | None = None
         self._rest = b""
         self._started_s = 0.0
         self._restart_s = RESTART_S
@@ -72,6 +75,18 @@ class GuardProcess:
     def pid(self) -> int | None:
         """The process id, while there is one."""
         return self._process.pid if self._process else None
+
+    def faults(self) -> Sequence[Fault]:
+        """Return why commands to move are refused, if they are."""
+        why = self._why_lost
+        if why is None and not self._is_ready and self._process is not None:
+            waited_s = time.monotonic() - self._started_s
+            if waited_s > SLOW_START_S:
+                why = f"has not become ready within {waited_s:.0f} s"
+        if why is None:
+            return ()
+        text = f"the guard process {why}: commands to move are refused, until another is there"
+        return (Fault("degraded", text),)
 
     async def __aenter__(self) -> Self:
         return self
@@ -185,20 +200,24 @@ class GuardProcess:
         match message:
             case ["ready"]:
                 self._is_ready = True
+                self._why_lost = None
                 logger.debug("the guard process is ready")
                 for topic, known in list(self._topics.items()):
                     self._write("open", topic, known.type_name, known.readers)
             case ["opened", topic] if topic in self._topics:
                 self._topics[topic].on_state("ready")
             case ["failed", topic, reason] if topic in self._topics:
-                logger.error("the guard process cannot guard %s: %s", topic, reason)
+                extra = {"topic": topic}
+                logger.error("the guard process cannot guard it: %s", reason, extra=extra)
                 self._topics[topic].on_state("lost")
             case ["stopped", topic]:
-                logger.warning("the guard process has stopped %s: the gateway was silent", topic)
+                extra = {"topic": topic}
+                logger.warning("stopped by the guard: the gateway was silent", extra=extra)
 
     def _lose(self, why: str) -> None:
         """Give up the process, stop what moves, and start another a little later."""
         process = self._process
+        self._why_lost = why
         if process is not None:
             self._forget()
             process.kill()

@@ -49,6 +49,7 @@ class Session:
         self.limits = limits
         self.identity = identity
         self.address = "?"
+        self.client = "?"  # address and number, for the log
         self.authenticate: Callable[[Auth], None] | None = None  # set by who knows the tokens
         self.outbox = Outbox(limits.send_queue_bytes)
         self.wake = wake

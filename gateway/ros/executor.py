@@ -3,6 +3,8 @@
 
 import logging
 import threading
+import time
+from collections.abc import Sequence
 from typing import Any, Final
 
 from rclpy.context import Context
@@ -10,10 +12,12 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.task import Future
 
+from gateway.faults import Fault
 from gateway.ros import rclpy_private
 
 # After a callback that raised: a fault that comes back at once must not fill the log.
 _PAUSE_S: Final = 1.0
+STUCK_S: Final = 5.0  # callbacks take milliseconds; a machine may be busy
 
 _logger = logging.getLogger(__name__)
 
@@ -30,12 +34,29 @@ class ExecutorThread:
         self._executor = executor or SingleThreadedExecutor(context=context)
         self._stop: Any = Future()
         self._stopping = threading.Event()
+        self._asked_s: float | None = None  # since when it owes an answer
         self._thread = threading.Thread(target=self._spin, name="ros_executor", daemon=True)
         self._thread.start()
 
     def add_node(self, node: Node) -> None:
         """Spin a node from now on."""
         self._executor.add_node(node)
+
+    def faults(self) -> Sequence[Fault]:
+        """Return whether the thread has ended, or has not answered for `STUCK_S`.
+
+        It is asked here, and its answer is seen by the next call.
+        """
+        if not self._thread.is_alive():
+            return (Fault("dead", "the thread that spins ROS has ended"),)
+        now_s = time.monotonic()
+        if self._asked_s is None:
+            self._asked_s = now_s
+            self._executor.create_task(self._answer)
+        elif now_s - self._asked_s > STUCK_S:
+            hung_s = now_s - self._asked_s
+            return (Fault("not ready", f"callbacks of ROS have hung for {hung_s:.0f} s"),)
+        return ()
 
     def close(self) -> None:
         """Stop spinning and wait for the callback that may be running."""
@@ -44,6 +65,9 @@ class ExecutorThread:
         self._executor.wake()
         self._thread.join()
         self._executor.shutdown()
+
+    def _answer(self) -> None:
+        self._asked_s = None
 
     def _spin(self) -> None:
         while not self._stopping.is_set():

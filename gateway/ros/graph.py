@@ -126,6 +126,11 @@ class GraphChanges:
         self._thread = threading.Thread(target=self._look, name="ros_graph", daemon=True)
         self._thread.start()
 
+    @property
+    def is_alive(self) -> bool:
+        """True until the thread ends."""
+        return self._thread.is_alive()
+
     def close(self) -> None:
         """End the thread; no call comes after."""
         self._on_change = _nothing

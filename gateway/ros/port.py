@@ -14,6 +14,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from gateway.config.domain_id import MAX_DOMAIN_ID
+from gateway.faults import Fault
 from gateway.ports import (
     GoalRequest,
     Graph,
@@ -90,9 +91,9 @@ class RclpyRos:
                 raise refused("starting ROS", error) from error
             # ROS time in nanoseconds
             self.now_ns: Callable[[], int] = rclpy_private.clock_reader(self._debug.get_clock())
-            executor = ExecutorThread(context)
-            undo.callback(executor.close)
-            executor.add_node(self._debug)
+            self._executor = ExecutorThread(context)
+            undo.callback(self._executor.close)
+            self._executor.add_node(self._debug)
             self._own_nodes = frozenset(
                 node.get_fully_qualified_name()
                 for node in (subscribing, publishing, serving, self._debug)
@@ -114,8 +115,8 @@ class RclpyRos:
             undo.callback(self._actions.close)
             self._watches = GraphWatches(loop)
             undo.callback(self._watches.close)
-            changes = GraphChanges(self._debug, loop, self._graph_changed)
-            undo.callback(changes.close)
+            self._changes = GraphChanges(self._debug, loop, self._graph_changed)
+            undo.callback(self._changes.close)
             self._undo = undo.pop_all()
         self._is_closed = False
 
@@ -230,6 +231,15 @@ class RclpyRos:
                 logger.error(text)
             case _:
                 assert_never(level)
+
+    def faults(self) -> Sequence[Fault]:
+        """Return what is wrong with ROS itself; see the port."""
+        if self._is_closed or not self._debug.context.ok():
+            return (Fault("dead", "ROS has shut down below the gateway: it must be restarted"),)
+        faults = list(self._executor.faults())
+        if not self._changes.is_alive:
+            faults.append(Fault("dead", "the thread that follows the ROS graph has ended"))
+        return faults
 
     def entity_count(self) -> int:
         """Count the handles of all kinds that are open through this port."""

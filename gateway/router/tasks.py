@@ -121,7 +121,8 @@ def refuse(session: Session, operation: ClientOperation, error: Exception) -> No
             session.refuse(ProtocolError(error.code, truncate(str(error))), operation)
         case OSError():
             reason = (error.strerror or type(error).__name__).lower()  # its text may name a file
-            logger.warning("%s failed: %s", operation.op, reason)
+            extra = {"client": session.client}
+            logger.warning("%s failed: %s", operation.op, reason, extra=extra)
             session.refuse(ProtocolError("internal", f"the gateway's machine: {reason}"), operation)
 
 
@@ -134,7 +135,7 @@ async def answered(
     except FAILURES as error:
         refuse(session, operation, error)
     except Exception:  # our bug: this client is told, the others are unharmed
-        logger.exception("%s failed", operation.op)
+        logger.exception("%s failed", operation.op, extra={"client": session.client})
         session.refuse(ProtocolError("internal", "a fault of the gateway; see its log"), operation)
 
 

@@ -28,8 +28,6 @@ from gateway.server.close_codes import (
 )
 from gateway.server.http import offered_subprotocols
 
-logger = logging.getLogger(__name__)
-
 # Operations that are answered with a refusal before a client is cut off: a page that subscribes to
 # all it shows, and authenticates only then, learns why each was refused.
 MAX_REFUSALS: Final = 64
@@ -205,8 +203,6 @@ class Admission:
         try:
             return self._authentication.identify(token, entrant.address, time.monotonic())
         except AuthenticationError as error:
-            if not error.is_abuse:
-                logger.warning("refused %s: %s", entrant.address, error)
             self._audit.record("refused", address=entrant.address, reason=str(error))
             close_code = POLICY_VIOLATION if error.is_abuse else UNAUTHENTICATED
             raise TurnedAwayError(close_code, "forbidden", str(error)) from error

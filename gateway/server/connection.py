@@ -10,6 +10,8 @@ import asyncio
 import contextlib
 import logging
 import time
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import Final, Protocol, cast
 
 from websockets.exceptions import InvalidMessage, PayloadTooBig
@@ -25,14 +27,15 @@ from gateway.protocol.outbox import Entry, NoFrame
 from gateway.protocol.session import Session
 from gateway.protocol.token_bucket import TokenBucket
 from gateway.server.close_codes import (
-    HEARTBEAT_TIMEOUT,
     INTERNAL_ERROR,
     INVALID_DATA,
+    MESSAGE_TOO_BIG,
     POLICY_VIOLATION,
-    SLOW_CONSUMER,
 )
+from gateway.server.end import End, Why, answered, closed_by_gateway, ended_elsewhere
 from gateway.server.http import select_subprotocol
 from gateway.server.inbound import READ_CHUNK_BYTES, Inbound
+from gateway.server.keep_alive import Abort, Close, KeepAlive, Ping, Sending
 from gateway.server.socket_options import tune
 from gateway.server.time_budget import TimeBudgets
 
@@ -47,6 +50,7 @@ class Acceptor(Protocol):
 
     limits: Limits
     budgets: TimeBudgets
+    numbers: Iterator[int]  # of connections
 
     def arrive(self, connection: "Connection") -> None:
         """Add a new connection; another may have to make room for it."""
@@ -69,7 +73,7 @@ class Acceptor(Protocol):
     def end_turn(self, session: Session) -> None:
         """Carry out what was deferred until the others have their turn."""
 
-    def left(self, connection: "Connection", session: Session | None) -> None:
+    def left(self, connection: "Connection", session: Session | None, end: End) -> None:
         """Forget a connection that is gone."""
 
 
@@ -96,14 +100,13 @@ class Connection(asyncio.BufferedProtocol):
         self._frames = TokenBucket(self._limits.frames_per_s, self._limits.frame_burst, now_ns)
         now_s = now_ns / 1e9
         self._opened_s = now_s
-        self._heard_s = now_s
-        self._pinged_s: float | None = None
+        self._keep_alive = KeepAlive(self._limits, now_s)
         self._closing_s: float | None = None
-        self._progress_s = now_s
-        self._unsent_bytes = 0
+        self._why: Why | None = None  # it ends
         self._protocol_backlog = 0
-        self._crowded_s: float | None = None
         self._start = b""  # of the HTTP request
+        self._bytes_in = 0
+        self._number = next(acceptor.numbers)
         self.address = "?"
 
     # Called by asyncio
@@ -126,11 +129,12 @@ class Connection(asyncio.BufferedProtocol):
 
     def buffer_updated(self, nbytes: int) -> None:
         """Process the bytes read."""
-        self._heard_s = time.monotonic()
-        self._pinged_s = None
+        now_s = time.monotonic()
+        self._keep_alive.heard(now_s)
+        self._bytes_in += nbytes
         if self._session is None:
             self._start = self._start or bytes(self._buffer[: min(nbytes, 16)])
-        self._inbound.receive(bytes(memoryview(self._buffer)[:nbytes]), self._heard_s)
+        self._inbound.receive(bytes(memoryview(self._buffer)[:nbytes]), now_s)
 
     def eof_received(self) -> None:
         """Record that the peer has closed its side."""
@@ -139,12 +143,11 @@ class Connection(asyncio.BufferedProtocol):
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Release everything of this client."""
-        del exc
         self._protocol.receive_eof()
         session, self._session = self._session, None
         start_s = time.monotonic()
         try:
-            self._acceptor.left(self, session)
+            self._acceptor.left(self, session, self._end(session, exc, start_s))
         finally:  # closing what a client had open takes time that it has to pay, too
             now_s = time.monotonic()
             self._spending.spend(now_s - start_s, now_s)
@@ -153,7 +156,7 @@ class Connection(asyncio.BufferedProtocol):
     def pause_writing(self) -> None:
         """Stop taking from the outbox: the socket is full."""
         self._paused = True
-        self._progress_s = time.monotonic()
+        self._keep_alive.blocked(time.monotonic())
 
     def resume_writing(self) -> None:
         """Continue: the socket has sent most of its bytes."""
@@ -167,6 +170,11 @@ class Connection(asyncio.BufferedProtocol):
     def session(self) -> Session | None:
         """The session, while the WebSocket is open."""
         return self._session
+
+    @property
+    def name(self) -> str:
+        """The address and number of the client, for the log."""
+        return f"{self.address}#{self._number}"
 
     @property
     def is_half_open(self) -> bool:
@@ -202,10 +210,11 @@ class Connection(asyncio.BufferedProtocol):
         if self._closing_s is None:
             self._closing_s = time.monotonic()
         if self._protocol.state is OPEN:
-            logger.info("closing %s: %d %s", self.address, code, reason)
+            self._why = self._why or closed_by_gateway(code, reason)
             self._protocol.send_close(code, reason)
             self._write_protocol_output()
         elif self._protocol.state is CONNECTING:
+            self._why = self._why or Why("gateway", "handshake", reason)
             self._transport.close()
 
     def turn_away(self, close_code: int, reason: str, code: StatusCode) -> None:
@@ -219,8 +228,9 @@ class Connection(asyncio.BufferedProtocol):
         """Accept messages of at most so many bytes from now on."""
         self._protocol.max_message_size = max_bytes
 
-    def abort(self) -> None:
-        """Cut the connection."""
+    def abort(self, why: Why | None = None) -> None:
+        """Cut the connection; give a cause unless it is ending already."""
+        self._why = self._why or why
         self._closing_s = self._closing_s or time.monotonic()
         self._transport.abort()
 
@@ -235,12 +245,10 @@ class Connection(asyncio.BufferedProtocol):
                 self._closing_s = now_s
         elif self._protocol.state is CONNECTING:
             if now_s - self._opened_s > limits.open_timeout_s:
-                logger.info("no handshake from %s within %g s", self.address, limits.open_timeout_s)
-                self.abort()
-        elif self._protocol.state is OPEN:
-            self._check_progress(now_s)
-            self._check_backlog(now_s)
-            self._keep_alive(now_s)
+                text = f"no handshake within {limits.open_timeout_s:g} s"
+                self.abort(Why("gateway", "handshake", text))
+        elif self._protocol.state is OPEN and self._session is not None:
+            self._check(now_s, self._session)
 
     # Called by its `Inbound`
 
@@ -252,7 +260,6 @@ class Connection(asyncio.BufferedProtocol):
         if not isinstance(event, Frame) or self._session is None or self._closing_s is not None:
             return
         if not self._frames.allow(time.monotonic_ns()):
-            logger.warning("frame flood from %s, cut off", self.address)
             self.close(
                 POLICY_VIOLATION,
                 f"at most {self._limits.frames_per_s:g} frames per second",
@@ -291,13 +298,17 @@ class Connection(asyncio.BufferedProtocol):
 
     def fail(self, bug: Exception) -> None:
         """Close this client for a bug of ours, which concerns no other."""
-        logger.error("connection from %s failed", self.address, exc_info=bug)
+        logger.error("connection failed", exc_info=bug, extra={"client": self.name})
         self.close(INTERNAL_ERROR, "internal error")
 
     # Incoming
 
     def _open(self, request: Request) -> None:
         response = self._acceptor.respond(self._protocol, request)
+        if response.status_code != 101:
+            text = (response.body or b"").decode().partition("\n")[0]
+            is_page = response.status_code < 400
+            self._why = answered(response.status_code, response.reason_phrase if is_page else text)
         self._protocol.send_response(response)
         self._write_protocol_output()
         if self._protocol.state is not OPEN:
@@ -311,7 +322,7 @@ class Connection(asyncio.BufferedProtocol):
             return
         self._session.outbox.write_directly = self._write_directly
         self._session.spend = self._spending.spend
-        logger.info("client %s connected", self.address)
+        logger.info("connected", extra={"client": self.name})
 
     def _receive(self, message: bytes, *, is_text: bool) -> None:
         # The state may be closing already: a close often comes in one packet with the last message.
@@ -336,11 +347,14 @@ class Connection(asyncio.BufferedProtocol):
         if self._session is None:
             if isinstance(self._protocol.handshake_exc, InvalidMessage):
                 self._closing_s = time.monotonic()
-                self._transport.write(self._acceptor.malformed(self._start))
+                response = self._acceptor.malformed(self._start)
+                self._why = answered(int(response.split()[1]), "no HTTP request that is understood")
+                self._transport.write(response)
             return
         if isinstance(self._protocol.parser_exc, PayloadTooBig):
             self._closing_s = time.monotonic()
             text = f"message too large, at most {self._protocol.max_message_size} bytes"
+            self._why = closed_by_gateway(MESSAGE_TOO_BIG, text)
             self._session.refuse(ProtocolError("limit_exceeded", text))
             # the state is no longer open, so `flush` would not send it
             self._transport.writelines(self._session.outbox.take(WRITE_HIGH_WATER_BYTES))
@@ -375,49 +389,30 @@ class Connection(asyncio.BufferedProtocol):
         grown = self._transport.get_write_buffer_size() - backlog
         self._protocol_backlog = self._protocol_backlog + grown if self._paused else 0
         if self._protocol_backlog > MAX_PROTOCOL_BACKLOG_BYTES:
-            logger.warning("%s sends pings and reads nothing, cut off", self.address)
-            self.abort()
+            self.abort(Why("gateway", "abuse", "it sends pings and reads nothing"))
 
-    def _check_progress(self, now_s: float) -> None:
+    # Time
+
+    def _end(self, session: Session | None, error: Exception | None, now_s: float) -> End:
+        why = self._why or ended_elsewhere(
+            self._protocol, error, was_open=session is not None, is_silent=not self._bytes_in
+        )
+        end = End(self.name, why, now_s - self._opened_s, self._bytes_in)
+        if session is None:
+            return end
+        return replace(end, messages_in=session.received, frames_out=session.outbox.sent)
+
+    def _check(self, now_s: float, session: Session) -> None:
         unsent_bytes = self._transport.get_write_buffer_size()
-        if not self._paused or unsent_bytes < self._unsent_bytes:
-            self._progress_s = now_s
-            if self._paused and self._pinged_s is not None:
-                self._pinged_s = now_s  # our ping is still behind the bytes being taken
-        elif now_s - self._progress_s > self._limits.send_deadline_s:
-            logger.warning(
-                "%s took nothing for %g s, cut off", self.address, self._limits.send_deadline_s
-            )
-            self.abort()
-        self._unsent_bytes = unsent_bytes
-
-    def _check_backlog(self, now_s: float) -> None:
-        assert self._session is not None  # noqa: S101  # the state is open
-        outbox = self._session.outbox
-        if outbox.overflowed:
-            self.close(SLOW_CONSUMER, "slow consumer: answers alone exceed the send queue")
-        elif not self._paused or outbox.excess <= outbox.max_bytes // 2:
-            # While the socket takes bytes, the queue waits for us: a picture being encoded, say.
-            self._crowded_s = None
-        elif self._crowded_s is None:
-            self._crowded_s = now_s
-        elif now_s - self._crowded_s > self._limits.slow_consumer_s:
-            self.close(
-                SLOW_CONSUMER,
-                f"slow consumer: over half of {outbox.max_bytes} bytes waiting"
-                f" for {self._limits.slow_consumer_s:g} s",
-            )
-
-    def _keep_alive(self, now_s: float) -> None:
-        if self._inbound.is_paused:  # a pong could not be read
-            self._heard_s, self._pinged_s = now_s, None
-        elif self._pinged_s is None:
-            if now_s - self._heard_s > self._limits.ping_interval_s:
-                self._pinged_s = now_s
+        sending = Sending(session.outbox, unsent_bytes, self._paused)
+        match self._keep_alive.check(now_s, sending, is_read=not self._inbound.is_paused):
+            case Ping():
                 self._protocol.send_ping(b"")
                 self._write_protocol_output()
-        elif now_s - self._pinged_s > self._limits.ping_timeout_s:
-            self.close(HEARTBEAT_TIMEOUT, f"no pong within {self._limits.ping_timeout_s:g} s")
+            case Close(code, reason):
+                self.close(code, reason)
+            case Abort(reason):
+                self.abort(Why("gateway", "send_timeout", f"it {reason}"))
 
 
 def _quiet_logger() -> logging.Logger:

@@ -4,10 +4,10 @@
 import logging
 import socket
 from collections.abc import Callable, Mapping, Sequence
+from http import HTTPStatus
 from typing import Any, Final
 from urllib.parse import urlsplit
 
-import orjson
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 from websockets.server import ServerProtocol
@@ -15,6 +15,8 @@ from websockets.typing import Subprotocol
 
 from gateway.access.credentials import SUBPROTOCOL, CredentialsError, check_target, token_in
 from gateway.access.web_rules import WebRules, is_plain
+from gateway.server import health
+from gateway.server.health import Health
 
 logger = logging.getLogger(__name__)
 
@@ -47,10 +49,17 @@ _METHODS: Final = frozenset({"GET", "HEAD"})
 class HttpFront:
     """Answers HTTP requests; `is_encrypted` says whether clients need ``wss://``."""
 
-    def __init__(self, path: str, rules: WebRules, health: Callable[[], Mapping[str, Any]]) -> None:
+    def __init__(
+        self,
+        path: str,
+        rules: WebRules,
+        find_health: Callable[[], Health],
+        details: Callable[[], Mapping[str, Any]],
+    ) -> None:
         self._path = path
         self._rules = rules
-        self._health = health
+        self._health = find_health
+        self._details = details
         self.is_encrypted = False
 
     def respond(self, protocol: ServerProtocol, request: Request) -> Response:
@@ -86,11 +95,11 @@ class HttpFront:
             response.headers["Allow"] = "GET, HEAD"
             return response
         path = urlsplit(request.path).path
-        if path == "/healthz":
-            body = orjson.dumps(
-                self._health(), option=orjson.OPT_INDENT_2 | orjson.OPT_APPEND_NEWLINE
-            )
-            return _page(protocol, request, body.decode(), "application/json")
+        if path in health.PATHS:
+            status, text = self._health().page(path, self._details)
+            response = _page(protocol, request, text, "application/json")
+            response.status_code, response.reason_phrase = status, HTTPStatus(status).phrase
+            return response
         if path != self._path:
             return protocol.reject(404, f"nothing here; the WebSocket is at {self._path}\n")
         check_target(request.path)

@@ -4,11 +4,12 @@
 import asyncio
 import contextlib
 import ipaddress
+import itertools
 import logging
 import ssl
 import time
 from collections import Counter
-from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+from collections.abc import AsyncIterator, Callable, Iterator, Mapping, Sequence
 from typing import Any, Final
 
 from websockets.http11 import Request, Response
@@ -18,6 +19,7 @@ from gateway.access.permissions import Policy
 from gateway.access.tokens import Tokens
 from gateway.access.web_rules import WebRules
 from gateway.config.limits import Limits
+from gateway.faults import Fault
 from gateway.protocol.session import Session
 from gateway.router.router import Router
 from gateway.server.admission import (
@@ -29,7 +31,9 @@ from gateway.server.admission import (
 )
 from gateway.server.close_codes import GOING_AWAY
 from gateway.server.connection import Connection
+from gateway.server.end import End, Reason, Why
 from gateway.server.forwarded import client_address
+from gateway.server.health import FindFaults, Health, no_faults
 from gateway.server.http import HttpFront, own_names
 from gateway.server.time_budget import TimeBudgets
 
@@ -50,7 +54,7 @@ TICK_S: Final = 0.25  # how exactly times are kept; 4 wake-ups a second are not 
 class Server:
     """The connected clients, and the listening sockets."""
 
-    def __init__(
+    def __init__(  # noqa: PLR0913  # one argument for each part that it shares
         self,
         router: Router,
         *,
@@ -60,14 +64,18 @@ class Server:
         web_rules: WebRules | None = None,
         admission: MakeAdmission = everybody,
         version: str = "",
+        find_faults: FindFaults = no_faults,
     ) -> None:
         self.limits = limits
         self.budgets = TimeBudgets(limits.client_time_share, limits.address_time_share)
         self._trusted_proxies = tuple(map(ipaddress.ip_network, trusted_proxies))
         self._router = router
-        self._http = HttpFront(path, web_rules or WebRules(own_names()), self.health)
+        self._http = HttpFront(path, web_rules or WebRules(own_names()), self.judged, self.health)
+        self._find_faults = find_faults
         self._admission = admission(self._room_for)
         self._version = version
+        self.numbers: Iterator[int] = itertools.count(1)
+        self.ends: Counter[Reason] = Counter()
         self._connections: dict[Connection, None] = {}  # the oldest first
         self._started_s = time.monotonic()
         self._all_gone = asyncio.Event()
@@ -122,14 +130,25 @@ class Server:
             ticking.cancel()
             await self._close_all()
 
+    def judged(self) -> Health:
+        """Return what is wrong with the gateway."""
+        limits = self.limits
+        clients = sum(
+            1 for each in self._connections if each.session is not None and each.session.identity
+        )
+        faults = list(self._find_faults())
+        if clients >= limits.max_clients:
+            text = f"there are {clients} clients, as many as may be: further ones are refused"
+            faults.append(Fault("degraded", text))
+        return Health(tuple(faults))
+
     def health(self) -> Mapping[str, Any]:
-        """Return the members of /healthz."""
+        """Return what /healthz has beside the judgement."""
         totals = dict(self._totals)
         for connection in self._connections:
             if connection.session is not None:
                 _add(totals, connection.session)
         return {
-            "status": "ok",
             "version": self._version,
             "uptime_s": round(time.monotonic() - self._started_s, 1),
             **self._router.counts(),
@@ -149,8 +168,8 @@ class Server:
         if len(half_open) > MAX_HANDSHAKES:
             counts = Counter(other.address for other in half_open)
             oldest = max(half_open, key=lambda other: counts[other.address])  # the first of equals
-            logger.debug("no handshake from %s, and %d wait", oldest.address, MAX_HANDSHAKES)
-            oldest.abort()
+            text = f"no handshake, and {MAX_HANDSHAKES} others wait"
+            oldest.abort(Why("gateway", "handshake", text))
         leaving = [other for other in self._connections if other.is_leaving]
         if len(leaving) > MAX_LEAVING:
             leaving[0].abort()
@@ -187,6 +206,7 @@ class Server:
             connection.turn_away(error.close_code, str(error), error.status)
             return None
         session = self._router.enter(connection.flush, connection.address, identity)
+        session.client = connection.name
         self._admission.enter(connection, session, request, time.monotonic())
         return session
 
@@ -207,15 +227,19 @@ class Server:
         """Carry out what a session's messages deferred."""
         self._router.end_turn(session)
 
-    def left(self, connection: Connection, session: Session | None) -> None:
+    def left(self, connection: Connection, session: Session | None, end: End) -> None:
         """Close everything that a connection had open."""
         self._connections.pop(connection, None)
         if not self._connections:
             self._all_gone.set()
         self._admission.left(connection, session)
-        if session is not None:
-            _add(self._totals, session)
-            self._router.leave(session)
+        try:
+            if session is not None:
+                _add(self._totals, session)
+                self._router.leave(session)
+        finally:  # after a robot was stopped
+            self.ends[end.why.reason] += 1
+            end.log()
 
     async def _tick(self) -> None:
         while True:
@@ -227,8 +251,9 @@ class Server:
                 try:
                     connection.tick(now_s)
                 except Exception:  # our bug: it must not end the others' keep-alive
-                    logger.exception("keeping the times of %s failed", connection.address)
-                    connection.abort()
+                    client = {"client": connection.name}
+                    logger.exception("keeping the times of a client failed", extra=client)
+                    connection.abort(Why("gateway", "internal_error", "internal error"))
 
     async def _close_all(self) -> None:
         for connection in list(self._connections):

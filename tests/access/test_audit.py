@@ -51,6 +51,13 @@ def test_an_event_is_one_line_of_json_for_the_log_and_the_file(clock, caplog):
     assert caplog.records[0].name == "gateway.audit"
 
 
+def test_a_record_has_its_client_and_topic_and_is_not_bounded_twice(clock, caplog):
+    with caplog.at_level(logging.INFO, "gateway.audit"):
+        Audit(clock).record("stop", topic="/cmd_vel", address="10.0.0.5")
+    (record,) = caplog.records
+    assert (record.client, record.topic, record.is_bounded) == ("10.0.0.5", "/cmd_vel", True)
+
+
 @given(st.text())
 def test_no_text_ends_its_line_or_is_longer_than_allowed(text):
     lines: list[str] = []
@@ -194,6 +201,7 @@ def test_a_full_disk_is_said_once_and_when_it_is_over(tmp_path, monkeypatch, cap
     for _ in range(3):
         file.write("lost")
         assert done.acquire(timeout=TIMEOUT_S)
+    assert [fault.severity for fault in file.faults()] == ["degraded"]
     is_full = False
     file.write("kept")
     close(file)

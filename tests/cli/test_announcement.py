@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+import json
 from pathlib import Path
 
 import pytest
@@ -6,7 +7,7 @@ import pytest
 from gateway.access.posture import Posture
 from gateway.app import Listening
 from gateway.cli import announcement
-from gateway.cli.announcement import own_url, qr_code, qr_text, wscat_command
+from gateway.cli.announcement import filled, own_url, qr_code, qr_text
 
 LAN = (("0.0.0.0", 9090), ("::", 9090))  # noqa: S104  # of a text, not bound
 HERE = (("127.0.0.1", 9090),)
@@ -85,8 +86,8 @@ def test_the_address_on_this_machine_can_be_typed(addresses, url):
 
 def test_the_command_for_this_machine_has_the_token():
     here = listening(HERE, "admin")
-    assert wscat_command(here) == "npx wscat -c ws://localhost:9090/"
-    assert wscat_command(listening(new_token="r2g_x")).endswith("Bearer r2g_x'")  # noqa: S106
+    assert filled("WSCAT", here) == "npx wscat -c ws://localhost:9090/"
+    assert filled("WSCAT", listening(new_token="r2g_x")).endswith("Bearer r2g_x'")  # noqa: S106
 
 
 @pytest.mark.parametrize(
@@ -108,3 +109,22 @@ def test_a_qr_code_fits_a_terminal():
     drawn = qr_code(f"http://{HOME}:9090/#token=r2g_" + "x" * 43).splitlines()
     assert len(drawn) < 24
     assert max(map(len, drawn)) < 80
+
+
+def test_in_json_each_line_is_an_object_with_the_address():
+    there = listening(anonymous_role="viewer")
+    lines = [json.loads(line) for line in announcement.in_json(there, "paste this\ninto WSCAT")]
+    shown = announcement.announcement(there).splitlines()
+    messages = [line["message"] for line in lines]
+    assert messages[:-3] == [line.strip() for line in shown[:-1]]
+    assert messages[-3:] == [
+        "without a token, everybody on the network may watch",
+        "paste this",
+        "into npx wscat -c ws://localhost:9090/",
+    ]
+    assert [line["level"] for line in lines] == ["info"] * len(shown[:-1]) + [
+        "warning",
+        "info",
+        "info",
+    ]
+    assert {line["url"] for line in lines} == {"ws://localhost:9090/"}

@@ -3,6 +3,8 @@
 
 import asyncio
 import contextlib
+import os
+import signal
 import sys
 import time
 from collections.abc import AsyncIterator
@@ -145,3 +147,27 @@ async def test_a_guard_that_does_not_end_is_killed(monkeypatch):
 def test_the_guard_acts_after_the_deadline_and_before_150_ms_more():
     # a command may follow the last `moving` by REPEAT_S
     assert REPEAT_S < MARGIN_S < 0.1
+
+
+async def test_a_lost_guard_is_a_fault_until_another_is_ready():
+    async with supervised(ANSWERS) as (guard, states):
+        await eventually(lambda: states == ["ready"])
+        assert guard.faults() == ()
+        assert guard.pid is not None
+        os.kill(guard.pid, signal.SIGKILL)
+        await eventually(lambda: states == ["ready", "lost"])
+        (fault,) = guard.faults()
+        assert fault.severity == "degraded"
+        assert fault.text.startswith("the guard process has ended: commands to move are refused")
+        await eventually(lambda: states == ["ready", "lost", "ready"])
+        assert guard.faults() == ()
+
+
+async def test_a_guard_that_does_not_become_ready_is_a_fault(monkeypatch):
+    monkeypatch.setattr(supervisor, "SLOW_START_S", 0.1)
+    async with GuardProcess("_guard", "/", None, deadline_s=0.5) as guard:
+        guard.command = (sys.executable, "-c", "input()")
+        assert guard.faults() == ()  # it is not started
+        guard.start()
+        await eventually(lambda: bool(guard.faults()))
+        assert "the guard process has not become ready within" in guard.faults()[0].text

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from gateway.codec.types import Types
+from gateway.faults import Fault
 from gateway.ports import (
     MAX_TAKES_PER_TURN,
     GoalRequest,
@@ -185,6 +186,7 @@ class FakeRos:
         self.action_servers: list[FakeActionServer] = []
         self.watches: list[FakeWatch] = []
         self.logged: list[tuple[LogLevel, str]] = []
+        self.found: list[Fault] = []
         self._types = Types(InstalledDefinitions())
         self._is_changing = False
 
@@ -193,6 +195,9 @@ class FakeRos:
     @property
     def distro(self) -> str:
         return "jazzy"
+
+    def faults(self) -> Sequence[Fault]:
+        return self.found
 
     def now_ns(self) -> int:
         return self.now

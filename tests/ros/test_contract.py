@@ -71,6 +71,10 @@ async def until_it_flows(publisher: Publisher, received: Received, first: int = 
     await eventually(arrived)
 
 
+async def test_nothing_is_wrong_with_ros_that_runs(robot: Robot) -> None:
+    assert list(robot.ros.faults()) == []
+
+
 async def test_samples_of_an_outside_publisher_arrive_in_order_and_unchanged(robot: Robot) -> None:
     received, _ = subscribe(robot, "/count")
     publisher = robot.world.add_publisher("/count", INT32)

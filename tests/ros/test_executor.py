@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
+import os
 import threading
+import time
+from collections.abc import Callable, Iterator
 from threading import Thread
 from types import SimpleNamespace
 
@@ -8,6 +11,7 @@ from rclpy.context import Context
 
 from gateway.ros import executor as module
 from gateway.ros.executor import ExecutorThread
+from tests.client import TIMEOUT_S
 
 
 class Failing:
@@ -45,3 +49,54 @@ def test_a_fault_that_comes_back_at_once_is_logged_once_a_second(
     spinning._thread.join()
     assert stopping.pauses_s == [1.0, 1.0, 1.0]
     assert caplog.messages == ["callback of ROS failed"] * 3
+
+
+@pytest.fixture(params=[False, True], ids=["events", "standard"])
+def spinning(request: pytest.FixtureRequest) -> Iterator[ExecutorThread]:
+    context = Context()
+    context.init(args=[], domain_id=int(os.environ["ROS_DOMAIN_ID"]))
+    spinning = ExecutorThread(context, standard=request.param)
+    yield spinning
+    spinning.close()
+    context.try_shutdown()
+
+
+def wait_until(condition: Callable[[], bool]) -> None:
+    end_s = time.monotonic() + TIMEOUT_S
+    while not condition():
+        assert time.monotonic() < end_s
+        time.sleep(0.01)
+
+
+def test_a_callback_that_hangs_is_a_fault_until_it_has_ended(
+    spinning: ExecutorThread, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "STUCK_S", 0.2)
+    began, go_on = threading.Event(), threading.Event()
+    spinning._executor.create_task(lambda: (began.set(), go_on.wait(20)))
+    assert began.wait(TIMEOUT_S)
+    assert spinning.faults() == ()  # nothing is known yet: this asks
+    wait_until(lambda: bool(spinning.faults()))
+    (fault,) = spinning.faults()
+    assert fault.severity == "not ready"
+    assert "callbacks of ROS have hung for" in fault.text
+    go_on.set()
+    wait_until(lambda: spinning.faults() == ())
+
+
+def test_an_idle_executor_answers_each_time(
+    spinning: ExecutorThread, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "STUCK_S", 0)
+    for _ in range(3):
+        assert spinning.faults() == ()
+        wait_until(lambda: spinning._asked_s is None)
+
+
+def test_a_thread_that_has_ended_is_the_end() -> None:
+    context = Context()
+    context.init(args=[], domain_id=int(os.environ["ROS_DOMAIN_ID"]))
+    spinning = ExecutorThread(context)
+    spinning.close()
+    assert [fault.severity for fault in spinning.faults()] == ["dead"]
+    context.try_shutdown()

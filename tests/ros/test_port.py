@@ -433,3 +433,27 @@ async def test_what_has_just_come_is_known_before_the_graphs_thread_tells(
             time.sleep(0.01)  # noqa: ASYNC251
         assert ros.service_types("/new") == (SET_BOOL,)
         assert ros.action_types("/new") == (FIBONACCI,)
+
+
+async def test_ros_that_has_shut_down_below_the_gateway_is_a_fault_that_only_a_restart_mends():
+    async with open_ros(RosOptions(node_prefix="fallen")) as ros:
+        assert isinstance(ros, RclpyRos)
+        assert list(ros.faults()) == []
+        ros._debug.context.try_shutdown()
+        (fault,) = ros.faults()
+        assert (fault.severity, fault.text.partition(":")[0]) == (
+            "dead",
+            "ROS has shut down below the gateway",
+        )
+
+
+async def test_a_graph_that_nobody_follows_is_a_fault():
+    async with open_ros(RosOptions(node_prefix="blind")) as ros:
+        assert isinstance(ros, RclpyRos)
+        ros._changes._stopping.set()
+        assert ros._changes._wait_set is not None
+        ros._changes._wait_set.wake()
+        ros._changes._thread.join()
+        assert [fault.text for fault in ros.faults()] == [
+            "the thread that follows the ROS graph has ended"
+        ]

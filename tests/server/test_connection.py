@@ -16,6 +16,7 @@ from gateway.server import connection as connection_module
 from gateway.server import inbound as inbound_module
 from gateway.server import time_budget as time_budget_module
 from gateway.server.connection import Connection
+from gateway.server.end import End
 from gateway.server.server import Server
 from tests.ros.fake import FakeRos
 from tests.server.conftest import Serve
@@ -96,9 +97,9 @@ class Acceptor:
         self.received.append(data)
         self._server.receive(session, data)
 
-    def left(self, connection: Connection, session: Session | None) -> None:
+    def left(self, connection: Connection, session: Session | None, end: End) -> None:
         self._pass_time(self.leaving_cost_s)
-        self._server.left(connection, session)
+        self._server.left(connection, session, end)
 
 
 class Wire(Timers):

@@ -13,10 +13,12 @@ from websockets.frames import Frame, Opcode
 from gateway.ports import Qos
 from gateway.router.topics.encoding import Encoding
 from gateway.server.connection import Connection
+from gateway.server.end import End, Why
 from tests.client import TIMEOUT_S, Client, client, eventually
 from tests.server.conftest import Serve, Served
 
 STRING = "std_msgs/msg/String"
+END = End("10.0.0.1#1", Why("network", "lost", "no closing handshake"), 1.0, 0)
 
 
 async def closing(speaker: Client) -> tuple[int, str]:
@@ -230,7 +232,8 @@ class Newcomer:
     def is_half_open(self) -> bool:
         return not self.is_leaving
 
-    def abort(self) -> None:
+    def abort(self, why: Why) -> None:
+        assert why.text == "no handshake, and 64 others wait"
         self.is_leaving = True
 
     def tick(self, now_s: float) -> None: ...
@@ -251,7 +254,7 @@ async def test_of_more_than_64_handshakes_the_oldest_of_the_greediest_address_is
         assert [each.is_leaving for each in greedy] == [True] * 10 + [False] * 34
         assert not any(each.is_leaving for each in (*modest, *newcomers))
         for each in (*modest, *greedy, *newcomers):
-            served.server.left(each, None)
+            served.server.left(each, None, END)
 
 
 async def test_of_more_than_64_that_were_turned_away_the_oldest_is_cut_off(serve: Serve):
@@ -263,7 +266,7 @@ async def test_of_more_than_64_that_were_turned_away_the_oldest_is_cut_off(serve
             served.server.arrive(each)
         assert cut_off == leaving[:1]
         for each in leaving:
-            served.server.left(each, None)
+            served.server.left(each, None, END)
 
 
 async def test_half_open_sockets_do_not_lock_a_client_out(serve: Serve):

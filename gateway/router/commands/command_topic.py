@@ -257,7 +257,10 @@ class CommandTopic:
                     self._tell_clamped(effect)
                 case Stopped(cause):
                     level = logging.WARNING if effect.is_tripped else logging.DEBUG
-                    logger.log(level, "%s stopped: %s", self.name, CAUSE_TEXTS[cause])
+                    extra: dict[str, str] = {"topic": self.name}
+                    if isinstance(effect.client, Session):
+                        extra["client"] = effect.client.client
+                    logger.log(level, "stopped: %s", CAUSE_TEXTS[cause], extra=extra)
                     self._record("stop", effect.client, cause=cause, tripped=effect.is_tripped)
                 case Changed():
                     self._record_holder()
@@ -296,7 +299,7 @@ class CommandTopic:
         try:
             self._publisher.publish(cdr)
         except RosError as error:
-            logger.error("%s: %s", self.name, error)
+            logger.error("%s", error, extra={"topic": self.name})
 
     def _refuse(self, refused: Refused) -> None:
         session, request = refused.command.client, refused.command.request

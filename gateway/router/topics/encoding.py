@@ -38,6 +38,7 @@ class Encoding:
         self, key: EncodingKey, encode: Encode, on_error: Callable[[CodecError], None]
     ) -> None:
         self.subscriptions: list[Subscription] = []
+        self.topic = key.requested_name
         self.frames = publish_frames(key.requested_name, key.compression)
         self._encode = encode
         self._on_error = on_error
@@ -101,7 +102,8 @@ class WorkerEncoding(Encoding):
             if isinstance(error, CodecError):
                 self._on_error(error)
             else:
-                logger.error("encoding a sample failed", exc_info=error)
+                extra = {"topic": self.topic}
+                logger.error("encoding a sample failed", exc_info=error, extra=extra)
             shared.supply(NOTHING)
         self._on_ready()
 

@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The end of a connection: who ended it, why, and what it was until then."""
+
+import logging
+from dataclasses import dataclass
+from typing import Final, Literal
+
+from websockets.server import ServerProtocol
+
+from gateway.codec.error_text import truncate
+from gateway.server.close_codes import (
+    GOING_AWAY,
+    HEARTBEAT_TIMEOUT,
+    INTERNAL_ERROR,
+    INVALID_DATA,
+    MESSAGE_TOO_BIG,
+    OVER_CAPACITY,
+    POLICY_VIOLATION,
+    PROTOCOL_ERROR,
+    ROLE_REMOVED,
+    SLOW_CONSUMER,
+    UNAUTHENTICATED,
+)
+
+By = Literal["client", "gateway", "network"]
+
+# A few words of ours, so that they can be counted: whatever clients do, there are no others.
+Reason = Literal[
+    "closed",  # by the client, with any code
+    "lost",  # without a closing handshake: killed, reset, out of reach
+    "http",  # a page or the health was asked for, and answered
+    "handshake",  # no WebSocket came of it
+    "going_away",  # the gateway shuts down, or the permissions have changed
+    "over_capacity",
+    "unauthenticated",
+    "role_removed",
+    "heartbeat_timeout",
+    "slow_consumer",
+    "send_timeout",  # the client takes nothing
+    "abuse",  # more frames or pings, or refused operations, than are allowed
+    "protocol_error",
+    "invalid_data",
+    "message_too_big",
+    "internal_error",
+]
+
+_REASONS: Final[dict[int, Reason]] = {
+    GOING_AWAY: "going_away",
+    PROTOCOL_ERROR: "protocol_error",
+    INVALID_DATA: "invalid_data",
+    POLICY_VIOLATION: "abuse",
+    MESSAGE_TOO_BIG: "message_too_big",
+    INTERNAL_ERROR: "internal_error",
+    OVER_CAPACITY: "over_capacity",
+    UNAUTHENTICATED: "unauthenticated",
+    ROLE_REMOVED: "role_removed",
+    HEARTBEAT_TIMEOUT: "heartbeat_timeout",
+    SLOW_CONSUMER: "slow_consumer",
+}
+_LEVELS: Final[dict[Reason, int]] = {
+    "http": logging.DEBUG,  # health is asked for every few seconds
+    "unauthenticated": logging.WARNING,
+    "abuse": logging.WARNING,
+    "send_timeout": logging.WARNING,
+}
+
+logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class Why:
+    """The cause of an end, in a word to count by and in words to read."""
+
+    by: By
+    reason: Reason
+    text: str
+    code: int | None = None  # of the close frame, or of an HTTP response
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    """A connection that is over."""
+
+    client: str  # address and number
+    why: Why
+    lasted_s: float
+    bytes_in: int
+    messages_in: int = 0
+    frames_out: int = 0
+
+    def log(self) -> None:
+        """Write the one line about it."""
+        why = self.why
+        logger.log(
+            _LEVELS.get(why.reason, logging.INFO),
+            "ended by the %s after %.1f s: %s",
+            why.by,
+            self.lasted_s,
+            truncate(why.text if why.code is None else f"{why.code} {why.text}".rstrip()),
+            extra={
+                "client": self.client,
+                "reason": why.reason,
+                "by": why.by,
+                "code": why.code,
+                "lasted_s": round(self.lasted_s, 3),
+                "bytes_in": self.bytes_in,
+                "messages_in": self.messages_in,
+                "frames_out": self.frames_out,
+            },
+        )
+
+
+def closed_by_gateway(code: int, text: str) -> Why:
+    """Return the cause of an end by a closing handshake that the gateway began."""
+    return Why("gateway", _REASONS.get(code, "protocol_error"), text, code)
+
+
+def answered(status: int, text: str) -> Why:
+    """Return the cause of an end by an HTTP response that begins no WebSocket."""
+    return Why("gateway", "http" if status < 400 else "handshake", text, status)
+
+
+def ended_elsewhere(
+    protocol: ServerProtocol, error: Exception | None, *, was_open: bool, is_silent: bool
+) -> Why:
+    """Return the cause of an end that the connection has not brought about itself.
+
+    *was_open* is true of a WebSocket, *is_silent* of who has sent nothing at all, *error* is of the
+    socket.
+    """
+    if protocol.close_rcvd is not None:
+        return Why("client", "closed", protocol.close_rcvd.reason, protocol.close_rcvd.code)
+    if protocol.close_sent is not None:  # `websockets` has found a frame that is none
+        return closed_by_gateway(protocol.close_sent.code, protocol.close_sent.reason)
+    text = ((error.strerror if isinstance(error, OSError) else None) or str(error)).lower()
+    if was_open:
+        return Why("network", "lost", "no closing handshake" if error is None else text)
+    refusal = protocol.handshake_exc
+    if refusal is not None and not isinstance(refusal.__cause__, EOFError):
+        return Why("gateway", "handshake", f"its request is too large: {refusal}")
+    if error is not None:
+        return Why("network", "handshake", text)
+    sent = "nothing" if is_silent else "no whole request"
+    return Why("client", "handshake", f"it has sent {sent}")

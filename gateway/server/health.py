@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The health of the gateway, as supervisors of processes ask for it: is it alive, is it ready?
+
+Whoever gets an answer at all knows that the event loop turns.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import orjson
+
+from gateway.faults import Fault, Severity
+
+PATH: Final = "/healthz"
+LIVE: Final = "/healthz/live"
+READY: Final = "/healthz/ready"
+PATHS: Final = frozenset({PATH, LIVE, READY})
+
+_OK: Final = 200
+_UNAVAILABLE: Final = 503
+_WORST_FIRST: Final[tuple[Severity, ...]] = ("dead", "not ready", "degraded")
+
+FindFaults = Callable[[], Iterable[Fault]]
+
+
+def no_faults() -> Sequence[Fault]:
+    """Find nothing wrong."""
+    return ()
+
+
+@dataclass(frozen=True, slots=True)
+class Health:
+    """The faults that there are, and what follows from them."""
+
+    faults: tuple[Fault, ...] = ()
+
+    @property
+    def status(self) -> str:
+        """The severity of the worst fault, or ``ok``."""
+        found = {fault.severity for fault in self.faults}
+        return next((each for each in _WORST_FIRST if each in found), "ok")
+
+    @property
+    def is_live(self) -> bool:
+        """False if only another start helps."""
+        return self.status != "dead"
+
+    @property
+    def is_ready(self) -> bool:
+        """True if clients are served, though perhaps not with everything."""
+        return self.status in {"ok", "degraded"}
+
+    def reasons(self) -> list[str]:
+        """Return the faults in words, the worst first."""
+        faults = sorted(self.faults, key=lambda fault: _WORST_FIRST.index(fault.severity))
+        return [fault.text for fault in faults]
+
+    def page(self, path: str, details: Callable[[], Mapping[str, Any]]) -> tuple[int, str]:
+        """Return the HTTP status and the text of one of `PATHS`; *details* are for `PATH`."""
+        is_good = self.is_live if path == LIVE else self.is_ready
+        body: dict[str, Any] = {
+            "status": self.status,
+            "live": self.is_live,
+            "ready": self.is_ready,
+            "reasons": self.reasons(),
+        }
+        if path == PATH:
+            body |= details()
+        text = orjson.dumps(body, option=orjson.OPT_INDENT_2 | orjson.OPT_APPEND_NEWLINE)
+        return _OK if is_good else _UNAVAILABLE, text.decode()
