@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The gateway at one moment, as data: what /metrics and /diagnostics are made from."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from gateway.metrics.histogram import Observed
+
+
+class Delivery(NamedTuple):
+    """The samples that were offered to clients, and what has become of them.
+
+    ``offered == sent + coalesced + dropped + pending`` at every moment.
+    """
+
+    offered: int = 0
+    sent: int = 0
+    sent_bytes: int = 0
+    coalesced: int = 0  # a throttle let a newer one pass in their place
+    dropped: int = 0  # a full queue, no encoding, or the end of the subscription
+    pending: int = 0  # in a queue, or held by a throttle
+
+    def plus(self, other: "Delivery") -> "Delivery":
+        """Return the counts of both."""
+        return Delivery(*map(sum, zip(self, other, strict=True)))
+
+
+class ClientTopic(NamedTuple):
+    """What one client gets from one topic, by all its subscriptions to it."""
+
+    client: str
+    topic: str
+    delivery: Delivery
+
+
+class ClientPublication(NamedTuple):
+    """What one client has published on one topic."""
+
+    client: str
+    topic: str
+    messages: int
+    size: int  # bytes of CDR
+
+
+class TopicState(NamedTuple):
+    """One topic, with what clients had of it that have left."""
+
+    topic: str
+    received: int  # from ROS
+    received_bytes: int
+    subscriptions: int  # of clients
+    delivery: Delivery
+    published: int  # by clients
+    published_bytes: int
+    latency: Observed
+
+
+class DriveState(NamedTuple):
+    """One command topic."""
+
+    topic: str
+    motion: str
+    is_tripped: bool
+    cause: str | None  # of the last stop, in words
+    is_held: bool  # a client has the lease
+    is_guarded: bool
+    stops: Mapping[str, int]  # by cause
+
+
+class Traffic(NamedTuple):
+    """What passes through the router, and what it has open."""
+
+    client_topics: tuple[ClientTopic, ...]
+    publications: tuple[ClientPublication, ...]
+    topics: tuple[TopicState, ...]
+    drives: tuple[DriveState, ...]
+    counts: Mapping[str, int]  # of open entities, by kind
+    guard_is_ready: bool
+    guard_losses: int
+    max_ros_entities: int
+
+
+class ClientState(NamedTuple):
+    """One client, authenticated or not."""
+
+    client: str
+    address: str
+    operations: int
+    refused: int
+    replaced: int
+    frames: int
+    dropped: int  # in all its queues
+    time_s: float  # of the event loop, for what it has sent
+    pauses: int
+    latency: Observed
+
+
+class AddressState(NamedTuple):
+    """The time budget of an address that has connections."""
+
+    address: str
+    time_s: float
+    pauses: int
+
+
+class State(NamedTuple):
+    """All of it."""
+
+    traffic: Traffic
+    clients: tuple[ClientState, ...]
+    addresses: tuple[AddressState, ...]
+    connections: int
+    unauthenticated: int
+    max_clients: int
+    tasks: int
+    uptime_s: float
+    version: str
+    sessions: int  # that were ever opened
+    operations: int
+    refused: int
+    replaced: int
+    frames: int
+    time_s: float
+    pauses: int
+    handshakes_refused: Mapping[str, int]  # by reason
+    authentication_failures: Mapping[str, int]  # by reason
+    ends: Mapping[tuple[str, str], int]  # of connections, by who ended it and close code
+    lag: Observed
+    max_lag_s: float  # of the last seconds
