@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Final, Literal, NamedTuple
 
 from gateway.metrics.histogram import Observed
-from gateway.metrics.state import ClientState, ClientTopic, Delivery, State, TopicState
+from gateway.metrics.state import ClientState, ClientTopic, Delivery, State, Summary, TopicState
 
 PREFIX: Final = "ros2_gateway_"
 
@@ -36,12 +36,12 @@ class TimeFamily(NamedTuple):
     labels: tuple[str, ...] = ()
 
 
-def _one(value: Callable[[State], float]) -> Callable[[State], Rows]:
-    return lambda state: [((), value(state))]
+def _one(value: Callable[[Summary], float]) -> Callable[[State], Rows]:
+    return lambda state: [((), value(state.summary))]
 
 
 def _of_clients(value: Callable[[ClientState], float]) -> Callable[[State], Rows]:
-    return lambda state: (((each.client,), value(each)) for each in state.clients)
+    return lambda state: (((each.client,), value(each)) for each in state.summary.clients)
 
 
 def _of_topics(value: Callable[[TopicState], float]) -> Callable[[State], Rows]:
@@ -87,7 +87,7 @@ FAMILIES: Final[tuple[Family, ...]] = (
         "info",
         "gauge",
         "The version of the gateway.",
-        lambda state: [((state.version,), 1)],
+        lambda state: [((state.summary.version,), 1)],
         ("version",),
     ),
     Family("uptime_seconds", "gauge", "Time since start.", _one(lambda state: state.uptime_s)),
@@ -112,13 +112,13 @@ FAMILIES: Final[tuple[Family, ...]] = (
         "ros_entities",
         "gauge",
         "Open ROS entities of all kinds.",
-        _one(lambda state: state.traffic.counts["ros_entities"]),
+        _one(lambda state: state.entities["ros_entities"]),
     ),
     Family(
         "ros_entities_limit",
         "gauge",
         "As many as may be open.",
-        _one(lambda state: state.traffic.max_ros_entities),
+        _one(lambda state: state.max_ros_entities),
     ),
     Family(
         "open",
@@ -126,26 +126,30 @@ FAMILIES: Final[tuple[Family, ...]] = (
         "What clients have open, by kind.",
         lambda state: (
             ((kind,), count)
-            for kind, count in state.traffic.counts.items()
+            for kind, count in state.summary.entities.items()
             if kind not in {"clients", "ros_entities"}
         ),
         ("kind",),
     ),
     Family("sessions", "counter", "Sessions opened.", _one(lambda state: state.sessions)),
-    Family("operations", "counter", "Messages of clients.", _one(lambda state: state.operations)),
+    Family(
+        "operations", "counter", "Messages of clients.", _one(lambda state: state.totals.operations)
+    ),
     Family(
         "operations_refused",
         "counter",
         "Operations answered with an error.",
-        _one(lambda state: state.refused),
+        _one(lambda state: state.totals.refused),
     ),
     Family(
         "operations_replaced",
         "counter",
         "Messages to publish that a newer one replaced, as the client was behind.",
-        _one(lambda state: state.replaced),
+        _one(lambda state: state.totals.replaced),
     ),
-    Family("frames_sent", "counter", "Frames sent to clients.", _one(lambda state: state.frames)),
+    Family(
+        "frames_sent", "counter", "Frames sent to clients.", _one(lambda state: state.totals.frames)
+    ),
     Family(
         "operations_seconds",
         "counter",
@@ -168,21 +172,21 @@ FAMILIES: Final[tuple[Family, ...]] = (
         "handshakes_refused",
         "counter",
         "Requests that did not become a client.",
-        lambda state: (((each,), n) for each, n in state.handshakes_refused.items()),
+        lambda state: (((each,), n) for each, n in state.summary.handshakes_refused.items()),
         ("reason",),
     ),
     Family(
         "authentication_failures",
         "counter",
         "Tokens that were wrong, or did not come in time.",
-        lambda state: (((each,), n) for each, n in state.authentication_failures.items()),
+        lambda state: (((each,), n) for each, n in state.summary.authentication_failures.items()),
         ("reason",),
     ),
     Family(
         "connections_ended",
         "counter",
         "Ends of connections, by who ended them and the close code.",
-        lambda state: state.ends.items(),
+        lambda state: state.summary.ends.items(),
         ("by", "code"),
     ),
     Family(
@@ -224,14 +228,14 @@ FAMILIES: Final[tuple[Family, ...]] = (
         "address_operations_seconds",
         "counter",
         "Time of the event loop for all clients of an address.",
-        lambda state: (((each.address,), each.time_s) for each in state.addresses),
+        lambda state: (((each.address,), each.time_s) for each in state.summary.addresses),
         ("address",),
     ),
     Family(
         "address_reading_pauses",
         "counter",
         "Pauses in reading from the clients of an address.",
-        lambda state: (((each.address,), each.pauses) for each in state.addresses),
+        lambda state: (((each.address,), each.pauses) for each in state.summary.addresses),
         ("address",),
     ),
     Family(
@@ -249,10 +253,10 @@ FAMILIES: Final[tuple[Family, ...]] = (
         _TOPIC,
     ),
     Family(
-        "topic_subscriptions",
+        "topic_clients",
         "gauge",
-        "Subscriptions of clients.",
-        _of_topics(lambda topic: topic.subscriptions),
+        "Clients that subscribe.",
+        _of_topics(lambda topic: topic.clients),
         _TOPIC,
     ),
     Family(
@@ -319,40 +323,42 @@ FAMILIES: Final[tuple[Family, ...]] = (
         "guard_up",
         "gauge",
         "1 while the guard process is ready.",
-        _one(lambda state: state.traffic.guard_is_ready),
+        _one(lambda state: state.control.guard_is_ready),
     ),
     Family(
         "guard_losses",
         "counter",
         "How often a guard process was lost.",
-        _one(lambda state: state.traffic.guard_losses),
+        _one(lambda state: state.control.guard_losses),
     ),
     Family(
         "drive_moving",
         "gauge",
         "1 while commands move the robot, or a stop is being sent.",
-        lambda state: (((each.topic,), each.motion != "stopped") for each in state.traffic.drives),
+        lambda state: (
+            ((each.topic,), each.motion != "stopped") for each in state.summary.control.drives
+        ),
         _TOPIC,
     ),
     Family(
         "drive_tripped",
         "gauge",
         "1 while commands to move are refused until one of zero comes.",
-        lambda state: (((each.topic,), each.is_tripped) for each in state.traffic.drives),
+        lambda state: (((each.topic,), each.is_tripped) for each in state.summary.control.drives),
         _TOPIC,
     ),
     Family(
         "drive_held",
         "gauge",
         "1 while a client has the lease.",
-        lambda state: (((each.topic,), each.is_held) for each in state.traffic.drives),
+        lambda state: (((each.topic,), each.is_held) for each in state.summary.control.drives),
         _TOPIC,
     ),
     Family(
         "drive_guarded",
         "gauge",
         "1 while the guard process is ready for this topic.",
-        lambda state: (((each.topic,), each.is_guarded) for each in state.traffic.drives),
+        lambda state: (((each.topic,), each.is_guarded) for each in state.summary.control.drives),
         _TOPIC,
     ),
     Family(
@@ -361,7 +367,7 @@ FAMILIES: Final[tuple[Family, ...]] = (
         "Stops, by their cause.",
         lambda state: (
             ((each.topic, cause), count)
-            for each in state.traffic.drives
+            for each in state.summary.control.drives
             for cause, count in each.stops.items()
         ),
         ("topic", "cause"),
@@ -372,7 +378,7 @@ TIME_FAMILIES: Final[tuple[TimeFamily, ...]] = (
     TimeFamily(
         "event_loop_lag_seconds",
         "How late the event loop wakes up, four times a second.",
-        lambda state: [((), state.lag)],
+        lambda state: [((), state.summary.lag)],
     ),
     TimeFamily(
         "topic_latency_seconds",
@@ -383,7 +389,7 @@ TIME_FAMILIES: Final[tuple[TimeFamily, ...]] = (
     TimeFamily(
         "client_latency_seconds",
         "The same, of all topics of one client.",
-        lambda state: (((each.client,), each.latency) for each in state.clients),
+        lambda state: (((each.client,), each.latency) for each in state.summary.clients),
         _CLIENT,
     ),
 )

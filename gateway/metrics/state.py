@@ -22,7 +22,14 @@ class Delivery(NamedTuple):
 
     def plus(self, other: "Delivery") -> "Delivery":
         """Return the counts of both."""
-        return Delivery(*map(sum, zip(self, other, strict=True)))
+        return Delivery(
+            self.offered + other.offered,
+            self.sent + other.sent,
+            self.sent_bytes + other.sent_bytes,
+            self.coalesced + other.coalesced,
+            self.dropped + other.dropped,
+            self.pending + other.pending,
+        )
 
 
 class ClientTopic(NamedTuple):
@@ -48,7 +55,7 @@ class TopicState(NamedTuple):
     topic: str
     received: int  # from ROS
     received_bytes: int
-    subscriptions: int  # of clients
+    clients: int  # that subscribe to it
     delivery: Delivery
     published: int  # by clients
     published_bytes: int
@@ -68,16 +75,19 @@ class DriveState(NamedTuple):
 
 
 class Traffic(NamedTuple):
-    """What passes through the router, and what it has open."""
+    """The samples and messages that pass between ROS and clients."""
 
     client_topics: tuple[ClientTopic, ...]
     publications: tuple[ClientPublication, ...]
     topics: tuple[TopicState, ...]
+
+
+class ControlState(NamedTuple):
+    """What moves robots, and what stops them."""
+
     drives: tuple[DriveState, ...]
-    counts: Mapping[str, int]  # of open entities, by kind
     guard_is_ready: bool
     guard_losses: int
-    max_ros_entities: int
 
 
 class ClientState(NamedTuple):
@@ -90,6 +100,7 @@ class ClientState(NamedTuple):
     replaced: int
     frames: int
     dropped: int  # in all its queues
+    coalesced: int
     time_s: float  # of the event loop, for what it has sent
     pauses: int
     latency: Observed
@@ -103,27 +114,44 @@ class AddressState(NamedTuple):
     pauses: int
 
 
-class State(NamedTuple):
-    """All of it."""
+class ClientTotals(NamedTuple):
+    """The counts of all clients there were."""
 
-    traffic: Traffic
-    clients: tuple[ClientState, ...]
-    addresses: tuple[AddressState, ...]
-    connections: int
-    unauthenticated: int
-    max_clients: int
-    tasks: int
-    uptime_s: float
-    version: str
-    sessions: int  # that were ever opened
     operations: int
     refused: int
     replaced: int
     frames: int
-    time_s: float
+    dropped: int
+    coalesced: int
+
+
+class Summary(NamedTuple):
+    """All but the traffic of topics: it is quick to make, also with many of them."""
+
+    version: str
+    uptime_s: float
+    clients: tuple[ClientState, ...]
+    addresses: tuple[AddressState, ...]
+    totals: ClientTotals
+    time_s: float  # of the event loop, for what clients have sent
     pauses: int
+    sessions: int  # that were ever opened
+    connections: int
+    unauthenticated: int
+    max_clients: int
+    tasks: int
+    entities: Mapping[str, int]  # that are open, by kind
+    max_ros_entities: int
+    control: ControlState
     handshakes_refused: Mapping[str, int]  # by reason
     authentication_failures: Mapping[str, int]  # by reason
     ends: Mapping[tuple[str, str], int]  # of connections, by who ended it and close code
     lag: Observed
     max_lag_s: float  # of the last seconds
+
+
+class State(NamedTuple):
+    """All of it, at one moment."""
+
+    summary: Summary
+    traffic: Traffic

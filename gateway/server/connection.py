@@ -361,19 +361,19 @@ class Connection(asyncio.BufferedProtocol):
 
     # Outgoing
 
-    def _write_directly(self, entry: Entry) -> bool:
+    def _write_directly(self, entry: Entry) -> int:
         """Send an entry that need not wait; see `gateway.protocol.outbox.WriteDirectly`."""
         if self._flushing or self._paused or self._protocol.state is not OPEN:
-            return False
+            return 0
         try:
             frame = entry.frame()
             if isinstance(frame, NoFrame):
-                return False
+                return 0
             self._transport.write(frame)
         except Exception as bug:  # noqa: BLE001  # of one client's
             self.fail(bug)
-            return False
-        return True
+            return 0
+        return len(frame)
 
     def _write_protocol_output(self) -> None:
         output = self._protocol.data_to_send()

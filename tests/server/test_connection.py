@@ -403,6 +403,7 @@ class Waiting:
     """An entry that waits in a queue, of any size."""
 
     is_being_encoded = False
+    arrived_ns = 0
 
     def __init__(self, size: int) -> None:
         self.size = size

@@ -11,6 +11,7 @@ from gateway.codec.errors import CodecError
 from gateway.codec.types import MessageType
 from gateway.ports import Ros, Sample
 from gateway.protocol.errors import ProtocolError
+from gateway.router.topic_counts import TopicCounts
 from gateway.router.topics.encoding import (
     Encoding,
     PerClientFrame,
@@ -31,7 +32,12 @@ class Topic:
     """
 
     def __init__(
-        self, key: TopicKey, message_type: MessageType, ros: Ros, workers: Executor
+        self,
+        key: TopicKey,
+        message_type: MessageType,
+        ros: Ros,
+        workers: Executor,
+        counts: TopicCounts,
     ) -> None:
         """Open the ROS subscription.
 
@@ -42,6 +48,7 @@ class Topic:
         self._message_type = message_type
         self._ros = ros
         self._workers = workers
+        self._counts = counts
         self._encodings: dict[EncodingKey, Encoding] = {}
         self._seq = 0
         self._received: deque[tuple[int, int]] = deque(maxlen=RATE_BATCHES)  # times and numbers
@@ -85,6 +92,7 @@ class Topic:
         now_ns = time.monotonic_ns()
         for seq, sample in self._latch.newest(self._retained):
             shared = SharedFrame(self._encodings[key], sample, seq)  # with nobody: others had it
+            shared.arrived_ns = 0  # long ago
             self._offer_own(shared, subscription, now_ns, more=True)
 
     def close(self) -> None:
@@ -102,8 +110,9 @@ class Topic:
     def _on_samples(self, samples: Sequence[Sample]) -> None:
         """Offer what arrived, oldest first."""
         now_ns = time.monotonic_ns()
+        count = len(samples)
         first_seq = self._seq + 1
-        self._seq += len(samples)
+        self._seq += count
         self._received.append((now_ns, self._seq))
         if self._ros_subscription.qos.durability == "transient_local":
             # twice what is replayed now: a new publisher's sample may come before its discovery
@@ -112,15 +121,20 @@ class Topic:
         elif self._has_kept:
             self._latch.clear()  # its publishers have changed: what it kept may be long wrong
             self._has_kept = False
-        more = len(samples) > 1
+        more = count > 1
+        size = 0
         for encoding in self._encodings.values():
+            size = 0
             for seq, sample in enumerate(samples, first_seq):
                 shared = SharedFrame(encoding, sample, seq)
+                size += shared.size
                 for subscription in encoding.subscriptions:
                     if subscription.shares_frames and not subscription.session.is_ros_sharp:
                         subscription.offer(shared, now_ns, more=more)
                     else:
                         self._offer_own(shared, subscription, now_ns, more=more)
+        self._counts.received += count
+        self._counts.received_bytes += size
         self._wake_all()
 
     def _wake_all(self) -> None:

@@ -15,6 +15,7 @@ from gateway.protocol.names import TopicName
 from gateway.protocol.operations.topics import Subscribe
 from gateway.protocol.session import Session
 from gateway.protocol.subscription_options import SubscriptionOptions
+from gateway.router.topic_counts import TopicCounts
 from gateway.router.topics.subscription import EncodingKey, Subscription, TopicKey
 from gateway.router.topics.topic import Topic
 from schemas.installed import InstalledDefinitions
@@ -49,7 +50,7 @@ def topic(ros: FakeRos, workers: Executor) -> Topic:
 
 
 def open_topic(ros: FakeRos, workers: Executor, qos: Qos | None = None) -> Topic:
-    return Topic(TopicKey(NAME, STRING, qos or Qos()), string_type(), ros, workers)
+    return Topic(TopicKey(NAME, STRING, qos or Qos()), string_type(), ros, workers, TopicCounts())
 
 
 def string_type() -> MessageType:
@@ -60,7 +61,7 @@ def subscription(**options: Any) -> Subscription:
     request = Subscribe(topic="/t", **options)
     session = Session(Limits(), lambda: None)
     merged = SubscriptionOptions.merge([request])
-    return Subscription(session, "/t", NAME, {None: request}, merged)
+    return Subscription(session, "/t", NAME, {None: request}, merged, TopicCounts())
 
 
 def sample(text: str) -> Sample:
@@ -103,7 +104,9 @@ def test_a_subscription_that_was_removed_gets_nothing(topic: Topic):
 
 def test_what_ros_refuses_is_no_topic(ros: FakeRos, workers: Executor):
     with pytest.raises(RosError):
-        Topic(TopicKey(NAME, "none_msgs/msg/None", Qos()), string_type(), ros, workers)
+        Topic(
+            TopicKey(NAME, "none_msgs/msg/None", Qos()), string_type(), ros, workers, TopicCounts()
+        )
 
 
 def test_a_late_subscriber_gets_as_many_samples_as_there_are_publishers(
