@@ -71,7 +71,7 @@ def _deliveries(
         Family(
             f"topic_{name}",
             kind,
-            f"{text}, of all clients there were.",
+            f"{text}, of all clients.",
             _of_topics(lambda topic: value(topic.delivery)),
             _TOPIC,
         ),
@@ -185,9 +185,9 @@ FAMILIES: Final[tuple[Family, ...]] = (
     Family(
         "connections_ended",
         "counter",
-        "Ends of connections, by who ended them and the close code.",
+        "Ends of connections, by who ended them, why, and the code.",
         lambda state: state.summary.ends.items(),
-        ("by", "code"),
+        ("by", "reason", "code"),
     ),
     Family(
         "client_operations",

@@ -33,16 +33,16 @@ class _Part(Collector):
         return [self._family]
 
 
-def pieces(state: State) -> Iterator[bytes]:
+def pieces(state: State) -> Iterator[str]:
     """Write a state as the text that Prometheus reads, a bounded piece at a time."""
     for family in FAMILIES:
         yield from _written(family, state)
     for times in TIME_FAMILIES:
         yield from _written_times(times, state)
-    yield generate_latest(_PROCESS)
+    yield generate_latest(_PROCESS).decode()
 
 
-def _written(family: Family, state: State) -> Iterator[bytes]:
+def _written(family: Family, state: State) -> Iterator[str]:
     rows = iter(family.rows(state))
     make = CounterMetricFamily if family.kind == "counter" else GaugeMetricFamily
     is_first = True
@@ -54,7 +54,7 @@ def _written(family: Family, state: State) -> Iterator[bytes]:
         is_first = False
 
 
-def _written_times(family: TimeFamily, state: State) -> Iterator[bytes]:
+def _written_times(family: TimeFamily, state: State) -> Iterator[str]:
     rows = iter(family.rows(state))
     is_first = True
     while part := list(islice(rows, PIECE_HISTOGRAMS)):
@@ -65,7 +65,7 @@ def _written_times(family: TimeFamily, state: State) -> Iterator[bytes]:
         is_first = False
 
 
-def _text(metric: Metric, *, is_first: bool) -> bytes:
+def _text(metric: Metric, *, is_first: bool) -> str:
     """Write one part; HELP and TYPE stand before the first one only."""
-    text = generate_latest(_Part(metric))
-    return text if is_first else text.split(b"\n", 2)[2]
+    text = generate_latest(_Part(metric)).decode()
+    return text if is_first else text.split("\n", 2)[2]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The gateway at one moment, as data: what /metrics and /diagnostics are made from."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from gateway.metrics.histogram import Observed
@@ -145,7 +145,7 @@ class Summary(NamedTuple):
     control: ControlState
     handshakes_refused: Mapping[str, int]  # by reason
     authentication_failures: Mapping[str, int]  # by reason
-    ends: Mapping[tuple[str, str], int]  # of connections, by who ended it and close code
+    ends: Mapping[tuple[str, str, str], int]  # of connections, by who ended it, reason and code
     lag: Observed
     max_lag_s: float  # of the last seconds
 
@@ -155,3 +155,19 @@ class State(NamedTuple):
 
     summary: Summary
     traffic: Traffic
+
+
+def seen_by(state: State, sees: Callable[[str], bool]) -> State:
+    """Return a state without the topics that *sees* denies: they do not exist for who asks."""
+    summary, traffic = state
+    control = summary.control
+    return State(
+        summary._replace(
+            control=control._replace(drives=tuple(d for d in control.drives if sees(d.topic)))
+        ),
+        Traffic(
+            tuple(each for each in traffic.client_topics if sees(each.topic)),
+            tuple(each for each in traffic.publications if sees(each.topic)),
+            tuple(each for each in traffic.topics if sees(each.topic)),
+        ),
+    )
