@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The gateway at one moment, as data: what /metrics and /diagnostics are made from."""
+"""The gateway at one moment, as data: the source of /metrics and /diagnostics."""
 
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
@@ -33,7 +33,7 @@ class Delivery(NamedTuple):
 
 
 class ClientTopic(NamedTuple):
-    """What one client gets from one topic, by all its subscriptions to it."""
+    """The samples of one topic for one client, by all its subscriptions to it."""
 
     client: str
     topic: str
@@ -41,7 +41,7 @@ class ClientTopic(NamedTuple):
 
 
 class ClientPublication(NamedTuple):
-    """What one client has published on one topic."""
+    """The messages of one client on one topic."""
 
     client: str
     topic: str
@@ -50,7 +50,7 @@ class ClientPublication(NamedTuple):
 
 
 class TopicState(NamedTuple):
-    """One topic, with what clients had of it that have left."""
+    """One topic, for all clients, also those that have left."""
 
     topic: str
     received: int  # from ROS
@@ -83,7 +83,7 @@ class Traffic(NamedTuple):
 
 
 class ControlState(NamedTuple):
-    """What moves robots, and what stops them."""
+    """The command topics, and the guard that stops their robots."""
 
     drives: tuple[DriveState, ...]
     guard_is_ready: bool

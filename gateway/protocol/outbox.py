@@ -37,7 +37,7 @@ class Entry(Protocol):
 
     @property
     def arrived_ns(self) -> int:
-        """When DDS had it, by the system clock; 0 of what did not just come from there."""
+        """The time at which DDS had it, by the system clock; 0 if it did not just come from DDS."""
 
     def frame(self) -> Frame:
         """Return the bytes to send, WebSocket header included, or why there are none."""

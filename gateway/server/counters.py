@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the server counts: sessions, ends of connections, refused handshakes, the loop's lag."""
+"""The server's counts: sessions, ends of connections, refused handshakes, the loop's lag."""
 
 from collections import Counter, deque
 from typing import Final
@@ -24,7 +24,7 @@ _REFUSALS: Final = {
 
 
 class ServerCounters:
-    """Its labels are from closed sets, whatever clients do."""
+    """The counts; their labels are from closed sets, whatever clients do."""
 
     def __init__(self) -> None:
         self.sessions = 0

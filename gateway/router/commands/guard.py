@@ -16,7 +16,7 @@ class Guard(Protocol):
 
     @property
     def losses(self) -> int:
-        """How often it was lost."""
+        """The number of times that it was lost."""
 
     def open(
         self, topic: str, type_name: str, readers: int, on_state: Callable[[GuardState], None]

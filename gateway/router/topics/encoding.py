@@ -177,7 +177,7 @@ class PerClientFrame:
 
     @property
     def arrived_ns(self) -> int:
-        """When DDS had the sample."""
+        """The time at which DDS had the sample."""
         return self._shared.arrived_ns
 
     @property
