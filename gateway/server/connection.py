@@ -222,6 +222,8 @@ class Connection(asyncio.BufferedProtocol):
             if now_s - self._closing_s > limits.close_timeout_s:
                 self.abort()
         elif self._protocol.close_expected():
+            if self._is_sending_page(now_s):
+                return
             if not self._inbound:  # messages often come in one packet with a close
                 self._closing_s = now_s
         elif self._protocol.state is CONNECTING:
@@ -230,6 +232,12 @@ class Connection(asyncio.BufferedProtocol):
                 self.abort(Why("gateway", "handshake", text))
         elif self._protocol.state is OPEN and self._session is not None:
             self._check(now_s, self._session)
+
+    def _is_sending_page(self, now_s: float) -> bool:
+        """Return whether a peer that is no client has yet to take what it asked for."""
+        end_s = self._opened_s + self._limits.open_timeout_s + self._limits.send_deadline_s
+        is_sending = self._session is None and self._transport.get_write_buffer_size() > 0
+        return is_sending and now_s <= end_s
 
     # Called by its `Inbound`
 
