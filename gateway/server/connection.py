@@ -371,6 +371,8 @@ class Connection(asyncio.BufferedProtocol):
             elif self._transport.can_write_eof():
                 with contextlib.suppress(OSError):  # the peer closed first
                     self._transport.write_eof()
+        if self._session is None:  # a page may be large
+            return
         grown = self._transport.get_write_buffer_size() - backlog
         self._protocol_backlog = self._protocol_backlog + grown if self._paused else 0
         if self._protocol_backlog > MAX_PROTOCOL_BACKLOG_BYTES:

@@ -6,6 +6,7 @@ import urllib.error
 import urllib.request
 from collections.abc import Iterator
 from typing import Any
+from unittest.mock import ANY
 
 import pytest
 from blockbuster import blockbuster_ctx
@@ -306,6 +307,12 @@ async def test_pages_take_a_quarter_of_the_time_and_no_more_than_a_slice_at_once
     assert page == "x" * 100
     assert rested_s == pytest.approx(3 * worked_s)
     assert max(slices) < 0.0045
+
+
+async def test_a_large_page_arrives_whole(serve: Serve, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(scrapes_module, "pieces", lambda _: ["x" * 100_000] * 80)
+    async with serve() as served:
+        assert await asyncio.to_thread(fetch, served) == (200, ANY, "x" * 8_000_000)
 
 
 async def test_a_scraper_that_leaves_while_its_page_is_written_harms_nobody(serve: Serve):
