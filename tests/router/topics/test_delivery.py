@@ -13,13 +13,14 @@ from gateway.metrics.histogram import NOTHING_OBSERVED
 from gateway.metrics.state import Delivery
 from gateway.protocol.names import TopicName
 from gateway.protocol.operations.topics import Subscribe
-from gateway.protocol.outbox import NOT_READY, NOTHING, TIMED, Frame
+from gateway.protocol.outbox import NOT_READY, NOTHING, Frame
 from gateway.protocol.session import Session
 from gateway.protocol.subscription_options import SubscriptionOptions
 from gateway.router.topic_counts import TopicCounts
 from gateway.router.topics.subscription import Subscription
 
 LONG = 3_600_000
+TIMED = 16
 
 
 @dataclass
@@ -122,6 +123,14 @@ def test_what_was_offered_is_sent_coalesced_dropped_or_pending(steps, first):
         check(client.counts.delivery, client)
 
     asyncio.run(scenario())
+
+
+async def test_what_a_worker_encodes_is_pending():
+    client = Client()
+    client.do(("offer", "not ready", True))
+    client.take(1000)
+    assert client.subscription.queue.claimed is not None
+    assert client.subscription.delivery == Delivery(offered=1, pending=1)
 
 
 async def test_what_a_subscription_had_is_added_to_its_topic_when_it_ends():
