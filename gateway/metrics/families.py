@@ -382,7 +382,7 @@ TIME_FAMILIES: Final[tuple[TimeFamily, ...]] = (
     ),
     TimeFamily(
         "topic_latency_seconds",
-        "From a sample's arrival from DDS until a frame of it was written to a socket.",
+        "From a sample's arrival from DDS until a frame of it was handed to a socket, of some.",
         lambda state: (((each.topic,), each.latency) for each in state.traffic.topics),
         _TOPIC,
     ),

@@ -49,7 +49,7 @@ WriteDirectly = Callable[[Entry], int]
 OnTimed = Callable[[int], None]
 """Take the time at which an entry arrived that was just handed to the socket."""
 
-TIMED: Final = 16  # of so many entries of a queue that are sent, one is timed
+TIMED: Final = 16  # of so many entries of a queue, one is timed when it has waited and is sent
 
 
 class Queue:
@@ -85,7 +85,7 @@ class Queue:
         self.dropped = 0
         self.discarded = 0  # could not be encoded, or nobody wanted them any more
         self.coalesced = 0  # never came here: a throttle let a newer one pass in their place
-        self.on_timed: OnTimed | None = None  # gets one in `TIMED` of what was sent
+        self.on_timed: OnTimed | None = None  # gets one in `TIMED` of what has waited
 
     @property
     def pending(self) -> int:
@@ -99,16 +99,12 @@ class Queue:
         """
         outbox = self._outbox
         write_directly = outbox.write_directly
-        if (
-            write_directly is not None
-            and not (more or outbox.size)
-            and (written := write_directly(entry))
-        ):
-            self.sent += 1
-            self.sent_bytes += written
-            if not self.sent % TIMED and self.on_timed is not None:
-                self.on_timed(entry.arrived_ns)
-            return
+        if write_directly is not None and not (more or outbox.size):
+            written = write_directly(entry)
+            if written:
+                self.sent += 1
+                self.sent_bytes += written
+                return
         self.waiting.append(entry)
         self.size += entry.size
         outbox.grow(entry.size)

@@ -157,8 +157,14 @@ class Subscription:
         request = self.newest_request
         self.session.warn(error, request.op, request.id)
 
+    def sent_at_once(self, arrived_ns: int) -> None:
+        """Note how long a sample took from DDS to the socket, unless it waits."""
+        throttle = self._throttle
+        if not self.queue.pending and (throttle is None or not throttle.is_holding):
+            self._on_timed(arrived_ns)
+
     def _on_timed(self, arrived_ns: int) -> None:
-        """Note how long an entry took from DDS to the socket."""
+        """Note how long an entry took that is handed to the socket now."""
         if arrived_ns:
             time_s = (time.time_ns() - arrived_ns) / 1e9
             self._counts.latency.observe(time_s)

@@ -22,6 +22,7 @@ from gateway.router.topics.latch import make_latch
 from gateway.router.topics.subscription import EncodingKey, Subscription, TopicKey
 
 MAX_BROKEN: Final = 16  # a publisher that sends ever new nonsense fills no memory and no log
+TIMED_NS: Final = 100_000_000  # a batch in so long is timed: a look at each client costs 1 us
 RATE_BATCHES: Final = 16  # enough to tell 30 Hz from 25, few enough to follow within a second
 
 
@@ -54,6 +55,7 @@ class Topic:
         self._received: deque[tuple[int, int]] = deque(maxlen=RATE_BATCHES)  # times and numbers
         self._latch = make_latch(key.name, message_type)
         self._has_kept = False
+        self._timed_ns = 0  # when the next batch is timed
         self._broken: set[str] = set()  # errors of samples, as far as the clients were told
         self._ros_subscription = ros.subscribe(
             key.name, key.type_name, key.qos, self._on_samples, self._on_incompatible
@@ -135,7 +137,16 @@ class Topic:
                         self._offer_own(shared, subscription, now_ns, more=more)
         self._counts.received += count
         self._counts.received_bytes += size
+        if now_ns >= self._timed_ns:
+            self._timed_ns = now_ns + TIMED_NS
+            self._time(samples[0].received_ns)
         self._wake_all()
+
+    def _time(self, received_ns: int) -> None:
+        """Note how long it has taken until the clients had their frames."""
+        for encoding in self._encodings.values():
+            for subscription in encoding.subscriptions:
+                subscription.sent_at_once(received_ns)
 
     def _wake_all(self) -> None:
         """Have the sessions of all subscriptions send what they can."""

@@ -16,6 +16,7 @@ from gateway.protocol.operations.topics import Subscribe
 from gateway.protocol.session import Session
 from gateway.protocol.subscription_options import SubscriptionOptions
 from gateway.router.topic_counts import TopicCounts
+from gateway.router.topics import topic as topic_module
 from gateway.router.topics.subscription import EncodingKey, Subscription, TopicKey
 from gateway.router.topics.topic import Topic
 from schemas.installed import InstalledDefinitions
@@ -193,3 +194,19 @@ async def test_a_throttled_subscription_gets_the_newest_at_the_end_and_counts_th
     await woken.wait()
     assert received(throttled) == ["a", "d"]
     assert throttled.session.outbox.coalesced == 2
+
+
+def test_what_goes_at_once_is_timed_ten_times_a_second(
+    topic: Topic, monkeypatch: pytest.MonkeyPatch
+):
+    one, busy = subscription(), subscription()
+    one.session.outbox.write_directly = lambda entry: len(entry.frame())
+    now_ns = SECOND
+    monkeypatch.setattr(topic_module.time, "monotonic_ns", lambda: now_ns)
+    for each in (one, busy):
+        topic.add(each, PLAIN)
+    for _ in range(100):
+        topic._on_samples([sample("x")._replace(received_ns=1)])
+        now_ns += SECOND // 100
+    assert sum(one.session.latency.observed().counts) == 10
+    assert sum(busy.session.latency.observed().counts) == 0
