@@ -21,6 +21,7 @@ from gateway.access.posture import Posture
 from gateway.codec.image import confine_to_calling_thread
 from gateway.codec.types import Types
 from gateway.config.model import Config
+from gateway.diagnostics import publishing
 from gateway.errors import BindError, ConfigError
 from gateway.guard.supervisor import GuardProcess
 from gateway.log_fields import text_of
@@ -95,9 +96,10 @@ async def _serve(config: Config, announce: Announce, load: Callable[[], Config])
         stack.enter_context(_logging_to(ros))
         workers = stack.enter_context(_workers(config.images.workers))
         guard = await stack.enter_async_context(_guard(config))
+        types = Types(InstalledDefinitions([*installed_prefixes(), interfaces_prefix()]))
         router = Router(
             ros,
-            Types(InstalledDefinitions([*installed_prefixes(), interfaces_prefix()])),
+            types,
             Table.load(),
             limits=config.limits,
             workers=workers,
@@ -132,6 +134,9 @@ async def _serve(config: Config, announce: Announce, load: Callable[[], Config])
             )
         )
         guard.start()  # last: nobody waits for it to listen
+        if config.ros.diagnostics:
+            name = config.ros.node_prefix
+            stack.enter_context(publishing(ros, types, server.summary, name))
         await stop.wait()
         router.stop_robots()  # first: closing the connections takes up to a second
         end_by_force()

@@ -310,6 +310,13 @@ class Ros(RosGraph, Protocol):
             RosError: as for `subscribe`.
         """
 
+    def advertise_own(self, topic: str, type_name: str, qos: Qos) -> Publisher:
+        """Create a publisher of the gateway itself; `entity_count` leaves it out.
+
+        Raises:
+            RosError: as for `subscribe`.
+        """
+
     def client(self, service: str, type_name: str) -> ServiceClient:
         """Create a client of a service by its fully resolved name.
 

@@ -92,6 +92,9 @@ class RosConfig(Section):
     use_sim_time: bool = Field(
         False, description="whether ROS time comes from `/clock` (a simulator, a replayed bag)"
     )
+    diagnostics: bool = Field(
+        True, description="whether the gateway reports on itself on `/diagnostics`, once a second"
+    )
 
 
 class ImagesConfig(Section):

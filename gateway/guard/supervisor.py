@@ -61,8 +61,9 @@ class GuardProcess:
         )
         self._topics: dict[str, _Topic] = {}
         self._process: subprocess.Popen[bytes] | None = None
-        self._is_ready = False
         self._why_lost: str | None = None
+        self.is_ready = False  # once it has said so, until it is lost
+        self.losses = 0
         self._rest = b""
         self._started_s = 0.0
         self._restart_s = RESTART_S
@@ -79,7 +80,7 @@ class GuardProcess:
     def faults(self) -> Sequence[Fault]:
         """Return why commands to move are refused, if they are."""
         why = self._why_lost
-        if why is None and not self._is_ready and self._process is not None:
+        if why is None and not self.is_ready and self._process is not None:
             waited_s = time.monotonic() - self._started_s
             if waited_s > SLOW_START_S:
                 why = f"has not become ready within {waited_s:.0f} s"
@@ -128,12 +129,12 @@ class GuardProcess:
     def open(self, topic: str, type_name: str, readers: int, on_state: OnState) -> None:
         """Have the guard prepare for a topic; *on_state* is called when it has, or is lost."""
         self._topics[topic] = _Topic(type_name, readers, on_state)
-        if self._is_ready:
+        if self.is_ready:
             self._write("open", topic, type_name, readers)
 
     def close(self, topic: str) -> None:
         """Have the guard forget a topic."""
-        if self._topics.pop(topic, None) is not None and self._is_ready:
+        if self._topics.pop(topic, None) is not None and self.is_ready:
             self._write("close", topic)
 
     def moving(self, topic: str, stamp_offset_ns: int, frame_id: str) -> None:
@@ -199,7 +200,7 @@ class GuardProcess:
     def _hear(self, message: list[str]) -> None:
         match message:
             case ["ready"]:
-                self._is_ready = True
+                self.is_ready = True
                 self._why_lost = None
                 logger.debug("the guard process is ready")
                 for topic, known in list(self._topics.items()):
@@ -218,6 +219,7 @@ class GuardProcess:
         """Give up the process, stop what moves, and start another a little later."""
         process = self._process
         self._why_lost = why
+        self.losses += 1
         if process is not None:
             self._forget()
             process.kill()
@@ -237,7 +239,7 @@ class GuardProcess:
     def _forget(self) -> None:
         """Close both pipes of the process."""
         process, self._process = self._process, None
-        self._is_ready = False
+        self.is_ready = False
         self._asked_ns = None
         self._rest = b""
         if process is not None:

@@ -35,12 +35,21 @@ class Entry(Protocol):
     def is_being_encoded(self) -> bool:
         """True while a worker encodes it: it must not be dropped any more."""
 
+    @property
+    def arrived_ns(self) -> int:
+        """The time at which DDS had it, by the system clock; 0 if it did not just come from DDS."""
+
     def frame(self) -> Frame:
         """Return the bytes to send, WebSocket header included, or why there are none."""
 
 
-WriteDirectly = Callable[[Entry], bool]
-"""Write an entry to the socket; false if it is not ready, or if the socket is busy."""
+WriteDirectly = Callable[[Entry], int]
+"""Write an entry to the socket; return its bytes, 0 if it is not ready or the socket is busy."""
+
+OnTimed = Callable[[int], None]
+"""Take the time at which an entry arrived that was just handed to the socket."""
+
+TIMED: Final = 16  # of so many entries of a queue, one is timed when it has waited and is sent
 
 
 class Queue:
@@ -54,9 +63,12 @@ class Queue:
         "claimed",
         "coalesced",
         "depth",
+        "discarded",
         "dropped",
         "max_bytes",
+        "on_timed",
         "sent",
+        "sent_bytes",
         "size",
         "waiting",
     )
@@ -69,8 +81,16 @@ class Queue:
         self.claimed: Entry | None = None  # its turn has come, but it is still being encoded
         self.size = 0
         self.sent = 0
+        self.sent_bytes = 0
         self.dropped = 0
+        self.discarded = 0  # could not be encoded, or nobody wanted them any more
         self.coalesced = 0  # never came here: a throttle let a newer one pass in their place
+        self.on_timed: OnTimed | None = None  # gets one in `TIMED` of what has waited
+
+    @property
+    def pending(self) -> int:
+        """The number of entries that wait."""
+        return len(self.waiting) + (self.claimed is not None)
 
     def put(self, entry: Entry, *, more: bool = False) -> None:
         """Write an entry directly if possible, else append it and drop what does not fit.
@@ -79,9 +99,12 @@ class Queue:
         """
         outbox = self._outbox
         write_directly = outbox.write_directly
-        if write_directly is not None and not (more or outbox.size) and write_directly(entry):
-            self.sent += 1
-            return
+        if write_directly is not None and not (more or outbox.size):
+            written = write_directly(entry)
+            if written:
+                self.sent += 1
+                self.sent_bytes += written
+                return
         self.waiting.append(entry)
         self.size += entry.size
         outbox.grow(entry.size)
@@ -110,11 +133,16 @@ class Queue:
             self.claimed = None
             if frame is not NOTHING:
                 self.sent += 1
+                self.sent_bytes += len(frame)
+                if not self.sent % TIMED and self.on_timed is not None:
+                    self.on_timed(entry.arrived_ns)
                 return frame
+            self.discarded += 1
         return None
 
     def clear(self) -> None:
-        """Forget everything that waits, uncounted: nobody wants it any more."""
+        """Forget everything that waits: nobody wants it any more."""
+        self.discarded += self.pending
         self._outbox.grow(-self.size)
         self.size = 0
         self.waiting.clear()

@@ -12,6 +12,7 @@ from gateway.access.permissions import UNLIMITED, Action, Identity
 from gateway.codec.error_text import truncate
 from gateway.codec.json import JsonError, ascii_only, loads
 from gateway.config.limits import Limits
+from gateway.metrics.histogram import Histogram
 from gateway.protocol import messages
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.explain import explain
@@ -49,7 +50,8 @@ class Session:
         self.limits = limits
         self.identity = identity
         self.address = "?"
-        self.client = "?"  # address and number, for the log
+        self.client = "?"  # address and number, for logs and metrics
+        self.latency = Histogram()  # of what its topics sent, see `Queue.on_timed`
         self.authenticate: Callable[[Auth], None] | None = None  # set by who knows the tokens
         self.outbox = Outbox(limits.send_queue_bytes)
         self.wake = wake

@@ -18,6 +18,11 @@ class Throttle:
         self._held: Entry | None = None
         self.due_ns = 0  # when the next entry may pass
 
+    @property
+    def is_holding(self) -> bool:
+        """True while an entry waits for the end of the interval."""
+        return self._held is not None
+
     def passes(self, entry: Entry, now_ns: int) -> bool:
         """Return whether an entry passes now; else hold it until `due_ns`, for `release`."""
         if self._held is None and now_ns >= self.due_ns:

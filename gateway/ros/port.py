@@ -104,8 +104,8 @@ class RclpyRos:
             undo.callback(self._subscriptions.close)
             self._deferred = DeferredDestruction(loop)
             undo.callback(self._deferred.close)
-            self._publishers = Publishers(publishing, self._deferred, self._topics_changed)
-            undo.callback(self._publishers.close)
+            self._publishers = self._open_publishers(publishing, undo)
+            self._own_publishers = self._open_publishers(self._debug, undo)
             endpoints = Endpoints(serving, ready_events, loop)
             self._services = Services(endpoints, self._deferred, self._services_changed)
             undo.callback(self._services.close)
@@ -146,6 +146,11 @@ class RclpyRos:
         """Create a publisher on a fully resolved topic name; see the port."""
         self._check_topic(topic, type_name, is_reserved=topic in self._options.reserved_topics)
         return self._publishers.advertise(topic, type_name, qos)
+
+    def advertise_own(self, topic: str, type_name: str, qos: Qos) -> RclpyPublisher:
+        """Create a publisher on the debug node; see the port."""
+        self._check_type(f"topic {topic}", type_name, self._type_of_topic(topic))
+        return self._own_publishers.advertise(topic, type_name, qos)
 
     def client(self, service: str, type_name: str) -> RclpyClient:
         """Create a client of a service by its fully resolved name; see the port."""
@@ -246,9 +251,18 @@ class RclpyRos:
         parts = (self._subscriptions, self._publishers, self._services, self._actions)
         return sum(len(part) for part in parts)
 
+    def _open_publishers(self, node: Node, undo: contextlib.ExitStack) -> Publishers:
+        publishers = Publishers(node, self._deferred, self._topics_changed)
+        undo.callback(publishers.close)
+        return publishers
+
     def _check_topic(self, topic: str, type_name: str, *, is_reserved: bool = False) -> None:
-        known = self._subscriptions.type_of(topic) or self._publishers.type_of(topic)
+        known = self._type_of_topic(topic)
         self._check_new(f"topic {topic}", type_name, known, is_reserved=is_reserved)
+
+    def _type_of_topic(self, topic: str) -> str | None:
+        parts = (self._subscriptions, self._publishers, self._own_publishers)
+        return next(filter(None, (part.type_of(topic) for part in parts)), None)
 
     def _check_service(self, service: str, type_name: str) -> None:
         self._check_new(f"service {service}", type_name, self._services.type_of(service))
@@ -260,6 +274,9 @@ class RclpyRos:
         self, subject: str, type_name: str, known: str | None, *, is_reserved: bool = False
     ) -> None:
         check_room(self.entity_count(), self._options, is_reserved=is_reserved)
+        self._check_type(subject, type_name, known)
+
+    def _check_type(self, subject: str, type_name: str, known: str | None) -> None:
         # One DDS participant cannot have both types, and rcl's error leaves rmw's reason out.
         if known not in {None, type_name}:
             raise RosError("type_conflict", f"{subject} is open here as {known}, not {type_name}")

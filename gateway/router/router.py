@@ -15,6 +15,7 @@ from gateway.codec.types import Types
 from gateway.config.control import ControlConfig
 from gateway.config.limits import Limits
 from gateway.deadline import Deadline
+from gateway.metrics.state import ControlState, Traffic
 from gateway.ports import Ros
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.operations import (
@@ -40,6 +41,7 @@ from gateway.router.role_views import RoleViews
 from gateway.router.services.client_services import ClientServices
 from gateway.router.services.service_calls import ServiceCalls
 from gateway.router.tasks import ASKING_S, FAILURES, Tasks, refuse
+from gateway.router.topic_counts import CountsByTopic
 from gateway.router.topic_types import TopicTypes
 from gateway.router.topics.publications import Publications
 from gateway.router.topics.subscriptions import Subscriptions
@@ -80,6 +82,8 @@ class Router:
         self._ros = ros
         self._limits = limits
         self._audit = audit or Audit(time.time_ns, level=logging.DEBUG)
+        self._guard = guard or NoGuard()
+        self._counts = CountsByTopic()
         self._sessions: set[Session] = set()
         self._calling = Tasks()
         # with separate limits: a call may take an hour, a lookup a minute
@@ -87,11 +91,10 @@ class Router:
         self._looking = Tasks()
         self._service_clients = ServiceClients(ros)
         self._views = RoleViews(ros, types, self._service_clients)
-        self._subscriptions = Subscriptions(ros, topic_types, workers)
-        self._commands = Commands(
-            ros, topic_types, control or ControlConfig(), guard or NoGuard(), self._audit
-        )
-        self._publications = Publications(ros, topic_types, self._commands)
+        self._subscriptions = Subscriptions(ros, topic_types, workers, self._counts)
+        control = control or ControlConfig()
+        self._commands = Commands(ros, topic_types, control, self._guard, self._audit, self._counts)
+        self._publications = Publications(ros, topic_types, self._commands, self._counts)
         self._service_calls = ServiceCalls(
             interface_types,
             self._service_clients,
@@ -196,6 +199,20 @@ class Router:
         self._transforms.close()
         self._goals.close()
         self._service_clients.close()
+
+    def traffic(self) -> Traffic:
+        """Return the counts of all topics and clients, which belong together."""
+        client_topics = tuple(self._subscriptions.client_topics())
+        publications = (
+            *self._publications.client_publications(),
+            *self._commands.client_publications(),
+        )
+        topics = tuple(self._counts.states(client_topics, publications))
+        return Traffic(client_topics, publications, topics)
+
+    def control(self) -> ControlState:
+        """Return the state of the command topics and of their guard."""
+        return ControlState(self._commands.drives(), self._guard.is_ready, self._guard.losses)
 
     def counts(self) -> dict[str, int]:
         """Count the open sessions and entities, for health reports."""

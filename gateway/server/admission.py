@@ -78,6 +78,7 @@ class Admission:
         self._config = config
         self._audit = audit
         self._room_for = room_for
+        self.failures: Counter[str] = Counter()  # of authentication, by kind
         self._waiting: dict[Entrant, float] = {}  # since when, the oldest first
 
     def __len__(self) -> int:
@@ -93,9 +94,25 @@ class Admission:
         identity = self._authentication.anonymous
         token = token_in(headers.get_all("Authorization"), offered_subprotocols(headers))
         if token is not None and self._authentication.looks_at_tokens:
-            identity = self._identify(entrant, token)
+            identity = self._identify(entrant.address, token)
         if identity is not None:
             self._check_room(entrant)
+        return identity
+
+    def reader(self, address: str, headers: Headers) -> Identity:
+        """Return who asks for a page that only clients may see.
+
+        Raises:
+            TurnedAwayError: it has no token where one is needed, or a wrong one.
+            CredentialsError: it has several.
+        """
+        identity = self._authentication.anonymous
+        token = token_in(headers.get_all("Authorization"), ())
+        if token is not None and self._authentication.looks_at_tokens:
+            return self._identify(address, token)
+        if identity is None:
+            reason = "send a token: Authorization: Bearer TOKEN"
+            raise TurnedAwayError(UNAUTHENTICATED, "forbidden", reason)
         return identity
 
     def enter(self, entrant: Entrant, session: Session, request: Request, now_s: float) -> None:
@@ -117,6 +134,7 @@ class Admission:
                 self._turn_away(entrant, POLICY_VIOLATION, "no token, and too many operations")
             elif now_s - since_s > self._config.auth_timeout_s:
                 reason = f"no token within {self._config.auth_timeout_s:g} s"
+                self.failures["timeout"] += 1
                 self._turn_away(entrant, UNAUTHENTICATED, reason)
 
     def left(self, entrant: Entrant, session: Session | None) -> None:
@@ -185,7 +203,7 @@ class Admission:
             session.answer("auth", operation.id, name=identity.name, role=identity.role)
 
     def _take_token(self, entrant: Entrant, session: Session, token: str) -> None:
-        identity = self._identify(entrant, token)
+        identity = self._identify(entrant.address, token)
         before = session.identity
         if before is not None and before.digest is not None:
             if before.digest != identity.digest:
@@ -199,11 +217,12 @@ class Admission:
         entrant.limit_messages(session.limits.max_message_bytes)
         self._record_connected(session, None)
 
-    def _identify(self, entrant: Entrant, token: str) -> Identity:
+    def _identify(self, address: str, token: str) -> Identity:
         try:
-            return self._authentication.identify(token, entrant.address, time.monotonic())
+            return self._authentication.identify(token, address, time.monotonic())
         except AuthenticationError as error:
-            self._audit.record("refused", address=entrant.address, reason=str(error))
+            self.failures["abuse" if error.is_abuse else "wrong"] += 1
+            self._audit.record("refused", address=address, reason=str(error))
             close_code = POLICY_VIOLATION if error.is_abuse else UNAUTHENTICATED
             raise TurnedAwayError(close_code, "forbidden", str(error)) from error
 

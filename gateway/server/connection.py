@@ -10,9 +10,8 @@ import asyncio
 import contextlib
 import logging
 import time
-from collections.abc import Iterator
 from dataclasses import replace
-from typing import Final, Protocol, cast
+from typing import Final, cast
 
 from websockets.exceptions import InvalidMessage, PayloadTooBig
 from websockets.frames import Frame, Opcode
@@ -20,61 +19,35 @@ from websockets.http11 import Request, Response
 from websockets.protocol import CONNECTING, OPEN, Event
 from websockets.server import ServerProtocol
 
-from gateway.config.limits import Limits
 from gateway.protocol import messages
 from gateway.protocol.errors import ProtocolError, StatusCode
 from gateway.protocol.outbox import Entry, NoFrame
 from gateway.protocol.session import Session
 from gateway.protocol.token_bucket import TokenBucket
+from gateway.server.acceptor import Acceptor
 from gateway.server.close_codes import (
     INTERNAL_ERROR,
     INVALID_DATA,
     MESSAGE_TOO_BIG,
     POLICY_VIOLATION,
 )
-from gateway.server.end import End, Why, answered, closed_by_gateway, ended_elsewhere
+from gateway.server.end import (
+    End,
+    Why,
+    answered,
+    answered_with,
+    closed_by_gateway,
+    ended_elsewhere,
+)
 from gateway.server.http import select_subprotocol
 from gateway.server.inbound import READ_CHUNK_BYTES, Inbound
 from gateway.server.keep_alive import Abort, Close, KeepAlive, Ping, Sending
 from gateway.server.socket_options import tune
-from gateway.server.time_budget import TimeBudgets
 
 logger = logging.getLogger(__name__)
 
 WRITE_HIGH_WATER_BYTES: Final = 64 * 1024  # beyond this, frames wait where they can be dropped
 MAX_PROTOCOL_BACKLOG_BYTES: Final = 64 * 1024  # pongs for a peer that pings and never reads
-
-
-class Acceptor(Protocol):
-    """A connection's interface to the server that accepted it."""
-
-    limits: Limits
-    budgets: TimeBudgets
-    numbers: Iterator[int]  # of connections
-
-    def arrive(self, connection: "Connection") -> None:
-        """Add a new connection; another may have to make room for it."""
-
-    def client_address(self, peer: str, request: Request) -> str:
-        """Return the address of a client, which may be behind proxies."""
-
-    def respond(self, protocol: ServerProtocol, request: Request) -> Response:
-        """Answer an HTTP request: 101 to continue as a WebSocket, else a page or a refusal."""
-
-    def malformed(self, start: bytes) -> bytes:
-        """Return the response to what is no HTTP request, and begins like this."""
-
-    def enter(self, connection: "Connection", request: Request) -> Session | None:
-        """Open the session of a client after its handshake; ``None`` if it was turned away."""
-
-    def receive(self, session: Session, data: bytes) -> None:
-        """Carry out one message."""
-
-    def end_turn(self, session: Session) -> None:
-        """Carry out what was deferred until the others have their turn."""
-
-    def left(self, connection: "Connection", session: Session | None, end: End) -> None:
-        """Forget a connection that is gone."""
 
 
 class Connection(asyncio.BufferedProtocol):
@@ -118,8 +91,8 @@ class Connection(asyncio.BufferedProtocol):
         peer = transport.get_extra_info("peername")
         self.address = str(peer[0]) if peer else "?"
         tune(transport.get_extra_info("socket"), self._limits.send_deadline_s)
-        self._spending = self._acceptor.budgets.open(self.address)
-        self._inbound = Inbound(self, self._protocol, transport, self._spending)
+        self.spending = self._acceptor.budgets.open(self.address)
+        self._inbound = Inbound(self, self._protocol, transport, self.spending)
         self._acceptor.arrive(self)
 
     def get_buffer(self, sizehint: int) -> bytearray:
@@ -150,7 +123,7 @@ class Connection(asyncio.BufferedProtocol):
             self._acceptor.left(self, session, self._end(session, exc, start_s))
         finally:  # closing what a client had open takes time that it has to pay, too
             now_s = time.monotonic()
-            self._spending.spend(now_s - start_s, now_s)
+            self.spending.spend(now_s - start_s, now_s)
             self._inbound.close()
 
     def pause_writing(self) -> None:
@@ -224,6 +197,14 @@ class Connection(asyncio.BufferedProtocol):
         self._protocol.send_text(messages.status("error", reason, code=code))
         self.close(close_code, reason)
 
+    def answer(self, response: Response) -> None:
+        """Send the response to the HTTP request, unless the peer is gone."""
+        if self._transport.is_closing() or self._protocol.eof_sent:
+            return
+        self._why = answered_with(response)
+        self._protocol.send_response(response)
+        self._write_protocol_output()
+
     def limit_messages(self, max_bytes: int) -> None:
         """Accept messages of at most so many bytes from now on."""
         self._protocol.max_message_size = max_bytes
@@ -241,6 +222,8 @@ class Connection(asyncio.BufferedProtocol):
             if now_s - self._closing_s > limits.close_timeout_s:
                 self.abort()
         elif self._protocol.close_expected():
+            if self._is_sending_page(now_s):
+                return
             if not self._inbound:  # messages often come in one packet with a close
                 self._closing_s = now_s
         elif self._protocol.state is CONNECTING:
@@ -249,6 +232,12 @@ class Connection(asyncio.BufferedProtocol):
                 self.abort(Why("gateway", "handshake", text))
         elif self._protocol.state is OPEN and self._session is not None:
             self._check(now_s, self._session)
+
+    def _is_sending_page(self, now_s: float) -> bool:
+        """Return whether a peer that is no client has yet to take what it asked for."""
+        end_s = self._opened_s + self._limits.open_timeout_s + self._limits.send_deadline_s
+        is_sending = self._session is None and self._transport.get_write_buffer_size() > 0
+        return is_sending and now_s <= end_s
 
     # Called by its `Inbound`
 
@@ -304,24 +293,20 @@ class Connection(asyncio.BufferedProtocol):
     # Incoming
 
     def _open(self, request: Request) -> None:
-        response = self._acceptor.respond(self._protocol, request)
-        if response.status_code != 101:
-            text = (response.body or b"").decode().partition("\n")[0]
-            is_page = response.status_code < 400
-            self._why = answered(response.status_code, response.reason_phrase if is_page else text)
-        self._protocol.send_response(response)
-        self._write_protocol_output()
+        response = self._acceptor.respond(self, self._protocol, request)
+        if response is not None:
+            self.answer(response)
         if self._protocol.state is not OPEN:
             self._inbound.drop()
             return
         self.address = self._acceptor.client_address(self.address, request)
-        self._spending.move(self.address)
+        self.spending.move(self.address)
         self._session = self._acceptor.enter(self, request)
         if self._session is None:
             self._inbound.drop()
             return
         self._session.outbox.write_directly = self._write_directly
-        self._session.spend = self._spending.spend
+        self._session.spend = self.spending.spend
         logger.info("connected", extra={"client": self.name})
 
     def _receive(self, message: bytes, *, is_text: bool) -> None:
@@ -361,19 +346,19 @@ class Connection(asyncio.BufferedProtocol):
 
     # Outgoing
 
-    def _write_directly(self, entry: Entry) -> bool:
+    def _write_directly(self, entry: Entry) -> int:
         """Send an entry that need not wait; see `gateway.protocol.outbox.WriteDirectly`."""
         if self._flushing or self._paused or self._protocol.state is not OPEN:
-            return False
+            return 0
         try:
             frame = entry.frame()
             if isinstance(frame, NoFrame):
-                return False
+                return 0
             self._transport.write(frame)
         except Exception as bug:  # noqa: BLE001  # of one client's
             self.fail(bug)
-            return False
-        return True
+            return 0
+        return len(frame)
 
     def _write_protocol_output(self) -> None:
         output = self._protocol.data_to_send()
@@ -386,6 +371,8 @@ class Connection(asyncio.BufferedProtocol):
             elif self._transport.can_write_eof():
                 with contextlib.suppress(OSError):  # the peer closed first
                     self._transport.write_eof()
+        if self._session is None:  # a page may be large
+            return
         grown = self._transport.get_write_buffer_size() - backlog
         self._protocol_backlog = self._protocol_backlog + grown if self._paused else 0
         if self._protocol_backlog > MAX_PROTOCOL_BACKLOG_BYTES:

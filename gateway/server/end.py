@@ -5,6 +5,7 @@ import logging
 from dataclasses import dataclass
 from typing import Final, Literal
 
+from websockets.http11 import Response
 from websockets.server import ServerProtocol
 
 from gateway.codec.error_text import truncate
@@ -118,6 +119,16 @@ def closed_by_gateway(code: int, text: str) -> Why:
 def answered(status: int, text: str) -> Why:
     """Return the cause of an end by an HTTP response that begins no WebSocket."""
     return Why("gateway", "http" if status < 400 else "handshake", text, status)
+
+
+def answered_with(response: Response) -> Why | None:
+    """Return the cause of an end by this response; ``None`` if a WebSocket begins."""
+    status = response.status_code
+    if status == 101:
+        return None
+    is_page = status < 400
+    text = response.reason_phrase if is_page else (response.body or b"").decode().partition("\n")[0]
+    return answered(status, text)
 
 
 def ended_elsewhere(

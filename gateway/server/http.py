@@ -5,7 +5,7 @@ import logging
 import socket
 from collections.abc import Callable, Mapping, Sequence
 from http import HTTPStatus
-from typing import Any, Final
+from typing import Any, Final, Protocol
 from urllib.parse import urlsplit
 
 from websockets.datastructures import Headers
@@ -31,7 +31,7 @@ and send, for example,
 
     {{"op":"subscribe","topic":"/odom"}}
 
-The gateway's health is at /healthz.
+The gateway's health is at /healthz, its metrics for Prometheus at /metrics.
 """
 _NOT_ALLOWED: Final = "only GET and HEAD\n"
 _FOREIGN_HOST: Final = (
@@ -46,6 +46,19 @@ MAX_HEADER_CHARACTERS: Final = 16 * 1024
 _METHODS: Final = frozenset({"GET", "HEAD"})
 
 
+class Asker(Protocol):
+    """A connection, as far as a page that takes longer is concerned."""
+
+    address: str
+
+    def answer(self, response: Response) -> None:
+        """Send the response to the request, unless the peer is gone."""
+
+
+Metrics = Callable[[ServerProtocol, Request, Asker], Response | None]
+"""Refuse a request for the metrics, or answer it later."""
+
+
 class HttpFront:
     """Answers HTTP requests; `is_encrypted` says whether clients need ``wss://``."""
 
@@ -55,17 +68,22 @@ class HttpFront:
         rules: WebRules,
         find_health: Callable[[], Health],
         details: Callable[[], Mapping[str, Any]],
+        metrics: "Metrics",
     ) -> None:
         self._path = path
         self._rules = rules
         self._health = find_health
         self._details = details
+        self._metrics = metrics
         self.is_encrypted = False
 
-    def respond(self, protocol: ServerProtocol, request: Request) -> Response:
-        """Return the response; its status is 101 if a WebSocket begins."""
+    def respond(self, protocol: ServerProtocol, request: Request, asker: Asker) -> Response | None:
+        """Return the response; its status is 101 if a WebSocket begins.
+
+        ``None`` means that *asker* gets it later.
+        """
         try:
-            return self._respond(protocol, request)
+            return self._respond(protocol, request, asker)
         except CredentialsError as error:
             return protocol.reject(400, f"{error}\n")
         except (ValueError, LookupError):  # an invalid path or host, or a header twice
@@ -81,7 +99,7 @@ class HttpFront:
             return _raw(405, "Method Not Allowed", _NOT_ALLOWED, "Allow: GET, HEAD\r\n")
         return _raw(400, "Bad Request", "this is no HTTP request\n")
 
-    def _respond(self, protocol: ServerProtocol, request: Request) -> Response:
+    def _respond(self, protocol: ServerProtocol, request: Request, asker: Asker) -> Response | None:
         if sum(len(name) + len(value) for name, value in request.headers.raw_items()) > (
             MAX_HEADER_CHARACTERS
         ):
@@ -97,16 +115,24 @@ class HttpFront:
         path = urlsplit(request.path).path
         if path in health.PATHS:
             status, text = self._health().page(path, self._details)
-            response = _page(protocol, request, text, "application/json")
+            response = page(protocol, request, text, "application/json; charset=utf-8")
             response.status_code, response.reason_phrase = status, HTTPStatus(status).phrase
             return response
+        if path == "/metrics":
+            check_target(request.path)
+            return self._origin_refusal(protocol, request, host) or self._metrics(
+                protocol, request, asker
+            )
         if path != self._path:
             return protocol.reject(404, f"nothing here; the WebSocket is at {self._path}\n")
         check_target(request.path)
         if request.headers.get("Upgrade") is None:
             address = f"{'wss' if self.is_encrypted else 'ws'}://{host}{self._path}"
-            return _page(protocol, request, _WELCOME.format(address=address))
-        return self._upgrade(protocol, request, host)
+            return page(protocol, request, _WELCOME.format(address=address))
+        token_in(
+            request.headers.get_all("Authorization"), offered_subprotocols(request.headers)
+        )  # refuses contradictions while there is a response to do it by
+        return self._origin_refusal(protocol, request, host) or protocol.accept(request)
 
     def _log_foreign(self, host: str) -> None:
         name = urlsplit(f"//{host}").hostname or ""
@@ -114,13 +140,12 @@ class HttpFront:
             setting = self._rules.setting_for_host(name)
             logger.warning("refused a request for host %s; allow it by  %s", name, setting)
 
-    def _upgrade(self, protocol: ServerProtocol, request: Request, host: str) -> Response:
-        token_in(
-            request.headers.get_all("Authorization"), offered_subprotocols(request.headers)
-        )  # refuses contradictions while there is a response to do it by
+    def _origin_refusal(
+        self, protocol: ServerProtocol, request: Request, host: str
+    ) -> Response | None:
         origin = request.headers.get("Origin")  # a program sends none
         if origin is None or self._rules.is_welcome(origin, host):
-            return protocol.accept(request)
+            return None
         shown = origin if is_plain(origin) else "this site"
         setting = self._rules.setting_for(shown)
         if is_plain(origin) and self._rules.first_refusal(origin):
@@ -168,12 +193,16 @@ def _raw(status: int, phrase: str, text: str, headers: str = "") -> bytes:
     ).encode("ascii")
 
 
-def _page(
-    protocol: ServerProtocol, request: Request, text: str, content_type: str = "text/plain"
+def page(
+    protocol: ServerProtocol,
+    request: Request,
+    text: str,
+    content_type: str = "text/plain; charset=utf-8",
 ) -> Response:
+    """Return a page that nobody keeps."""
     response = protocol.reject(200, text)
     del response.headers["Content-Type"]
-    response.headers["Content-Type"] = f"{content_type}; charset=utf-8"
+    response.headers["Content-Type"] = content_type
     response.headers["Cache-Control"] = "no-store"
     if request.method == "HEAD":
         response.body = b""

@@ -20,6 +20,8 @@ from gateway.access.tokens import Tokens
 from gateway.access.web_rules import WebRules
 from gateway.config.limits import Limits
 from gateway.faults import Fault
+from gateway.metrics.page import CONTENT_TYPE
+from gateway.metrics.state import AddressState, ClientState, ClientTotals, State, Summary
 from gateway.protocol.session import Session
 from gateway.router.router import Router
 from gateway.server.admission import (
@@ -31,11 +33,13 @@ from gateway.server.admission import (
 )
 from gateway.server.close_codes import GOING_AWAY
 from gateway.server.connection import Connection
+from gateway.server.counters import ServerCounters
 from gateway.server.end import End, Reason, Why
 from gateway.server.forwarded import client_address
 from gateway.server.health import FindFaults, Health, no_faults
-from gateway.server.http import HttpFront, own_names
-from gateway.server.time_budget import TimeBudgets
+from gateway.server.http import Asker, HttpFront, own_names, page
+from gateway.server.scrapes import Scrapes
+from gateway.server.time_budget import Spending, TimeBudgets
 
 MakeAdmission = Callable[[RoomFor], Admission]
 
@@ -70,8 +74,11 @@ class Server:
         self.budgets = TimeBudgets(limits.client_time_share, limits.address_time_share)
         self._trusted_proxies = tuple(map(ipaddress.ip_network, trusted_proxies))
         self._router = router
-        self._http = HttpFront(path, web_rules or WebRules(own_names()), self.judged, self.health)
+        rules = web_rules or WebRules(own_names())
+        self._http = HttpFront(path, rules, self.judged, self.health, self._metrics)
         self._find_faults = find_faults
+        self._scrapes = Scrapes(self.state)
+        self._counters = ServerCounters()
         self._admission = admission(self._room_for)
         self._version = version
         self.numbers: Iterator[int] = itertools.count(1)
@@ -128,6 +135,7 @@ class Server:
             for listener in listeners:
                 listener.close()
             ticking.cancel()
+            self._scrapes.close()
             await self._close_all()
 
     def judged(self) -> Health:
@@ -158,6 +166,53 @@ class Server:
             **totals,
         }
 
+    def summary(self) -> Summary:
+        """Return the state of the gateway, without the traffic of its topics."""
+        sessions = [(each, each.session) for each in self._connections]
+        totals = dict(self._totals)
+        clients = []
+        for connection, session in sessions:
+            if session is None:
+                continue
+            _add(totals, session)
+            clients.append(_client_state(session, connection.spending))
+        addresses = self.budgets.in_use()
+        counters = self._counters
+        entities = self._router.counts()
+        return Summary(
+            version=self._version,
+            uptime_s=time.monotonic() - self._started_s,
+            clients=tuple(clients),
+            addresses=tuple(AddressState(at, own.spent_s, own.pauses) for at, own in addresses),
+            totals=ClientTotals(
+                operations=totals["messages_in"],
+                refused=totals["refused"],
+                replaced=totals["replaced"],
+                frames=totals["frames_out"],
+                dropped=totals["dropped"],
+                coalesced=totals["coalesced"],
+            ),
+            time_s=self.budgets.spent_s,
+            pauses=self.budgets.pauses,
+            sessions=counters.sessions,
+            connections=len(sessions),
+            unauthenticated=len(self._admission),
+            max_clients=self.limits.max_clients,
+            tasks=len(asyncio.all_tasks()),
+            entities=entities,
+            max_ros_entities=self.limits.max_ros_entities,
+            control=self._router.control(),
+            handshakes_refused=counters.handshakes_refused.copy(),
+            authentication_failures=self._admission.failures.copy(),
+            ends=counters.ends.copy(),
+            lag=counters.lag.observed(),
+            max_lag_s=counters.max_lag_s,
+        )
+
+    def state(self) -> State:
+        """Return all of it, at one moment."""
+        return State(self.summary(), self._router.traffic())
+
     # For connections: see `Acceptor`
 
     def arrive(self, connection: Connection) -> None:
@@ -174,13 +229,34 @@ class Server:
         if len(leaving) > MAX_LEAVING:
             leaving[0].abort()
 
+    def _metrics(self, protocol: ServerProtocol, request: Request, asker: Asker) -> Response | None:
+        """Have the metrics written for who may see them."""
+        try:
+            address = self.client_address(asker.address, request)
+            identity = self._admission.reader(address, request.headers)
+        except TurnedAwayError as error:
+            response = protocol.reject(401, f"{error}\n")
+            response.headers["WWW-Authenticate"] = "Bearer"
+            return response
+
+        def reply(text: str | None) -> None:
+            if text is None:
+                asker.answer(protocol.reject(500, "internal error\n"))
+            else:
+                asker.answer(page(protocol, request, text, CONTENT_TYPE))
+
+        self._scrapes.ask(identity, reply)
+        return None
+
     def client_address(self, peer: str, request: Request) -> str:
         """Return the address of a client, which may be behind proxies."""
         return client_address(peer, request.headers, self._trusted_proxies)
 
-    def respond(self, protocol: ServerProtocol, request: Request) -> Response:
-        """Answer an HTTP request."""
-        return self._http.respond(protocol, request)
+    def respond(
+        self, connection: Connection, protocol: ServerProtocol, request: Request
+    ) -> Response | None:
+        """Answer an HTTP request; ``None``: the connection gets its `answer` later."""
+        return self._http.respond(protocol, request, connection)
 
     def malformed(self, start: bytes) -> bytes:
         """Return the response to what is no HTTP request."""
@@ -207,6 +283,7 @@ class Server:
             return None
         session = self._router.enter(connection.flush, connection.address, identity)
         session.client = connection.name
+        self._counters.sessions += 1
         self._admission.enter(connection, session, request, time.monotonic())
         return session
 
@@ -239,12 +316,15 @@ class Server:
                 self._router.leave(session)
         finally:  # after a robot was stopped
             self.ends[end.why.reason] += 1
+            self._counters.ended(end, was_client=session is not None)
             end.log()
 
     async def _tick(self) -> None:
         while True:
+            due_s = time.monotonic() + TICK_S
             await asyncio.sleep(TICK_S)
             now_s = time.monotonic()
+            self._counters.late(now_s - due_s)
             self.budgets.expire(now_s)
             self._admission.tick(now_s)
             for connection in list(self._connections):
@@ -264,6 +344,23 @@ class Server:
         for connection in list(self._connections):
             connection.abort()
         await self._all_gone.wait()
+
+
+def _client_state(session: Session, spending: Spending) -> ClientState:
+    outbox = session.outbox
+    return ClientState(
+        client=session.client,
+        address=session.address,
+        operations=session.received,
+        refused=session.refused,
+        replaced=session.replaced,
+        frames=outbox.sent,
+        dropped=outbox.dropped,
+        coalesced=outbox.coalesced,
+        time_s=spending.spent_s,
+        pauses=spending.pauses,
+        latency=session.latency.observed(),
+    )
 
 
 def _add(totals: dict[str, int], session: Session) -> None:

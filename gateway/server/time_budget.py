@@ -8,7 +8,7 @@ Reading the clock takes 80 ns, that of a thread's CPU time ten times as long.
 import asyncio
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Final
 
 WINDOW_S: Final = 1.0  # what is not spent for so long may be spent at once
@@ -65,6 +65,8 @@ class AddressBudget:
     def __init__(self, share: float, now_s: float) -> None:
         self.time = TimeBudget(share, now_s)
         self.users = 0
+        self.spent_s = 0.0
+        self.pauses = 0
         self._waiting: list[Spending] = []
         self._timer: asyncio.TimerHandle | None = None
 
@@ -100,6 +102,8 @@ class Spending:
         now_s = time.monotonic()
         self.own = TimeBudget(share, now_s)
         self.go_on: Callable[[], None] = lambda: None  # called when a wait is over
+        self.spent_s = 0.0
+        self.pauses = 0
         self._budgets = budgets
         self._address = budgets.join(address)
         # else a client that connects anew would have another burst
@@ -123,6 +127,8 @@ class Spending:
     def wait(self) -> None:
         """Call `go_on` once both budgets have something left."""
         self._budgets.pauses += 1
+        self._address.pauses += 1
+        self.pauses += 1
         wait_s = self.own.wait_s(time.monotonic())
         if wait_s > 0:
             loop = asyncio.get_running_loop()
@@ -141,6 +147,8 @@ class Spending:
     def _settle(self, now_s: float) -> bool:
         spent_s, self._unsettled_s = self._unsettled_s, 0.0
         self._budgets.spent_s += spent_s
+        self._address.spent_s += spent_s
+        self.spent_s += spent_s
         own_s = self.own.spend(spent_s, now_s)
         self._is_over = self._address.time.spend(spent_s, now_s) < 0 or own_s < 0
         return not self._is_over
@@ -155,6 +163,10 @@ class TimeBudgets:
         self._client_share = client_share
         self._address_share = address_share
         self._addresses: dict[str, AddressBudget] = {}
+
+    def in_use(self) -> Iterator[tuple[str, AddressBudget]]:
+        """Yield the addresses that have connections."""
+        return ((address, each) for address, each in self._addresses.items() if each.users)
 
     def open(self, address: str) -> Spending:
         """Return the budgets of a new connection."""

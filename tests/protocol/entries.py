@@ -11,6 +11,7 @@ class Item:
     number: int
     size: int = 1
     is_being_encoded: bool = False
+    arrived_ns: int = 0
 
     def frame(self) -> bytes:
         """Return the number."""

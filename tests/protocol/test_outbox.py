@@ -17,6 +17,7 @@ class Item:
     encoded: int = field(default=0, compare=False)
 
     is_being_encoded: bool = False
+    arrived_ns: int = 0
 
     @property
     def size(self) -> int:
@@ -181,12 +182,12 @@ class Socket:
         self.is_busy = False
         outbox.write_directly = self._write_directly
 
-    def _write_directly(self, entry: Item) -> bool:
+    def _write_directly(self, entry: Item) -> int:
         frame = NOT_READY if self.is_busy else entry.frame()
         if isinstance(frame, bytes):
             self.written.append(frame)
-            return True
-        return False
+            return len(frame)
+        return 0
 
 
 def test_what_comes_while_nothing_waits_goes_at_once_and_counts_as_sent():

@@ -219,6 +219,10 @@ class FakeRos:
         self._check_topic(topic, type_name, is_reserved=topic in self.options.reserved_topics)
         return self.add_publisher(topic, type_name, qos, f"/{self.prefix}_publishers")
 
+    def advertise_own(self, topic: str, type_name: str, qos: Qos) -> FakePublisher:
+        self._check_topic(topic, type_name)
+        return self.add_publisher(topic, type_name, qos, f"/{self.prefix}_debug")
+
     def client(self, service: str, type_name: str) -> FakeClient:
         check_service(service)
         self._check_new(service, type_name, "srv", [*self.clients, *self.services])
@@ -295,7 +299,8 @@ class FakeRos:
 
     def entity_count(self) -> int:
         topics: list[Endpoint] = [*self.publishers, *self.subscriptions]
-        return sum(self.is_own(each.node) for each in [*topics, *self._calling()])
+        own = [each.node for each in [*topics, *self._calling()] if self.is_own(each.node)]
+        return sum(node != f"/{self.prefix}_debug" for node in own)
 
     # The world outside
 

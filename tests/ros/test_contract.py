@@ -159,6 +159,21 @@ async def test_a_subscription_may_be_closed_by_its_own_callback(robot: Robot) ->
     assert robot.ros.entity_count() == 1
 
 
+async def test_what_the_gateway_says_itself_arrives_and_counts_as_no_entity(robot: Robot):
+    received, _ = subscribe(robot, "/self")
+    count = robot.ros.entity_count()
+    publisher = robot.ros.advertise_own("/self", INT32, Qos())
+    await until_it_flows(publisher, received)
+    assert robot.ros.entity_count() == count
+    with pytest.raises(RosError) as error:
+        robot.ros.advertise("/self", STRING, Qos())
+    assert error.value.code == "type_conflict"
+    with pytest.raises(RosError):
+        robot.ros.advertise_own("/self", STRING, Qos())
+    publisher.close()
+    publisher.close()
+
+
 async def test_closing_twice_is_harmless(robot: Robot) -> None:
     _, subscription = subscribe(robot, "/count")
     publisher = robot.ros.advertise("/count", INT32, Qos())

@@ -403,6 +403,7 @@ class Waiting:
     """An entry that waits in a queue, of any size."""
 
     is_being_encoded = False
+    arrived_ns = 0
 
     def __init__(self, size: int) -> None:
         self.size = size
@@ -418,6 +419,28 @@ async def test_a_handshake_has_5_s(serve: Serve, monkeypatch: pytest.MonkeyPatch
         assert not wire.transport.is_aborted
         wire.pass_time(0.02)
         assert wire.transport.is_aborted
+
+
+async def test_who_asks_for_a_page_has_10_s_to_take_it_and_a_second_to_close(
+    serve: Serve, monkeypatch: pytest.MonkeyPatch
+):
+    async with serve() as served:
+        wire = Wire(served.server, monkeypatch, is_upgraded=False)
+        wire.receive(b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        for _ in range(9):
+            wire.pass_time(1.1, taken=10)
+        wire.pass_time(0.09)
+        assert wire.transport.unsent
+        wire.pass_time(0.02)
+        wire.pass_time(0.99)
+        assert not wire.transport.is_aborted
+        wire.pass_time(0.02)
+        assert wire.transport.is_aborted
+        quick = Wire(served.server, monkeypatch, is_upgraded=False)
+        quick.receive(b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        quick.pass_time(0.1, taken=10_000)
+        quick.pass_time(1.01)
+        assert quick.transport.is_aborted
 
 
 def test_who_is_silent_for_5_s_is_sent_a_ping_and_has_5_s_to_answer(wire: Wire):

@@ -182,6 +182,7 @@ class _Feedback:
     __slots__ = ("_cdr", "_goal", "size")
 
     is_being_encoded = False
+    arrived_ns = 0
 
     def __init__(self, sent: SentGoal, cdr: bytes) -> None:
         self._goal = sent

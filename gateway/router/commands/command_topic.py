@@ -4,6 +4,7 @@
 import asyncio
 import logging
 import time
+from collections import Counter
 from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass, field
 from typing import Any, Final
@@ -27,6 +28,7 @@ from gateway.drive.refusals import CAUSE_TEXTS
 from gateway.drive.stop import LIFESPAN_NS
 from gateway.drive.twist_cdr import COMMAND_TYPES, TWIST_STAMPED, encode
 from gateway.drive.velocity import ZERO
+from gateway.metrics.state import DriveState
 from gateway.ports import Publisher, Qos, Ros, RosError
 from gateway.protocol import messages
 from gateway.protocol.errors import ProtocolError
@@ -35,6 +37,7 @@ from gateway.protocol.operations.base import Operation
 from gateway.protocol.session import Session
 from gateway.router.commands.guard import Guard
 from gateway.router.commands.twist_values import TwistValues
+from gateway.router.topic_counts import TopicCounts
 
 # Reliable, as a zero must arrive; the newest only, and not when it is old; and never retained: a
 # base that restarts must not get the last command before it did.
@@ -52,6 +55,7 @@ class Driver:
     """One client that has the topic open."""
 
     ids: set[str | int | None] = field(default_factory=set)  # of its advertisements
+    commands: int = 0  # that came, also those refused
     freshness: Freshness = field(default_factory=Freshness)
     answered_ns: dict[str, int] = field(default_factory=dict)  # by the code of the answer
 
@@ -72,8 +76,11 @@ class CommandTopic:
         guard: Guard,
         audit: Audit,
         now_ns: Callable[[], int],
+        counts: TopicCounts,
     ) -> None:
         self.name = name
+        self._counts = counts
+        self._stops: Counter[str] = Counter()
         self.message_type: MessageType | None = None  # while it is open
         self.drivers: dict[Session, Driver] = {}
         self.watchers: set[Session] = set()
@@ -146,7 +153,9 @@ class CommandTopic:
     ) -> None:
         """Take a command of a client; whatever is refused is answered."""
         now_ns = self._now_ns()
-        age = self.driver(session).freshness.judge(sent_ms, now_ns)
+        driver = self.driver(session)
+        driver.commands += 1
+        age = driver.freshness.judge(sent_ms, now_ns)
         self._frame_id = values.frame_id
         self._apply(self._drive.command(Command(session, values.velocity, age, request), now_ns))
 
@@ -175,7 +184,7 @@ class CommandTopic:
     def withdraw(self, session: Session) -> None:
         """End a client's advertisements; what it moves is stopped."""
         self.release(session)
-        self.drivers.pop(session, None)
+        self._forget(session)
         self._close_if_idle()
 
     def leave(self, session: Session) -> None:
@@ -183,7 +192,7 @@ class CommandTopic:
         if session in self.drivers or self._drive.status.holder is session:
             self._apply(self._drive.leave(session, self._now_ns()))
         self.watchers.discard(session)
-        self.drivers.pop(session, None)
+        self._forget(session)
         self._close_if_idle()
 
     # The event loop
@@ -234,6 +243,19 @@ class CommandTopic:
             "lease_s": self._rules.lease_ns / 1e9,
         }
 
+    def drive_state(self) -> DriveState:
+        """Return the state for operators."""
+        status = self._drive.status
+        return DriveState(
+            topic=self.name,
+            motion=status.motion,
+            is_tripped=status.is_tripped,
+            cause=None if status.cause is None else CAUSE_TEXTS[status.cause],
+            is_held=status.holder is not None,
+            is_guarded=self._guarded_type is not None and status.guard == "ready",
+            stops=dict(self._stops),
+        )
+
     def _notify(self) -> None:
         if self.watchers and self._notice is None:
             loop = asyncio.get_running_loop()
@@ -256,6 +278,7 @@ class CommandTopic:
                 case Clamped():
                     self._tell_clamped(effect)
                 case Stopped(cause):
+                    self._stops[cause] += 1
                     level = logging.WARNING if effect.is_tripped else logging.DEBUG
                     extra: dict[str, str] = {"topic": self.name}
                     if isinstance(effect.client, Session):
@@ -333,6 +356,11 @@ class CommandTopic:
             return False
         answered_ns[code] = now_ns
         return True
+
+    def _forget(self, session: Session) -> None:
+        driver = self.drivers.pop(session, None)
+        if driver is not None:
+            self._counts.published += driver.commands
 
     def _count_readers(self) -> int:
         topics = self._ros.graph().topics

@@ -9,6 +9,7 @@ from gateway.access.audit import Audit
 from gateway.config.control import ControlConfig
 from gateway.drive.effects import Rules
 from gateway.drive.twist_cdr import COMMAND_TYPES
+from gateway.metrics.state import ClientPublication, DriveState
 from gateway.ports import Ros, RosError
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import TopicName, resolve_topic
@@ -19,6 +20,7 @@ from gateway.router.commands.command_topic import CommandTopic
 from gateway.router.commands.guard import Guard
 from gateway.router.commands.twist_values import read
 from gateway.router.permission_checks import check_publish
+from gateway.router.topic_counts import CountsByTopic
 from gateway.router.topic_types import TopicTypes
 
 
@@ -30,7 +32,13 @@ class Commands:
     """
 
     def __init__(
-        self, ros: Ros, types: TopicTypes, config: ControlConfig, guard: Guard, audit: Audit
+        self,
+        ros: Ros,
+        types: TopicTypes,
+        config: ControlConfig,
+        guard: Guard,
+        audit: Audit,
+        counts: CountsByTopic,
     ) -> None:
         self._types = types
         self._turn_ns: int | None = None
@@ -42,7 +50,9 @@ class Commands:
             first_command=config.first_command,
         )
         self._topics = {
-            TopicName(name): CommandTopic(TopicName(name), rules, ros, guard, audit, self._now_ns)
+            TopicName(name): CommandTopic(
+                TopicName(name), rules, ros, guard, audit, self._now_ns, counts.open(name)
+            )
             for name in config.topics
         }
 
@@ -54,6 +64,16 @@ class Commands:
     def publishers(self) -> int:
         """The number of open ROS publishers."""
         return sum(topic.is_open for topic in self._topics.values())
+
+    def drives(self) -> tuple[DriveState, ...]:
+        """Return the state of each topic."""
+        return tuple(topic.drive_state() for topic in self._topics.values())
+
+    def client_publications(self) -> Iterator[ClientPublication]:
+        """Yield the number of commands of each client, on each topic."""
+        for name, topic in self._topics.items():
+            for session, driver in topic.drivers.items():
+                yield ClientPublication(session.client, name, driver.commands, 0)
 
     def advertise(self, session: Session, name: TopicName, request: Advertise) -> None:
         """Open a command topic for a client.

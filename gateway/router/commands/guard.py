@@ -10,6 +10,14 @@ from gateway.drive.effects import GuardState
 class Guard(Protocol):
     """See `gateway.guard`. Nothing here blocks, and callbacks come on the event loop's thread."""
 
+    @property
+    def is_ready(self) -> bool:
+        """True while it would stop what moves."""
+
+    @property
+    def losses(self) -> int:
+        """The number of times that it was lost."""
+
     def open(
         self, topic: str, type_name: str, readers: int, on_state: Callable[[GuardState], None]
     ) -> None:
@@ -33,6 +41,9 @@ class Guard(Protocol):
 
 class NoGuard:
     """No guard, for tests and for programs that embed the router and watch over it themselves."""
+
+    is_ready = True
+    losses = 0
 
     def open(
         self, topic: str, type_name: str, readers: int, on_state: Callable[[GuardState], None]

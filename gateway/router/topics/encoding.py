@@ -117,11 +117,12 @@ class SharedFrame:
     times, `bool[]` six times, small messages by their names.
     """
 
-    __slots__ = ("_frame", "_message", "cdr", "encoding", "seq", "size")
+    __slots__ = ("_frame", "_message", "arrived_ns", "cdr", "encoding", "seq", "size")
 
     def __init__(self, encoding: Encoding, sample: Sample, seq: int) -> None:
         self.encoding = encoding
         self.cdr = sample.cdr  # empty once it is encoded
+        self.arrived_ns = sample.received_ns
         self.seq = seq
         self.size = len(sample.cdr)
         self._message: Frame = NOT_READY
@@ -173,6 +174,11 @@ class PerClientFrame:
         self._subscription = subscription
         self._received_ns = received_ns
         self.size = shared.size
+
+    @property
+    def arrived_ns(self) -> int:
+        """The time at which DDS had the sample."""
+        return self._shared.arrived_ns
 
     @property
     def is_being_encoded(self) -> bool:

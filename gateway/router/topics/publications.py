@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """Publishing by clients: their advertisements, and their messages into ROS."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import partial
 
 from gateway.codec.errors import CodecError
 from gateway.codec.types import MessageType
+from gateway.metrics.state import ClientPublication
 from gateway.ports import Publisher, Ros
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import TopicName, resolve_topic
 from gateway.protocol.operations.topics import Advertise, Publish, Unadvertise
 from gateway.protocol.session import Session
 from gateway.router.commands.commands import Commands
+from gateway.router.topic_counts import CountsByTopic, TopicCounts
 from gateway.router.topic_types import TopicTypes
 from gateway.router.topics.requested_qos import offered
 
@@ -23,6 +26,9 @@ class Advertised:
     message_type: MessageType
     publisher: Publisher
     keeps_newest: bool  # its depth is 1: the newest message is all that counts
+    counts: TopicCounts
+    messages: int = 0  # that were published
+    size: int = 0  # of them, in bytes
     ids: set[str | int | None] = field(default_factory=set)
 
 
@@ -32,8 +38,11 @@ class Publications:
     What concerns a command topic goes to `Commands`.
     """
 
-    def __init__(self, ros: Ros, types: TopicTypes, commands: Commands) -> None:
+    def __init__(
+        self, ros: Ros, types: TopicTypes, commands: Commands, counts: CountsByTopic
+    ) -> None:
         self._ros = ros
+        self._counts = counts
         self._types = types
         self._commands = commands
         self._advertised: dict[Session, dict[TopicName, Advertised]] = {}
@@ -46,6 +55,12 @@ class Publications:
     def count(self, session: Session) -> int:
         """Count the publishers of a client."""
         return len(self._advertised.get(session, ()))
+
+    def client_publications(self) -> Iterator[ClientPublication]:
+        """Yield what each client has published on each topic, command topics aside."""
+        for session, own in self._advertised.items():
+            for topic, known in own.items():
+                yield ClientPublication(session.client, topic, known.messages, known.size)
 
     def advertise(self, session: Session, request: Advertise) -> None:
         """Open a publisher, or add an id to the one that the client has.
@@ -84,7 +99,7 @@ class Publications:
             raise ProtocolError("not_found", f"not advertised: {topic}{with_id}")
         known.ids.discard(request.id)
         if request.id is None or not known.ids:
-            known.publisher.close()
+            self._close(topic, known)
             del own[topic]
             if not own:
                 del self._advertised[session]
@@ -113,8 +128,8 @@ class Publications:
 
     def leave(self, session: Session) -> None:
         """Close all advertisements of a client."""
-        for known in self._advertised.pop(session, {}).values():
-            known.publisher.close()
+        for topic, known in self._advertised.pop(session, {}).items():
+            self._close(topic, known)
 
     def _open(self, session: Session, topic: TopicName, request: Advertise | Publish) -> Advertised:
         limit = session.limits.max_advertisements
@@ -132,7 +147,7 @@ class Publications:
         qos = offered(request)
         publisher = self._ros.advertise(topic, message_type.name, qos)
         keeps_newest = qos.depth == 1 and qos.history != "keep_all"
-        known = Advertised(message_type, publisher, keeps_newest)
+        known = Advertised(message_type, publisher, keeps_newest, self._counts.open(topic))
         self._advertised.setdefault(session, {})[topic] = known
         return known
 
@@ -142,6 +157,14 @@ class Publications:
         except CodecError as error:
             raise ProtocolError("invalid_value", str(error)) from error
         known.publisher.publish(cdr)
+        known.messages += 1
+        known.size += len(cdr)
+
+    def _close(self, topic: TopicName, known: Advertised) -> None:
+        known.publisher.close()
+        known.counts.published += known.messages
+        known.counts.published_bytes += known.size
+        self._counts.close(topic)
 
     def _check_type(self, topic: TopicName, known: Advertised, requested: str | int) -> None:
         named = self._types.named(requested)

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from gateway.codec.image import ImageOptions
+from gateway.metrics.state import Delivery
 from gateway.ports import Qos
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import TopicName
@@ -16,6 +17,7 @@ from gateway.protocol.session import Session
 from gateway.protocol.subscription_options import SubscriptionOptions
 from gateway.protocol.throttle import Throttle
 from gateway.protocol.websocket_frames import Compression
+from gateway.router.topic_counts import TopicCounts
 
 
 class TopicKey(NamedTuple):
@@ -50,9 +52,11 @@ class Subscription:
     """
 
     __slots__ = (
+        "_counts",
         "_throttle",
         "_timer",
         "last_refusal",
+        "offered",
         "options",
         "queue",
         "requested_name",
@@ -70,6 +74,7 @@ class Subscription:
         topic_name: TopicName,
         requests: Mapping[str | int | None, Subscribe],
         options: SubscriptionOptions,
+        counts: TopicCounts,
     ) -> None:
         """Open its queue; *requests* stand by their ids, oldest first, and amount to *options*."""
         self.session = session
@@ -80,7 +85,10 @@ class Subscription:
         self.shares_frames = not options.needs_own_frames
         self.source: Source | None = None
         self.last_refusal = ""  # of another source, as the client was warned
+        self.offered = 0
         self.queue = session.outbox.open_queue(*options.queue_bounds)
+        self.queue.on_timed = self._on_timed
+        self._counts = counts
         self._throttle = _throttle(options)
         self._timer: asyncio.TimerHandle | None = None  # while the throttle holds an entry
 
@@ -89,8 +97,22 @@ class Subscription:
         """The request that warnings are about."""
         return list(self.requests.values())[-1]
 
+    @property
+    def delivery(self) -> Delivery:
+        """The samples that were offered, and what has become of them."""
+        queue, throttle = self.queue, self._throttle
+        return Delivery(
+            offered=self.offered,
+            sent=queue.sent,
+            sent_bytes=queue.sent_bytes,
+            coalesced=queue.coalesced,
+            dropped=queue.dropped + queue.discarded,
+            pending=queue.pending + (throttle is not None and throttle.is_holding),
+        )
+
     def offer(self, entry: Entry, now_ns: int, *, more: bool) -> None:
         """Take an entry, now or at the end of the throttle's interval; *more* follow at once."""
+        self.offered += 1
         throttle = self._throttle
         if throttle is None or throttle.passes(entry, now_ns):
             self.queue.put(entry, more=more)
@@ -119,18 +141,34 @@ class Subscription:
         """Deliver nothing of what has come so far."""
         self._stop_timer()
         if self._throttle is not None:
+            self.queue.discarded += self._throttle.is_holding
             self._throttle.clear()
         self.queue.clear()
 
     def close(self) -> None:
         """Deliver nothing any more."""
-        self._stop_timer()
+        self.clear()
+        self.queue.on_timed = None
         self.session.outbox.close_queue(self.queue)
+        self._counts.delivery = self._counts.delivery.plus(self.delivery)
 
     def warn(self, error: ProtocolError) -> None:
         """Warn the client of something that its subscription suffers from."""
         request = self.newest_request
         self.session.warn(error, request.op, request.id)
+
+    def sent_at_once(self, arrived_ns: int) -> None:
+        """Note how long a sample took from DDS to the socket, unless it waits."""
+        throttle = self._throttle
+        if not self.queue.pending and (throttle is None or not throttle.is_holding):
+            self._on_timed(arrived_ns)
+
+    def _on_timed(self, arrived_ns: int) -> None:
+        """Note how long an entry took that is handed to the socket now."""
+        if arrived_ns:
+            time_s = (time.time_ns() - arrived_ns) / 1e9
+            self._counts.latency.observe(time_s)
+            self.session.latency.observe(time_s)
 
     def _on_interval(self) -> None:
         self._release()

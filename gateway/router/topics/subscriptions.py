@@ -10,6 +10,7 @@ from gateway.codec.error_text import truncate
 from gateway.codec.errors import FieldError
 from gateway.codec.image import ImageOptions
 from gateway.codec.types import MessageType
+from gateway.metrics.state import ClientTopic, Delivery
 from gateway.ports import Graph, Ros, RosError
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import TopicName, resolve_topic
@@ -17,6 +18,7 @@ from gateway.protocol.operations.topics import Subscribe, Unsubscribe
 from gateway.protocol.session import Session
 from gateway.protocol.subscription_options import SubscriptionOptions, compression
 from gateway.protocol.websocket_frames import Compression
+from gateway.router.topic_counts import CountsByTopic
 from gateway.router.topic_types import TopicTypes
 from gateway.router.topics.freshness import Freshness
 from gateway.router.topics.requested_qos import requested
@@ -32,10 +34,13 @@ class Subscriptions:
     *workers* encode pictures.
     """
 
-    def __init__(self, ros: Ros, types: TopicTypes, workers: Executor) -> None:
+    def __init__(
+        self, ros: Ros, types: TopicTypes, workers: Executor, counts: CountsByTopic
+    ) -> None:
         self._ros = ros
         self._types = types
         self._workers = workers
+        self._counts = counts
         self._topics: dict[TopicKey, Topic] = {}
         self._subscriptions: dict[Session, dict[str, Subscription]] = {}  # by requested name
         self._freshness = Freshness(self._heard_ns)
@@ -48,6 +53,18 @@ class Subscriptions:
     def count(self, session: Session) -> int:
         """Count the topics that a client subscribes to, also those that are not known yet."""
         return len(self._subscriptions.get(session, ()))
+
+    def client_topics(self) -> Iterator[ClientTopic]:
+        """Yield what has become of the samples of each topic for each client."""
+        for session, own in self._subscriptions.items():
+            deliveries: dict[str, Delivery] = {}
+            for subscription in own.values():  # of one topic there may be several, by name
+                known = deliveries.get(subscription.topic_name)
+                delivery = subscription.delivery
+                deliveries[subscription.topic_name] = delivery.plus(known) if known else delivery
+            client = session.client
+            for name, delivery in deliveries.items():
+                yield ClientTopic(client, name, delivery)
 
     def rates_hz(self, now_ns: int) -> dict[str, float]:
         """Return how often samples arrive on the topics that are being received."""
@@ -87,7 +104,8 @@ class Subscriptions:
             _check_fields(message_type, request.fields, compression(request))
             self._open(source.topic)
         if subscription is None:
-            subscription = Subscription(session, request.topic, name, requests, options)
+            counts = self._counts.open(name)
+            subscription = Subscription(session, request.topic, name, requests, options, counts)
             self._subscriptions.setdefault(session, {})[request.topic] = subscription
         self._apply(subscription, requests, options, source)
         self._report(session, request, name, source)
@@ -225,11 +243,17 @@ class Subscriptions:
         """Open a topic unless it is open; it is closed with its last subscription."""
         if key not in self._topics:
             message_type = self._types.get(key.type_name)
-            self._topics[key] = Topic(key, message_type, self._ros, self._workers)
+            counts = self._counts.open(key.name)
+            try:
+                self._topics[key] = Topic(key, message_type, self._ros, self._workers, counts)
+            except RosError:
+                self._counts.close(key.name)
+                raise
 
     def _close_if_idle(self, key: TopicKey) -> None:
         if self._topics[key].is_idle:
             self._topics.pop(key).close()
+            self._counts.close(key.name)
 
     def _close(self, subscription: Subscription) -> None:
         own = self._subscriptions[subscription.session]
@@ -239,6 +263,7 @@ class Subscriptions:
         self._freshness.forget(subscription)
         self._move(subscription, None)
         subscription.close()
+        self._counts.close(subscription.topic_name)
 
     def _report(
         self, session: Session, request: Subscribe, name: TopicName, source: Source | None

@@ -12,6 +12,7 @@ from gateway.codec.errors import CodecError
 from gateway.codec.types import MessageType
 from gateway.ports import Mismatch, Ros, Sample
 from gateway.protocol.errors import ProtocolError
+from gateway.router.topic_counts import TopicCounts
 from gateway.router.topics.encoding import (
     Encoding,
     PerClientFrame,
@@ -22,6 +23,7 @@ from gateway.router.topics.latch import make_latch
 from gateway.router.topics.sample_faults import SampleFaults
 from gateway.router.topics.subscription import EncodingKey, Subscription, TopicKey
 
+TIMED_NS: Final = 100_000_000  # a batch in so long is timed: a look at each client costs 1 us
 RATE_BATCHES: Final = 16  # enough to tell 30 Hz from 25, few enough to follow within a second
 
 
@@ -32,7 +34,12 @@ class Topic:
     """
 
     def __init__(
-        self, key: TopicKey, message_type: MessageType, ros: Ros, workers: Executor
+        self,
+        key: TopicKey,
+        message_type: MessageType,
+        ros: Ros,
+        workers: Executor,
+        counts: TopicCounts,
     ) -> None:
         """Open the ROS subscription.
 
@@ -43,12 +50,14 @@ class Topic:
         self._message_type = message_type
         self._ros = ros
         self._workers = workers
+        self._counts = counts
         self._encodings: dict[EncodingKey, Encoding] = {}
         self._seq = 0
         self._received: deque[tuple[int, int]] = deque(maxlen=RATE_BATCHES)  # times and numbers
         self._latch = make_latch(key.name, message_type)
         self._has_kept = False
         self._faults: dict[EncodingKey, SampleFaults] = {}  # of a picture, or of the message
+        self._timed_ns = 0  # when the next batch is timed
         self._ros_subscription = ros.subscribe(
             key.name, key.type_name, key.qos, self._on_samples, self._on_incompatible
         )
@@ -93,6 +102,7 @@ class Topic:
         now_ns = time.monotonic_ns()
         for seq, sample in self._latch.newest(self._retained):
             shared = SharedFrame(self._encodings[key], sample, seq)  # with nobody: others had it
+            shared.arrived_ns = 0  # long ago
             self._offer_own(shared, subscription, now_ns, more=True)
 
     def close(self) -> None:
@@ -110,8 +120,9 @@ class Topic:
     def _on_samples(self, samples: Sequence[Sample]) -> None:
         """Offer what arrived, oldest first."""
         now_ns = time.monotonic_ns()
+        count = len(samples)
         first_seq = self._seq + 1
-        self._seq += len(samples)
+        self._seq += count
         self._received.append((now_ns, self._seq))
         if self._ros_subscription.qos.durability == "transient_local":
             # twice what is replayed now: a new publisher's sample may come before its discovery
@@ -120,16 +131,30 @@ class Topic:
         elif self._has_kept:
             self._latch.clear()  # its publishers have changed: what it kept may be long wrong
             self._has_kept = False
-        more = len(samples) > 1
+        more = count > 1
+        size = 0
         for encoding in self._encodings.values():
+            size = 0
             for seq, sample in enumerate(samples, first_seq):
                 shared = SharedFrame(encoding, sample, seq)
+                size += shared.size
                 for subscription in encoding.subscriptions:
                     if subscription.shares_frames and not subscription.session.is_ros_sharp:
                         subscription.offer(shared, now_ns, more=more)
                     else:
                         self._offer_own(shared, subscription, now_ns, more=more)
+        self._counts.received += count
+        self._counts.received_bytes += size
+        if now_ns >= self._timed_ns:
+            self._timed_ns = now_ns + TIMED_NS
+            self._time(samples[0].received_ns)
         self._wake_all()
+
+    def _time(self, received_ns: int) -> None:
+        """Note how long it has taken until the clients had their frames."""
+        for encoding in self._encodings.values():
+            for subscription in encoding.subscriptions:
+                subscription.sent_at_once(received_ns)
 
     def _wake_all(self) -> None:
         """Have the sessions of all subscriptions send what they can."""

@@ -154,6 +154,8 @@ class _TransformFrame:
 
     __slots__ = ("_frame", "size")
 
+    arrived_ns = 0
+
     def __init__(self, frame: bytes) -> None:
         self._frame = frame
         self.size = len(frame)

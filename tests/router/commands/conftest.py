@@ -30,6 +30,7 @@ class FakeGuard:
     def __init__(self) -> None:
         self.told: list[tuple[object, ...]] = []
         self.is_ready = True
+        self.losses = 0
         self.on_state: dict[str, Callable[[GuardState], None]] = {}
         self.on_moving: Callable[[], None] = lambda: None
 

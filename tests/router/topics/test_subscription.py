@@ -10,6 +10,7 @@ from gateway.protocol.names import TopicName
 from gateway.protocol.operations.topics import Subscribe
 from gateway.protocol.session import Session
 from gateway.protocol.subscription_options import SubscriptionOptions
+from gateway.router.topic_counts import TopicCounts
 from gateway.router.topics.subscription import Subscription
 from tests.clock import StoppedClock
 from tests.protocol.entries import Item
@@ -25,7 +26,7 @@ def requested(**options: Any) -> tuple[dict[str | int | None, Subscribe], Subscr
 
 def subscribed(**options: Any) -> Subscription:
     session = Session(Limits(), lambda: None)
-    return Subscription(session, "/t", TopicName("/t"), *requested(**options))
+    return Subscription(session, "/t", TopicName("/t"), *requested(**options), TopicCounts())
 
 
 def offer(subscription: Subscription, number: int, now_ns: int = 0) -> None:

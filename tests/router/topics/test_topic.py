@@ -15,6 +15,8 @@ from gateway.protocol.names import TopicName
 from gateway.protocol.operations.topics import Subscribe
 from gateway.protocol.session import Session
 from gateway.protocol.subscription_options import SubscriptionOptions
+from gateway.router.topic_counts import TopicCounts
+from gateway.router.topics import topic as topic_module
 from gateway.router.topics.subscription import EncodingKey, Subscription, TopicKey
 from gateway.router.topics.topic import Topic
 from schemas.installed import InstalledDefinitions
@@ -48,7 +50,7 @@ def topic(ros: FakeRos, workers: Executor) -> Topic:
 
 
 def open_topic(ros: FakeRos, workers: Executor, qos: Qos | None = None) -> Topic:
-    return Topic(TopicKey(NAME, STRING, qos or Qos()), string_type(), ros, workers)
+    return Topic(TopicKey(NAME, STRING, qos or Qos()), string_type(), ros, workers, TopicCounts())
 
 
 def string_type() -> MessageType:
@@ -59,7 +61,7 @@ def subscription(**options: Any) -> Subscription:
     request = Subscribe(topic="/t", **options)
     session = Session(Limits(), lambda: None)
     merged = SubscriptionOptions.merge([request])
-    return Subscription(session, "/t", NAME, {None: request}, merged)
+    return Subscription(session, "/t", NAME, {None: request}, merged, TopicCounts())
 
 
 def sample(text: str) -> Sample:
@@ -102,7 +104,9 @@ def test_a_subscription_that_was_removed_gets_nothing(topic: Topic):
 
 def test_what_ros_refuses_is_no_topic(ros: FakeRos, workers: Executor):
     with pytest.raises(RosError):
-        Topic(TopicKey(NAME, "none_msgs/msg/None", Qos()), string_type(), ros, workers)
+        Topic(
+            TopicKey(NAME, "none_msgs/msg/None", Qos()), string_type(), ros, workers, TopicCounts()
+        )
 
 
 def test_a_late_subscriber_gets_as_many_samples_as_there_are_publishers(
@@ -204,3 +208,19 @@ async def test_a_throttled_subscription_gets_the_newest_at_the_end_and_counts_th
     await woken.wait()
     assert received(throttled) == ["a", "d"]
     assert throttled.session.outbox.coalesced == 2
+
+
+def test_what_goes_at_once_is_timed_ten_times_a_second(
+    topic: Topic, monkeypatch: pytest.MonkeyPatch
+):
+    one, busy = subscription(), subscription()
+    one.session.outbox.write_directly = lambda entry: len(entry.frame())
+    now_ns = SECOND
+    monkeypatch.setattr(topic_module.time, "monotonic_ns", lambda: now_ns)
+    for each in (one, busy):
+        topic.add(each, PLAIN)
+    for _ in range(100):
+        topic._on_samples([sample("x")._replace(received_ns=1)])
+        now_ns += SECOND // 100
+    assert sum(one.session.latency.observed().counts) == 10
+    assert sum(busy.session.latency.observed().counts) == 0

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The state of the gateway in words, for ROS' own tools."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Final, Literal
+
+from gateway.metrics.state import DriveState, Summary
+
+Level = Literal[0, 1, 2]  # of diagnostic_msgs/msg/DiagnosticStatus
+OK: Final = 0
+WARN: Final = 1
+ERROR: Final = 2
+
+LATE_S: Final = 0.1  # people notice it in what they steer
+TOO_LATE_S: Final = 0.5  # the deadline of a command: robots stop
+CROWDED: Final = 0.8  # of the ROS entities; the rest is gone before somebody has looked
+MAX_NAMED: Final = 8  # clients: more do not help, and the message is for people
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnosis:
+    """One component: how it is, in a word, a sentence and numbers."""
+
+    component: str
+    level: Level
+    text: str
+    values: Mapping[str, object]
+
+
+def diagnose(now: Summary, before: Summary | None) -> list[Diagnosis]:
+    """Return the diagnosis of each component.
+
+    *before* is the summary of a moment ago: who loses samples now has lost fewer then.
+    """
+    return [
+        _event_loop(now),
+        _clients(now),
+        _delivery(now, before),
+        _ros_entities(now),
+        _guard(now),
+        *map(_drive, now.control.drives),
+    ]
+
+
+def _event_loop(now: Summary) -> Diagnosis:
+    late_s = now.max_lag_s
+    level: Level = ERROR if late_s >= TOO_LATE_S else WARN if late_s >= LATE_S else OK
+    text = f"late by up to {late_s * 1000:.0f} ms" if level else "in time"
+    values = {
+        "max lag of 10 s (s)": f"{late_s:.4f}",
+        "tasks": now.tasks,
+        "uptime (s)": round(now.uptime_s),
+        "version": now.version,
+    }
+    return Diagnosis("event loop", level, text, values)
+
+
+def _clients(now: Summary) -> Diagnosis:
+    count = len(now.clients)
+    is_full = count >= now.max_clients
+    text = f"{count} connected"
+    if is_full:
+        text += ", no room for another (limits.max_clients)"
+    values = {
+        "clients": count,
+        "limit": now.max_clients,
+        "without a token yet": now.unauthenticated,
+        "operations": now.totals.operations,
+        "operations refused": now.totals.refused,
+        "reading pauses": now.pauses,
+        "wrong or missing tokens": sum(now.authentication_failures.values()),
+    }
+    return Diagnosis("clients", WARN if is_full else OK, text, values)
+
+
+def _delivery(now: Summary, before: Summary | None) -> Diagnosis:
+    dropping = list(_dropping(now, before))
+    text = "every sample is sent, or replaced by a newer one as asked for"
+    if dropping:
+        named = ", ".join(dropping[:MAX_NAMED])
+        more = f" and {len(dropping) - MAX_NAMED} more" if len(dropping) > MAX_NAMED else ""
+        text = f"too slow for what they subscribe to: {named}{more}"
+    values = {
+        "clients that lose samples": len(dropping),
+        "frames sent": now.totals.frames,
+        "dropped": now.totals.dropped,
+        "coalesced": now.totals.coalesced,
+    }
+    return Diagnosis("delivery", WARN if dropping else OK, text, values)
+
+
+def _dropping(now: Summary, before: Summary | None) -> Iterator[str]:
+    if before is not None:
+        known = {each.client: each.dropped for each in before.clients}
+        for client in now.clients:
+            if client.dropped > known.get(client.client, 0):
+                yield client.client
+
+
+def _ros_entities(now: Summary) -> Diagnosis:
+    count, limit = now.entities["ros_entities"], now.max_ros_entities
+    level: Level = ERROR if count >= limit else WARN if count >= CROWDED * limit else OK
+    text = f"{count} of {limit} (limits.max_ros_entities)"
+    return Diagnosis("ROS entities", level, text, now.entities)
+
+
+def _guard(now: Summary) -> Diagnosis:
+    control = now.control
+    level: Level = OK
+    text = "ready"
+    if not control.guard_is_ready:
+        level = ERROR if control.guard_losses else WARN
+        state = "lost, another one is started" if control.guard_losses else "starting"
+        text = f"{state}: commands to move are refused"
+    return Diagnosis("guard", level, text, {"losses": control.guard_losses})
+
+
+def _drive(drive: DriveState) -> Diagnosis:
+    text = drive.motion
+    if drive.is_tripped:
+        text = f"stopped, {drive.cause}: commands to move are refused until one of zero comes"
+    values = {
+        "motion": drive.motion,
+        "tripped": drive.is_tripped,
+        "a client has control": drive.is_held,
+        "guarded": drive.is_guarded,
+        **{f"stops: {cause}": count for cause, count in drive.stops.items()},
+    }
+    return Diagnosis(f"drive {drive.topic}", WARN if drive.is_tripped else OK, text, values)

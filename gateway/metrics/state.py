@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The gateway at one moment, as data: the source of /metrics and /diagnostics."""
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+from gateway.metrics.histogram import Observed
+
+
+class Delivery(NamedTuple):
+    """The samples that were offered to clients, and what has become of them.
+
+    ``offered == sent + coalesced + dropped + pending`` at every moment.
+    """
+
+    offered: int = 0
+    sent: int = 0
+    sent_bytes: int = 0
+    coalesced: int = 0  # a throttle let a newer one pass in their place
+    dropped: int = 0  # a full queue, no encoding, or the end of the subscription
+    pending: int = 0  # in a queue, or held by a throttle
+
+    def plus(self, other: "Delivery") -> "Delivery":
+        """Return the counts of both."""
+        return Delivery(
+            self.offered + other.offered,
+            self.sent + other.sent,
+            self.sent_bytes + other.sent_bytes,
+            self.coalesced + other.coalesced,
+            self.dropped + other.dropped,
+            self.pending + other.pending,
+        )
+
+
+class ClientTopic(NamedTuple):
+    """The samples of one topic for one client, by all its subscriptions to it."""
+
+    client: str
+    topic: str
+    delivery: Delivery
+
+
+class ClientPublication(NamedTuple):
+    """The messages of one client on one topic."""
+
+    client: str
+    topic: str
+    messages: int
+    size: int  # bytes of CDR
+
+
+class TopicState(NamedTuple):
+    """One topic, for all clients, also those that have left."""
+
+    topic: str
+    received: int  # from ROS
+    received_bytes: int
+    clients: int  # that subscribe to it
+    delivery: Delivery
+    published: int  # by clients
+    published_bytes: int
+    latency: Observed
+
+
+class DriveState(NamedTuple):
+    """One command topic."""
+
+    topic: str
+    motion: str
+    is_tripped: bool
+    cause: str | None  # of the last stop, in words
+    is_held: bool  # a client has the lease
+    is_guarded: bool
+    stops: Mapping[str, int]  # by cause
+
+
+class Traffic(NamedTuple):
+    """The samples and messages that pass between ROS and clients."""
+
+    client_topics: tuple[ClientTopic, ...]
+    publications: tuple[ClientPublication, ...]
+    topics: tuple[TopicState, ...]
+
+
+class ControlState(NamedTuple):
+    """The command topics, and the guard that stops their robots."""
+
+    drives: tuple[DriveState, ...]
+    guard_is_ready: bool
+    guard_losses: int
+
+
+class ClientState(NamedTuple):
+    """One client, authenticated or not."""
+
+    client: str
+    address: str
+    operations: int
+    refused: int
+    replaced: int
+    frames: int
+    dropped: int  # in all its queues
+    coalesced: int
+    time_s: float  # of the event loop, for what it has sent
+    pauses: int
+    latency: Observed
+
+
+class AddressState(NamedTuple):
+    """The time budget of an address that has connections."""
+
+    address: str
+    time_s: float
+    pauses: int
+
+
+class ClientTotals(NamedTuple):
+    """The counts of all clients there were."""
+
+    operations: int
+    refused: int
+    replaced: int
+    frames: int
+    dropped: int
+    coalesced: int
+
+
+class Summary(NamedTuple):
+    """All but the traffic of topics: it is quick to make, also with many of them."""
+
+    version: str
+    uptime_s: float
+    clients: tuple[ClientState, ...]
+    addresses: tuple[AddressState, ...]
+    totals: ClientTotals
+    time_s: float  # of the event loop, for what clients have sent
+    pauses: int
+    sessions: int  # that were ever opened
+    connections: int
+    unauthenticated: int
+    max_clients: int
+    tasks: int
+    entities: Mapping[str, int]  # that are open, by kind
+    max_ros_entities: int
+    control: ControlState
+    handshakes_refused: Mapping[str, int]  # by reason
+    authentication_failures: Mapping[str, int]  # by reason
+    ends: Mapping[tuple[str, str, str], int]  # of connections, by who ended it, reason and code
+    lag: Observed
+    max_lag_s: float  # of the last seconds
+
+
+class State(NamedTuple):
+    """All of it, at one moment."""
+
+    summary: Summary
+    traffic: Traffic
+
+
+def seen_by(state: State, sees: Callable[[str], bool]) -> State:
+    """Return a state without the topics that *sees* denies: they do not exist for who asks."""
+    summary, traffic = state
+    control = summary.control
+    return State(
+        summary._replace(
+            control=control._replace(drives=tuple(d for d in control.drives if sees(d.topic)))
+        ),
+        Traffic(
+            tuple(each for each in traffic.client_topics if sees(each.topic)),
+            tuple(each for each in traffic.publications if sees(each.topic)),
+            tuple(each for each in traffic.topics if sees(each.topic)),
+        ),
+    )

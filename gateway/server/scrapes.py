@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The pages for Prometheus: written a slice at a time, one page after the other."""
+
+import asyncio
+import logging
+import time
+from collections.abc import Callable
+from typing import Final
+
+from gateway.access.permissions import Identity, Permissions
+from gateway.metrics.page import pieces
+from gateway.metrics.state import State, seen_by
+
+# With 32 clients of 64 topics each a page takes 100 ms: more than others should have to wait.
+SLICE_S: Final = 0.002
+# After a slice it rests thrice as long: pages take a quarter of the loop at most, as a client may.
+REST: Final = 3
+
+logger = logging.getLogger(__name__)
+
+Reply = Callable[[str | None], None]
+
+
+class Scrapes:
+    """Answers all who ask while a page is being written for their role by that one page."""
+
+    def __init__(self, state: Callable[[], State]) -> None:
+        self._state = state
+        self._waiting: dict[Permissions, list[Reply]] = {}
+        self._task: asyncio.Task[None] | None = None
+
+    def ask(self, identity: Identity, reply: Reply) -> None:
+        """Give *reply* the page that this client may see; ``None`` if that fails."""
+        self._waiting.setdefault(identity.permissions, []).append(reply)
+        if self._task is None:
+            self._task = asyncio.get_running_loop().create_task(self._write_all())
+
+    def close(self) -> None:
+        """Write nothing any more."""
+        self._waiting.clear()
+        if self._task is not None:
+            self._task.cancel()
+
+    async def _write_all(self) -> None:
+        try:
+            while self._waiting:
+                permissions = next(iter(self._waiting))
+                try:
+                    page = await self._write(permissions)
+                except Exception:  # our bug, of which the others know nothing
+                    logger.exception("writing the metrics failed")
+                    page = None
+                for reply in self._waiting.pop(permissions, ()):
+                    reply(page)
+        finally:
+            self._task = None
+
+    async def _write(self, permissions: Permissions) -> str:
+        written = []
+        begun_s = time.monotonic()
+        for piece in pieces(seen_by(self._state(), permissions.sees)):
+            written.append(piece)
+            took_s = time.monotonic() - begun_s
+            if took_s > SLICE_S:
+                await asyncio.sleep(REST * took_s)
+                begun_s = time.monotonic()
+        await asyncio.sleep(REST * (time.monotonic() - begun_s))
+        return "".join(written)

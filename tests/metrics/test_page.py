@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The text of /metrics, read by the library that Prometheus' own tests use."""
+
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from prometheus_client.parser import text_string_to_metric_families
+
+from gateway.metrics.families import FAMILIES, PREFIX, TIME_FAMILIES
+from gateway.metrics.page import PIECE_HISTOGRAMS, PIECE_SAMPLES, pieces
+from gateway.metrics.state import State, seen_by
+from tests.metrics.states import state
+
+PAGE = Path(__file__).parents[2] / "docs" / "observability.md"
+ALL = [*FAMILIES, *TIME_FAMILIES]
+
+
+def samples(of: State) -> dict[tuple[str, ...], float]:
+    """Return the values by name and labels, and see that none comes twice."""
+    read = [
+        ((sample.name, *(f"{k}={v}" for k, v in sorted(sample.labels.items()))), sample.value)
+        for family in text_string_to_metric_families("".join(pieces(of)))
+        for sample in family.samples
+    ]
+    assert len(dict(read)) == len(read)
+    return dict(read)
+
+
+def test_the_values_of_a_state_are_read_back():
+    read = samples(state())
+    labels = ("client=10.0.0.0#0", "topic=/topic0")
+    for name, value in {
+        "received_total": 10,
+        "sent_total": 5,
+        "sent_bytes_total": 50,
+        "coalesced_total": 1,
+        "dropped_total": 2,
+        "pending": 2,
+    }.items():
+        assert read[f"ros2_gateway_client_messages_{name}", *labels] == value
+        assert read[f"ros2_gateway_topic_messages_{name}", "topic=/topic0"] == value
+    assert read["ros2_gateway_topic_received_total", "topic=/topic0"] == 10
+    published = ("client=10.0.0.0#0", "topic=/cmd_vel")
+    assert read["ros2_gateway_client_published_total", *published] == 7
+    ended = ("by=client", "code=1000", "reason=closed")
+    assert read["ros2_gateway_connections_ended_total", *ended] == 2
+    assert read["ros2_gateway_handshakes_refused_total", "reason=origin"] == 2
+    assert read["ros2_gateway_clients",] == 1
+    assert read["ros2_gateway_ros_entities",] == 2
+    assert read["ros2_gateway_tasks",] == 4
+    assert read["ros2_gateway_drive_guarded", "topic=/cmd_vel"] == 1
+    assert read["ros2_gateway_client_latency_seconds_count", "client=10.0.0.0#0"] == 0
+    assert read["process_resident_memory_bytes",] > 1e6
+
+
+def test_a_family_of_several_pieces_is_introduced_once():
+    large = state(clients=8, topics=64)
+    text = "".join(pieces(large))
+    heads = Counter(line for line in text.splitlines() if line.startswith("# "))
+    assert set(heads.values()) == {1}
+    assert len(samples(large)) > 8 * 64 * 6
+
+
+def test_no_piece_has_more_samples_than_the_bound():
+    assert (PIECE_SAMPLES, PIECE_HISTOGRAMS) == (256, 16)
+    for piece in pieces(state(clients=16, topics=64)):
+        lines = [line for line in piece.splitlines() if not line.startswith("#")]
+        assert len(lines) <= 256
+
+
+def test_what_is_hidden_from_a_role_is_on_no_line():
+    seen = seen_by(state(topics=3), lambda name: name != "/topic1")
+    text = "".join(pieces(seen))
+    assert "/topic1" not in text
+    assert "/topic2" in text
+    assert "/cmd_vel" not in "".join(pieces(seen_by(state(), lambda _: False)))
+
+
+@pytest.mark.parametrize("family", ALL, ids=lambda family: family.name)
+def test_each_family_is_documented_with_its_labels(family):
+    total = "_total" if getattr(family, "kind", "") == "counter" else ""
+    labels = ", ".join(f"`{label}`" for label in family.labels)
+    row = f"| `{PREFIX}{family.name}{total}` | {labels} |"
+    assert row in PAGE.read_text("utf-8")

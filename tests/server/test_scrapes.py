@@ -1,0 +1,324 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The metrics, asked for as Prometheus does."""
+
+import asyncio
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from typing import Any
+from unittest.mock import ANY
+
+import pytest
+from blockbuster import blockbuster_ctx
+from prometheus_client.parser import text_string_to_metric_families
+from websockets.frames import Opcode
+
+from gateway.access.permissions import UNLIMITED, Permissions
+from gateway.config.access import RoleConfig, ViewerConfig
+from gateway.ports import Qos
+from gateway.server import scrapes as scrapes_module
+from gateway.server.scrapes import Scrapes
+from tests.client import TIMEOUT_S, client, eventually
+from tests.metrics.states import state
+from tests.server.conftest import Serve, Served
+from tests.server.test_admission import OPERATORS, VIEWERS, Door, bearer
+from tests.server.test_server import handshake, masked, status_of, upgrade
+
+STRING = "std_msgs/msg/String"
+COUNTS = ("sent_total", "coalesced_total", "dropped_total", "pending")
+
+
+@pytest.fixture(autouse=True)
+def no_blocking_calls() -> Iterator[None]:
+    """Fail if the loop waits, also for a page: /proc is memory, and no disk."""
+    with blockbuster_ctx("gateway") as calls:
+        for call in calls.functions.values():
+            call.can_block_in("schemas/installed.py", {"_read"})
+            call.can_block_in("prometheus_client/process_collector.py", {"collect"})
+        yield
+
+
+def fetch(served: Served, method: str = "GET", **headers: str) -> tuple[int, Any, str]:
+    url = f"http://127.0.0.1:{served.port}/metrics"
+    request = urllib.request.Request(url, method=method, headers=headers)
+    try:
+        with urllib.request.urlopen(request, timeout=TIMEOUT_S) as response:  # noqa: S310  # ours
+            return response.status, response.headers, response.read().decode()
+    except urllib.error.HTTPError as error:
+        with error:
+            return error.code, error.headers, error.read().decode()
+
+
+class Scrape:
+    """One page, by names and labels."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self._samples = [
+            sample for family in text_string_to_metric_families(text) for sample in family.samples
+        ]
+
+    def values(self, name: str) -> dict[tuple[str, ...], float]:
+        """Return the values of a metric by those of its labels, in the order of their names."""
+        return {
+            tuple(value for _, value in sorted(sample.labels.items())): sample.value
+            for sample in self._samples
+            if sample.name == f"ros2_gateway_{name}"
+        }
+
+    def check_sums(self) -> int:
+        """Check that what was offered has become something, of each client and topic."""
+        checked = 0
+        for scope in ("client", "topic"):
+            parts = [self.values(f"{scope}_messages_{count}") for count in COUNTS]
+            for labels, offered in self.values(f"{scope}_messages_received_total").items():
+                assert offered == sum(part[labels] for part in parts)
+                checked += 1
+        return checked
+
+
+async def scrape(served: Served, **headers: str) -> Scrape:
+    status, _, text = await asyncio.to_thread(fetch, served, **headers)
+    assert status == 200
+    return Scrape(text)
+
+
+async def test_prometheus_gets_its_text_and_nobody_keeps_it(serve: Serve):
+    async with serve() as served:
+        status, headers, text = await asyncio.to_thread(fetch, served)
+        assert status == 200
+        assert headers["Content-Type"] == "text/plain; version=0.0.4; charset=utf-8"
+        assert headers["Cache-Control"] == "no-store"
+        assert Scrape(text).values("clients") == {(): 0}
+        assert (await asyncio.to_thread(fetch, served, "HEAD"))[::2] == (200, "")
+
+
+async def test_a_slow_reader_and_a_throttle_are_seen_in_the_counts_which_add_up(serve: Serve):
+    async with serve() as served, client(served.url) as good, client(served.url) as calm:
+        publisher = served.ros.add_publisher("/big", STRING, Qos(depth=100))
+        reader, writer = await handshake(served)  # never read from
+        writer.write(masked(Opcode.TEXT, b'{"op":"subscribe","topic":"/big","queue_length":3}'))
+        await good.send(op="subscribe", topic="/big")
+        await good.sync()
+        await calm.send(op="subscribe", topic="/big", throttle_rate=3_600_000)
+        await calm.sync()
+        page = await scrape(served)
+        while len(page.values("client_messages_received_total")) < 3:
+            page = await scrape(served)
+        sample = served.cdr(STRING, data="x" * 200_000)
+        for _ in range(100):
+            publisher.publish(sample)
+            await good.message("/big")
+        page = await scrape(served)
+        assert page.check_sums() == 3 + len(page.values("topic_messages_received_total"))
+        received = page.values("topic_received_total")["/big",]
+        assert received == 100
+        assert page.values("topic_received_bytes_total")["/big",] == 100 * len(sample)
+        offered = page.values("client_messages_received_total")
+        assert set(offered.values()) == {100}
+        by_address = sorted(page.values("client_messages_sent_total").values())
+        assert (by_address[0], by_address[-1]) == (1, 100)  # the calm one, the good one
+        assert sorted(page.values("client_messages_coalesced_total").values()) == [0, 0, 98]
+        assert sum(page.values("client_messages_dropped_total").values()) > 50
+        assert 1 < sum(page.values("client_messages_pending").values()) <= 1 + 3 + 1
+        assert page.values("topic_messages_sent_bytes_total")["/big",] > 100 * 200_000
+        assert sum(page.values("topic_latency_seconds_bucket").values()) > 0
+        writer.close()
+        del reader
+
+
+async def test_the_series_of_a_client_end_with_it_and_its_topics_keep_the_counts(serve: Serve):
+    async with serve() as served:
+        publisher = served.ros.add_publisher("/t", STRING)
+        for _ in range(3):
+            async with client(served.url) as listener:
+                await listener.send(op="subscribe", topic="/t")
+                await listener.send(op="subscribe", topic="t", throttle_rate=3_600_000)
+                await listener.send(op="publish", topic="/u", type=STRING, msg={"data": "x"})
+                await listener.sync()
+                for _ in range(3):
+                    publisher.publish(served.cdr(STRING, data="x"))
+                for _ in range(3):
+                    await listener.message("/t")
+                page = await scrape(served)
+                (((_, topic), offered),) = page.values("client_messages_received_total").items()
+                assert (topic, offered) == ("/t", 6)  # both names of it
+                assert page.check_sums() >= 2
+                assert list(page.values("client_published_total").values()) == [1]
+            await eventually(lambda: served.clients == 0)
+        page = await scrape(served)
+        assert page.values("client_messages_received_total") == {}
+        assert page.values("client_published_total") == {}
+        assert page.values("client_operations_total") == {}
+        assert page.values("topic_messages_received_total")["/t",] == 18
+        assert page.values("topic_messages_sent_total")["/t",] == 12
+        assert page.values("topic_messages_coalesced_total")["/t",] == 3
+        assert page.values("topic_messages_dropped_total")["/t",] == 3  # what throttles still held
+        assert page.values("topic_published_total")["/u",] == 3
+        assert page.values("sessions_total")[()] == 3
+        page.check_sums()
+
+
+async def test_a_client_that_asks_for_ever_new_names_leaves_no_series(serve: Serve):
+    async with serve({"max_subscriptions": 64}) as served, client(served.url) as curious:
+        before = (await scrape(served)).text.count("\n")
+        for number in range(1000):
+            await curious.send(op="subscribe", topic=f"/made_up{number}")
+            await curious.send(op="unsubscribe", topic=f"/made_up{number}")
+        await curious.sync()
+        page = await scrape(served)
+        assert "/made_up" not in page.text
+        assert page.text.count("\n") < before + 100
+
+
+async def test_without_a_token_where_one_is_needed_nothing_is_told(serve: Serve):
+    async with (
+        Door(serve).open() as served,
+        client(served.url, additional_headers=bearer(OPERATORS)) as one,
+    ):
+        await one.send(op="subscribe", topic="/secret", type=STRING)
+        await one.sync()
+        status, headers, text = await asyncio.to_thread(fetch, served)
+        assert (status, headers["WWW-Authenticate"]) == (401, "Bearer")
+        assert "secret" not in text
+        assert "ros2_gateway" not in text
+        assert (await asyncio.to_thread(fetch, served, **bearer("r2g_wrong")))[0] == 401
+        assert "/secret" in (await scrape(served, **bearer(VIEWERS))).text
+        page = await scrape(served, **bearer(OPERATORS))
+        assert page.values("handshakes_refused_total") == {("token",): 2}
+        assert page.values("authentication_failures_total") == {("wrong",): 1}
+        assert (await asyncio.to_thread(fetch, served, Authorization="Basic x"))[0] == 400
+
+
+async def test_what_is_hidden_from_a_role_is_not_in_its_metrics(serve: Serve):
+    hidden = ViewerConfig(deny_subscribe=("/secret/**",))
+    async with (
+        Door(serve, viewer=hidden).open() as served,
+        client(served.url, additional_headers=bearer(OPERATORS)) as one,
+    ):
+        await one.send(op="subscribe", topic="/secret/plan", type=STRING)
+        await one.send(op="subscribe", topic="/open", type=STRING)
+        await one.send(op="publish", topic="/secret/out", type=STRING, msg={"data": "x"})
+        await one.sync()
+        seen, all_of_it = await asyncio.gather(
+            scrape(served, **bearer(VIEWERS)), scrape(served, **bearer(OPERATORS))
+        )
+        assert "/open" in seen.text
+        assert "secret" not in seen.text
+        assert all_of_it.text.count("/secret/plan") > 10
+        assert "/secret/out" in all_of_it.text
+
+
+async def test_pages_of_others_and_foreign_hosts_get_no_metrics(serve: Serve):
+    async with serve() as served:
+
+        def get(*lines: str) -> bytes:
+            return "\r\n".join(["GET /metrics HTTP/1.1", *lines, "", ""]).encode()
+
+        assert (
+            await status_of(served, get("Host: localhost", "Origin: https://evil.example")) == 403
+        )
+        assert await status_of(served, get("Host: evil.example")) == 421
+        own = f"localhost:{served.port}"
+        assert await status_of(served, get(f"Host: {own}", f"Origin: http://{own}")) == 200
+        assert await status_of(served, get("Host: localhost", "Origin: null")) == 403
+        with_token = get("Host: localhost").replace(b"/metrics", b"/metrics?token=x")
+        assert await status_of(served, with_token) == 400
+        page = await scrape(served)
+        refused = {("origin",): 2, ("host",): 1, ("malformed",): 1}
+        assert page.values("handshakes_refused_total") == refused
+
+
+async def test_ends_and_refusals_are_counted_by_a_closed_set_of_words(serve: Serve):
+    async with serve({"max_clients": 1}) as served:
+        async with client(served.url) as one, client(served.url) as other:
+            await one.sync()
+            assert (await other.status())["code"] == "limit_exceeded"
+            await other.socket.wait_closed()
+            await one.socket.close(3456, "as I like")
+        await eventually(lambda: served.clients == 0)
+        assert await status_of(served, upgrade("Host: evil.example")) == 421
+        page = await scrape(served)
+        ends = page.values("connections_ended_total")  # by, code, reason
+        assert ends["client", "other", "closed"] == 1
+        assert ends["gateway", "1013", "over_capacity"] == 1
+        refused = {("over_capacity",): 1, ("host",): 1}
+        assert page.values("handshakes_refused_total") == refused
+
+
+async def test_who_asks_while_a_page_is_written_gets_that_one_and_a_bug_is_answered_500(
+    serve: Serve, monkeypatch: pytest.MonkeyPatch
+):
+    written = 0
+
+    def count() -> Any:
+        nonlocal written
+        written += 1
+        return state()
+
+    pages: list[str | None] = []
+    scrapes = Scrapes(count)
+    for _ in range(50):
+        scrapes.ask(UNLIMITED, pages.append)
+    other = UNLIMITED.__class__("wall", Permissions("viewer", RoleConfig()))
+    scrapes.ask(other, pages.append)
+    await eventually(lambda: len(pages) == 51)
+    assert written == 2
+
+    def fail(_: Any) -> Any:
+        raise ZeroDivisionError
+
+    async with serve() as served:
+        monkeypatch.setattr(scrapes_module, "pieces", fail)
+        assert (await asyncio.to_thread(fetch, served))[0] == 500
+        monkeypatch.undo()
+        assert (await asyncio.to_thread(fetch, served))[0] == 200
+
+
+async def test_pages_take_a_quarter_of_the_time_and_no_more_than_a_slice_at_once(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    now_s = 0.0
+    worked_s = rested_s = 0.0
+    slices: list[float] = []
+
+    class Clock:
+        @staticmethod
+        def monotonic() -> float:
+            return now_s
+
+    def slow(_: Any) -> Iterator[str]:
+        nonlocal now_s, worked_s
+        for _ in range(101):
+            now_s += 0.0015
+            worked_s += 0.0015
+            yield "x"
+
+    async def sleep(time_s: float) -> None:
+        nonlocal now_s, rested_s
+        slices.append(worked_s - sum(slices))
+        rested_s += time_s
+        now_s += time_s
+
+    monkeypatch.setattr(scrapes_module, "time", Clock)
+    monkeypatch.setattr(scrapes_module, "pieces", slow)
+    monkeypatch.setattr(scrapes_module.asyncio, "sleep", sleep)
+    page = await Scrapes(state)._write(UNLIMITED.permissions)
+    assert page == "x" * 101
+    assert rested_s == pytest.approx(3 * worked_s)
+    assert max(slices) < 0.0045
+
+
+async def test_a_large_page_arrives_whole(serve: Serve, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(scrapes_module, "pieces", lambda _: ["x" * 100_000] * 80)
+    async with serve() as served:
+        assert await asyncio.to_thread(fetch, served) == (200, ANY, "x" * 8_000_000)
+
+
+async def test_a_scraper_that_leaves_while_its_page_is_written_harms_nobody(serve: Serve):
+    async with serve() as served:
+        for _ in range(20):
+            _, writer = await asyncio.open_connection("127.0.0.1", served.port)
+            writer.write(b"GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\nand more\x00\xff")
+            writer.close()
+        assert (await scrape(served)).values("clients") == {(): 0}
