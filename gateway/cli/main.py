@@ -1,18 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command line: argv to configuration to exit code, and the only place that prints.
+"""The command line: argv to configuration to exit code.
 
 Each subcommand imports its modules when it runs, so that ``--help`` is instant and commands that
 need no ROS work without it.
 """
 
 import argparse
-import errno
 import os
 import signal
 import sys
 import threading
-import time
-import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from difflib import get_close_matches
@@ -21,11 +18,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final, NoReturn
 
 from gateway.cli.arguments import CONFIG_FLAGS, CONFIG_SWITCHES, argument_parser
+from gateway.cli.output import announce, discard_output
+from gateway.cli.report import EXIT_OK, report
 from gateway.config.domain_id import DOMAIN_ID_EXPECTATION, is_domain_id
 from gateway.errors import (
-    BindError,
     ConfigError,
-    GatewayError,
     RobotDiedError,
     RosMissingError,
     UsageError,
@@ -36,12 +33,6 @@ if TYPE_CHECKING:
     from gateway.cli.foreign_output import OwnOutput
     from gateway.config.settings import Given, Loaded
     from schemas.installed import InstalledDefinitions
-
-EXIT_OK: Final = 0  # Ctrl-C and SIGTERM included
-EXIT_FAILURE: Final = 1
-EXIT_USAGE: Final = 2
-EXIT_NO_ROS: Final = 3
-EXIT_CANNOT_BIND: Final = 4
 
 _DEMO_HINT: Final = """\
 in another terminal, connect with  WSCAT  and paste:
@@ -70,7 +61,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return EXIT_OK
     except BrokenPipeError:  # the reader of our output, such as head, has closed it
-        _discard_output()
+        discard_output()
         return EXIT_OK
     except Exception as error:  # noqa: BLE001  # the outermost frame reports every error
         # An extension module that is interrupted while it loads may raise anything.
@@ -78,7 +69,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             return EXIT_OK
         if arguments.log_format is None:  # the configuration is not read
             arguments.log_format = _wanted_format(sys.argv[1:] if argv is None else argv)
-        return _report(error, arguments)
+        return report(error, arguments)
     return code
 
 
@@ -108,63 +99,6 @@ def _run(arguments: argparse.Namespace) -> int:
         case "cert":
             return _cert(arguments)
     raise AssertionError(arguments.command)
-
-
-def _report(error: Exception, arguments: argparse.Namespace) -> int:
-    """Report an error, each mistake in one sentence; return its exit code."""
-    match error:
-        case ConfigError():
-            sentences, code = error.problems, EXIT_USAGE
-        case UsageError():
-            sentences, code = (str(error),), EXIT_USAGE
-        case RosMissingError():
-            sentences, code = (str(error),), EXIT_NO_ROS
-        case BindError():
-            sentences, code = (str(error),), EXIT_CANNOT_BIND
-        case GatewayError():
-            sentences, code = (str(error),), EXIT_FAILURE
-        case OSError(errno=errno.ENOSPC):
-            _discard_output()
-            sentences, code = (f"cannot write the output, {_reason(error)}",), EXIT_FAILURE
-        case _:
-            bug = f"internal error, {type(error).__name__}: {error} (--debug shows where)"
-            sentences, code = (bug,), EXIT_FAILURE
-    (_write_json if arguments.log_format == "json" else _write)(sentences, arguments)
-    return code
-
-
-def _write(sentences: Sequence[str], arguments: argparse.Namespace) -> None:
-    if arguments.debug:
-        traceback.print_exc()
-    for sentence in sentences:
-        print(f"ros2-gateway: {sentence}", file=sys.stderr)
-
-
-def _write_json(sentences: Sequence[str], arguments: argparse.Namespace) -> None:
-    from gateway.cli.logs import json_line
-
-    more = {"traceback": traceback.format_exc()} if arguments.debug else {}
-    for sentence in sentences:
-        print(json_line(time.time(), "error", "gateway", sentence, **more), file=sys.stderr)
-
-
-def _announce(text: str) -> None:
-    try:
-        print(text, flush=True)  # our parent process may wait for it behind a pipe
-    except BrokenPipeError:
-        raise
-    except OSError as error:  # a full disk: the gateway serves all the same
-        _discard_output()
-        print(f"ros2-gateway: cannot write this, {_reason(error)}: {text}", file=sys.stderr)
-
-
-def _discard_output() -> None:
-    """Write to nowhere from now on, also what waits: at its end Python would fail to write it."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-
-
-def _reason(error: OSError) -> str:
-    return (error.strerror or str(error)).lower()
 
 
 def _configuration(arguments: argparse.Namespace) -> "Loaded":
@@ -240,13 +174,13 @@ def _announce_in_json(listening: "Listening", own: "OwnOutput", hint: str) -> No
 def _announce_listening(listening: "Listening", *, shows_qr: bool, hint: str) -> None:
     from gateway.cli import announcement
 
-    _announce(announcement.announcement(listening))
+    announce(announcement.announcement(listening))
     if shows_qr and listening.posture.is_open and sys.stdout.isatty():
         text = announcement.qr_text(listening, announcement.own_addresses())
         if text is not None:
-            _announce(f"{announcement.qr_code(text)}for a phone: {text}")
+            announce(f"{announcement.qr_code(text)}for a phone: {text}")
     if hint:
-        _announce(announcement.filled(hint, listening))
+        announce(announcement.filled(hint, listening))
 
 
 def _run_gateway(
@@ -332,7 +266,7 @@ def _mock(arguments: argparse.Namespace) -> int:
             types=tuple(arguments.type),
             publish=not arguments.no_publish,
             listen=not arguments.no_listen,
-            write=_announce,
+            write=announce,
         )
     )
 
