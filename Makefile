@@ -6,6 +6,7 @@ BIN := $(VENV)/bin
 # A new set of dependencies is installed when pyproject.toml changes, otherwise nothing is done.
 READY := $(VENV)/.ready
 READY_FOR_TESTS := $(VENV)/.ready-for-tests
+READY_FOR_FUZZING := $(VENV)/.ready-for-fuzzing
 # roslib and roslibpy, which the tests drive
 CLIENTS := $(VENV)/clients/.ready
 # -qq: warnings about caches and extra indexes hide nothing that matters, errors still show
@@ -15,13 +16,14 @@ ARGS ?=
 WHAT ?=
 COMPARE ?=
 REPEAT ?=
+SECONDS ?= 60
 PYTEST_ARGS ?= $(ARGS)
 # As many workers as tests/conftest.py says. Each begins with a part of the tests in their order, so that those that share
 # a gateway or a Mono process stay together; one that has done its own takes over from the others.
 WORKERS := -n auto --dist worksteal
 
 .DEFAULT_GOAL := help
-.PHONY: help demo serve test lint format docs bench faults mutants clean
+.PHONY: help demo serve test lint format docs bench faults fuzz mutants clean
 
 help: ## list the targets
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
@@ -63,6 +65,10 @@ bench: $(READY) ## measure speed, some 50 minutes (make bench WHAT=odometry, mak
 faults: $(READY_FOR_TESTS) $(CLIENTS) ## kill, freeze and cut off what drives a robot, see that it stops (make faults REPEAT=20)
 	FAULTS_REPEAT=$(or $(REPEAT),20) $(BIN)/python -m pytest tests/e2e/faults -n0 -q $(ARGS)
 
+fuzz: $(READY_FOR_FUZZING) ## feed anything to parsers, codecs and a gateway (make fuzz WHAT=cdr_decoder SECONDS=60)
+	@$(BIN)/python -m tests.interfaces
+	@$(BIN)/python -m tests.fuzz $(WHAT) --seconds $(SECONDS) $(ARGS)
+
 mutants: $(READY_FOR_TESTS) ## break lines on purpose, see that tests notice (make mutants WHAT=codec)
 	@$(BIN)/python -m tests.interfaces
 	@$(BIN)/python -m tools.mutants $(WHAT) $(ARGS)
@@ -83,6 +89,11 @@ $(READY): pyproject.toml | $(BIN)/python
 $(READY_FOR_TESTS): pyproject.toml $(READY)
 	@echo "installing what the tests need ..."
 	@$(PIP) install --group dev
+	@touch $@
+
+$(READY_FOR_FUZZING): pyproject.toml $(READY_FOR_TESTS)
+	@echo "installing atheris ..."
+	@$(PIP) install --group fuzz
 	@touch $@
 
 $(CLIENTS): tools/make-clients.sh $(wildcard tests/clients/*/package-lock.json) | $(READY_FOR_TESTS)

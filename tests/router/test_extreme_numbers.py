@@ -138,9 +138,12 @@ async def carry_out(text: str) -> list[Any]:
     return complaints
 
 
+def written(operation: dict[str, Any]) -> str:
+    return json.dumps(operation).replace(f'"{BEYOND_FLOAT}"', BEYOND_FLOAT[1:])
+
+
 async def is_carried_out(members: dict[str, Any], op: str) -> bool:
-    text = json.dumps({**members, "op": op}).replace(f'"{BEYOND_FLOAT}"', BEYOND_FLOAT[1:])
-    return await carry_out(text) == []
+    return await carry_out(written({**members, "op": op})) == []
 
 
 @pytest.mark.parametrize("op", sorted(OPERATIONS))

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The gateway on a loop that reports what holds it for too long; its tests send SIGUSR1 to begin.
+
+The time is that of the loop's thread on a CPU, so other programs do not matter, and a callback that
+waits for the GIL is not blamed. A record of the log is a fault for the conversations.
+"""
+
+import asyncio
+import logging
+import os
+import signal
+import sys
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Any, Final
+
+# An operation may take 20 ms. A callback may also take the slice of operations before it. Where
+# others share the caches and the cores' threads, CPU time grows by half: then a higher bar is due.
+BAR_S: Final = float(os.environ.get("FUZZ_BAR_MS", "24")) / 1e3
+
+logger = logging.getLogger("gateway.measured")
+
+
+class MeasuredLoop(asyncio.SelectorEventLoop):
+    """Measures each callback, the steps of tasks among them."""
+
+    longest_s = 0.0
+    is_measuring = False
+
+    def call_soon(self, callback: Callable[..., Any], *args: Any, **more: Any) -> Any:
+        return super().call_soon(self._measured(callback), *args, **more)
+
+    def call_soon_threadsafe(self, callback: Callable[..., Any], *args: Any, **more: Any) -> Any:
+        return super().call_soon_threadsafe(self._measured(callback), *args, **more)
+
+    def call_at(self, when: float, callback: Callable[..., Any], *args: Any, **more: Any) -> Any:
+        return super().call_at(when, self._measured(callback), *args, **more)
+
+    def _add_reader(self, fd: Any, callback: Callable[..., Any], *args: Any) -> Any:
+        return super()._add_reader(fd, self._measured(callback), *args)
+
+    def _add_writer(self, fd: Any, callback: Callable[..., Any], *args: Any) -> Any:
+        return super()._add_writer(fd, self._measured(callback), *args)
+
+    def _measured(self, callback: Callable[..., Any]) -> Callable[..., Any]:
+        return partial(self._call, callback)
+
+    def _call(self, callback: Callable[..., Any], *args: Any) -> Any:
+        started_s = time.thread_time()
+        try:
+            return callback(*args)
+        finally:
+            took_s = time.thread_time() - started_s
+            if MeasuredLoop.is_measuring:
+                MeasuredLoop.longest_s = max(MeasuredLoop.longest_s, took_s)
+                if took_s > BAR_S:
+                    logger.error("held the loop for %.1f ms: %r", took_s * 1e3, callback)
+
+
+def begin(*_: Any) -> None:
+    MeasuredLoop.is_measuring = True
+
+
+def run() -> None:
+    from gateway import app
+    from gateway.cli.main import main
+
+    app._loop_factory = lambda: MeasuredLoop
+    signal.signal(signal.SIGUSR1, begin)
+    code = main()
+    print(f"longest: {MeasuredLoop.longest_s * 1e3:.1f} ms", file=sys.stderr, flush=True)
+    os._exit(code)
+
+
+if __name__ == "__main__":
+    run()

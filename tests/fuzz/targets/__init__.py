@@ -1,0 +1,17 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What fuzzing feeds bytes to: one module for each target, named like it."""
+
+import importlib
+from pathlib import Path
+
+from tests.fuzz.target import Target
+
+NAMES = tuple(
+    sorted(path.stem for path in Path(__file__).parent.glob("*.py") if path.stem != "__init__")
+)
+
+
+def load(name: str) -> Target:
+    """Import a target, and with it the product: a fuzzer instruments what it imports first."""
+    found: Target = importlib.import_module(f"{__name__}.{name}").TARGET
+    return found

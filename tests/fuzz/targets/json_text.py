@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""JSON from a client: read as the standard says, or refused with words."""
+
+import json
+import math
+from typing import Any
+
+from gateway.codec.errors import CodecError
+from gateway.codec.json import MAX_CONTAINERS, MAX_DEPTH, MAX_ITEMS, ascii_only, dumps, loads
+from tests.fuzz import seeds
+from tests.fuzz.target import Target, check
+
+
+class OtherwiseError(ValueError):
+    """The gateway has more rules than the standard library."""
+
+
+def run(data: bytes) -> None:
+    try:
+        value = loads(data)
+    except CodecError as error:
+        check(str(error), "refused without words")
+        check(not is_plain(data), "refused", str(error))
+        return
+    # raises for what must be refused: two members of one name
+    check(same(value, json.loads(data.decode(), object_pairs_hook=distinct)), "another value")
+    text = dumps(value)
+    check(same(value, loads(text)), "does not come back")
+    escaped = ascii_only(text)
+    check(escaped.isascii())
+    check(same(value, loads(escaped)), "does not come back from ASCII")
+
+
+def is_plain(data: bytes) -> bool:
+    """Return whether the text is JSON beyond doubt, and far from every limit."""
+    try:
+        value = json.loads(
+            data.decode(), object_pairs_hook=distinct, parse_constant=refuse, parse_float=finite
+        )
+        is_shallow = depth(value) <= MAX_DEPTH
+        json.dumps(value, ensure_ascii=False).encode()  # lone surrogates
+    except (ValueError, RecursionError):
+        return False
+    commas = data.count(b",") + data.count(b"[") + data.count(b"{")
+    # the library reads what is no JSON: a byte order mark
+    return is_shallow and commas < min(MAX_ITEMS, MAX_CONTAINERS) and not data.startswith(b"\xef")
+
+
+def distinct(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        raise OtherwiseError
+    return found
+
+
+def refuse(constant: str) -> None:
+    raise OtherwiseError
+
+
+def finite(text: str) -> float:
+    if not math.isfinite(float(text)):
+        raise OtherwiseError
+    return float(text)
+
+
+def depth(value: Any) -> int:
+    match value:
+        case dict():
+            return 1 + max(map(depth, value.values()), default=0)
+        case list():
+            return 1 + max(map(depth, value), default=0)
+    return 0
+
+
+def same(one: Any, other: Any) -> bool:
+    """Compare values; integers beyond 64 bits are floats for orjson."""
+    match one, other:
+        case dict(), dict():
+            return one.keys() == other.keys() and all(same(one[key], other[key]) for key in one)
+        case list(), list():
+            return len(one) == len(other) and all(map(same, one, other))
+        case float(), int() | float():
+            return one == float(other) or math.isclose(one, other)
+    return type(one) is type(other) and bool(one == other)
+
+
+def corpus() -> list[bytes]:
+    return [
+        *seeds.frames(),
+        b'{"a":1,"a":2}',
+        b'{"a" :":","b":[1e9,-0.0,5e-324,18446744073709551615]}',
+        b'["\\ud83e\\udd16","\\u0000","\xc3\xbc","\\"\\\\"]',
+        b"[" * 40 + b"]" * 40,
+        b'[NaN,Infinity,"\xff"]',
+    ]
+
+
+TARGET = Target("JSON is read as the standard says, or refused with words", run, corpus)

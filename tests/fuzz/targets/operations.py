@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What two clients send: operations, in JSON that is right, nearly right, or none."""
+
+import json
+from collections import Counter
+from typing import Any, get_args
+
+from gateway.codec.errors import CodecError
+from gateway.codec.json import loads
+from gateway.protocol.errors import StatusCode
+from gateway.protocol.operations.base import MAX_ID_CHARACTERS
+from gateway.protocol.session import Session
+from tests.fuzz import seeds
+from tests.fuzz.gateway_in_memory import World, run_in_a_loop, turns
+from tests.fuzz.stopwatch import STOPWATCH
+from tests.fuzz.target import Target, check
+from tests.wire import unpacked
+
+CODES = frozenset(get_args(StatusCode)) - {"internal"}
+OTHER_CLIENT = b"~"  # a line that begins with it is the other client's
+MAX_LINES = 24
+ANSWERED_ONCE = {"call_service": "service_response", "send_action_goal": "action_result"}
+
+
+class Client:
+    """Sends frames, and looks at all that comes back."""
+
+    def __init__(self, router: Any) -> None:
+        self.router = router
+        self.frames: list[Any] = []
+        self.asked: Counter[tuple[str, object]] = Counter()
+        self.is_flushing = False
+        self.session: Session = router.enter(self.flush, "127.0.0.1")
+
+    def flush(self) -> None:
+        if self.is_flushing:
+            return
+        self.is_flushing = True
+        outbox = self.session.outbox
+        while (batch := outbox.take(1 << 20)) or outbox.has_control:
+            for wire in batch:
+                self.frames += unpacked(wire)
+        self.is_flushing = False
+
+    def send(self, data: bytes) -> None:
+        refused, count = self.session.refused, len(self.frames)
+        operation = read(data)
+        op, request_id = operation.get("op"), operation.get("id")
+        if isinstance(op, str) and is_id(request_id):
+            self.asked[ANSWERED_ONCE.get(op, op), request_id] += 1
+        with STOPWATCH.running():
+            self.router.receive(self.session, data)
+            self.router.end_turn(self.session)
+        if self.session.refused > refused:
+            answers = self.frames[count:]
+            check(answers or self.is_silenced, "refused without an answer")
+            if op != "fragment" and is_id(request_id) and not self.is_silenced:
+                ids = [answer.get("id") for answer in answers]
+                check(request_id in ids, "refused without its id", request_id, ids)
+
+    @property
+    def is_silenced(self) -> bool:
+        """Whether the client has chosen not to see errors."""
+        return self.session._level == "none"
+
+    def check_frames(self) -> None:
+        """See that each frame is one that the protocol has."""
+        for frame in self.frames:
+            check(isinstance(frame, dict) and isinstance(frame.get("op"), str), frame)
+            if frame["op"] == "status" and "code" in frame:
+                check(frame["code"] in CODES, "not a documented code", frame)
+        for op in ANSWERED_ONCE.values():
+            answers = Counter(
+                frame["id"] for frame in self.frames if frame["op"] == op and "id" in frame
+            )
+            for request_id, count in answers.items():
+                asked = self.asked[op, request_id]
+                check(count <= asked or self.has_sent_pieces, "answered twice", request_id)
+
+    @property
+    def has_sent_pieces(self) -> bool:
+        return any(op == "fragment" for op, _ in self.asked)
+
+
+def read(data: bytes) -> dict[str, Any]:
+    try:
+        value = loads(data)
+    except CodecError:
+        return {}
+    return value if isinstance(value, dict) else {}
+
+
+def is_id(value: object) -> bool:
+    return type(value) is int or (isinstance(value, str) and len(value) <= MAX_ID_CHARACTERS)
+
+
+def run(data: bytes) -> None:
+    """Take each line as a frame."""
+
+    async def talk(world: World) -> None:
+        clients = [Client(world.router), Client(world.router)]
+        for line in data.split(b"\n")[:MAX_LINES]:
+            is_other = line.startswith(OTHER_CLIENT)
+            clients[is_other].send(line.removeprefix(OTHER_CLIENT))
+            world.publish()
+            await turns()
+        for client in clients:
+            client.check_frames()
+            world.router.leave(client.session)
+
+    run_in_a_loop(talk)
+
+
+def frame(op: str, **members: Any) -> bytes:
+    return json.dumps({"op": op, **members}).encode()
+
+
+def corpus() -> list[bytes]:
+    several = [
+        [
+            frame("advertise_service", service="/arm", type="std_srvs/SetBool"),
+            b"~" + frame("call_service", service="/arm", id=1, args=[True]),
+            frame("service_response", service="/arm", id="service_request:/arm:1", values=3),
+        ],
+        [
+            frame("subscribe", topic="/camera", image={"max_fps": 5}, id="a", throttle_rate=9),
+            frame("subscribe", topic="/camera", compression="cbor", id="b", queue_length=1),
+            frame("unsubscribe", topic="/camera", id="a"),
+        ],
+        [
+            frame("subscribe", topic="/odom", compression="cbor-raw", meta=True),
+            b"~" + frame("subscribe", topic="/odom", compression="png", fragment_size=64),
+        ],
+        [
+            frame("send_action_goal", action="/fib", id="g", args={"order": 3}, feedback=True),
+            frame("cancel_action_goal", action="/fib", id="g"),
+        ],
+    ]
+    return [b"\n".join(lines) for lines in [*seeds.conversations(), *several]]
+
+
+TARGET = Target("each operation is answered as documented, and nothing stays behind", run, corpus)

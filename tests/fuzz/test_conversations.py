@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Several clients say anything to a gateway with real ROS, over real sockets; see conversations.py.
+
+`make fuzz WHAT=conversations` tries others each time, and for longer. It also measures what holds
+the event loop, which this does not: on a busy machine the caches are others' too, and CPU time is
+no property of the code alone.
+"""
+
+import os
+import time
+
+import pytest
+from hypothesis import HealthCheck, Phase, settings
+from hypothesis.stateful import run_state_machine_as_test
+
+from tests.fuzz.conversations import Conversations, on
+from tests.fuzz.stage import Stage, open_stage
+
+SECONDS = float(os.environ.get("FUZZ_SECONDS", "0"))
+ALL = list(HealthCheck)
+PLAIN = settings(database=None, deadline=None, suppress_health_check=ALL, phases=[Phase.generate])
+SHORT = settings(PLAIN, max_examples=20, stateful_step_count=40, derandomize=True)
+# until what is made once and stays is there: threads, the descriptors of the first subscriptions
+WARM_UP = settings(PLAIN, max_examples=5, stateful_step_count=40, derandomize=True)
+LONG = settings(
+    PLAIN, max_examples=25, stateful_step_count=60, phases=[Phase.generate, Phase.shrink]
+)
+
+
+def converse(stage: Stage, how: settings) -> None:
+    run_state_machine_as_test(on(stage), settings=how)
+
+
+def test_whatever_clients_say_is_answered_and_leaves_nothing_behind():
+    with open_stage() as stage:
+        stage.show_a_picture()
+        converse(stage, WARM_UP)
+        stage.until_at_rest()
+        converse(stage, SHORT)
+        stage.until_at_rest()
+        stage.check_log()
+
+
+@pytest.mark.skipif(not SECONDS, reason="`make fuzz WHAT=conversations` runs it")
+@pytest.mark.timeout(SECONDS + 600)
+def test_nothing_that_clients_say_holds_the_event_loop():
+    with open_stage(module="tests.fuzz.measured_gateway") as stage:
+        stage.show_a_picture()
+        converse(stage, SHORT)
+        stage.until_at_rest()
+        stage.begin_to_measure()
+        end_s = time.monotonic() + SECONDS
+        while time.monotonic() < end_s:
+            converse(stage, LONG)
+        stage.until_at_rest()
+        stage.check_log()
+    [longest] = [line for line in stage.gateway.log if line.startswith("longest")]
+    print(f"{Conversations.exchanges} exchanges, {longest}")
