@@ -15,13 +15,14 @@ ARGS ?=
 WHAT ?=
 COMPARE ?=
 REPEAT ?=
+MINUTES ?=
 PYTEST_ARGS ?= $(ARGS)
 # As many workers as tests/conftest.py says. Each begins with a part of the tests in their order, so that those that share
 # a gateway or a Mono process stay together; one that has done its own takes over from the others.
 WORKERS := -n auto --dist worksteal
 
 .DEFAULT_GOAL := help
-.PHONY: help demo serve test lint format docs bench faults mutants clean
+.PHONY: help demo serve test lint format docs bench faults soak mutants clean
 
 help: ## list the targets
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
@@ -62,6 +63,9 @@ bench: $(READY) ## measure speed, some 50 minutes (make bench WHAT=odometry, mak
 
 faults: $(READY_FOR_TESTS) ## kill, freeze and cut off what drives a robot, see that it stops (make faults REPEAT=20)
 	FAULTS_REPEAT=$(or $(REPEAT),20) $(BIN)/python -m pytest tests/e2e/faults -n0 -q $(ARGS)
+
+soak: $(READY_FOR_TESTS) ## load, kill and abuse it for a while, see that nothing grows (make soak MINUTES=20)
+	@$(BIN)/python -m tests.soak $(or $(MINUTES),20) $(ARGS)
 
 mutants: $(READY_FOR_TESTS) ## break lines on purpose, see that tests notice (make mutants WHAT=codec)
 	@$(BIN)/python -m tests.interfaces

@@ -41,6 +41,8 @@ def main(arguments: list[str]) -> int:
         os.environ["ROS_DOMAIN_ID"] = str(dds_domain.claim())
     else:
         isolation.furnish()
+    for variable in [name for name in os.environ if name.startswith("ROS2_GATEWAY_")]:
+        del os.environ[variable]
     # no robot of the developer's may move
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
     # a shell ignores it for what it starts in the background, and so would the actors

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A network and a /dev/shm of the soak's own, in which nobody else counts and nothing is left.
+"""A network, a /dev/shm and processes of the soak's own: nobody else counts, nothing is left.
 
-They are namespaces of Linux, which end with the last process in them. They need root; without it
-the soak runs where everybody does.
+They are namespaces of Linux. All processes in them end with the soak, however it ends. They need
+root; without it the soak runs where everybody does.
 """
 
 import os
@@ -12,6 +12,10 @@ import sys
 from collections.abc import Sequence
 from typing import Final
 
+_UNSHARE: Final = (
+    *("unshare", "--net", "--mount"),
+    *("--pid", "--fork", "--kill-child", "--mount-proc"),
+)
 ISOLATED: Final = "SOAK_IS_ISOLATED"  # in the environment of who runs inside
 
 
@@ -25,7 +29,7 @@ def reason_against() -> str | None:
     if any(shutil.which(tool) is None for tool in ("unshare", "nsenter", "ip", "tc", "mount")):
         return "unshare, nsenter, ip, tc or mount is not installed"
     tried = subprocess.run(
-        ["unshare", "--net", "--mount", "mount", "-t", "tmpfs", "none", "/dev/shm"],  # noqa: S108
+        [*_UNSHARE, "mount", "-t", "tmpfs", "none", "/dev/shm"],  # noqa: S108
         capture_output=True,
         check=False,
     )
@@ -37,7 +41,7 @@ def enter(arguments: Sequence[str]) -> None:
     os.environ[ISOLATED] = "1"
     sys.stdout.flush()
     command = (sys.executable, "-m", "tests.soak", *arguments)
-    os.execvp("unshare", ("unshare", "--net", "--mount", "--", *command))  # noqa: S606
+    os.execvp("unshare", (*_UNSHARE, "--", *command))  # noqa: S606
 
 
 def furnish() -> None:

@@ -233,22 +233,9 @@ class _Soak:
 
 
 def in_use() -> set[str]:
-    """Return the files of our /dev/shm that any process has mapped."""
+    """Return the files of our /dev/shm that any process has mapped; they are all ours."""
     processes = (int(path.name) for path in Path("/proc").glob("[0-9]*"))
-    return {
-        name
-        for pid in processes
-        if mounts(pid) == mounts(os.getpid())
-        for name in shared_memory_files(pid)
-    }
-
-
-def mounts(pid: int) -> str:
-    """Return the name of the namespace that decides which /dev/shm a process sees."""
-    try:
-        return str(Path(f"/proc/{pid}/ns/mnt").readlink())
-    except (FileNotFoundError, ProcessLookupError):
-        return ""
+    return {name for pid in processes for name in shared_memory_files(pid)}
 
 
 def existing(files: Iterable[str]) -> set[str]:
