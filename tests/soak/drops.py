@@ -9,36 +9,34 @@ class Drops:
     """One subscription with ``meta``, over all connections of its client.
 
     Drops come from the old end of a queue, so those that the gateway has counted by the time of a
-    frame are at least those that the client misses by then. A sample too few there is a drop
-    that nobody counted.
+    frame are at least those that the client misses by then: more, if samples were dropped before
+    the first frame, or while a worker encoded an older one. A sample too few there is a drop that
+    nobody counted.
     """
 
     missing: int = 0
     counted: int = 0
     uncounted: int = 0
-    _first: tuple[int, int] | None = None
+    _first_seq: int | None = None
     _received: int = 0
     _missing: int = 0
     _counted: int = 0
 
     def connect(self) -> None:
         """Begin with another subscription."""
-        self._first = None
+        self._first_seq = None
 
     def add(self, seq: int, dropped: int) -> None:
         """Take the number of a sample, and the drops so far."""
-        if self._first is None:
-            self._first = seq, dropped
+        if self._first_seq is None:
+            self._first_seq = seq
             self._received = self._missing = self._counted = 0
-            return
         self._received += 1
-        first_seq, first_dropped = self._first
-        missing = seq - first_seq - self._received
-        counted = dropped - first_dropped
+        missing = seq - self._first_seq + 1 - self._received
         self.missing += missing - self._missing
-        self.counted += counted - self._counted
-        self._missing, self._counted = missing, counted
-        self.uncounted = max(self.uncounted, missing - counted)
+        self.counted += dropped - self._counted
+        self._missing, self._counted = missing, dropped
+        self.uncounted = max(self.uncounted, missing - dropped)
 
     def as_json(self) -> dict[str, int]:
         """Return the counts."""

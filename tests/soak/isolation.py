@@ -50,8 +50,9 @@ def furnish() -> None:
     run("mount", "-t", "tmpfs", "none", "/dev/shm")  # noqa: S108
 
 
-def run(*command: str) -> None:
-    """Run a command; what it says is shown only if it fails."""
+def run(*command: str) -> str:
+    """Run a command and return what it prints."""
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         raise RuntimeError(f"{' '.join(command)}: {done.stderr.strip()}")
+    return done.stdout

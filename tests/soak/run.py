@@ -17,7 +17,7 @@ from tests.e2e.faults.scene import Base
 from tests.gateway_process import GatewayProcess, gateway_process
 from tests.soak.accounting import Accounting
 from tests.soak.actor import Actor, acting
-from tests.soak.bad_link import BadLink, bad_link
+from tests.soak.bad_link import BadLink, FarNetwork, bad_link, far_network
 from tests.soak.disturbances import (
     Sensors,
     cut_now_and_then,
@@ -40,6 +40,8 @@ from tests.soak.vitals import (
 )
 
 PROGRESS_S: Final = 10.0
+# of three seconds; with less, the soak would rather measure the machine
+ABUSER_RESTS_S: Final = 2.0
 WARM_UP_S: Final = 10.0  # until everything that is loaded once, and stays, is loaded
 REST_S: Final = 120.0  # DDS knows a killed publisher for 20 s
 PAGE_S: Final = 5.0  # between looks at /metrics
@@ -52,6 +54,7 @@ async def soak(minutes: float) -> Record:
     async with contextlib.AsyncExitStack() as stack:
         enter = stack.enter_async_context
         machine = Machine()
+        far = await enter(far_network())
         control = await enter(acting("control"))
         robot = await enter(scene.base())
         bare = await enter(acting("bare"))
@@ -60,7 +63,7 @@ async def soak(minutes: float) -> Record:
         gateway = await enter(gateway_process("serve", "--log-level", "warning", *arguments))
         watching = asyncio.create_task(machine.watch(control))
         try:
-            return await _Soak(minutes, gateway, robot, publishers, machine).run(control, bare)
+            return await _Soak(minutes, gateway, robot, publishers, machine).run(control, bare, far)
         finally:
             watching.cancel()
 
@@ -87,12 +90,12 @@ class _Soak:
         self._counts: dict[str, int] = {}
         self._begin_s = 0.0
 
-    async def run(self, control: Actor, bare: Actor) -> Record:
+    async def run(self, control: Actor, bare: Actor, far: FarNetwork | None) -> Record:
         say("starting")
         await self._warm_up()
         baseline = await at_rest(self._pid, self._port, REST_S, None)
         say(f"at rest: {baseline}")
-        async with bad_link(self._port) as link:
+        async with bad_link(self._port, far) as link:
             say(f"the bad link: {link.description}")
             clients, heard_bare, faults, end_s = await self._load(link, control, bare)
             say("the load is over, clients have left")
@@ -121,9 +124,13 @@ class _Soak:
             acting("listener", self._url),
             acting("churner", self._url),
             scene.operator(self._url) as operator,
+            acting("abuser", "127.0.0.1", self._port, 0.1) as abuser,
         ):
             await scene.until_it_moves(self._robot, operator)
             await asyncio.sleep(WARM_UP_S)
+            kinds = await abuser.ask("kinds")
+            while await abuser.ask("count") < kinds:  # noqa: ASYNC110  # of another process
+                await asyncio.sleep(0.2)
 
     async def _load(
         self, link: BadLink, control: Actor, bare: Actor
@@ -141,7 +148,7 @@ class _Soak:
             )
             listeners[FROZEN] = await enter(acting("listener", self._url, "--meta", name=FROZEN))
             churner = await enter(acting("churner", self._url))
-            abuser = await enter(acting("abuser", "127.0.0.1", self._port))
+            abuser = await enter(acting("abuser", "127.0.0.1", self._port, ABUSER_RESTS_S))
             cable, cable_url = await enter(scene.link(self._port))
             driving = Driving(self._robot, self._pid, cable, cable_url)
             self._begin_s = time.monotonic()

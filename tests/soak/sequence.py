@@ -6,7 +6,8 @@ it was killed begins a new epoch at 0. Only within an epoch, and within a connec
 number follow the one before.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 from tests.soak.load import NUMBER_BITS
 
@@ -20,6 +21,8 @@ class Sequence:
     missing: int = 0
     repeated: int = 0
     disordered: int = 0
+    spans: dict[int, tuple[int, int]] = field(default_factory=dict)
+    """The first and the last number of each epoch."""
     _last: int | None = None
 
     def connect(self) -> None:
@@ -29,6 +32,9 @@ class Sequence:
     def add(self, value: int) -> None:
         """Take the next number as it was received."""
         self.received += 1
+        epoch, number = divmod(value, 1 << NUMBER_BITS)
+        first, last_so_far = self.spans.get(epoch, (number, number))
+        self.spans[epoch] = min(first, number), max(last_so_far, number)
         last, self._last = self._last, value
         if last is None or value >> NUMBER_BITS > last >> NUMBER_BITS:
             self.epochs += 1
@@ -40,7 +46,7 @@ class Sequence:
         else:
             self.missing += value - last - 1
 
-    def as_json(self) -> dict[str, int]:
+    def as_json(self) -> dict[str, Any]:
         """Return the counts."""
         return {
             "received": self.received,
@@ -48,4 +54,5 @@ class Sequence:
             "missing": self.missing,
             "repeated": self.repeated,
             "disordered": self.disordered,
+            "spans": self.spans,
         }

@@ -32,7 +32,7 @@ class Silences:
 
 
 def beyond_control(gap: Gap, control: Sequence[Gap]) -> float:
-    """Return the seconds of a pause without the longest that a control had within them."""
+    """Return the seconds of a pause in which a control heard something."""
     begin, end = gap
     shared = (min(end, until) - max(begin, since) for since, until in control)
-    return end - begin - max(0.0, max(shared, default=0.0))
+    return end - begin - sum(seconds for seconds in shared if seconds > 0)

@@ -43,4 +43,5 @@ def test_a_connection_begins_anywhere():
         "missing": 0,
         "repeated": 0,
         "disordered": 0,
+        "spans": {0: (5, 9)},
     }

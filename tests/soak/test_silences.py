@@ -20,9 +20,9 @@ def test_a_pause_is_kept_and_the_last_one_lasts():
         ([], 4.0),
         ([(0.0, 9.0)], 4.0),
         ([(11.0, 13.0)], 2.0),
-        ([(9.0, 11.0), (12.0, 12.5)], 3.0),
+        ([(9.0, 11.0), (12.0, 12.5)], 2.5),
         ([(10.0, 14.0)], 0.0),
     ],
 )
-def test_the_longest_pause_of_the_control_is_taken_off(control, expected):
+def test_the_pauses_of_the_control_are_taken_off(control, expected):
     assert beyond_control((10.0, 14.0), control) == expected

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A client that means harm: it floods, sends garbage, and frames that cost much. ``HOST PORT``.
+"""A client that means harm: it floods, sends garbage, and frames that cost much.
+
+``HOST PORT REST_S`` as arguments; it rests for so long after each second of harm.
 
 It comes from an address of its own (127.0.0.66), because what an address may cost is shared by
 its clients. It never publishes on a command topic: the robot is moved by the operator alone.
@@ -7,13 +9,14 @@ Orders: ``count``.
 """
 
 import contextlib
+import itertools
 import json
 import random
 import socket
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from typing import Final
 
 from websockets.client import ClientProtocol
@@ -26,8 +29,8 @@ from tests.soak.load import TOPICS, subscribe
 
 _ADDRESS: Final = "127.0.0.66"
 _BOUT_S: Final = 1.0
-_REST_S: Final = 2.0  # a third of the time: beyond, it would rather measure the machine
 _TIMEOUT_S: Final = 3.0
+_FRAMES: Final = 3  # at a time, but the first time all
 _LARGEST_FRAME: Final = 1024**2
 _HALF_OPEN: Final = 24  # more than the gateway lets wait
 _MANY: Final = 100  # topics, more than a client may have
@@ -40,11 +43,23 @@ class Abuser:
         self._target = host, port
         self._chance = random.Random(2)
         self._frames = [one.data for one in plain_frames() if len(one.data) <= _LARGEST_FRAME]
+        self._next_frames = itertools.cycle(self._frames)
         self.bouts = 0
+
+    @property
+    def kinds(self) -> int:
+        """The number of things that it can do."""
+        return len(self._acts())
 
     def bout(self) -> None:
         """Do one of the things that it can do."""
-        acts: list[Callable[[], None]] = [
+        acts = self._acts()
+        with contextlib.suppress(OSError):
+            acts[self.bouts % len(acts)]()
+        self.bouts += 1
+
+    def _acts(self) -> Sequence[Callable[[], None]]:
+        return (
             self._garbage_instead_of_http,
             self._half_open,
             self._garbage_instead_of_frames,
@@ -54,10 +69,7 @@ class Abuser:
             self._hostile_frames,
             self._never_read,
             self._open_much,
-        ]
-        with contextlib.suppress(OSError):
-            acts[self.bouts % len(acts)]()
-        self.bouts += 1
+        )
 
     def _connect(self) -> socket.socket:
         connection = socket.create_connection(
@@ -67,7 +79,7 @@ class Abuser:
         return connection
 
     @contextlib.contextmanager
-    def _open(self):
+    def _open(self) -> Iterator[socket.socket]:
         host, port = self._target
         protocol = ClientProtocol(parse_uri(f"ws://{host}:{port}/"))
         with self._connect() as connection:
@@ -127,10 +139,19 @@ class Abuser:
         self._flood(client_frame(TEXT, json.dumps(operation).encode()))
 
     def _hostile_frames(self) -> None:
-        with self._open() as connection:
-            for _ in range(3):
-                connection.sendall(client_frame(TEXT, self._chance.choice(self._frames)))
-            time.sleep(_BOUT_S)
+        is_first = self.bouts < self.kinds
+        for frame in itertools.islice(
+            self._next_frames, len(self._frames) if is_first else _FRAMES
+        ):
+            with contextlib.suppress(OSError), self._open() as connection:
+                connection.sendall(client_frame(TEXT, frame))
+                connection.sendall(client_frame(TEXT, b'{"op":"ping","id":"done"}'))
+                seen = b""
+                while b'"done"' not in seen:
+                    received = connection.recv(65536)
+                    if not received:
+                        break
+                    seen = seen[-100:] + received
 
     def _never_read(self) -> None:
         with self._open() as connection:
@@ -151,15 +172,15 @@ class Abuser:
             time.sleep(_BOUT_S)
 
 
-def main(host: str, port: int) -> None:
+def main(host: str, port: int, rest_s: float) -> None:
     """Do harm until the end of stdin."""
     over = threading.Event()
     abuser = Abuser(host, port)
-    obey({"count": lambda: abuser.bouts}, over.set)
+    obey({"count": lambda: abuser.bouts, "kinds": lambda: abuser.kinds}, over.set)
     reply("ready")
-    while not over.wait(_REST_S):
+    while not over.wait(rest_s):
         abuser.bout()
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], int(sys.argv[2]))
+    main(sys.argv[1], int(sys.argv[2]), float(sys.argv[3]))
