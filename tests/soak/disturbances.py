@@ -46,9 +46,10 @@ class Sensors:
     async def die_and_return(self, over: Over) -> None:
         """Be killed and return until it is over, and be there then."""
         while not await over.within(SENSORS_LIVE_S):
-            await self.kill()
-            await over.within(SENSORS_AWAY_S)
-            await self.start()
+            if over.may_kill:
+                await self.kill()
+                await over.within(SENSORS_AWAY_S)
+                await self.start()
 
 
 @contextlib.asynccontextmanager

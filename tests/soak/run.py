@@ -136,7 +136,6 @@ class _Soak:
         self, link: BadLink, control: Actor, bare: Actor
     ) -> tuple[dict[str, Any], Any, Any, float]:
         port = await control.ask("port")
-        over = Over()
         async with contextlib.AsyncExitStack() as stack:
             enter = stack.enter_async_context
             listeners = {
@@ -152,6 +151,7 @@ class _Soak:
             cable, cable_url = await enter(scene.link(self._port))
             driving = Driving(self._robot, self._pid, cable, cable_url)
             self._begin_s = time.monotonic()
+            over = Over(self._minutes * 60)
             async with asyncio.TaskGroup() as tasks:
                 tasks.create_task(driving.run(over))
                 tasks.create_task(self._sensors.die_and_return(over))
