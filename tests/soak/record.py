@@ -24,7 +24,7 @@ class Exit:
     at_s: float
     zero_s: float
     """Until the robot heard a zero."""
-    files_left: int
+    files_left: tuple[str, ...]
     """Of the gateway and its guard, in /dev/shm."""
     tracebacks: int
     """In all of its log."""
@@ -53,6 +53,15 @@ class Record:
     exit: Exit
     counts: dict[str, int] = field(default_factory=dict)
     """How often each disturbance happened."""
+
+    def waited_s(self, since_s: float, until_s: float) -> float:
+        """Return for how long the gateway's threads had no core in about this time."""
+        before = [one.waited_s for one in self.vitals if one.at_s <= since_s]
+        after = [one.waited_s for one in self.vitals if one.at_s >= until_s]
+        if not self.vitals:
+            return 0.0
+        first = before[-1] if before else self.vitals[0].waited_s
+        return (after[0] if after else self.vitals[-1].waited_s) - first
 
     @property
     def warm_s(self) -> float:

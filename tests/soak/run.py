@@ -24,7 +24,7 @@ from tests.soak.disturbances import (
     freeze_half_of_the_time,
     sensors,
 )
-from tests.soak.driving import REACTION_S, Driving
+from tests.soak.driving import GIVEN_UP_S, Driving
 from tests.soak.isolation import is_isolated
 from tests.soak.machine import Machine
 from tests.soak.over import Over
@@ -227,14 +227,14 @@ class _Soak:
             waited_s=waited - waited_before_s,
             at_s=before_s,
             zero_s=zero_s - before_s,
-            files_left=len(existing(own) - in_use()) if is_isolated() else 0,
+            files_left=tuple(existing(own) - in_use()) if is_isolated() else (),
             tracebacks=sum("Traceback" in line for line in self._gateway.log),
         )
 
     async def _zero_after(self, since_s: float) -> float:
         since_ns = int(since_s * 1e9)
         with contextlib.suppress(TimeoutError):
-            await scene.until(lambda: self._robot.zero_after(since_ns) is not None, REACTION_S)
+            await scene.until(lambda: self._robot.zero_after(since_ns) is not None, GIVEN_UP_S)
         zero_ns = self._robot.zero_after(since_ns)
         return zero_ns / 1e9 if zero_ns is not None else time.monotonic()
 

@@ -41,7 +41,7 @@ def vitals(own_mb):
 def record(**changes) -> Record:
     accounting = Accounting()
     accounting.sums = accounting.pages = 1
-    fault = Fault("client frozen", 100.0, 0.55, 0.6, 0.5)
+    fault = Fault("client frozen", 100.0, 0.55, 0.6)
     good = Record(
         minutes=SECONDS / 60,
         begin_s=0.0,
@@ -55,7 +55,7 @@ def record(**changes) -> Record:
         clients={name: listener() for name in (*GOOD, BAD_LINK, FROZEN)},
         bare=listener(),
         faults=[fault],
-        exit=Exit(0, 0.3, 0.0, 1210.0, 0.01, 0, 0),
+        exit=Exit(0, 0.3, 0.0, 1210.0, 0.01, (), 0),
     )
     return replace(good, **changes)
 
@@ -104,19 +104,19 @@ def test_all_holds_where_nothing_is_wrong(strict):
         ({"accounting": Accounting()}, "received = sent + coalesced + dropped + pending"),
         ({"clients": client(GOOD[0], gaps={CAMERA: [(50.0, 51.5)]})}, "longest silence"),
         (
-            {"faults": [Fault("link black", 100.0, 9.0, 0.6, 0.5)]},
+            {"faults": [Fault("link black", 100.0, 9.0, 0.6)]},
             "robot stops, link black",
         ),
         (
-            {"faults": [Fault("link black", 100.0, 0.5, 0.6, 0.5, moved_again=True)]},
+            {"faults": [Fault("link black", 100.0, 0.5, 0.6, moved_again=True)]},
             "robot stops, link black",
         ),
         ({"faults": []}, "faults injected"),
-        ({"exit": Exit(0, 4.0, 0.0, 1210.0, 0.01, 0, 0)}, "exit by SIGTERM"),
-        ({"exit": Exit(1, 0.3, 0.0, 1210.0, 0.01, 0, 0)}, "exit code"),
-        ({"exit": Exit(0, 0.3, 0.0, 1210.0, 3.0, 0, 0)}, "robot stops, SIGTERM"),
-        ({"exit": Exit(0, 0.3, 0.0, 1210.0, 0.01, 1, 0)}, "files left in /dev/shm"),
-        ({"exit": Exit(0, 0.3, 0.0, 1210.0, 0.01, 0, 1)}, "tracebacks in the log"),
+        ({"exit": Exit(0, 4.0, 0.0, 1210.0, 0.01, (), 0)}, "exit by SIGTERM"),
+        ({"exit": Exit(1, 0.3, 0.0, 1210.0, 0.01, (), 0)}, "exit code"),
+        ({"exit": Exit(0, 0.3, 0.0, 1210.0, 3.0, (), 0)}, "robot stops, SIGTERM"),
+        ({"exit": Exit(0, 0.3, 0.0, 1210.0, 0.01, ("a",), 0)}, "files left in /dev/shm"),
+        ({"exit": Exit(0, 0.3, 0.0, 1210.0, 0.01, (), 1)}, "tracebacks in the log"),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
@@ -160,7 +160,7 @@ def late(at_s: float, by_s: float) -> Machine:
     ("changes", "words"),
     [
         (
-            {"faults": [Fault("link black", 99.9, 0.7, 0.6, 0.5)], "machine": late(100.3, 0.2)},
+            {"faults": [Fault("link black", 99.9, 0.7, 0.6)], "machine": late(100.3, 0.2)},
             "1 while the machine was 200 ms late",
         ),
         (
@@ -168,9 +168,9 @@ def late(at_s: float, by_s: float) -> Machine:
                 "clients": client(GOOD[0], gaps={CAMERA: [(99.0, 101.5)]}),
                 "machine": late(101.4, 2.0),
             },
-            "the machine stood still for 2.00 s",
+            "slept 2.00 s too long, waited 0.00 s for cores",
         ),
-        ({"exit": Exit(0, 4.0, 3.0, 1210.0, 0.01, 0, 0)}, "it waited 3.00 s for a core"),
+        ({"exit": Exit(0, 4.0, 3.0, 1210.0, 0.01, (), 0)}, "it waited 3.00 s for a core"),
     ],
     ids=["fault", "silence", "exit"],
 )

@@ -30,7 +30,7 @@ class Vitals:
     descriptors: int
     threads: int
     waited_s: float
-    """For how long the main thread was ready to run and no core was free: the machine's part."""
+    """For how long its threads were ready to run and no core was free: the machine's part."""
 
 
 @dataclass(frozen=True)
@@ -71,9 +71,13 @@ def vitals(pid: int) -> Vitals:
 
 
 def waited_s(pid: int) -> float:
-    """Return for how long the main thread was ready to run, and did not."""
-    # the second number is the time on a run queue: Documentation/scheduler/sched-stats.rst
-    return int(Path(f"/proc/{pid}/schedstat").read_text().split()[1]) / 1e9
+    """Return for how long the threads of a process were ready to run, and did not."""
+    waited_ns = 0
+    for thread in Path(f"/proc/{pid}/task").iterdir():
+        with contextlib.suppress(FileNotFoundError, ProcessLookupError):
+            # the second number is the time on a run queue: Documentation/scheduler/sched-stats.rst
+            waited_ns += int((thread / "schedstat").read_text().split()[1])
+    return waited_ns / 1e9
 
 
 def guard_of(pid: int) -> list[int]:
