@@ -61,7 +61,8 @@ class Record:
         if not self.vitals:
             return 0.0
         first = before[-1] if before else self.vitals[0].waited_s
-        return (after[0] if after else self.vitals[-1].waited_s) - first
+        last = after[0] if after else self.vitals[-1].waited_s
+        return max(0.0, last - first)  # a thread that has ended takes its part with it
 
     @property
     def warm_s(self) -> float:

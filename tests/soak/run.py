@@ -217,7 +217,7 @@ class _Soak:
             waited = waited_before_s
             while not ending.done():
                 with contextlib.suppress(OSError, IndexError):
-                    waited = waited_s(self._pid)
+                    waited = max(waited, waited_s(self._pid))  # less, as its threads end
                 await asyncio.sleep(0.01)
             took_s = time.monotonic() - before_s
             zero_s = await self._zero_after(before_s)

@@ -193,6 +193,6 @@ def test_round_trips_are_not_judged_while_an_echo_gets_slower_too():
 def test_a_short_soak_may_reserve_something_once():
     once = vitals(lambda at: 80.0 + (6 if at > 150 else 0))[:31]
     assert failing(record(vitals=once, end_s=300.0)) == []
-    grows = vitals(lambda at: 80.0 + at / 10)[:31]
+    grows = vitals(lambda at: 80.0 + at / 5)[:31]
     [verdict] = [one for one in judge(record(vitals=grows, end_s=300.0), strict=True) if one.failed]
     assert verdict.subject == "memory grows by"

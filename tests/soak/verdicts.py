@@ -23,7 +23,7 @@ NOT_JUDGED: Final = "not judged"
 GROWTH_MB_PER_MIN: Final = 0.5
 LONG_MIN: Final = 15.0  # from here on the growth is judged by that bound
 # What a process may reserve once and late, which looks like growth in a short soak.
-ONCE_MB: Final = 12.0
+ONCE_MB: Final = 25.0  # what two of the costliest frames take while they are parsed
 SILENCE_S: Final = 1.0
 SLOWER: Final = 1.5  # the last quarter's round trips, by the first's
 SLOWER_S: Final = 0.005
