@@ -34,7 +34,7 @@ from tests.soak.vitals import (
     at_rest,
     guard_of,
     http,
-    shared_memory_files,
+    owned_files,
     vitals,
     waited_s,
 )
@@ -206,9 +206,7 @@ class _Soak:
 
     async def _end(self) -> Exit:
         """End the gateway by SIGTERM while a robot moves and a client listens."""
-        own = existing(
-            name for pid in (self._pid, *guard_of(self._pid)) for name in shared_memory_files(pid)
-        )
+        own = {name for pid in (self._pid, *guard_of(self._pid)) for name in owned_files(pid)}
         async with acting("listener", self._url), scene.operator(self._url) as operator:
             await scene.until_it_moves(self._robot, operator)
             before_s, waited_before_s = time.monotonic(), waited_s(self._pid)
@@ -227,7 +225,7 @@ class _Soak:
             waited_s=waited - waited_before_s,
             at_s=before_s,
             zero_s=zero_s - before_s,
-            files_left=tuple(existing(own) - in_use()) if is_isolated() else (),
+            files_left=tuple(existing(own)),
             tracebacks=sum("Traceback" in line for line in self._gateway.log),
         )
 
@@ -237,12 +235,6 @@ class _Soak:
             await scene.until(lambda: self._robot.zero_after(since_ns) is not None, GIVEN_UP_S)
         zero_ns = self._robot.zero_after(since_ns)
         return zero_ns / 1e9 if zero_ns is not None else time.monotonic()
-
-
-def in_use() -> set[str]:
-    """Return the files of our /dev/shm that any process has mapped; they are all ours."""
-    processes = (int(path.name) for path in Path("/proc").glob("[0-9]*"))
-    return {name for pid in processes for name in shared_memory_files(pid)}
 
 
 def existing(files: Iterable[str]) -> set[str]:

@@ -159,12 +159,12 @@ def accounting(record: Record) -> Verdict:
     """Judge the sums of /metrics."""
     found = record.accounting
     subject = "received = sent + coalesced + dropped + pending"
-    if found.absent is not None or not found.sums:
-        return Verdict(subject, "-", "-", f"{NOT_JUDGED}: {found.absent or 'no sums'}")
+    if found.absent is not None:
+        return Verdict(subject, "-", "-", f"{NOT_JUDGED}: {found.absent}")
     figure = f"{found.sums} sums on {found.pages} pages, {len(found.faults)} wrong"
     if found.faults:
         figure += f": {found.faults[0]}"
-    return _verdict(subject, figure, "0 wrong", holds=not found.faults)
+    return _verdict(subject, figure, "some, 0 wrong", holds=bool(found.sums) and not found.faults)
 
 
 def silence(record: Record, *, strict: bool) -> Verdict:
