@@ -4,6 +4,7 @@
 import asyncio
 import contextlib
 import json
+import os
 import signal
 import sys
 from asyncio.subprocess import PIPE, Process
@@ -41,8 +42,10 @@ class Actor:
 
     def signal(self, number: signal.Signals) -> None:
         """Send a signal, unless it has ended."""
-        with contextlib.suppress(ProcessLookupError):
-            self.process.send_signal(number)
+        if self.process.returncode is None:
+            with contextlib.suppress(ProcessLookupError):
+                # not by asyncio, which would take the exit code of who has just ended from itself
+                os.kill(self.process.pid, number)
 
     async def end(self) -> None:
         """End it by the end of its standard input, or by force. Ending twice is harmless."""

@@ -10,7 +10,7 @@ from tests.soak.actor import Actor, acting
 from tests.soak.bad_link import BadLink
 from tests.soak.over import Over
 
-SENSORS_LIVE_S: Final = 35.0
+SENSORS_LIVE_S: Final = 30.0
 SENSORS_AWAY_S: Final = 3.0
 CUT_EVERY_S: Final = 25.0
 # The short one is survived; the long one exceeds the send deadline, and ends the connection.

@@ -5,6 +5,7 @@ import asyncio
 import contextlib
 import json
 import os
+import re
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import Any, Final
 
 HTTP_S: Final = 30.0
 _LOCK: Final = "_el"
+_PORT: Final = re.compile(r"/dev/shm/fastrtps_port\d+")  # noqa: S108
 
 # the members of /healthz that are zero when nobody is there
 OPENED: Final = (
@@ -97,7 +99,8 @@ def shared_memory_files(pid: int) -> set[str]:
 def owned_files(pid: int) -> set[str]:
     """Return the files of /dev/shm that a process has to delete when it ends.
 
-    Fast DDS holds a lock on a second file for each that is its own.
+    Fast DDS holds a lock on a second file for each that is its own. Of a port that is all: the
+    port itself is deleted by the last of those who send to it, and never if one of them was killed.
     """
     owned = set()
     for descriptor in Path(f"/proc/{pid}/fd").iterdir():
@@ -105,7 +108,7 @@ def owned_files(pid: int) -> set[str]:
             name = str(descriptor.readlink())
             if name.startswith("/dev/shm/") and name.endswith(_LOCK):  # noqa: S108
                 owned |= {name, name.removesuffix(_LOCK)}
-    return owned
+    return {name for name in owned if not _PORT.fullmatch(name)}
 
 
 async def leftovers(pid: int, port: int) -> Leftovers:
