@@ -28,6 +28,8 @@ class Exit:
     """Of the gateway and its guard, in /dev/shm."""
     tracebacks: int
     """In all of its log."""
+    was_forced: bool = False
+    """It has ended itself, as its end took too long."""
 
 
 @dataclass

@@ -226,6 +226,7 @@ class _Soak:
             at_s=before_s,
             zero_s=zero_s - before_s,
             files_left=tuple(existing(own)),
+            was_forced=any("ending by force" in line for line in self._gateway.log),
             tracebacks=sum("Traceback" in line for line in self._gateway.log),
         )
 

@@ -196,3 +196,20 @@ def test_a_short_soak_may_reserve_something_once():
     grows = vitals(lambda at: 80.0 + at / 5)[:31]
     [verdict] = [one for one in judge(record(vitals=grows, end_s=300.0), strict=True) if one.failed]
     assert verdict.subject == "memory grows by"
+
+
+@pytest.mark.parametrize("strict", [True, False])
+def test_an_end_by_force_is_excused_by_the_wait_for_cores_alone(strict):
+    forced = Exit(1, 2.0, 1.5, 1210.0, 0.01, ("a",), 0, was_forced=True)
+    words = [one.word for one in judge(record(exit=forced), strict=strict) if one.word != HELD]
+    assert words == [f"{NOT_JUDGED}: ended by force, it waited 1.50 s"] * 2
+    assert failing(record(exit=replace(forced, waited_s=0.1)), strict=strict) == [
+        "exit code",
+        "files left in /dev/shm",
+    ]
+
+
+def test_a_step_is_growth_strictly_and_none_leniently():
+    step = vitals(lambda at: 80.0 + (30 if at > 600 else 0))
+    assert failing(record(vitals=step)) == ["memory grows by"]
+    assert failing(record(vitals=step), strict=False) == []
