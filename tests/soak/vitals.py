@@ -22,6 +22,10 @@ OPENED: Final = (
 )
 
 
+class RefusedError(Exception):
+    """A page is not to be had at this moment."""
+
+
 @dataclass(frozen=True)
 class Vitals:
     """One look at the process."""
@@ -131,7 +135,13 @@ async def at_rest(pid: int, port: int, within_s: float, most: Leftovers | None) 
     end_s = time.monotonic() + within_s
     before = None
     while True:
-        now = await leftovers(pid, port)
+        try:
+            now = await leftovers(pid, port)
+        except (RefusedError, OSError, TimeoutError):
+            if time.monotonic() > end_s:
+                raise
+            await asyncio.sleep(1)
+            continue
         is_at_rest = not now.other_opened and (not now.beyond(most) if most else now == before)
         if is_at_rest or time.monotonic() > end_s:
             return now
@@ -140,15 +150,23 @@ async def at_rest(pid: int, port: int, within_s: float, most: Leftovers | None) 
 
 
 async def http(port: int, path: str) -> str:
-    """Return the body of a page; raises LookupError if there is none."""
+    """Return the body of a page.
+
+    Raises:
+        LookupError: there is no such page.
+        RefusedError: not now.
+    """
     async with asyncio.timeout(HTTP_S):
         reader, writer = await asyncio.open_connection("127.0.0.1", port)
         request = f"GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nConnection: close\r\n\r\n"
         writer.write(request.encode())
         head, _, body = (await reader.read()).partition(b"\r\n\r\n")
         writer.close()
-    if b" 200 " not in head.split(b"\r\n")[0]:
+    status = head.split(b"\r\n")[0].decode(errors="replace")
+    if " 404 " in status:
         raise LookupError(path)
+    if " 200 " not in status:
+        raise RefusedError(f"{path}: {status}")
     return body.decode()
 
 
