@@ -213,3 +213,19 @@ def test_a_step_is_growth_strictly_and_none_leniently():
     step = vitals(lambda at: 80.0 + (30 if at > 600 else 0))
     assert failing(record(vitals=step)) == ["memory grows by"]
     assert failing(record(vitals=step), strict=False) == []
+
+
+def test_on_an_overloaded_machine_times_are_not_judged_and_all_else_is():
+    overloaded = Machine(loads=[1000.0])
+    slow = [Fault("link black", 100.0, 9.0, 0.6)]
+    moved = [Fault("link black", 100.0, 0.5, 0.6, moved_again=True)]
+    [verdict] = [
+        one
+        for one in judge(record(faults=slow, machine=overloaded), strict=True)
+        if one.word != HELD
+    ]
+    assert verdict.word == f"{NOT_JUDGED}: the load average was 1000"
+    [verdict] = [
+        one for one in judge(record(faults=moved, machine=overloaded), strict=True) if one.failed
+    ]
+    assert verdict.subject == "robot stops, link black"
