@@ -17,13 +17,14 @@ WHAT ?=
 COMPARE ?=
 REPEAT ?=
 SECONDS ?= 60
+MINUTES ?=
 PYTEST_ARGS ?= $(ARGS)
 # As many workers as tests/conftest.py says. Each begins with a part of the tests in their order, so that those that share
 # a gateway or a Mono process stay together; one that has done its own takes over from the others.
 WORKERS := -n auto --dist worksteal
 
 .DEFAULT_GOAL := help
-.PHONY: help demo serve test lint format docs bench faults fuzz mutants clean
+.PHONY: help demo serve test lint format docs bench faults fuzz soak mutants clean
 
 help: ## list the targets
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
@@ -68,6 +69,9 @@ faults: $(READY_FOR_TESTS) $(CLIENTS) ## kill, freeze and cut off what drives a 
 fuzz: $(READY_FOR_FUZZING) ## feed anything to parsers, codecs and a gateway (make fuzz WHAT=cdr_decoder SECONDS=60)
 	@$(BIN)/python -m tests.interfaces
 	@$(BIN)/python -m tests.fuzz $(WHAT) --seconds $(SECONDS) $(ARGS)
+
+soak: $(READY_FOR_TESTS) ## load, kill and abuse it for a while, see that nothing grows (make soak MINUTES=20)
+	@$(BIN)/python -m tests.soak $(or $(MINUTES),20) $(ARGS)
 
 mutants: $(READY_FOR_TESTS) ## break lines on purpose, see that tests notice (make mutants WHAT=codec)
 	@$(BIN)/python -m tests.interfaces

@@ -45,6 +45,8 @@ def main() -> None:
     stick.let_go()
     signal.signal(signal.SIGUSR1, stick.let_go)
     signal.signal(signal.SIGINT, signal.default_int_handler)
+    sys.stdout.write("ready\n")  # from now on a signal does not end it
+    sys.stdout.flush()
     while True:
         try:
             drive(sys.argv[1], stick)

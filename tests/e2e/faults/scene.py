@@ -124,6 +124,7 @@ async def link(port: int) -> AsyncIterator[tuple[Process, str]]:
 async def operator(url: str) -> AsyncIterator[Process]:
     """Run an operator."""
     async with process("tests.e2e.faults.operator", url) as started:
+        assert await line(started) == "ready\n"
         yield started
 
 
