@@ -140,11 +140,12 @@ class Conversations(RuleBasedStateMachine):
     @rule(who=words.numbers, topic=words.pick(words.NAMES), request_id=words.pick(words.IDS))
     def unsubscribe(self, who: int, topic: str, request_id: Any) -> None:
         client = self.of(who)
-        key = topic, request_id
-        is_open = key in client.subscriptions
+        # a client may have both `words` and `/words`: frames come under each, and both end as one
+        ended = {(name, request_id) for name in {topic, f"/{topic.lstrip('/')}", topic.lstrip("/")}}
+        is_open = not ended.isdisjoint(client.subscriptions)
         codes = set() if is_open else {"not_found"}
         self.say(client, {"op": "unsubscribe", "topic": topic}, request_id, codes, not is_open)
-        client.subscriptions.discard(key)
+        client.subscriptions -= ended
 
     @rule(
         who=words.numbers,
