@@ -3,15 +3,20 @@
 
 import contextlib
 import signal
+import time
 from collections.abc import AsyncIterator
 from typing import Final
 
 from tests.soak.actor import Actor, acting
 from tests.soak.bad_link import BadLink
 from tests.soak.over import Over
+from tests.soak.silences import Gap
 
 SENSORS_LIVE_S: Final = 30.0
 SENSORS_AWAY_S: Final = 3.0
+# Where a participant was killed, its successor is found at once or when it announces itself again,
+# 3 s later: by bare subscribers, too, and by each at another time.
+FOUND_S: Final = 3.5
 CUT_EVERY_S: Final = 25.0
 # The short one is survived; the long one exceeds the send deadline, and ends the connection.
 CUTS_S: Final = (2.0, 8.0)
@@ -26,15 +31,20 @@ class Sensors:
         self._stack = contextlib.AsyncExitStack()
         self._actor: Actor | None = None
         self.epoch = 0
+        self.away: list[Gap] = []
+        self._killed_s: float | None = None
 
     async def start(self) -> None:
         """Begin, or return, with another epoch."""
         self.epoch += 1
         self._actor = await self._stack.enter_async_context(acting("publisher", self.epoch))
+        if self._killed_s is not None:
+            self.away.append((self._killed_s, time.monotonic() + FOUND_S))
 
     async def kill(self) -> None:
         """Kill it: it says goodbye to nobody."""
         if self._actor is not None:
+            self._killed_s = time.monotonic()
             self._actor.signal(signal.SIGKILL)
             await self._stack.aclose()
             self._actor = None

@@ -7,6 +7,7 @@ from typing import Any, Final
 from tests.soak.accounting import Accounting
 from tests.soak.driving import Fault
 from tests.soak.machine import Machine
+from tests.soak.silences import Gap
 from tests.soak.vitals import Leftovers, Vitals
 
 _WARM_UP: Final = 0.15  # of the load: caches fill, arenas of malloc grow to what is needed at once
@@ -51,6 +52,8 @@ class Record:
     """The reports of the listeners, by their names."""
     bare: dict[str, Any]
     """The report of the bare subscriber."""
+    away: list[Gap]
+    """When the publishers were not there, or need not have been found again."""
     faults: list[Fault]
     exit: Exit
     counts: dict[str, int] = field(default_factory=dict)

@@ -115,6 +115,7 @@ class _Soak:
                 accounting=self._accounting,
                 clients=clients,
                 bare=heard_bare,
+                away=self._sensors.away,
                 faults=faults,
                 exit=ended,
                 counts=self._counts,

@@ -32,7 +32,9 @@ class Silences:
 
 
 def beyond_control(gap: Gap, control: Sequence[Gap]) -> float:
-    """Return the seconds of a pause in which a control heard something."""
-    begin, end = gap
-    shared = (min(end, until) - max(begin, since) for since, until in control)
-    return end - begin - sum(seconds for seconds in shared if seconds > 0)
+    """Return the seconds of a pause in which a control heard something; its pauses may overlap."""
+    extra_s, reached_s = 0.0, gap[0]
+    for since, until in sorted(control):
+        extra_s += max(0.0, min(since, gap[1]) - reached_s)
+        reached_s = max(reached_s, min(until, gap[1]))
+    return extra_s + gap[1] - reached_s

@@ -22,6 +22,8 @@ def test_a_pause_is_kept_and_the_last_one_lasts():
         ([(11.0, 13.0)], 2.0),
         ([(9.0, 11.0), (12.0, 12.5)], 2.5),
         ([(10.0, 14.0)], 0.0),
+        ([(11.0, 13.0), (9.0, 12.0)], 1.0),
+        ([(9.0, 15.0), (11.0, 12.0)], 0.0),
     ],
 )
 def test_the_pauses_of_the_control_are_taken_off(control, expected):

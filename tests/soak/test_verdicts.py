@@ -54,6 +54,7 @@ def record(**changes) -> Record:
         accounting=accounting,
         clients={name: listener() for name in (*GOOD, BAD_LINK, FROZEN)},
         bare=listener(),
+        away=[(60.0, 68.0)],
         faults=[fault],
         exit=Exit(0, 0.3, 0.0, 1210.0, 0.01, (), 0),
     )
@@ -103,6 +104,7 @@ def test_all_holds_where_nothing_is_wrong(strict):
         ({"accounting": unequal()}, "received = sent + coalesced + dropped + pending"),
         ({"accounting": Accounting()}, "received = sent + coalesced + dropped + pending"),
         ({"clients": client(GOOD[0], gaps={CAMERA: [(50.0, 51.5)]})}, "longest silence"),
+        ({"clients": client(GOOD[0], gaps={CAMERA: [(60.0, 69.5)]})}, "longest silence"),
         (
             {"faults": [Fault("link black", 100.0, 9.0, 0.6)]},
             "robot stops, link black",

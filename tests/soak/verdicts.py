@@ -198,13 +198,13 @@ def accounting(record: Record) -> Verdict:
 
 
 def silence(record: Record, *, strict: bool) -> Verdict:
-    """Judge the pauses of good clients, without those that a bare subscriber had, too."""
+    """Judge the pauses of good clients, without those of publishers and of a bare subscriber."""
     worst_s, worst_words, machine = 0.0, "none", ""
     failed = not_judged = False
     for name in GOOD:
         for topic, gaps in record.clients[name]["gaps"].items():
             for gap in gaps:
-                extra_s = beyond_control(gap, record.bare["gaps"][topic])
+                extra_s = beyond_control(gap, [*record.bare["gaps"][topic], *record.away])
                 late_s, waited_s = record.machine.worst_s(*gap), record.waited_s(*gap)
                 if extra_s > worst_s:
                     worst_s = extra_s
