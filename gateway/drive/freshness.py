@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The age of a command by its client's own clock.
+"""The age of a command: by its client's own clock, else by the time that it may have waited here.
+
+A client that sends more than its time budget allows is read slowly, so its commands come late and
+one by one, as if it still drove: without a clock they are as old as what may have waited longest.
 
 The two clocks have nothing to do with each other. But the delay between them, gateway's time of
 arrival less client's time of sending, is smallest for the command that travelled fastest, and every
@@ -19,7 +22,7 @@ SETTLING_NS: Final = 1_000_000_000
 Age = Literal[
     "fresh",  # not older than the best by `MAX_AGE_NS`
     "stale",
-    "unknown",  # no time was given, or the connection is too young to know
+    "unknown",  # no time was given and nothing waited, or the connection is too young to know
 ]
 
 
@@ -33,10 +36,13 @@ class Freshness:
         self._best_ns = 0
         self._judged_ns = 0
 
-    def judge(self, sent_ms: float | None, now_ns: int) -> Age:
-        """Return the age of a command that was sent at *sent_ms* of the client's clock."""
+    def judge(self, sent_ms: float | None, now_ns: int, waited_ns: int = 0) -> Age:
+        """Return the age of a command that was sent at *sent_ms* of the client's clock.
+
+        *waited_ns* is how long it may have waited before the gateway read it, at most.
+        """
         if sent_ms is None:
-            return "unknown"
+            return "stale" if waited_ns >= MAX_AGE_NS else "unknown"
         delay_ns = now_ns - round(sent_ms * 1e6)
         if self._first_ns is None:
             self._first_ns = self._judged_ns = now_ns

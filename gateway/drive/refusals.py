@@ -35,10 +35,10 @@ def not_holder(command: Command, topic: str, rules: Rules) -> Refused:
 
 
 def stale(command: Command, topic: str) -> Refused:
-    """Refuse a command that is old by its client's clock."""
+    """Refuse a command that is old."""
     reason = (
-        f"topic {topic}: by its monotonic_ms the command came 250 ms later than others of this"
-        " connection"
+        f"topic {topic}: the command is over 250 ms old, by its monotonic_ms or as it has waited"
+        " behind what else this connection sends"
     )
     return Refused(command, "stale_command", reason)
 

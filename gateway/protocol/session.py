@@ -57,6 +57,8 @@ class Session:
         self.wake = wake
         # takes what work for this client has taken from its time budget: seconds, and the time
         self.spend: Callable[[float, float], object] = lambda spent_s, now_s: None
+        # for how long the message at hand may have waited until we read it, in seconds
+        self.waited_s: Callable[[], float] = lambda: 0.0
         self.received = 0
         self.refused = 0
         self.is_ros_sharp = False  # it reads ASCII only, and `values` of the type only

@@ -307,6 +307,7 @@ class Connection(asyncio.BufferedProtocol):
             return
         self._session.outbox.write_directly = self._write_directly
         self._session.spend = self.spending.spend
+        self._session.waited_s = self._inbound.waited_s
         logger.info("connected", extra={"client": self.name})
 
     def _receive(self, message: bytes, *, is_text: bool) -> None:

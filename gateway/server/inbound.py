@@ -22,6 +22,10 @@ SLICE_S: Final = 0.004  # then the others have their turn: a tenth of what peopl
 # What a read costs before it comes here: the loop's poll, the call of the kernel, 16 KiB copied.
 READ_COST_S: Final = 15e-6
 
+# If nothing is read in so many turns of the loop, neither the kernel nor TLS holds more: a reader
+# may run behind us in a turn, and TLS takes one to go on and one to read.
+EMPTY_TURNS: Final = 4
+
 _END_OF_HEAD: Final = b"\r\n\r\n"
 
 
@@ -63,6 +67,9 @@ class Inbound:
         self._events: deque[Event] = deque()
         self._head: bytes | None = b""  # the end of the HTTP request so far; None: it is complete
         self.is_paused = False  # reading, until what waits is handled and paid for
+        self._reads = 0
+        self._read_s = 0.0  # the time of the last one
+        self._late_since_s: float | None = None  # what comes may have waited since then
         self._is_behind = False
         self._next_slice: asyncio.Handle | None = None
 
@@ -72,6 +79,8 @@ class Inbound:
 
     def receive(self, data: bytes, now_s: float) -> None:
         """Take what was read, and handle it as far as a slice allows."""
+        self._reads += 1
+        self._read_s = now_s
         self._unparsed += data
         self._work(now_s, READ_COST_S)
 
@@ -79,6 +88,11 @@ class Inbound:
         """Handle what waits, a slice of it; then read again."""
         self._next_slice = None
         self._work(time.monotonic(), 0.0)
+
+    def waited_s(self) -> float:
+        """Return for how long what is being handled may have waited, here or in the kernel."""
+        since_s = self._read_s if self._late_since_s is None else self._late_since_s
+        return time.monotonic() - since_s
 
     def drop(self) -> None:
         """Forget what waits: nobody wants it any more."""
@@ -110,14 +124,27 @@ class Inbound:
         elif self:
             self._pause()
             self._next_slice = asyncio.get_running_loop().call_soon(self.go_on)
-        elif self.is_paused and not self._transport.is_closing():
-            self.is_paused = False
-            self._transport.resume_reading()
+        elif self._late_since_s is not None and not self._transport.is_closing():
+            if self.is_paused:
+                self.is_paused = False
+                self._transport.resume_reading()
+            self._catch_up(self._reads, EMPTY_TURNS)
 
     def _pause(self) -> None:
         if not self.is_paused and not self._transport.is_closing():
             self.is_paused = True
             self._transport.pause_reading()
+            if self._late_since_s is None:
+                self._late_since_s = self._read_s
+
+    def _catch_up(self, reads: int, turns: int) -> None:
+        """Note that nothing is late any more, if nothing is read for some turns of the loop."""
+        if self.is_paused or reads != self._reads:
+            return  # whoever reads begins anew
+        if turns:
+            asyncio.get_running_loop().call_soon(self._catch_up, reads, turns - 1)
+        else:
+            self._late_since_s = None
 
     def _handle_until(self, end_s: float) -> None:
         """Handle what waits until there is nothing or it is *end_s*, but at least one event."""

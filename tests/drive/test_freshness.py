@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-from gateway.drive.freshness import Freshness
+from gateway.drive.freshness import MAX_AGE_NS, Freshness
 
 MS = 1_000_000
 S = 1_000_000_000
@@ -44,3 +44,10 @@ def test_a_client_whose_clock_is_slow_stays_fresh_for_hours():
         sent_ms = minute * 60_000 * (1 - 100e-6)
         age = freshness.judge(sent_ms, CLOCKS_APART_NS + minute * 60 * S)
         assert age == ("fresh" if minute else "unknown")
+
+
+def test_a_command_without_a_time_is_as_old_as_what_may_have_waited():
+    freshness = Freshness()
+    assert freshness.judge(None, 5 * S, MAX_AGE_NS - 1) == "unknown"
+    assert freshness.judge(None, 5 * S, MAX_AGE_NS) == "stale"
+    assert freshness.judge(*at(0), MAX_AGE_NS) == "unknown"  # its own clock knows better

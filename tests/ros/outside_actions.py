@@ -15,7 +15,7 @@ from rclpy.task import Future
 
 from gateway.ports import ABORTED, CANCELED, SUCCEEDED, GoalOutcome, GoalRequest, GoalResult
 from gateway.ros.interfaces import action_class
-from tests.ros.outside_services import arrived
+from tests.ros.outside_services import arrived, until_known
 
 
 class LockedActionClient(ActionClient):
@@ -74,6 +74,10 @@ class OutsideActionServer:
         on_cancel: Callable[[GoalRequest], None],
         accepts: Callable[[bytes], bool],
     ) -> None:
+        self._node = node
+        self._services = [
+            f"{name}/_action/{one}" for one in ("send_goal", "get_result", "cancel_goal")
+        ]
         self.wake = wake
         self.action = action_class(type_name)
         self._loop = asyncio.get_running_loop()
@@ -99,6 +103,7 @@ class OutsideActionServer:
             self.wake()  # what the executor waits for is not destroyed yet
 
     def _decide(self, goal: Any) -> GoalResponse:
+        until_known(self._node, *self._services)
         is_accepted = self._accepts(serialize_message(goal))
         return GoalResponse.ACCEPT if is_accepted else GoalResponse.REJECT
 

@@ -2,6 +2,7 @@
 """Services of the rest of the robot, by rclpy's own clients and servers."""
 
 import asyncio
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -13,6 +14,8 @@ from rclpy.task import Future
 
 from gateway.ports import Request
 from gateway.ros.interfaces import service_class
+
+KNOWN_S = 3  # a client that has gone meanwhile is not waited for any longer
 
 
 async def arrived(future: Any) -> Any:
@@ -26,6 +29,16 @@ async def arrived(future: Any) -> Any:
 
     future.add_done_callback(lambda _: loop.call_soon_threadsafe(settle))
     return await result
+
+
+def until_known(node: Node, *services: str) -> None:
+    """Wait on the executor's thread until the clients of these services have been discovered.
+
+    A response to a client that is not is lost 0.1 s later, which is soon on a busy machine.
+    """
+    end_s = time.monotonic() + KNOWN_S
+    while not all(map(node.count_clients, services)) and time.monotonic() < end_s:
+        time.sleep(0.005)
 
 
 class OutsideRequest:
@@ -47,6 +60,7 @@ class OutsideService:
         depth: int,
     ) -> None:
         self._node = node
+        self._name = name
         self._wake = wake
         self._loop = asyncio.get_running_loop()
         self._class = service_class(type_name)
@@ -65,6 +79,7 @@ class OutsideService:
             self._node.destroy_service(service)
 
     async def _execute(self, request: Any, _: Any) -> Any:
+        until_known(self._node, self._name)
         response: Any = Future()
 
         def answer(cdr: bytes) -> None:

@@ -200,6 +200,7 @@ def test_what_takes_longer_than_a_slice_goes_on_in_later_turns_and_in_order(wire
     wire.next_turn()
     assert wire.pongs == list(range(12))
     assert wire.transport.is_read
+    wire.run(0)  # the turns in which nothing is read
     assert not wire.handles
 
 
@@ -288,6 +289,34 @@ def test_who_has_spent_its_budget_is_behind_until_it_has_more(wire: Wire):
     assert not session.is_behind
 
 
+def test_what_comes_behind_a_pause_may_be_as_old_as_the_pause(wire: Wire):
+    session = wire.connection.session
+    assert session is not None
+    waited_s: list[float] = []
+
+    def take(seconds: float) -> None:
+        wire.take(seconds)
+        waited_s.append(session.waited_s())
+
+    wire.acceptor._pass_time = take
+
+    def read(cost_s: float = 0.0) -> float:
+        wire.acceptor.cost_s = cost_s
+        wire.receive(pings(1))
+        return waited_s[-1]
+
+    assert read() == 0
+    assert read(0.3) == pytest.approx(0.3)  # by then it is as old
+    paused_s = wire.until_read()
+    assert paused_s > 0
+    assert read() == pytest.approx(0.3 + paused_s)
+    wire.take(0.1)
+    assert read() == pytest.approx(0.4 + paused_s)  # there may be more behind it
+    wire.run(0)  # nothing was read for some turns
+    wire.take(5)
+    assert read() == 0
+
+
 def test_reading_alone_is_paid_for(wire: Wire, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(inbound_module, "READ_COST_S", 0.1)
     chunk = masked(Opcode.TEXT, b"x" * 100_000)[: 16 * 1024]
@@ -340,12 +369,10 @@ def test_what_a_lost_client_has_sent_is_not_carried_out_later(wire: Wire):
 def test_messages_in_one_packet_with_a_close_are_carried_out_before_it_is_answered(wire: Wire):
     wire.acceptor.cost_s = 0.1
     wire.receive(pings(*range(10)) + masked(Opcode.CLOSE, (1000).to_bytes(2, "big")))
-    while wire.handles:
-        assert bytes((0x80 | Opcode.CLOSE, 2)) not in wire.transport.unsent
+    while not wire.transport.unsent.endswith(bytes((0x80 | Opcode.CLOSE, 2)) + b"\x03\xe8"):
         wire.connection.tick(wire.now_s)
         wire.next_turn()
     assert len(wire.acceptor.received) == 10
-    assert wire.transport.unsent.endswith(bytes((0x80 | Opcode.CLOSE, 2)) + b"\x03\xe8")
 
 
 def test_what_waits_when_we_close_is_not_carried_out(wire: Wire):

@@ -155,7 +155,7 @@ class CommandTopic:
         now_ns = self._now_ns()
         driver = self.driver(session)
         driver.commands += 1
-        age = driver.freshness.judge(sent_ms, now_ns)
+        age = driver.freshness.judge(sent_ms, now_ns, round(session.waited_s() * 1e9))
         self._frame_id = values.frame_id
         self._apply(self._drive.command(Command(session, values.velocity, age, request), now_ns))
 

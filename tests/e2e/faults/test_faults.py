@@ -10,7 +10,9 @@ from collections.abc import AsyncIterator, Callable
 
 import pytest
 import pytest_asyncio
+from websockets.asyncio.client import connect
 
+from gateway.drive.freshness import MAX_AGE_NS
 from tests.e2e.faults import scene
 from tests.e2e.faults.conftest import IS_EXACT, REPEAT
 from tests.e2e.faults.processes import guard_of, is_running
@@ -111,6 +113,35 @@ async def test_after_a_blackout_nothing_moves_until_the_stick_is_let_go(
             assert robot.moved_after(zero_ns) == []
             driver.send_signal(signal.SIGUSR1)
             await until_it_moves(robot, driver)
+
+
+async def test_commands_that_waited_behind_other_input_do_not_move_the_robot(
+    robot, gateway, measured
+):
+    drive = (
+        '{"op":"publish","topic":"/cmd_vel","type":"geometry_msgs/Twist","msg":{"linear":{"x":%s}}}'
+    )
+    costly = '{"op":"subscribe","topic":"/odm","id":"x"}'  # a search for what was meant
+    for _ in REPETITIONS:
+        async with connect(gateway.url, max_queue=None) as driver:
+            while not robot.is_moving:
+                await driver.send(drive % 0)
+                await asyncio.sleep(0.4)
+                for _ in range(20):
+                    await driver.send(drive % 0.05)
+                    await asyncio.sleep(0.05)
+            begin_ns = time.monotonic_ns()
+            while time.monotonic_ns() - begin_ns < 3e9:
+                await driver.send(drive % 0.05)
+                for _ in range(150):  # ten times what a client has time for
+                    await driver.send(costly)
+                await asyncio.sleep(0.05)
+            silent_ns = time.monotonic_ns()
+            await asyncio.sleep(1)  # longer than any gap in a backlog
+            await until(lambda: time.monotonic_ns() - robot.last_moved_ns > 2e9)
+            took_s = max(0.0, (robot.last_moved_ns - silent_ns) / 1e9)
+            after_s = DEADLINE_S + MAX_AGE_NS / 1e9
+            measured("client silent, its input late", took_s, after_s=after_s, allowed_s=0.1)
 
 
 # Gateway: each needs one of its own

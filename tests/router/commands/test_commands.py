@@ -290,6 +290,17 @@ async def test_unadvertising_stops_as_asked(scene: Scene):
     await eventually(lambda: speeds(heard)[-1] == 0.2)
 
 
+async def test_a_command_that_waited_behind_other_input_is_stale(scene: Scene):
+    heard = scene.listen()
+    client = scene.client()
+    push(client)
+    await eventually(lambda: len(heard) == 1)
+    client.session.waited_s = lambda: 0.25
+    push(client)
+    assert client.statuses[-1][0] == "stale_command"
+    await eventually(lambda: speeds(heard)[1:2] == [0.0])  # the deadline
+
+
 async def test_a_stale_command_is_told_by_the_clients_clock(scene: Scene):
     heard = scene.listen()
     client = scene.client()
