@@ -111,9 +111,9 @@ def _own_addresses() -> list[str]:
 def _write_pair(
     key_path: Path, key: bytes, cert_path: Path, certificate: bytes, *, replace: bool
 ) -> None:
-    """Write both files or neither; a key that does not fit the certificate serves nobody.
+    """Write both files; a full disk leaves both as they were, as they begin under other names.
 
-    Both are written under other names first: a full disk leaves those that are there as they were.
+    A key that does not fit the certificate serves nobody.
     """
     new = {
         _new(key_path): (key_path, key, 0o600),
