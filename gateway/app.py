@@ -22,7 +22,7 @@ from gateway.codec.image import confine_to_calling_thread
 from gateway.codec.types import Types
 from gateway.config.model import Config
 from gateway.diagnostics import publishing
-from gateway.errors import BindError, ConfigError
+from gateway.errors import BindError, ConfigError, system_reason
 from gateway.guard.supervisor import GuardProcess
 from gateway.log_fields import text_of
 from gateway.log_rate import LogRate
@@ -255,7 +255,7 @@ class _LoopErrors:
             loop.default_exception_handler(context)
         elif loop.time() - self._warned_s > WARN_AGAIN_S:
             self._warned_s = loop.time()
-            logger.warning("no client can connect: %s", (error.strerror or "").lower())
+            logger.warning("no client can connect: %s", system_reason(error))
 
 
 @contextmanager

@@ -4,6 +4,8 @@
 import os
 import sys
 
+from gateway.errors import system_reason
+
 
 def announce(text: str) -> None:
     """Print what people need for a start; a full disk does not hinder it."""
@@ -13,14 +15,9 @@ def announce(text: str) -> None:
         raise
     except OSError as error:  # a full disk: the gateway serves all the same
         discard_output()
-        print(f"ros2-gateway: cannot write this, {reason(error)}: {text}", file=sys.stderr)
+        print(f"ros2-gateway: cannot write this, {system_reason(error)}: {text}", file=sys.stderr)
 
 
 def discard_output() -> None:
     """Write to nowhere from now on, also what waits: at its end Python would fail to write it."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-
-
-def reason(error: OSError) -> str:
-    """Return the words of the system for its error."""
-    return (error.strerror or str(error)).lower()
