@@ -19,6 +19,7 @@ MAX_LINE_BYTES: Final = 8192  # of a line; longer ones become several records
 # At the end, for what is in the pipes; a child that outlives us must hold up nothing.
 DRAIN_S: Final = 0.3
 
+_STDIN: Final = 0
 _STDOUT: Final = 1
 _STDERR: Final = 2
 
@@ -29,6 +30,11 @@ class OwnOutput:
 
     stdout: TextIO
     stderr: TextIO
+
+    @property
+    def streams(self) -> tuple[int, int, int]:
+        """The descriptors of standard input, output and error as they were."""
+        return (_STDIN, self.stdout.fileno(), self.stderr.fileno())
 
 
 @contextlib.contextmanager

@@ -195,7 +195,12 @@ def _run_gateway(
         else:
             _announce_in_json(listening, own, hint)
 
-    return app.run(loaded.config, announce=announce, load=lambda: _configuration(arguments).config)
+    return app.run(
+        loaded.config,
+        announce=announce,
+        load=lambda: _configuration(arguments).config,
+        streams=app.STANDARD_STREAMS if own is None else own.streams,
+    )
 
 
 def _require_rclpy() -> None:
