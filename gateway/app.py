@@ -22,7 +22,7 @@ from gateway.codec.image import confine_to_calling_thread
 from gateway.codec.types import Types
 from gateway.config.model import Config
 from gateway.diagnostics import publishing
-from gateway.errors import BindError, ConfigError
+from gateway.errors import BindError, ConfigError, system_reason
 from gateway.guard.supervisor import GuardProcess
 from gateway.log_fields import text_of
 from gateway.log_rate import LogRate
@@ -39,6 +39,7 @@ from schemas.table import Table
 
 logger = logging.getLogger("gateway")
 
+STANDARD_STREAMS: Final = (0, 1, 2)
 SHUTDOWN_S: Final = 1.8  # of the 2 s that there are
 WARN_AGAIN_S: Final = 10.0
 
@@ -68,11 +69,18 @@ class Listening:
 Announce = Callable[[Listening], None]
 
 
-def run(config: Config, *, announce: Announce, load: Callable[[], Config]) -> int:
+def run(
+    config: Config,
+    *,
+    announce: Announce,
+    load: Callable[[], Config],
+    streams: Sequence[int] = STANDARD_STREAMS,
+) -> int:
     """Serve until SIGINT or SIGTERM; return the exit code.
 
     Once clients can connect, *announce* gets what people need for it. On SIGHUP, *load* returns the
-    configuration anew, and its tokens and permissions take effect.
+    configuration anew, and its tokens and permissions take effect; unless one of the descriptors
+    *streams* was a terminal that is closed now, which ends the gateway.
 
     Raises:
         BindError: the address or port cannot be listened on.
@@ -80,15 +88,17 @@ def run(config: Config, *, announce: Announce, load: Callable[[], Config]) -> in
         RosMissingError: there is no rclpy.
     """
     with asyncio.Runner(loop_factory=_loop_factory()) as runner:
-        return runner.run(_serve(config, announce, load))
+        return runner.run(_serve(config, announce, load, streams))
 
 
-async def _serve(config: Config, announce: Announce, load: Callable[[], Config]) -> int:
+async def _serve(
+    config: Config, announce: Announce, load: Callable[[], Config], streams: Sequence[int]
+) -> int:
     keep_large_blocks()
     confine_to_calling_thread()
     asyncio.get_running_loop().set_exception_handler(_LoopErrors())
     stop, hung_up = asyncio.Event(), asyncio.Event()
-    _handle_signals(stop, hung_up)
+    _handle_signals(stop, hung_up, streams)
     async with AsyncExitStack() as stack:
         end_by_force = stack.enter_context(_forced_end())
         security = stack.enter_context(open_security(config))
@@ -172,13 +182,13 @@ async def _listen(
         raise BindError(hosts[0], config.port, error) from error
 
 
-def _handle_signals(stop: asyncio.Event, hung_up: asyncio.Event) -> None:
+def _handle_signals(stop: asyncio.Event, hung_up: asyncio.Event, streams: Sequence[int]) -> None:
     """Set *stop* when the process shall end, and *hung_up* when it shall reload."""
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, stop.set)
     is_kept = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN  # by nohup
-    terminals = [] if is_kept else [number for number in (0, 1, 2) if _is_terminal(number)]
+    terminals = [] if is_kept else [number for number in streams if _is_terminal(number)]
 
     def hang_up() -> None:
         # SIGHUP also means that the terminal was closed: then the gateway ends, as ever
@@ -255,7 +265,7 @@ class _LoopErrors:
             loop.default_exception_handler(context)
         elif loop.time() - self._warned_s > WARN_AGAIN_S:
             self._warned_s = loop.time()
-            logger.warning("no client can connect: %s", (error.strerror or "").lower())
+            logger.warning("no client can connect: %s", system_reason(error))
 
 
 @contextmanager

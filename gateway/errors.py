@@ -19,6 +19,11 @@ rclpy cannot be imported ({reason}); there are two ways to get it:
     and run in that distribution's own Python, or a venv of it made with --system-site-packages"""
 
 
+def system_reason(error: OSError) -> str:
+    """Return the words of the operating system for an error, without the path."""
+    return (error.strerror or str(error)).lower()
+
+
 class GatewayError(Exception):
     """Raised as one of its subclasses; the text is for people and needs no traceback."""
 

@@ -22,7 +22,7 @@ from gateway.access.tokens import TokenFileError, Tokens, make_token
 from gateway.access.web_rules import WebRules
 from gateway.config.access import TlsConfig
 from gateway.config.model import Config
-from gateway.errors import ConfigError
+from gateway.errors import ConfigError, system_reason
 from gateway.faults import Fault
 from gateway.server.http import own_names
 
@@ -133,8 +133,8 @@ def _load_certificate(context: ssl.SSLContext, config: TlsConfig) -> None:
         expected = "expected a certificate and its key, unencrypted, in PEM"
         raise ConfigError(f"tls.cert: cannot use {which}, {reason or expected}") from error
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise ConfigError(f"tls.cert, tls.key: cannot read the files, {reason}") from error
+        text = f"tls.cert, tls.key: cannot read the files, {system_reason(error)}"
+        raise ConfigError(text) from error
 
 
 def _make_first(authentication: Authentication, path: Path) -> str:

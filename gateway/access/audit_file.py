@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from gateway.errors import ConfigError
+from gateway.errors import ConfigError, system_reason
 from gateway.faults import Fault
 
 MAX_WAITING: Final = 1000  # lines, 300 KB; a disk that takes none loses the newest
@@ -36,7 +36,7 @@ class AuditFile:
         try:
             self._descriptor = self._open()
         except OSError as error:
-            raise ConfigError(f"audit.file: cannot write {path}, {_reason(error)}") from error
+            raise ConfigError(f"audit.file: cannot write {path}, {system_reason(error)}") from error
         self._thread = threading.Thread(target=self._run, name="audit", daemon=True)
         self._thread.start()
 
@@ -69,7 +69,7 @@ class AuditFile:
                 self._lost += 1
                 if not self._is_failing:
                     self._is_failing = True
-                    logger.error("cannot write %s, %s", self._path, _reason(error))
+                    logger.error("cannot write %s, %s", self._path, system_reason(error))
             else:
                 if self._is_failing or self._lost:
                     logger.warning("%s: %d lines are missing", self._path, self._lost)
@@ -95,7 +95,3 @@ class AuditFile:
         descriptor = os.open(self._path, flags, 0o600)
         os.fchmod(descriptor, 0o600)  # also where it existed
         return descriptor
-
-
-def _reason(error: OSError) -> str:
-    return (error.strerror or str(error)).lower()

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
 from gateway.access.tokens import TokenFileError, Tokens, from_json, to_json
+from gateway.errors import system_reason
 
 MAX_FILE_BYTES = 1024**2  # a thousand tokens take 200 KB
 
@@ -34,7 +35,7 @@ def read(path: Path) -> Tokens:
     except FileNotFoundError:
         return Tokens()
     except OSError as error:
-        raise TokenFileError(f"cannot read {path}, {_reason(error)}") from error
+        raise TokenFileError(f"cannot read {path}, {system_reason(error)}") from error
     if mode & (stat.S_IWGRP | stat.S_IWOTH):
         raise TokenFileError(f"{path} can be changed by others: chmod 600 {path}")
     if len(data) > MAX_FILE_BYTES:
@@ -56,7 +57,7 @@ def change(path: Path, changed: Callable[[Tokens], Tokens]) -> None:
         with _locked(path.parent):
             _replace(path, to_json(changed(read(path))))
     except OSError as error:
-        raise TokenFileError(f"cannot write {path}, {_reason(error)}") from error
+        raise TokenFileError(f"cannot write {path}, {system_reason(error)}") from error
 
 
 def _replace(path: Path, data: bytes) -> None:
@@ -82,7 +83,3 @@ def _locked(folder: Path) -> Iterator[None]:
         yield
     finally:
         os.close(descriptor)  # and with it the lock
-
-
-def _reason(error: OSError) -> str:
-    return (error.strerror or str(error)).lower()

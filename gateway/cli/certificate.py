@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from gateway.cli.announcement import own_addresses
-from gateway.errors import UsageError
+from gateway.errors import UsageError, system_reason
 
 if TYPE_CHECKING:
     from cryptography import x509
@@ -44,8 +44,8 @@ def make_certificate(folder: Path, names: Sequence[str], *, replace: bool = Fals
     except FileExistsError as error:
         raise UsageError(f"{error.filename} exists, --replace makes another") from error
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise UsageError(f"cannot write {error.filename or folder}, {reason}") from error
+        path = error.filename or folder
+        raise UsageError(f"cannot write {path}, {system_reason(error)}") from error
     return subjects
 
 
@@ -111,9 +111,9 @@ def _own_addresses() -> list[str]:
 def _write_pair(
     key_path: Path, key: bytes, cert_path: Path, certificate: bytes, *, replace: bool
 ) -> None:
-    """Write both files or neither; a key that does not fit the certificate serves nobody.
+    """Write both files; a full disk leaves both as they were, as they begin under other names.
 
-    Both are written under other names first: a full disk leaves those that are there as they were.
+    A key that does not fit the certificate serves nobody.
     """
     new = {
         _new(key_path): (key_path, key, 0o600),

@@ -6,6 +6,7 @@ need no ROS work without it.
 """
 
 import argparse
+import logging
 import os
 import signal
 import sys
@@ -18,7 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final, NoReturn
 
 from gateway.cli.arguments import CONFIG_FLAGS, CONFIG_SWITCHES, argument_parser
-from gateway.cli.output import announce, discard_output
+from gateway.cli.output import announce, discard_output, write, write_elsewhere
 from gateway.cli.report import EXIT_OK, report
 from gateway.config.domain_id import DOMAIN_ID_EXPECTATION, is_domain_id
 from gateway.errors import (
@@ -165,8 +166,12 @@ def _announce_in_json(listening: "Listening", own: "OwnOutput", hint: str) -> No
 
     from gateway.cli import announcement
 
-    for line in announcement.in_json(listening, hint):
-        print(line, file=own.stdout)
+    text = "\n".join(announcement.in_json(listening, hint))
+    why = write(text, own.stdout)
+    if why is not None:
+        # without the text, which may contain a token: the log goes to /rosout as well
+        logging.getLogger("gateway").warning("cannot write standard output, %s", why)
+        write_elsewhere(text, own.stderr)
     # rclpy has turned it on for a descriptor that is a pipe to this process, where it would be lost
     faulthandler.enable(own.stderr)
 
@@ -195,7 +200,12 @@ def _run_gateway(
         else:
             _announce_in_json(listening, own, hint)
 
-    return app.run(loaded.config, announce=announce, load=lambda: _configuration(arguments).config)
+    return app.run(
+        loaded.config,
+        announce=announce,
+        load=lambda: _configuration(arguments).config,
+        streams=app.STANDARD_STREAMS if own is None else own.streams,
+    )
 
 
 def _require_rclpy() -> None:

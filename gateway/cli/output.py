@@ -1,26 +1,48 @@
 # SPDX-License-Identifier: Apache-2.0
 """Standard output, which may be a pipe that somebody closed, or a disk that is full."""
 
+import contextlib
 import os
 import sys
+from typing import TextIO
+
+from gateway.errors import system_reason
 
 
 def announce(text: str) -> None:
     """Print what people need for a start; a full disk does not hinder it."""
+    why = write(text, sys.stdout)
+    if why is not None:
+        write_elsewhere(f"ros2-gateway: cannot write this, {why}: {text}", sys.stderr)
+
+
+def write(text: str, stream: TextIO) -> str | None:
+    """Write what people need for a start; return why it cannot be written, or ``None``.
+
+    A stream that cannot be written leads to nowhere from then on: the gateway serves all the same.
+
+    Raises:
+        BrokenPipeError: the reader of the stream has closed it.
+    """
     try:
-        print(text, flush=True)  # our parent process may wait for it behind a pipe
+        print(text, file=stream, flush=True)  # our parent process may wait for it behind a pipe
     except BrokenPipeError:
         raise
-    except OSError as error:  # a full disk: the gateway serves all the same
-        discard_output()
-        print(f"ros2-gateway: cannot write this, {reason(error)}: {text}", file=sys.stderr)
+    except OSError as error:
+        discard_output(stream)
+        return system_reason(error)
+    return None
 
 
-def discard_output() -> None:
+def write_elsewhere(text: str, stream: TextIO) -> None:
+    """Write a text that another stream did not take; this one may be on the same disk."""
+    with contextlib.suppress(OSError):
+        stream.write(f"{text}\n")  # at once: other threads write records of the log there
+        stream.flush()
+
+
+def discard_output(stream: TextIO | None = None) -> None:
     """Write to nowhere from now on, also what waits: at its end Python would fail to write it."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-
-
-def reason(error: OSError) -> str:
-    """Return the words of the system for its error."""
-    return (error.strerror or str(error)).lower()
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, (stream or sys.stdout).fileno())
+    os.close(nowhere)

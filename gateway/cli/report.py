@@ -9,8 +9,15 @@ import traceback
 from collections.abc import Sequence
 from typing import Final
 
-from gateway.cli.output import discard_output, reason
-from gateway.errors import BindError, ConfigError, GatewayError, RosMissingError, UsageError
+from gateway.cli.output import discard_output
+from gateway.errors import (
+    BindError,
+    ConfigError,
+    GatewayError,
+    RosMissingError,
+    UsageError,
+    system_reason,
+)
 
 EXIT_OK: Final = 0  # Ctrl-C and SIGTERM included
 EXIT_FAILURE: Final = 1
@@ -34,7 +41,7 @@ def report(error: Exception, arguments: argparse.Namespace) -> int:
             sentences, code = (str(error),), EXIT_FAILURE
         case OSError(errno=errno.ENOSPC):
             discard_output()
-            sentences, code = (f"cannot write the output, {reason(error)}",), EXIT_FAILURE
+            sentences, code = (f"cannot write the output, {system_reason(error)}",), EXIT_FAILURE
         case _:
             bug = f"internal error, {type(error).__name__}: {error} (--debug shows where)"
             sentences, code = (bug,), EXIT_FAILURE

@@ -20,7 +20,7 @@ from pydantic.fields import FieldInfo
 
 from gateway.config.model import Config
 from gateway.config.section import Section
-from gateway.errors import ConfigError
+from gateway.errors import ConfigError, system_reason
 
 PREFIX: Final = "ROS2_GATEWAY_"
 FILE_VARIABLE: Final = "ROS2_GATEWAY_CONFIG"
@@ -193,7 +193,7 @@ def _from_file(path: Path, known: Mapping[str, Setting], problems: list[str]) ->
         with path.open("rb") as file:
             document = tomllib.load(file)
     except OSError as error:
-        problems.append(f"cannot read {path}, {(error.strerror or str(error)).lower()}")
+        problems.append(f"cannot read {path}, {system_reason(error)}")
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         problems.append(f"{path} is no TOML: {error}")
     else:

@@ -2,9 +2,14 @@
 """What others write to standard output and error, in a process of its own."""
 
 import json
+import os
+import signal
 import subprocess
 import sys
 import textwrap
+import time
+from collections.abc import Callable
+from pathlib import Path
 
 from tests.client import TIMEOUT_S
 
@@ -12,6 +17,7 @@ _START = """
 import os, subprocess, sys, time
 from gateway.cli import foreign_output
 from gateway.cli.logs import configure_logging
+foreign_output.DRAIN_S = 60  # a busy machine
 """
 
 
@@ -89,3 +95,90 @@ def test_an_error_is_no_json_of_half_a_line_when_the_block_fails():
         """
     )
     assert entries == [{}]
+
+
+def test_c_code_that_keeps_the_gil_may_write_more_than_a_pipe_takes():
+    _, entries = run(
+        """
+        import ctypes
+        holding_the_gil = ctypes.PyDLL(None)
+        with foreign_output.foreign_output_logged() as own:
+            configure_logging("info", "json", own.stderr)
+            at_once = (b"x" * 99 + b"\\n") * 5000
+            assert holding_the_gil.write(2, at_once, len(at_once)) == len(at_once)
+            bit_by_bit = b"y" * 599 + b"\\n"
+            for _ in range(500):
+                assert holding_the_gil.write(1, bit_by_bit, 600) == 600
+        """
+    )
+    texts = [each["message"] for each in entries]
+    assert texts.count("x" * 99) == 5000
+    assert texts.count("y" * 599) == 500
+
+
+def test_a_process_that_dies_takes_its_reader_along_though_a_child_goes_on():
+    died = subprocess.run(
+        [
+            *(sys.executable, "-c"),
+            _START
+            + textwrap.dedent(
+                """
+                import signal
+                from pathlib import Path
+                with foreign_output.foreign_output_logged() as own:
+                    own_children = Path("/proc/thread-self/children")
+                    (relay,) = own_children.read_text().split()
+                    child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(1e5)"])
+                    print(relay, child.pid, file=own.stdout)
+                    os.kill(os.getpid(), signal.SIGKILL)
+                """
+            ),
+        ],
+        stdout=subprocess.PIPE,
+        text=True,
+        timeout=TIMEOUT_S,
+        check=False,
+    )
+    relay, child = died.stdout.split()
+    try:
+        until(lambda: not is_running(relay))
+        assert is_running(child)
+    finally:
+        os.kill(int(child), signal.SIGKILL)
+
+
+def test_it_is_said_if_the_reader_dies_and_nothing_else_happens():
+    stdout, entries = run(
+        """
+        import signal
+        from pathlib import Path
+        with foreign_output.foreign_output_logged() as own:
+            configure_logging("info", "json", own.stderr)
+            (relay,) = Path("/proc/thread-self/children").read_text().split()
+            os.kill(int(relay), signal.SIGKILL)
+            for thread in foreign_output.threading.enumerate()[1:]:
+                thread.join()
+            print("own", file=own.stdout)
+        """
+    )
+    assert stdout == "own\n"
+    text = "nobody reads this output any more, what is written to it is lost"
+    assert sorted((each["logger"], each["message"]) for each in entries) == [
+        ("stderr", text),
+        ("stdout", text),
+    ]
+
+
+def is_running(pid: str) -> bool:
+    """Return whether a process exists and is no zombie."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+def until(is_true: Callable[[], bool]) -> None:
+    deadline_s = time.monotonic() + TIMEOUT_S
+    while not is_true():
+        assert time.monotonic() < deadline_s
+        time.sleep(0.01)

@@ -173,19 +173,22 @@ async def test_a_reload_that_fails_changes_nothing_and_says_why(tokens: Path, tm
         assert await gateway.stop() == 0
 
 
-# makes the terminal that is its standard input its controlling one, and becomes the gateway
+# makes the terminal that is its standard output its controlling one, and becomes the gateway
 _ON_A_TERMINAL = (
-    "import fcntl, os, signal, sys, termios; fcntl.ioctl(0, termios.TIOCSCTTY, 0);"
+    "import fcntl, os, signal, sys, termios; fcntl.ioctl(1, termios.TIOCSCTTY, 0);"
     " signal.signal(signal.SIGHUP, signal.SIG_DFL);"  # also if nohup has started the tests
-    " os.execv(sys.executable, [sys.executable, '-m', 'gateway', 'serve', '--port', '0'])"
+    " os.execv(sys.executable, [sys.executable, '-m', 'gateway', 'serve', '--port', '0',"
+    " *sys.argv[1:]])"
 )
 
 
-async def test_a_closed_terminal_ends_the_gateway_as_ever():
+@pytest.mark.parametrize("log_format", ["text", "json"])
+@pytest.mark.parametrize("has_input", [True, False])
+async def test_a_closed_terminal_ends_the_gateway_as_ever(log_format: str, *, has_input: bool):
     terminal, end = pty.openpty()
     gateway = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-c", _ON_A_TERMINAL),
-        stdin=end,
+        *(sys.executable, "-c", _ON_A_TERMINAL, "--log-format", log_format),
+        stdin=end if has_input else asyncio.subprocess.DEVNULL,
         stdout=end,
         stderr=end,
         start_new_session=True,

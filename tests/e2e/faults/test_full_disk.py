@@ -6,6 +6,7 @@ import contextlib
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 from collections.abc import AsyncIterator, Callable, Iterator
@@ -134,14 +135,63 @@ async def test_a_gateway_whose_output_is_full_serves(full: IO[str]):
     assert await process.wait() == 0
 
 
-async def test_a_gateway_whose_log_is_full_serves(full: IO[str]):
+async def test_with_json_a_gateway_whose_output_is_full_serves_and_its_log_says_where(
+    full: IO[str],
+):
+    process = await asyncio.create_subprocess_exec(
+        *(sys.executable, "-m", "gateway", "serve", "--port", "0", "--log-format", "json"),
+        stdout=full,
+        stderr=subprocess.PIPE,
+    )
+    assert process.stderr is not None
+    entries = [{"message": ""}]
+    while not entries[-1]["message"].startswith("listening on "):
+        entries.append(json.loads(await process.stderr.readline()))
+    texts = [entry["message"] for entry in entries]
+    assert "cannot write standard output, no space left on device" in texts
+    async with client(entries[-1]["url"]) as speaker:
+        await speaker.sync()
+    process.send_signal(signal.SIGTERM)
+    _, log = await process.communicate()
+    assert process.returncode == 0
+    assert [json.loads(line)["level"] for line in log.splitlines()].count("error") == 0
+
+
+@pytest.mark.parametrize("log_format", ["text", "json"])
+async def test_a_gateway_whose_output_and_log_are_on_one_full_disk_serves(
+    full: IO[str], log_format: str
+):
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    process = await asyncio.create_subprocess_exec(
+        *(sys.executable, "-m", "gateway", "serve"),
+        *("--port", str(port), "--log-format", log_format),
+        stdout=full,
+        stderr=full,
+    )
+    is_served = False
+    while not is_served:
+        assert process.returncode is None
+        with contextlib.suppress(ConnectionRefusedError):
+            async with client(f"ws://127.0.0.1:{port}") as speaker:
+                await speaker.sync()
+                is_served = True
+        await asyncio.sleep(0.05)
+    process.send_signal(signal.SIGTERM)
+    assert await process.wait() == 0
+
+
+@pytest.mark.parametrize("log_format", ["text", "json"])
+async def test_a_gateway_whose_log_is_full_serves(full: IO[str], log_format: str):
     process = await asyncio.create_subprocess_exec(
         *(sys.executable, "-m", "gateway", "serve", "--port", "0", "--log-level", "debug"),
+        *("--log-format", log_format),
         stdout=subprocess.PIPE,
         stderr=full,
     )
     assert process.stdout is not None
-    url = (await process.stdout.readline()).decode().split()[-1]
+    said = (await process.stdout.readline()).decode()
+    url = json.loads(said)["url"] if log_format == "json" else said.split()[-1]
     for _ in range(3):
         async with client(url) as speaker:
             await speaker.sync()
