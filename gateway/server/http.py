@@ -68,7 +68,7 @@ class HttpFront:
         rules: WebRules,
         find_health: Callable[[], Health],
         details: Callable[[], Mapping[str, Any]],
-        metrics: "Metrics",
+        metrics: Metrics,
     ) -> None:
         self._path = path
         self._rules = rules

@@ -233,7 +233,7 @@ class Server:
         """Have the metrics written for who may see them."""
         try:
             address = self.client_address(asker.address, request)
-            identity = self._admission.reader(address, request.headers)
+            identity = self._admission.identify_scraper(address, request.headers)
         except TurnedAwayError as error:
             response = protocol.reject(401, f"{error}\n")
             response.headers["WWW-Authenticate"] = "Bearer"
