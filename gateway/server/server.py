@@ -34,7 +34,7 @@ from gateway.server.admission import (
 from gateway.server.close_codes import GOING_AWAY
 from gateway.server.connection import Connection
 from gateway.server.counters import ServerCounters
-from gateway.server.end import End, Reason, Why
+from gateway.server.end import End, Why
 from gateway.server.forwarded import client_address
 from gateway.server.health import FindFaults, Health, no_faults
 from gateway.server.http import Asker, HttpFront, own_names, page
@@ -82,7 +82,6 @@ class Server:
         self._admission = admission(self._room_for)
         self._version = version
         self.numbers: Iterator[int] = itertools.count(1)
-        self.ends: Counter[Reason] = Counter()
         self._connections: dict[Connection, None] = {}  # the oldest first
         self._started_s = time.monotonic()
         self._all_gone = asyncio.Event()
@@ -315,7 +314,6 @@ class Server:
                 _add(self._totals, session)
                 self._router.leave(session)
         finally:  # after a robot was stopped
-            self.ends[end.why.reason] += 1
             self._counters.ended(end, was_client=session is not None)
             end.log()
 
