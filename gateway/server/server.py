@@ -50,6 +50,10 @@ MAX_HANDSHAKES: Final = 64
 # Sockets that were turned away, or got a page, and have a second to close.
 MAX_LEAVING: Final = 64
 
+# Pages of metrics that are waited for, or not taken yet: a few times as many as there are scrapers,
+# and 11 MB with 32 clients of 64 topics each.
+MAX_PAGES: Final = 8
+
 MAX_GOODBYE_S: Final = 1.0  # of the 2 s for the whole shutdown
 
 TICK_S: Final = 0.25  # how exactly times are kept; 4 wake-ups a second are not measurable
@@ -237,12 +241,16 @@ class Server:
             response = protocol.reject(401, f"{error}\n")
             response.headers["WWW-Authenticate"] = "Bearer"
             return response
+        if request.method == "HEAD":
+            return page(protocol, request, None, CONTENT_TYPE)
+        if sum(each.awaits_page for each in self._connections) >= MAX_PAGES:
+            return protocol.reject(503, f"busy: {MAX_PAGES} others get the metrics, ask later\n")
 
-        def reply(text: str | None) -> None:
-            if text is None:
+        def reply(body: bytes | None) -> None:
+            if body is None:
                 asker.answer(protocol.reject(500, "internal error\n"))
             else:
-                asker.answer(page(protocol, request, text, CONTENT_TYPE))
+                asker.answer(page(protocol, request, body, CONTENT_TYPE))
 
         self._scrapes.ask(identity, reply)
         return None
