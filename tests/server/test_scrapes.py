@@ -187,6 +187,41 @@ async def test_the_series_of_a_client_end_with_it_and_its_topics_keep_the_counts
         page.check_sums()
 
 
+async def test_the_counts_of_a_client_and_topic_do_not_fall_when_one_of_two_names_ends(
+    serve: Serve,
+):
+    async with serve() as served, client(served.url) as listener:
+        publisher = served.ros.add_publisher("/t", STRING)
+
+        async def hear() -> Scrape:
+            publisher.publish(served.cdr(STRING, data="x"))
+            await listener.sync()
+            page = await scrape(served)
+            page.check_sums()
+            offered = page.values("client_messages_received_total")
+            assert list(offered.values()) == [page.values("topic_messages_received_total")["/t",]]
+            return page
+
+        offered = []
+        for operation, name in (
+            ("subscribe", "/t"),
+            ("subscribe", "t"),
+            ("unsubscribe", "/t"),
+            ("subscribe", "/t"),
+            ("unsubscribe", "t"),
+        ):
+            await listener.send(op=operation, topic=name, id=name)
+            await listener.sync()
+            page = await hear()
+            offered += page.values("client_messages_received_total").values()
+        assert offered == [1, 3, 4, 6, 7]
+        await listener.send(op="unsubscribe", topic="/t")
+        await listener.sync()
+        page = await scrape(served)
+        assert page.values("client_messages_received_total") == {}
+        assert page.values("topic_messages_received_total")["/t",] == 7
+
+
 async def test_a_client_that_asks_for_ever_new_names_leaves_no_series(serve: Serve):
     async with serve({"max_subscriptions": 64}) as served, client(served.url) as curious:
         before = (await scrape(served)).text.count("\n")
