@@ -10,6 +10,7 @@ import ssl
 import time
 from collections import Counter
 from collections.abc import AsyncIterator, Callable, Iterator, Mapping, Sequence
+from functools import reduce
 from typing import Any, Final
 
 from websockets.http11 import Request, Response
@@ -21,7 +22,7 @@ from gateway.access.web_rules import WebRules
 from gateway.config.limits import Limits
 from gateway.faults import Fault
 from gateway.metrics.page import CONTENT_TYPE
-from gateway.metrics.state import AddressState, ClientState, ClientTotals, State, Summary
+from gateway.metrics.state import AddressState, ClientCounts, ClientState, State, Summary
 from gateway.protocol.session import Session
 from gateway.router.router import Router
 from gateway.server.admission import (
@@ -90,14 +91,7 @@ class Server:
         self._started_s = time.monotonic()
         self._all_gone = asyncio.Event()
         self._all_gone.set()
-        self._totals = {
-            "messages_in": 0,
-            "refused": 0,
-            "frames_out": 0,
-            "dropped": 0,
-            "coalesced": 0,
-            "replaced": 0,
-        }
+        self._left = ClientCounts()  # of clients that have left
 
     @contextlib.asynccontextmanager
     async def listening(
@@ -155,50 +149,43 @@ class Server:
 
     def health(self) -> Mapping[str, Any]:
         """Return what /healthz has beside the judgement."""
-        totals = dict(self._totals)
-        for connection in self._connections:
-            if connection.session is not None:
-                _add(totals, connection.session)
+        found = self.summary()
+        totals = found.totals
         return {
-            "version": self._version,
-            "uptime_s": round(time.monotonic() - self._started_s, 1),
-            **self._router.counts(),
-            "tasks": len(asyncio.all_tasks()),
-            "operations_time_s": round(self.budgets.spent_s, 3),
-            "reading_pauses": self.budgets.pauses,
-            **totals,
+            "version": found.version,
+            "uptime_s": round(found.uptime_s, 1),
+            **found.entities,
+            "tasks": found.tasks,
+            "operations_time_s": round(found.time_s, 3),
+            "reading_pauses": found.pauses,
+            "messages_in": totals.operations,
+            "refused": totals.refused,
+            "frames_out": totals.frames,
+            "dropped": totals.dropped_by_full_queue,
+            "coalesced": totals.coalesced,
+            "replaced": totals.replaced,
         }
 
     def summary(self) -> Summary:
         """Return the state of the gateway, without the traffic of its topics."""
-        sessions = [(each, each.session) for each in self._connections]
-        totals = dict(self._totals)
-        clients = []
-        for connection, session in sessions:
-            if session is None:
-                continue
-            _add(totals, session)
-            clients.append(_client_state(session, connection.spending))
+        clients = tuple(
+            _client_state(each.session, each.spending)
+            for each in self._connections
+            if each.session is not None
+        )
         addresses = self.budgets.in_use()
         counters = self._counters
         entities = self._router.counts()
         return Summary(
             version=self._version,
             uptime_s=time.monotonic() - self._started_s,
-            clients=tuple(clients),
+            clients=clients,
             addresses=tuple(AddressState(at, own.spent_s, own.pauses) for at, own in addresses),
-            totals=ClientTotals(
-                operations=totals["messages_in"],
-                refused=totals["refused"],
-                replaced=totals["replaced"],
-                frames=totals["frames_out"],
-                dropped=totals["dropped"],
-                coalesced=totals["coalesced"],
-            ),
+            totals=reduce(ClientCounts.plus, (each.counts for each in clients), self._left),
             time_s=self.budgets.spent_s,
             pauses=self.budgets.pauses,
             sessions=counters.sessions,
-            connections=len(sessions),
+            connections=len(self._connections),
             unauthenticated=len(self._admission),
             max_clients=self.limits.max_clients,
             tasks=len(asyncio.all_tasks()),
@@ -319,7 +306,7 @@ class Server:
         self._admission.left(connection, session)
         try:
             if session is not None:
-                _add(self._totals, session)
+                self._left = self._left.plus(_counts(session))
                 self._router.leave(session)
         finally:  # after a robot was stopped
             self._counters.ended(end, was_client=session is not None)
@@ -353,26 +340,23 @@ class Server:
 
 
 def _client_state(session: Session, spending: Spending) -> ClientState:
-    outbox = session.outbox
     return ClientState(
         client=session.client,
         address=session.address,
-        operations=session.received,
-        refused=session.refused,
-        replaced=session.replaced,
-        frames=outbox.sent,
-        dropped=outbox.dropped,
-        coalesced=outbox.coalesced,
+        counts=_counts(session),
         time_s=spending.spent_s,
         pauses=spending.pauses,
         latency=session.latency.observed(),
     )
 
 
-def _add(totals: dict[str, int], session: Session) -> None:
-    totals["messages_in"] += session.received
-    totals["refused"] += session.refused
-    totals["frames_out"] += session.outbox.sent
-    totals["dropped"] += session.outbox.dropped
-    totals["coalesced"] += session.outbox.coalesced
-    totals["replaced"] += session.replaced
+def _counts(session: Session) -> ClientCounts:
+    outbox = session.outbox
+    return ClientCounts(
+        operations=session.received,
+        refused=session.refused,
+        replaced=session.replaced,
+        frames=outbox.sent,
+        dropped_by_full_queue=outbox.dropped,
+        coalesced=outbox.coalesced,
+    )

@@ -222,6 +222,21 @@ async def test_the_counts_of_a_client_and_topic_do_not_fall_when_one_of_two_name
         assert page.values("topic_messages_received_total")["/t",] == 7
 
 
+async def test_what_cannot_be_encoded_is_dropped_but_by_no_full_queue(serve: Serve):
+    async with serve() as served, client(served.url) as listener:
+        publisher = served.ros.add_publisher("/t", STRING)
+        await listener.send(op="subscribe", topic="/t")
+        await listener.sync()
+        publisher.publish(b"\0\1\0\0")  # no string
+        await listener.sync()
+        page = await scrape(served)
+        assert list(page.values("client_messages_dropped_total").values()) == [1]
+        summary = served.server.summary()
+        assert summary.totals.dropped_by_full_queue == 0
+        assert [each.counts.dropped_by_full_queue for each in summary.clients] == [0]
+        assert served.server.health()["dropped"] == 0
+
+
 async def test_a_client_that_asks_for_ever_new_names_leaves_no_series(serve: Serve):
     async with serve({"max_subscriptions": 64}) as served, client(served.url) as curious:
         before = (await scrape(served)).text.count("\n")
