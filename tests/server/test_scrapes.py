@@ -426,7 +426,8 @@ async def test_eight_wait_for_a_page_and_the_next_is_refused_until_one_is_done(
         may_write = hold_pages(monkeypatch)
         asked = [await ask(served) for _ in range(8)]
         await eventually(lambda: awaited(served) == 8)
-        assert (await asyncio.to_thread(fetch, served))[0] == 503
+        status, _, text = await asyncio.to_thread(fetch, served)
+        assert (status, text) == (503, "busy: 8 others get the metrics, ask later\n")
         assert (await asyncio.to_thread(fetch, served, "HEAD"))[0] == 200  # writes none
         asked.pop()[1].close()
         await eventually(lambda: awaited(served) == 7)
