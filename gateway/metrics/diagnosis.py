@@ -76,7 +76,7 @@ def _clients(now: Summary) -> Diagnosis:
 
 def _delivery(now: Summary, before: Summary | None) -> Diagnosis:
     dropping = list(_dropping(now, before))
-    text = "every sample is sent, or replaced by a newer one as asked for"
+    text = "no queue overflows"
     if dropping:
         named = ", ".join(dropping[:MAX_NAMED])
         more = f" and {len(dropping) - MAX_NAMED} more" if len(dropping) > MAX_NAMED else ""
@@ -84,7 +84,7 @@ def _delivery(now: Summary, before: Summary | None) -> Diagnosis:
     values = {
         "clients that lose samples": len(dropping),
         "frames sent": now.totals.frames,
-        "dropped": now.totals.dropped,
+        "dropped by full queues": now.totals.dropped_by_full_queue,
         "coalesced": now.totals.coalesced,
     }
     return Diagnosis("delivery", WARN if dropping else OK, text, values)
@@ -92,9 +92,9 @@ def _delivery(now: Summary, before: Summary | None) -> Diagnosis:
 
 def _dropping(now: Summary, before: Summary | None) -> Iterator[str]:
     if before is not None:
-        known = {each.client: each.dropped for each in before.clients}
+        known = {each.client: each.counts.dropped_by_full_queue for each in before.clients}
         for client in now.clients:
-            if client.dropped > known.get(client.client, 0):
+            if client.counts.dropped_by_full_queue > known.get(client.client, 0):
                 yield client.client
 
 

@@ -2,6 +2,7 @@
 """The gateway at one moment, as data: the source of /metrics and /diagnostics."""
 
 from collections.abc import Callable, Mapping
+from operator import add
 from typing import NamedTuple
 
 from gateway.metrics.histogram import Observed
@@ -22,14 +23,7 @@ class Delivery(NamedTuple):
 
     def plus(self, other: "Delivery") -> "Delivery":
         """Return the counts of both."""
-        return Delivery(
-            self.offered + other.offered,
-            self.sent + other.sent,
-            self.sent_bytes + other.sent_bytes,
-            self.coalesced + other.coalesced,
-            self.dropped + other.dropped,
-            self.pending + other.pending,
-        )
+        return Delivery(*map(add, self, other))
 
 
 class ClientTopic(NamedTuple):
@@ -90,17 +84,27 @@ class ControlState(NamedTuple):
     guard_losses: int
 
 
+class ClientCounts(NamedTuple):
+    """The counts of one client, or of several together."""
+
+    operations: int = 0
+    refused: int = 0
+    replaced: int = 0
+    frames: int = 0
+    dropped_by_full_queue: int = 0  # not all that `Delivery` counts
+    coalesced: int = 0
+
+    def plus(self, other: "ClientCounts") -> "ClientCounts":
+        """Return the counts of both."""
+        return ClientCounts(*map(add, self, other))
+
+
 class ClientState(NamedTuple):
     """One client, authenticated or not."""
 
     client: str
     address: str
-    operations: int
-    refused: int
-    replaced: int
-    frames: int
-    dropped: int  # in all its queues
-    coalesced: int
+    counts: ClientCounts
     time_s: float  # of the event loop, for what it has sent
     pauses: int
     latency: Observed
@@ -114,17 +118,6 @@ class AddressState(NamedTuple):
     pauses: int
 
 
-class ClientTotals(NamedTuple):
-    """The counts of all clients there were."""
-
-    operations: int
-    refused: int
-    replaced: int
-    frames: int
-    dropped: int
-    coalesced: int
-
-
 class Summary(NamedTuple):
     """All but the traffic of topics: it is quick to make, also with many of them."""
 
@@ -132,7 +125,7 @@ class Summary(NamedTuple):
     uptime_s: float
     clients: tuple[ClientState, ...]
     addresses: tuple[AddressState, ...]
-    totals: ClientTotals
+    totals: ClientCounts  # of all clients there were
     time_s: float  # of the event loop, for what clients have sent
     pauses: int
     sessions: int  # that were ever opened

@@ -99,8 +99,8 @@ class Admission:
             self._check_room(entrant)
         return identity
 
-    def reader(self, address: str, headers: Headers) -> Identity:
-        """Return who asks for a page that only clients may see.
+    def identify_scraper(self, address: str, headers: Headers) -> Identity:
+        """Return who asks for the metrics, which only clients may see.
 
         Raises:
             TurnedAwayError: it has no token where one is needed, or a wrong one.

@@ -78,6 +78,7 @@ class Connection(asyncio.BufferedProtocol):
         self._why: Why | None = None  # it ends
         self._protocol_backlog = 0
         self._start = b""  # of the HTTP request
+        self._gets_page = False  # of those that are written later
         self._bytes_in = 0
         self._number = next(acceptor.numbers)
         self.address = "?"
@@ -161,6 +162,13 @@ class Connection(asyncio.BufferedProtocol):
             self._closing_s is not None or self._protocol.close_expected()
         )
 
+    @property
+    def awaits_page(self) -> bool:
+        """True until it has taken the page that it gets later."""
+        return self._gets_page and (
+            not self._protocol.eof_sent or self._transport.get_write_buffer_size() > 0
+        )
+
     def flush(self) -> None:
         """Send from the outbox, as far as the socket takes it."""
         if self._flushing or self._paused or self._session is None:
@@ -187,7 +195,7 @@ class Connection(asyncio.BufferedProtocol):
             self._protocol.send_close(code, reason)
             self._write_protocol_output()
         elif self._protocol.state is CONNECTING:
-            self._why = self._why or Why("gateway", "handshake", reason)
+            self._why = self._why or replace(closed_by_gateway(code, reason), code=None)
             self._transport.close()
 
     def turn_away(self, close_code: int, reason: str, code: StatusCode) -> None:
@@ -203,7 +211,7 @@ class Connection(asyncio.BufferedProtocol):
             return
         self._why = answered_with(response)
         self._protocol.send_response(response)
-        self._write_protocol_output()
+        self._write_protocol_output(may_be_large=True)
 
     def limit_messages(self, max_bytes: int) -> None:
         """Accept messages of at most so many bytes from now on."""
@@ -228,10 +236,16 @@ class Connection(asyncio.BufferedProtocol):
                 self._closing_s = now_s
         elif self._protocol.state is CONNECTING:
             if now_s - self._opened_s > limits.open_timeout_s:
-                text = f"no handshake within {limits.open_timeout_s:g} s"
-                self.abort(Why("gateway", "handshake", text))
+                self._give_up(f"within {limits.open_timeout_s:g} s")
         elif self._protocol.state is OPEN and self._session is not None:
             self._check(now_s, self._session)
+
+    def _give_up(self, in_time: str) -> None:
+        """End what has not become a client, nor got its page, in time."""
+        if self._gets_page:
+            self.answer(self._protocol.reject(503, f"busy: no page {in_time}\n"))
+        else:
+            self.abort(Why("gateway", "handshake", f"no handshake {in_time}"))
 
     def _is_sending_page(self, now_s: float) -> bool:
         """Return whether a peer that is no client has yet to take what it asked for."""
@@ -294,10 +308,13 @@ class Connection(asyncio.BufferedProtocol):
 
     def _open(self, request: Request) -> None:
         response = self._acceptor.respond(self, self._protocol, request)
-        if response is not None:
+        if response is None:
+            self._gets_page = True
+        else:
             self.answer(response)
         if self._protocol.state is not OPEN:
-            self._inbound.drop()
+            # `websockets` takes what comes behind a request for frames until that is answered
+            self._inbound.ignore()
             return
         self.address = self._acceptor.client_address(self.address, request)
         self.spending.move(self.address)
@@ -361,7 +378,7 @@ class Connection(asyncio.BufferedProtocol):
             return 0
         return len(frame)
 
-    def _write_protocol_output(self) -> None:
+    def _write_protocol_output(self, *, may_be_large: bool = False) -> None:
         output = self._protocol.data_to_send()
         if not output or self._transport.is_closing():
             return
@@ -372,7 +389,7 @@ class Connection(asyncio.BufferedProtocol):
             elif self._transport.can_write_eof():
                 with contextlib.suppress(OSError):  # the peer closed first
                     self._transport.write_eof()
-        if self._session is None:  # a page may be large
+        if may_be_large:  # a page, which is no flood
             return
         grown = self._transport.get_write_buffer_size() - backlog
         self._protocol_backlog = self._protocol_backlog + grown if self._paused else 0

@@ -19,7 +19,10 @@ _REFUSALS: Final = {
     404: "path",
     405: "method",
     421: "host",
+    426: "upgrade",
     431: "headers",
+    500: "internal_error",
+    503: "busy",
 }
 
 

@@ -51,12 +51,16 @@ class Asker(Protocol):
 
     address: str
 
+    @property
+    def awaits_page(self) -> bool:
+        """True until it has taken the page that it gets later."""
+
     def answer(self, response: Response) -> None:
         """Send the response to the request, unless the peer is gone."""
 
 
 Metrics = Callable[[ServerProtocol, Request, Asker], Response | None]
-"""Refuse a request for the metrics, or answer it later."""
+"""Answer a request for the metrics, or do so later."""
 
 
 class HttpFront:
@@ -68,7 +72,7 @@ class HttpFront:
         rules: WebRules,
         find_health: Callable[[], Health],
         details: Callable[[], Mapping[str, Any]],
-        metrics: "Metrics",
+        metrics: Metrics,
     ) -> None:
         self._path = path
         self._rules = rules
@@ -115,7 +119,7 @@ class HttpFront:
         path = urlsplit(request.path).path
         if path in health.PATHS:
             status, text = self._health().page(path, self._details)
-            response = page(protocol, request, text, "application/json; charset=utf-8")
+            response = page(protocol, request, text.encode(), "application/json; charset=utf-8")
             response.status_code, response.reason_phrase = status, HTTPStatus(status).phrase
             return response
         if path == "/metrics":
@@ -128,7 +132,7 @@ class HttpFront:
         check_target(request.path)
         if request.headers.get("Upgrade") is None:
             address = f"{'wss' if self.is_encrypted else 'ws'}://{host}{self._path}"
-            return page(protocol, request, _WELCOME.format(address=address))
+            return page(protocol, request, _WELCOME.format(address=address).encode())
         token_in(
             request.headers.get_all("Authorization"), offered_subprotocols(request.headers)
         )  # refuses contradictions while there is a response to do it by
@@ -196,14 +200,17 @@ def _raw(status: int, phrase: str, text: str, headers: str = "") -> bytes:
 def page(
     protocol: ServerProtocol,
     request: Request,
-    text: str,
+    body: bytes | None,
     content_type: str = "text/plain; charset=utf-8",
 ) -> Response:
-    """Return a page that nobody keeps."""
-    response = protocol.reject(200, text)
-    del response.headers["Content-Type"]
-    response.headers["Content-Type"] = content_type
-    response.headers["Cache-Control"] = "no-store"
-    if request.method == "HEAD":
-        response.body = b""
+    """Return a page that nobody keeps; of one that is not written its head alone."""
+    response = protocol.reject(200, "")
+    headers = response.headers
+    del headers["Content-Type"], headers["Content-Length"]
+    headers["Content-Type"] = content_type
+    headers["Cache-Control"] = "no-store"
+    if body is not None:
+        headers["Content-Length"] = str(len(body))
+        if request.method != "HEAD":
+            response.body = body
     return response

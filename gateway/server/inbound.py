@@ -66,6 +66,7 @@ class Inbound:
         self._unparsed = b""
         self._events: deque[Event] = deque()
         self._head: bytes | None = b""  # the end of the HTTP request so far; None: it is complete
+        self._is_ignored = False  # what comes
         self.is_paused = False  # reading, until what waits is handled and paid for
         self._reads = 0
         self._read_s = 0.0  # the time of the last one
@@ -81,7 +82,8 @@ class Inbound:
         """Take what was read, and handle it as far as a slice allows."""
         self._reads += 1
         self._read_s = now_s
-        self._unparsed += data
+        if not self._is_ignored:
+            self._unparsed += data
         self._work(now_s, READ_COST_S)
 
     def go_on(self) -> None:
@@ -98,6 +100,11 @@ class Inbound:
         """Forget what waits: nobody wants it any more."""
         self._unparsed = b""
         self._events.clear()
+
+    def ignore(self) -> None:
+        """Forget what waits, and all that comes; reading it is paid for nevertheless."""
+        self._is_ignored = True
+        self.drop()
 
     def close(self) -> None:
         """Forget what waits, and never go on."""

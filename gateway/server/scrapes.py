@@ -18,7 +18,7 @@ REST: Final = 3
 
 logger = logging.getLogger(__name__)
 
-Reply = Callable[[str | None], None]
+Reply = Callable[[bytes | None], None]
 
 
 class Scrapes:
@@ -51,11 +51,13 @@ class Scrapes:
                     logger.exception("writing the metrics failed")
                     page = None
                 for reply in self._waiting.pop(permissions, ()):
+                    begun_s = time.monotonic()
                     reply(page)
+                    await asyncio.sleep(REST * (time.monotonic() - begun_s))
         finally:
             self._task = None
 
-    async def _write(self, permissions: Permissions) -> str:
+    async def _write(self, permissions: Permissions) -> bytes:
         written = []
         begun_s = time.monotonic()
         for piece in pieces(seen_by(self._state(), permissions.sees)):
@@ -64,5 +66,6 @@ class Scrapes:
             if took_s > SLICE_S:
                 await asyncio.sleep(REST * took_s)
                 begun_s = time.monotonic()
+        page = "".join(written).encode()
         await asyncio.sleep(REST * (time.monotonic() - begun_s))
-        return "".join(written)
+        return page

@@ -10,6 +10,7 @@ import ssl
 import time
 from collections import Counter
 from collections.abc import AsyncIterator, Callable, Iterator, Mapping, Sequence
+from functools import reduce
 from typing import Any, Final
 
 from websockets.http11 import Request, Response
@@ -21,7 +22,7 @@ from gateway.access.web_rules import WebRules
 from gateway.config.limits import Limits
 from gateway.faults import Fault
 from gateway.metrics.page import CONTENT_TYPE
-from gateway.metrics.state import AddressState, ClientState, ClientTotals, State, Summary
+from gateway.metrics.state import AddressState, ClientCounts, ClientState, State, Summary
 from gateway.protocol.session import Session
 from gateway.router.router import Router
 from gateway.server.admission import (
@@ -34,7 +35,7 @@ from gateway.server.admission import (
 from gateway.server.close_codes import GOING_AWAY
 from gateway.server.connection import Connection
 from gateway.server.counters import ServerCounters
-from gateway.server.end import End, Reason, Why
+from gateway.server.end import End, Why
 from gateway.server.forwarded import client_address
 from gateway.server.health import FindFaults, Health, no_faults
 from gateway.server.http import Asker, HttpFront, own_names, page
@@ -49,6 +50,10 @@ logger = logging.getLogger(__name__)
 MAX_HANDSHAKES: Final = 64
 # Sockets that were turned away, or got a page, and have a second to close.
 MAX_LEAVING: Final = 64
+
+# Pages of metrics that are waited for, or not taken yet: a few times as many as there are scrapers,
+# and 11 MB with 32 clients of 64 topics each.
+MAX_PAGES: Final = 8
 
 MAX_GOODBYE_S: Final = 1.0  # of the 2 s for the whole shutdown
 
@@ -82,19 +87,11 @@ class Server:
         self._admission = admission(self._room_for)
         self._version = version
         self.numbers: Iterator[int] = itertools.count(1)
-        self.ends: Counter[Reason] = Counter()
         self._connections: dict[Connection, None] = {}  # the oldest first
         self._started_s = time.monotonic()
         self._all_gone = asyncio.Event()
         self._all_gone.set()
-        self._totals = {
-            "messages_in": 0,
-            "refused": 0,
-            "frames_out": 0,
-            "dropped": 0,
-            "coalesced": 0,
-            "replaced": 0,
-        }
+        self._left = ClientCounts()  # of clients that have left
 
     @contextlib.asynccontextmanager
     async def listening(
@@ -152,50 +149,43 @@ class Server:
 
     def health(self) -> Mapping[str, Any]:
         """Return what /healthz has beside the judgement."""
-        totals = dict(self._totals)
-        for connection in self._connections:
-            if connection.session is not None:
-                _add(totals, connection.session)
+        found = self.summary()
+        totals = found.totals
         return {
-            "version": self._version,
-            "uptime_s": round(time.monotonic() - self._started_s, 1),
-            **self._router.counts(),
-            "tasks": len(asyncio.all_tasks()),
-            "operations_time_s": round(self.budgets.spent_s, 3),
-            "reading_pauses": self.budgets.pauses,
-            **totals,
+            "version": found.version,
+            "uptime_s": round(found.uptime_s, 1),
+            **found.entities,
+            "tasks": found.tasks,
+            "operations_time_s": round(found.time_s, 3),
+            "reading_pauses": found.pauses,
+            "messages_in": totals.operations,
+            "refused": totals.refused,
+            "frames_out": totals.frames,
+            "dropped": totals.dropped_by_full_queue,
+            "coalesced": totals.coalesced,
+            "replaced": totals.replaced,
         }
 
     def summary(self) -> Summary:
         """Return the state of the gateway, without the traffic of its topics."""
-        sessions = [(each, each.session) for each in self._connections]
-        totals = dict(self._totals)
-        clients = []
-        for connection, session in sessions:
-            if session is None:
-                continue
-            _add(totals, session)
-            clients.append(_client_state(session, connection.spending))
+        clients = tuple(
+            _client_state(each.session, each.spending)
+            for each in self._connections
+            if each.session is not None
+        )
         addresses = self.budgets.in_use()
         counters = self._counters
         entities = self._router.counts()
         return Summary(
             version=self._version,
             uptime_s=time.monotonic() - self._started_s,
-            clients=tuple(clients),
+            clients=clients,
             addresses=tuple(AddressState(at, own.spent_s, own.pauses) for at, own in addresses),
-            totals=ClientTotals(
-                operations=totals["messages_in"],
-                refused=totals["refused"],
-                replaced=totals["replaced"],
-                frames=totals["frames_out"],
-                dropped=totals["dropped"],
-                coalesced=totals["coalesced"],
-            ),
+            totals=reduce(ClientCounts.plus, (each.counts for each in clients), self._left),
             time_s=self.budgets.spent_s,
             pauses=self.budgets.pauses,
             sessions=counters.sessions,
-            connections=len(sessions),
+            connections=len(self._connections),
             unauthenticated=len(self._admission),
             max_clients=self.limits.max_clients,
             tasks=len(asyncio.all_tasks()),
@@ -233,17 +223,21 @@ class Server:
         """Have the metrics written for who may see them."""
         try:
             address = self.client_address(asker.address, request)
-            identity = self._admission.reader(address, request.headers)
+            identity = self._admission.identify_scraper(address, request.headers)
         except TurnedAwayError as error:
             response = protocol.reject(401, f"{error}\n")
             response.headers["WWW-Authenticate"] = "Bearer"
             return response
+        if request.method == "HEAD":
+            return page(protocol, request, None, CONTENT_TYPE)
+        if sum(each.awaits_page for each in self._connections) >= MAX_PAGES:
+            return protocol.reject(503, f"busy: {MAX_PAGES} others get the metrics, ask later\n")
 
-        def reply(text: str | None) -> None:
-            if text is None:
+        def reply(body: bytes | None) -> None:
+            if body is None:
                 asker.answer(protocol.reject(500, "internal error\n"))
             else:
-                asker.answer(page(protocol, request, text, CONTENT_TYPE))
+                asker.answer(page(protocol, request, body, CONTENT_TYPE))
 
         self._scrapes.ask(identity, reply)
         return None
@@ -312,10 +306,9 @@ class Server:
         self._admission.left(connection, session)
         try:
             if session is not None:
-                _add(self._totals, session)
+                self._left = self._left.plus(_counts(session))
                 self._router.leave(session)
         finally:  # after a robot was stopped
-            self.ends[end.why.reason] += 1
             self._counters.ended(end, was_client=session is not None)
             end.log()
 
@@ -347,26 +340,23 @@ class Server:
 
 
 def _client_state(session: Session, spending: Spending) -> ClientState:
-    outbox = session.outbox
     return ClientState(
         client=session.client,
         address=session.address,
-        operations=session.received,
-        refused=session.refused,
-        replaced=session.replaced,
-        frames=outbox.sent,
-        dropped=outbox.dropped,
-        coalesced=outbox.coalesced,
+        counts=_counts(session),
         time_s=spending.spent_s,
         pauses=spending.pauses,
         latency=session.latency.observed(),
     )
 
 
-def _add(totals: dict[str, int], session: Session) -> None:
-    totals["messages_in"] += session.received
-    totals["refused"] += session.refused
-    totals["frames_out"] += session.outbox.sent
-    totals["dropped"] += session.outbox.dropped
-    totals["coalesced"] += session.outbox.coalesced
-    totals["replaced"] += session.replaced
+def _counts(session: Session) -> ClientCounts:
+    outbox = session.outbox
+    return ClientCounts(
+        operations=session.received,
+        refused=session.refused,
+        replaced=session.replaced,
+        frames=outbox.sent,
+        dropped_by_full_queue=outbox.dropped,
+        coalesced=outbox.coalesced,
+    )

@@ -6,10 +6,10 @@ from typing import Any
 from gateway.metrics.histogram import NOTHING_OBSERVED
 from gateway.metrics.state import (
     AddressState,
+    ClientCounts,
     ClientPublication,
     ClientState,
     ClientTopic,
-    ClientTotals,
     ControlState,
     Delivery,
     DriveState,
@@ -30,9 +30,10 @@ DRIVE = DriveState(
 )
 
 
-def client_state(client: str = "10.0.0.1#1", **changed: Any) -> ClientState:
-    state = ClientState(client, "10.0.0.1", 1, 0, 0, 5, 0, 0, 0.5, 2, NOTHING_OBSERVED)
-    return state._replace(**changed)
+def client_state(client: str = "10.0.0.1#1", **counts: int) -> ClientState:
+    """Return the state of a client with some counts changed."""
+    changed = ClientCounts(operations=1, frames=5)._replace(**counts)
+    return ClientState(client, "10.0.0.1", changed, 0.5, 2, NOTHING_OBSERVED)
 
 
 def summary(**changed: Any) -> Summary:
@@ -41,7 +42,7 @@ def summary(**changed: Any) -> Summary:
         uptime_s=60.0,
         clients=(client_state(),),
         addresses=(AddressState("10.0.0.1", 0.5, 2),),
-        totals=ClientTotals(11, 1, 0, 5, 0, 0),
+        totals=ClientCounts(operations=11, refused=1, frames=5),
         time_s=0.5,
         pauses=2,
         sessions=3,

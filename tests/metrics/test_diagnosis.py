@@ -46,21 +46,29 @@ def test_a_tripped_drive_says_why_and_what_to_do():
 
 
 def test_clients_that_lose_samples_now_are_named_and_those_that_lost_some_are_not():
-    before = summary(clients=(client_state("a", dropped=5), client_state("b", dropped=5)))
+    before = summary(
+        clients=(
+            client_state("a", dropped_by_full_queue=5),
+            client_state("b", dropped_by_full_queue=5),
+        )
+    )
     now = summary(
         clients=(
-            client_state("a", dropped=5),
-            client_state("b", dropped=6),
-            client_state("new", dropped=1),
+            client_state("a", dropped_by_full_queue=5),
+            client_state("b", dropped_by_full_queue=6),
+            client_state("new", dropped_by_full_queue=1),
         )
     )
     found = of("delivery", now, before)
     assert (found.level, found.text) == (WARN, "too slow for what they subscribe to: b, new")
-    assert of("delivery", now, now).level == OK
+    assert (of("delivery", now, now).level, of("delivery", now, now).text) == (
+        OK,
+        "no queue overflows",
+    )
     assert of("delivery", now).level == OK
 
 
 def test_eight_clients_are_named_at_most():
-    clients = tuple(client_state(f"c{number}", dropped=1) for number in range(12))
+    clients = tuple(client_state(f"c{number}", dropped_by_full_queue=1) for number in range(12))
     found = of("delivery", summary(clients=clients), summary())
     assert found.text.endswith("c6, c7 and 4 more")

@@ -49,6 +49,34 @@ def fetch(served: Served, method: str = "GET", **headers: str) -> tuple[int, Any
             return error.code, error.headers, error.read().decode()
 
 
+METRICS = b"GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n"
+
+
+async def ask(served: Served) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
+    """Ask for a page, and read nothing yet."""
+    reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
+    writer.write(METRICS)
+    return reader, writer
+
+
+def awaited(served: Served) -> int:
+    """Count the pages that are waited for, or not taken yet."""
+    return sum(each.awaits_page for each in served.server._connections)
+
+
+def hold_pages(monkeypatch: pytest.MonkeyPatch) -> asyncio.Event:
+    """Let no page be written until the event is set."""
+    may_write = asyncio.Event()
+
+    async def write(_: Scrapes, permissions: Permissions) -> bytes:
+        del permissions
+        await may_write.wait()
+        return b"page"
+
+    monkeypatch.setattr(Scrapes, "_write", write)
+    return may_write
+
+
 class Scrape:
     """One page, by names and labels."""
 
@@ -159,6 +187,56 @@ async def test_the_series_of_a_client_end_with_it_and_its_topics_keep_the_counts
         page.check_sums()
 
 
+async def test_the_counts_of_a_client_and_topic_do_not_fall_when_one_of_two_names_ends(
+    serve: Serve,
+):
+    async with serve() as served, client(served.url) as listener:
+        publisher = served.ros.add_publisher("/t", STRING)
+
+        async def hear() -> Scrape:
+            publisher.publish(served.cdr(STRING, data="x"))
+            await listener.sync()
+            page = await scrape(served)
+            page.check_sums()
+            offered = page.values("client_messages_received_total")
+            assert list(offered.values()) == [page.values("topic_messages_received_total")["/t",]]
+            return page
+
+        offered = []
+        for operation, name in (
+            ("subscribe", "/t"),
+            ("subscribe", "t"),
+            ("unsubscribe", "/t"),
+            ("subscribe", "/t"),
+            ("unsubscribe", "t"),
+        ):
+            await listener.send(op=operation, topic=name, id=name)
+            await listener.sync()
+            page = await hear()
+            offered += page.values("client_messages_received_total").values()
+        assert offered == [1, 3, 4, 6, 7]
+        await listener.send(op="unsubscribe", topic="/t")
+        await listener.sync()
+        page = await scrape(served)
+        assert page.values("client_messages_received_total") == {}
+        assert page.values("topic_messages_received_total")["/t",] == 7
+
+
+async def test_what_cannot_be_encoded_is_dropped_but_by_no_full_queue(serve: Serve):
+    async with serve() as served, client(served.url) as listener:
+        publisher = served.ros.add_publisher("/t", STRING)
+        await listener.send(op="subscribe", topic="/t")
+        await listener.sync()
+        publisher.publish(b"\0\1\0\0")  # no string
+        await listener.sync()
+        page = await scrape(served)
+        assert list(page.values("client_messages_dropped_total").values()) == [1]
+        summary = served.server.summary()
+        assert summary.totals.dropped_by_full_queue == 0
+        assert [each.counts.dropped_by_full_queue for each in summary.clients] == [0]
+        assert served.server.health()["dropped"] == 0
+
+
 async def test_a_client_that_asks_for_ever_new_names_leaves_no_series(serve: Serve):
     async with serve({"max_subscriptions": 64}) as served, client(served.url) as curious:
         before = (await scrape(served)).text.count("\n")
@@ -256,7 +334,7 @@ async def test_who_asks_while_a_page_is_written_gets_that_one_and_a_bug_is_answe
         written += 1
         return state()
 
-    pages: list[str | None] = []
+    pages: list[bytes | None] = []
     scrapes = Scrapes(count)
     for _ in range(50):
         scrapes.ask(UNLIMITED, pages.append)
@@ -304,9 +382,133 @@ async def test_pages_take_a_quarter_of_the_time_and_no_more_than_a_slice_at_once
     monkeypatch.setattr(scrapes_module, "pieces", slow)
     monkeypatch.setattr(scrapes_module.asyncio, "sleep", sleep)
     page = await Scrapes(state)._write(UNLIMITED.permissions)
-    assert page == "x" * 101
+    assert page == b"x" * 101
     assert rested_s == pytest.approx(3 * worked_s)
     assert max(slices) < 0.0045
+
+
+async def test_replies_are_written_one_at_a_time_with_rests_between(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    now_s = 0.0
+    seen: list[str] = []
+
+    class Clock:
+        @staticmethod
+        def monotonic() -> float:
+            return now_s
+
+    def reply(_: bytes | None) -> None:
+        nonlocal now_s
+        now_s += 0.003
+        seen.append("reply")
+
+    async def sleep(time_s: float) -> None:
+        if time_s:
+            seen.append(f"{time_s:.3f}")
+
+    monkeypatch.setattr(scrapes_module, "time", Clock)
+    monkeypatch.setattr(scrapes_module, "pieces", lambda _: ["x"])
+    monkeypatch.setattr(scrapes_module.asyncio, "sleep", sleep)
+    scrapes = Scrapes(state)
+    for _ in range(3):
+        scrapes.ask(UNLIMITED, reply)
+    task = scrapes._task
+    assert task is not None
+    await task
+    assert seen == ["reply", "0.009"] * 3
+
+
+async def test_eight_wait_for_a_page_and_the_next_is_refused_until_one_is_done(
+    serve: Serve, monkeypatch: pytest.MonkeyPatch
+):
+    async with serve() as served:
+        may_write = hold_pages(monkeypatch)
+        asked = [await ask(served) for _ in range(8)]
+        await eventually(lambda: awaited(served) == 8)
+        status, _, text = await asyncio.to_thread(fetch, served)
+        assert (status, text) == (503, "busy: 8 others get the metrics, ask later\n")
+        assert (await asyncio.to_thread(fetch, served, "HEAD"))[0] == 200  # writes none
+        asked.pop()[1].close()
+        await eventually(lambda: awaited(served) == 7)
+        asked.append(await ask(served))
+        await eventually(lambda: awaited(served) == 8)
+        may_write.set()
+        for reader, writer in asked:
+            assert (await reader.read()).endswith(b"\r\n\r\npage")
+            writer.close()
+        monkeypatch.undo()
+        page = await scrape(served)
+        assert page.values("handshakes_refused_total") == {("busy",): 1, ("none",): 1}
+
+
+async def test_a_page_that_is_not_taken_is_waited_for(
+    serve: Serve, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(scrapes_module, "pieces", lambda _: ["x" * 8_000_000])
+    async with serve() as served:
+        asked = [await ask(served) for _ in range(8)]
+        await eventually(lambda: served.server._scrapes._task is None)
+        assert awaited(served) == 8
+        assert (await asyncio.to_thread(fetch, served))[0] == 503
+        for reader, writer in asked:
+            assert (await reader.read()).endswith(b"x" * 8_000_000)
+            writer.close()
+
+
+async def test_what_comes_behind_a_request_for_the_metrics_is_ignored(
+    serve: Serve, monkeypatch: pytest.MonkeyPatch
+):
+    async with serve() as served:
+        may_write = hold_pages(monkeypatch)
+        reader, writer = await ask(served)
+        await eventually(lambda: awaited(served) == 1)
+        (connection,) = served.server._connections
+        more = masked(Opcode.PING, b"x") * 100 + masked(Opcode.CLOSE, b"") + b"\xff\xff"
+        writer.write(more)
+        await eventually(lambda: connection._bytes_in == len(METRICS) + len(more))
+        may_write.set()
+        answer = await reader.read()
+        assert answer.startswith(b"HTTP/1.1 200 OK\r\n")
+        assert answer.endswith(b"\r\n\r\npage")
+        writer.close()
+
+
+async def test_a_page_that_takes_too_long_is_answered_so(
+    serve: Serve, monkeypatch: pytest.MonkeyPatch
+):
+    async with serve({"open_timeout_s": 0.1}) as served:
+        may_write = hold_pages(monkeypatch)
+        status, _, text = await asyncio.to_thread(fetch, served)
+        assert (status, text) == (503, "busy: no page within 0.1 s\n")
+        may_write.set()
+        await eventually(lambda: served.server._scrapes._task is None)
+        monkeypatch.undo()
+        assert served.server.summary().handshakes_refused == {"busy": 1}
+
+
+async def test_a_page_that_the_shutdown_prevents_is_counted_so(
+    serve: Serve, monkeypatch: pytest.MonkeyPatch
+):
+    async with serve() as served:
+        hold_pages(monkeypatch)
+        reader, writer = await ask(served)
+        await eventually(lambda: awaited(served) == 1)
+    assert await reader.read() == b""
+    writer.close()
+    assert served.server.summary().handshakes_refused == {"going_away": 1}
+
+
+async def test_head_writes_no_page_and_needs_a_token_as_well(
+    serve: Serve, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(scrapes_module, "pieces", None)
+    async with Door(serve).open() as served:
+        assert (await asyncio.to_thread(fetch, served, "HEAD"))[0] == 401
+        found = await asyncio.to_thread(fetch, served, "HEAD", **bearer(VIEWERS))
+    status, headers, text = found
+    assert (status, text, headers["Content-Length"]) == (200, "", None)
+    assert headers["Content-Type"] == "text/plain; version=0.0.4; charset=utf-8"
 
 
 async def test_a_large_page_arrives_whole(serve: Serve, monkeypatch: pytest.MonkeyPatch):

@@ -17,7 +17,7 @@ from gateway.protocol.session import Session
 from gateway.protocol.subscription_options import SubscriptionOptions
 from gateway.protocol.throttle import Throttle
 from gateway.protocol.websocket_frames import Compression
-from gateway.router.topic_counts import TopicCounts
+from gateway.router.topic_counts import NOTHING_DELIVERED, TopicCounts
 
 
 class TopicKey(NamedTuple):
@@ -58,6 +58,7 @@ class Subscription:
         "last_refusal",
         "offered",
         "options",
+        "past",
         "queue",
         "requested_name",
         "requests",
@@ -89,6 +90,7 @@ class Subscription:
         self.queue = session.outbox.open_queue(*options.queue_bounds)
         self.queue.on_timed = self._on_timed
         self._counts = counts
+        self.past = NOTHING_DELIVERED  # of others of this client and topic, which have ended
         self._throttle = _throttle(options)
         self._timer: asyncio.TimerHandle | None = None  # while the throttle holds an entry
 
@@ -99,9 +101,9 @@ class Subscription:
 
     @property
     def delivery(self) -> Delivery:
-        """The samples that were offered, and what has become of them."""
+        """The samples that were offered, and what has become of them, its past included."""
         queue, throttle = self.queue, self._throttle
-        return Delivery(
+        own = Delivery(
             offered=self.offered,
             sent=queue.sent,
             sent_bytes=queue.sent_bytes,
@@ -109,6 +111,7 @@ class Subscription:
             dropped=queue.dropped + queue.discarded,
             pending=queue.pending + (throttle is not None and throttle.is_holding),
         )
+        return own.plus(self.past)
 
     def offer(self, entry: Entry, now_ns: int, *, more: bool) -> None:
         """Take an entry, now or at the end of the throttle's interval; *more* follow at once."""
@@ -145,12 +148,18 @@ class Subscription:
             self._throttle.clear()
         self.queue.clear()
 
-    def close(self) -> None:
-        """Deliver nothing any more."""
+    def close(self, heir: "Subscription | None" = None) -> None:
+        """Deliver nothing any more.
+
+        *heir* is another one of the client to the topic: the counts of both must not fall.
+        """
         self.clear()
         self.queue.on_timed = None
         self.session.outbox.close_queue(self.queue)
-        self._counts.delivery = self._counts.delivery.plus(self.delivery)
+        if heir is None:
+            self._counts.delivery = self._counts.delivery.plus(self.delivery)
+        else:
+            heir.past = heir.past.plus(self.delivery)
 
     def warn(self, error: ProtocolError) -> None:
         """Warn the client of something that its subscription suffers from."""

@@ -262,7 +262,8 @@ class Subscriptions:
             del self._subscriptions[subscription.session]
         self._freshness.forget(subscription)
         self._move(subscription, None)
-        subscription.close()
+        name = subscription.topic_name
+        subscription.close(next((each for each in own.values() if each.topic_name == name), None))
         self._counts.close(subscription.topic_name)
 
     def _report(

@@ -144,6 +144,17 @@ async def test_what_a_subscription_had_is_added_to_its_topic_when_it_ends():
     )
 
 
+async def test_what_a_subscription_had_goes_to_another_one_of_its_client_and_topic():
+    first, other = Client(), Client()
+    for client in (first, other):
+        client.do(("offer", "ready", False))
+    first.subscription.close(other.subscription)
+    assert first.counts.delivery == Delivery()
+    assert other.subscription.delivery == Delivery(offered=2, sent=2, sent_bytes=20)
+    other.subscription.close()
+    assert other.counts.delivery == Delivery(offered=2, sent=2, sent_bytes=20)
+
+
 async def test_one_frame_in_sixteen_that_has_waited_is_timed_and_what_goes_at_once_when_asked():
     client = Client()
     client.is_busy = True
