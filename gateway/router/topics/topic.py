@@ -80,6 +80,7 @@ class Topic:
             encoding = self._encodings[key] = make_encoding(
                 self._message_type,
                 key,
+                topic=self.key.name,
                 on_error=partial(self._on_codec_error, key),
                 on_ready=self._wake_all,
                 now_ns=self._ros.now_ns,
