@@ -10,7 +10,7 @@ from typing import Final
 from gateway.codec.types import Types
 from gateway.metrics.diagnosis import Diagnosis, diagnose
 from gateway.metrics.state import Summary
-from gateway.ports import Qos, Ros, RosError
+from gateway.ports import Publisher, Qos, Ros, RosError
 
 TOPIC: Final = "/diagnostics"
 TYPE: Final = "diagnostic_msgs/msg/DiagnosticArray"
@@ -25,32 +25,51 @@ def publishing(
     ros: Ros, types: Types, summarize: Callable[[], Summary], name: str
 ) -> Iterator[None]:
     """Publish a diagnosis each second inside the context; *name* begins those of its components."""
-    task = asyncio.get_running_loop().create_task(_publish(ros, types, summarize, name))
+    task = asyncio.get_running_loop().create_task(_report(_Reports(ros, types, summarize, name)))
     try:
         yield
     finally:
         task.cancel()
 
 
-async def _publish(ros: Ros, types: Types, summarize: Callable[[], Summary], name: str) -> None:
-    await asyncio.sleep(PERIOD_S)  # whoever starts the gateway waits for it to listen
-    try:
-        publisher = ros.advertise_own(TOPIC, TYPE, QOS)
-    except RosError as error:  # diagnostic_msgs may not be installed
-        logger.warning("%s is not published: %s", TOPIC, error)
-        return
-    message_type = types.get(TYPE)
-    before = None
+async def _report(reports: "_Reports") -> None:
     while True:
-        now = summarize()
-        status = [_status(each, name) for each in diagnose(now, before)]
-        before = now
-        message = {"header": {"stamp": "now"}, "status": status}
+        await asyncio.sleep(PERIOD_S)  # first, too: who starts the gateway waits for it to listen
+        reports.publish()
+
+
+class _Reports:
+    def __init__(self, ros: Ros, types: Types, summarize: Callable[[], Summary], name: str) -> None:
+        self._ros = ros
+        self._types = types
+        self._summarize = summarize
+        self._name = name
+        self._publisher: Publisher | None = None
+        self._before: Summary | None = None
+        self._trouble = ""  # that the log has last
+
+    def publish(self) -> None:
+        """Publish one diagnosis; log why it cannot be, once, as the next one may be."""
         try:
-            publisher.publish(message_type.encode(message, ros.now_ns))
-        except RosError as error:
-            logger.warning("%s: %s", TOPIC, error)
-        await asyncio.sleep(PERIOD_S)
+            self._publish()
+        except RosError as error:  # diagnostic_msgs may not be installed
+            if self._is_new(error):
+                logger.warning("%s is not published: %s", TOPIC, error)
+        except Exception as error:  # a fault of ours must not end the diagnoses that may show it
+            if self._is_new(error):
+                logger.exception("%s is not published", TOPIC)
+
+    def _publish(self) -> None:
+        if self._publisher is None:  # until then clients may have the topic with another type
+            self._publisher = self._ros.advertise_own(TOPIC, TYPE, QOS)
+        before, self._before = self._before, self._summarize()
+        status = [_status(each, self._name) for each in diagnose(self._before, before)]
+        message = {"header": {"stamp": "now"}, "status": status}
+        self._publisher.publish(self._types.get(TYPE).encode(message, self._ros.now_ns))
+
+    def _is_new(self, error: Exception) -> bool:
+        before, self._trouble = self._trouble, repr(error)
+        return self._trouble != before
 
 
 def _status(diagnosis: Diagnosis, name: str) -> dict[str, object]:

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """A bound on the lines of the log that somebody outside can cause.
 
-No flood of connections or refused operations may fill a disk, nor hide the lines of others.
+No flood of connections or refused operations may fill a disk, nor hide lines of another kind. One
+address can hide no line of another; ten that flood at once can: lines of one kind share one a
+second then.
 """
 
 import logging
@@ -30,10 +32,10 @@ class _Kept:
     message: str
     extra: dict[str, Any]
 
-    def record(self, count: int) -> logging.LogRecord:
+    def record(self, left_out: int) -> logging.LogRecord:
         record = logging.LogRecord(self.name, self.level, "", 0, self.message, None, None)
         record.__dict__.update(self.extra)
-        record.left_out = count - 1
+        record.left_out = left_out
         return record
 
 
@@ -60,30 +62,40 @@ class _Bucket:
     def is_full(self, now_s: float) -> bool:
         return self._fill(now_s) >= self._burst
 
-    def take(self) -> int:
-        """Write one line; return how many were left out before it."""
+    def take(self) -> None:
+        """Write one line."""
         self._tokens -= 1
+
+    def take_left_out(self) -> int:
+        """Forget the lines that were left out; return how many they were."""
         left_out, self.left_out, self.kept = self.left_out, 0, None
         return left_out
 
-    def leave_out(self, record: logging.LogRecord) -> None:
+    def leave_out(self, record: logging.LogRecord, fields: tuple[str, ...]) -> None:
+        """Count a line; keep the first one, with these fields."""
         self.left_out += 1
         if self.kept is None:
-            extra = {
-                name: getattr(record, name)
-                for name in ("client", "topic", "reason")
-                if hasattr(record, name)
-            }
+            extra = {name: getattr(record, name) for name in fields if hasattr(record, name)}
             message = record.getMessage()[:MAX_KEPT_CHARACTERS]
             self.kept = _Kept(record.name, record.levelno, message, extra)
+
+    def late(self) -> logging.LogRecord | None:
+        """Take the line that was kept, with the number of the others; ``None`` if nothing was."""
+        kept = self.kept
+        if kept is None:
+            return None
+        self.take()
+        return kept.record(self.take_left_out() - 1)
 
 
 class LogRate(logging.Filter):
     """Lets a bounded number of the lines that have a client or a topic pass.
 
-    A record that passes has `left_out`, the number of those of its address and kind that did not,
-    since the last one that did. Lines with neither client nor topic all pass, and so do those whose
-    `is_bounded` says that their writer bounds them.
+    A record that passes has `left_out`, the number of those of its address (or topic) and kind that
+    its own bound held back since the last one that passed. Those that the bound over all addresses
+    held back are nobody's: `overdue` reports them, without a client or a topic. Lines with neither
+    client nor topic all pass, and so do those whose `is_bounded` says that their writer bounds
+    them.
     """
 
     def __init__(self, clock_s: Callable[[], float] = time.monotonic) -> None:
@@ -105,34 +117,35 @@ class LogRate(logging.Filter):
             every = self._kinds.setdefault(kind, _Bucket(ALL_BURST, ALL_EVERY_S, now_s))
             own = self._own((source, kind), now_s)
             if own is not None and not own.has_one(now_s):
-                own.leave_out(record)
+                own.leave_out(record, ("client", "topic", "reason"))
                 return False
             if not every.has_one(now_s):
-                every.leave_out(record)
+                every.leave_out(record, ("reason",))  # as the others had other clients
                 return False
-            left_out = every.take() + (0 if own is None else own.take())
+            every.take()
+            left_out = 0
+            if own is not None:
+                own.take()
+                left_out = own.take_left_out()
         record.left_out = left_out or None
         return True
 
     def overdue(self, *, all_of_them: bool = False) -> Iterator[logging.LogRecord]:
-        """Yield a record for each kind of which lines were left out, and could be written now.
+        """Yield a record for each bound that held lines back, each `EVERY_S` at most.
 
-        So the number of those that were left out becomes known after a flood, too. With
-        *all_of_them*, at the end, also where they could not.
+        Those of an address once it may write again: so their number becomes known after a flood,
+        too. Those of a kind also while the flood goes on, as nothing else has their number. With
+        *all_of_them*, at the end, whatever there is.
         """
         with self._lock:
             now_s = self._clock_s()
             if now_s - self._swept_s < EVERY_S and not all_of_them:
                 return
             self._swept_s = now_s
-            late = [
-                each
-                for each in (*self._buckets.values(), *self._kinds.values())
-                if each.kept is not None and (all_of_them or each.has_one(now_s))
-            ]
-            records = [each.kept.record(each.take()) for each in late if each.kept is not None]
+            own = [each for each in self._buckets.values() if all_of_them or each.has_one(now_s)]
+            late = [each.late() for each in (*own, *self._kinds.values())]
             self._forget(now_s)
-        yield from records
+        yield from (record for record in late if record is not None)
 
     def _own(self, key: object, now_s: float) -> _Bucket | None:
         bucket = self._buckets.get(key)
@@ -145,7 +158,7 @@ class LogRate(logging.Filter):
     def _forget(self, now_s: float) -> None:
         """Forget the buckets that a new one would equal."""
         for key, bucket in list(self._buckets.items()):
-            if bucket.kept is None and bucket.is_full(now_s):
+            if bucket.is_full(now_s):
                 del self._buckets[key]
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from gateway import log_rate
-from gateway.log_rate import ALL_BURST, BURST, EVERY_S, MAX_BUCKETS, LogRate
+from gateway.log_rate import ALL_BURST, ALL_EVERY_S, BURST, EVERY_S, MAX_BUCKETS, LogRate
 
 
 class Log:
@@ -91,7 +91,8 @@ def test_lines_that_nobody_outside_causes_all_pass(log: Log):
 def test_addresses_without_end_have_a_bound_together(log: Log):
     assert sum(log.write(client=f"10.0.{n // 250}.{n % 250}#1") for n in range(5000)) == ALL_BURST
     log.now_s += 10
-    assert sum(log.write(client=f"10.1.{n // 250}.{n % 250}#1") for n in range(5000)) == 10
+    assert sum(log.write(client=f"10.1.{n // 250}.{n % 250}#1") for n in range(5000)) == 9
+    assert len(log.written) == ALL_BURST + 10  # one is the number of those left out
     assert log.write("other kind", client="10.0.0.5#1")
 
 
@@ -113,11 +114,43 @@ def test_addresses_without_end_take_a_bounded_memory_and_are_forgotten(log: Log)
     assert len(log.rate._kinds) == 1
 
 
-def test_an_address_that_still_has_lines_left_out_is_not_forgotten(log: Log):
+def test_an_address_in_debt_is_not_forgotten(log: Log):
     log.flood(1000, client="10.0.0.5#1")
     log.now_s += EVERY_S
     log.flood(1, client="10.0.0.5#1")
     assert log.flood(1000, client="10.0.0.5#1") == 0
+
+
+def test_the_lines_left_out_of_an_address_are_reported_before_it_is_forgotten(log: Log):
+    log.flood(BURST + 100, client="10.0.0.5#1")
+    log.now_s += EVERY_S * BURST
+    log.write()
+    assert log.written[-2].left_out == 99
+    log.now_s += EVERY_S
+    log.write()
+    assert len(log.rate._buckets) == 0
+    assert log.written[-2].getMessage() == "connected"
+
+
+def test_a_line_does_not_say_how_many_of_other_addresses_were_left_out(log: Log):
+    for number in range(ALL_BURST + 1000):
+        log.write(client=f"10.0.{number}#1")
+    log.now_s += ALL_EVERY_S
+    assert log.write(client="10.0.0.5#7")
+    assert log.written[-1].left_out is None
+
+
+def test_the_number_of_all_addresses_is_written_without_a_client_while_they_go_on(log: Log):
+    for number in range(ALL_BURST + 1000):
+        log.write(client=f"10.0.{number}#1", topic="/odom", reason="handshake")
+    for second in range(10):
+        log.now_s += ALL_EVERY_S + 0.01
+        log.write(client=f"10.1.{second}#1", reason="handshake")
+        log.write(client=f"10.2.{second}#1", reason="handshake")
+    (late,) = [each for each in log.written if getattr(each, "left_out", None)]
+    assert (late.getMessage(), late.reason, late.left_out) == ("connected", "handshake", 1008)
+    assert not {"client", "topic"} & set(late.__dict__)
+    assert list(log.rate.overdue()) == []  # it was said for these ten seconds
 
 
 def test_after_a_flood_the_next_line_of_anybody_brings_the_number(log: Log):

@@ -48,10 +48,11 @@ class Audit:
         self._level = level
         self._windows: dict[str, _Window] = {}
 
-    def record(self, event: str, **facts: Fact) -> None:
+    def record(self, event: str, *, client: str | None = None, **facts: Fact) -> None:
         """Record an event; *event* is one of a few words of ours, never a client's.
 
-        Facts that are ``None`` are left out, texts are truncated.
+        *client* is the address and number of the client that it is about, for the log alone. Facts
+        that are ``None`` are left out, texts are truncated.
         """
         now_ns = self._clock_ns()
         window = self._windows.get(event)
@@ -65,15 +66,15 @@ class Audit:
             window.left_out += 1
             return
         window.lines += 1
-        self._emit(now_ns, event, facts)
+        self._emit(now_ns, event, client, facts)
 
-    def _emit(self, now_ns: int, event: str, facts: dict[str, Fact]) -> None:
+    def _emit(self, now_ns: int, event: str, client: str | None, facts: dict[str, Fact]) -> None:
         time = datetime.fromtimestamp(now_ns / 1e9, UTC).isoformat(timespec="milliseconds")
         entry: dict[str, Fact] = {"time": time, "event": event}
         entry |= {name: _shown(fact) for name, fact in facts.items() if fact is not None}
         line = json.dumps(entry)  # ASCII: no text can begin a line of its own
         # lines are bounded already, and a stop must not be left out for the sake of others
-        extra = {"client": entry.get("address"), "topic": entry.get("topic"), "is_bounded": True}
+        extra = {"client": client, "topic": entry.get("topic"), "is_bounded": True}
         logger.log(self._level, "%s", line, extra=extra)
         if self._write is not None:
             self._write(line)

@@ -49,7 +49,8 @@ WriteDirectly = Callable[[Entry], int]
 OnTimed = Callable[[int], None]
 """Take the time at which an entry arrived that was just handed to the socket."""
 
-TIMED: Final = 16  # of so many entries of a queue, one is timed when it has waited and is sent
+# Of so many entries of a queue that have waited, one is timed when it is sent.
+TIMED_EVERY: Final = 16
 
 
 class Queue:
@@ -85,7 +86,7 @@ class Queue:
         self.dropped = 0
         self.discarded = 0  # could not be encoded, or nobody wanted them any more
         self.coalesced = 0  # never came here: a throttle let a newer one pass in their place
-        self.on_timed: OnTimed | None = None  # gets one in `TIMED` of what has waited
+        self.on_timed: OnTimed | None = None  # gets one in `TIMED_EVERY` of what has waited
 
     @property
     def pending(self) -> int:
@@ -134,7 +135,7 @@ class Queue:
             if frame is not NOTHING:
                 self.sent += 1
                 self.sent_bytes += len(frame)
-                if not self.sent % TIMED and self.on_timed is not None:
+                if not self.sent % TIMED_EVERY and self.on_timed is not None:
                     self.on_timed(entry.arrived_ns)
                 return frame
             self.discarded += 1

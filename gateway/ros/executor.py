@@ -50,11 +50,11 @@ class ExecutorThread:
         if not self._thread.is_alive():
             return (Fault("dead", "the thread that spins ROS has ended"),)
         now_s = time.monotonic()
-        if self._asked_s is None:
+        asked_s = self._asked_s  # read once: the other thread sets it
+        if asked_s is None:
             self._asked_s = now_s
             self._executor.create_task(self._answer)
-        elif now_s - self._asked_s > STUCK_S:
-            hung_s = now_s - self._asked_s
+        elif (hung_s := now_s - asked_s) > STUCK_S:
             return (Fault("not ready", f"callbacks of ROS have hung for {hung_s:.0f} s"),)
         return ()
 

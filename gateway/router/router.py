@@ -315,6 +315,7 @@ class Router:
         if session.identity is not None:  # else it is still at the door
             self._audit.record(
                 "forbidden",
+                client=session.client,
                 name=session.identity.name,
                 role=session.identity.role,
                 address=session.address,

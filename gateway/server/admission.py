@@ -39,6 +39,10 @@ class Entrant(Protocol):
     address: str
 
     @property
+    def name(self) -> str:
+        """The address and number, for the log."""
+
+    @property
     def session(self) -> Session | None:
         """The session, while the WebSocket is open."""
 
@@ -94,7 +98,7 @@ class Admission:
         identity = self._authentication.anonymous
         token = token_in(headers.get_all("Authorization"), offered_subprotocols(headers))
         if token is not None and self._authentication.looks_at_tokens:
-            identity = self._identify(entrant.address, token)
+            identity = self._identify(entrant.address, token, entrant.name)
         if identity is not None:
             self._check_room(entrant)
         return identity
@@ -109,7 +113,7 @@ class Admission:
         identity = self._authentication.anonymous
         token = token_in(headers.get_all("Authorization"), ())
         if token is not None and self._authentication.looks_at_tokens:
-            return self._identify(address, token)
+            return self._identify(address, token, None)
         if identity is None:
             reason = "send a token: Authorization: Bearer TOKEN"
             raise TurnedAwayError(UNAUTHENTICATED, "forbidden", reason)
@@ -143,7 +147,11 @@ class Admission:
         if session is not None and session.identity is not None:
             identity = session.identity
             self._audit.record(
-                "disconnected", name=identity.name, role=identity.role, address=session.address
+                "disconnected",
+                client=session.client,
+                name=identity.name,
+                role=identity.role,
+                address=session.address,
             )
 
     def reload(
@@ -174,7 +182,12 @@ class Admission:
                 session.identity = now
                 continue
             self._audit.record(
-                "revoked", name=before.name, address=entrant.address, code=code, reason=reason
+                "revoked",
+                client=entrant.name,
+                name=before.name,
+                address=entrant.address,
+                code=code,
+                reason=reason,
             )
             entrant.close(code, reason)
             ended.append(session)
@@ -203,7 +216,7 @@ class Admission:
             session.answer("auth", operation.id, name=identity.name, role=identity.role)
 
     def _take_token(self, entrant: Entrant, session: Session, token: str) -> None:
-        identity = self._identify(entrant.address, token)
+        identity = self._identify(entrant.address, token, entrant.name)
         before = session.identity
         if before is not None and before.digest is not None:
             if before.digest != identity.digest:
@@ -217,12 +230,12 @@ class Admission:
         entrant.limit_messages(session.limits.max_message_bytes)
         self._record_connected(session, None)
 
-    def _identify(self, address: str, token: str) -> Identity:
+    def _identify(self, address: str, token: str, client: str | None) -> Identity:
         try:
             return self._authentication.identify(token, address, time.monotonic())
         except AuthenticationError as error:
             self.failures["abuse" if error.is_abuse else "wrong"] += 1
-            self._audit.record("refused", address=address, reason=str(error))
+            self._audit.record("refused", client=client, address=address, reason=str(error))
             close_code = POLICY_VIOLATION if error.is_abuse else UNAUTHENTICATED
             raise TurnedAwayError(close_code, "forbidden", str(error)) from error
 
@@ -240,13 +253,14 @@ class Admission:
 
     def _turn_away(self, entrant: Entrant, code: int, reason: str) -> None:
         del self._waiting[entrant]
-        self._audit.record("refused", address=entrant.address, reason=reason)
+        self._audit.record("refused", client=entrant.name, address=entrant.address, reason=reason)
         entrant.close(code, reason)
 
     def _record_connected(self, session: Session, origin: str | None) -> None:
         assert session.identity is not None  # noqa: S101  # the callers have set it
         self._audit.record(
             "connected",
+            client=session.client,
             name=session.identity.name,
             role=session.identity.role,
             address=session.address,

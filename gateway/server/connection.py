@@ -263,10 +263,7 @@ class Connection(asyncio.BufferedProtocol):
         if not isinstance(event, Frame) or self._session is None or self._closing_s is not None:
             return
         if not self._frames.allow(time.monotonic_ns()):
-            self.close(
-                POLICY_VIOLATION,
-                f"at most {self._limits.frames_per_s:g} frames per second",
-            )
+            self.close(POLICY_VIOLATION, f"at most {self._limits.frames_per_s:g} frames per second")
             return
         match event.opcode:
             case Opcode.TEXT | Opcode.BINARY if event.fin:

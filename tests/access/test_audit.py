@@ -53,9 +53,10 @@ def test_an_event_is_one_line_of_json_for_the_log_and_the_file(clock, caplog):
 
 def test_a_record_has_its_client_and_topic_and_is_not_bounded_twice(clock, caplog):
     with caplog.at_level(logging.INFO, "gateway.audit"):
-        Audit(clock).record("stop", topic="/cmd_vel", address="10.0.0.5")
+        Audit(clock).record("stop", client="10.0.0.5#7", topic="/cmd_vel", address="10.0.0.5")
     (record,) = caplog.records
-    assert (record.client, record.topic, record.is_bounded) == ("10.0.0.5", "/cmd_vel", True)
+    assert (record.client, record.topic, record.is_bounded) == ("10.0.0.5#7", "/cmd_vel", True)
+    assert "10.0.0.5#7" not in record.getMessage()  # its number is of this run alone
 
 
 @given(st.text())

@@ -93,6 +93,30 @@ def test_an_idle_executor_answers_each_time(
         wait_until(lambda: spinning._asked_s is None)
 
 
+class AnswersMeanwhile(ExecutorThread):
+    """Asked long ago; answers as soon as somebody looks."""
+
+    answers: Iterator[float | None] = iter(())
+
+    @property
+    def _asked_s(self) -> float | None:
+        return next(self.answers, None)
+
+    @_asked_s.setter
+    def _asked_s(self, value: float | None) -> None: ...
+
+
+def test_an_answer_that_comes_while_it_is_looked_for_is_no_failure() -> None:
+    context = Context()
+    context.init(args=[], domain_id=int(os.environ["ROS_DOMAIN_ID"]))
+    spinning = AnswersMeanwhile(context)
+    spinning.answers = iter([time.monotonic() - 60])
+    assert [fault.text for fault in spinning.faults()] == ["callbacks of ROS have hung for 60 s"]
+    assert spinning.faults() == ()
+    spinning.close()
+    context.try_shutdown()
+
+
 def test_a_thread_that_has_ended_is_the_end() -> None:
     context = Context()
     context.init(args=[], domain_id=int(os.environ["ROS_DOMAIN_ID"]))

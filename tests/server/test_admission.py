@@ -244,6 +244,7 @@ async def test_of_those_that_wait_one_of_the_greediest_address_makes_room(serve:
 
         def __init__(self, address: str) -> None:
             self.address = address
+            self.name = f"{address}#1"
             self.codes: list[int] = []
 
         def close(self, code: int, reason: str) -> None:
@@ -261,6 +262,24 @@ async def test_of_those_that_wait_one_of_the_greediest_address_makes_room(serve:
         assert [entrant.codes for entrant in entrants] == [[], [1013], [], []]
         for entrant in entrants:
             admission.left(entrant, None)
+
+
+async def test_lines_of_the_audit_log_have_the_client_as_all_lines_do(serve: Serve, caplog):
+    caplog.set_level("INFO", "gateway.audit")
+    async with Door(serve).open() as served:
+        async with client(served.url) as speaker:
+            await speaker.send(op="auth", token="r2g_wrong")  # noqa: S106
+            await closing(speaker)
+        async with client(served.url, additional_headers=bearer(VIEWERS)) as speaker:
+            await speaker.sync()
+        await eventually(lambda: "disconnected" in caplog.text)
+    records = [each for each in caplog.records if each.name == "gateway.audit"]
+    found = [(json.loads(each.getMessage())["event"], each.client) for each in records]
+    assert found == [
+        ("refused", "127.0.0.1#1"),
+        ("connected", "127.0.0.1#2"),
+        ("disconnected", "127.0.0.1#2"),
+    ]
 
 
 async def test_a_full_gateway_turns_away_also_who_has_a_token(serve: Serve):

@@ -302,10 +302,11 @@ class CommandTopic:
                 self._record("control_taken", holder)
 
     def _record(self, event: str, client: Hashable | None, **facts: Fact) -> None:
+        name = client.client if isinstance(client, Session) else None
         if isinstance(client, Session) and client.identity is not None:
             facts |= {"name": client.identity.name, "role": client.identity.role}
             facts["address"] = client.address
-        self._audit.record(event, topic=self.name, **facts)
+        self._audit.record(event, client=name, topic=self.name, **facts)
 
     def _publish(self, effect: Send) -> None:
         if self._publisher is None or self.message_type is None:

@@ -38,7 +38,6 @@ class Encoding:
         self, key: EncodingKey, encode: Encode, on_error: Callable[[CodecError], None]
     ) -> None:
         self.subscriptions: list[Subscription] = []
-        self.topic = key.requested_name
         self.frames = publish_frames(key.requested_name, key.compression)
         self._encode = encode
         self._on_error = on_error
@@ -70,10 +69,13 @@ class WorkerEncoding(Encoding):
         encode: Encode,
         on_error: Callable[[CodecError], None],
         *,
+        topic: str,
         on_ready: Callable[[], None],
         workers: Executor,
     ) -> None:
+        """*topic* is the resolved name, for the log."""
         super().__init__(key, encode, on_error)
+        self._topic = topic
         self._on_ready = on_ready
         self._workers = workers
         self._busy_with: SharedFrame | None = None
@@ -102,7 +104,7 @@ class WorkerEncoding(Encoding):
             if isinstance(error, CodecError):
                 self._on_error(error)
             else:
-                extra = {"topic": self.topic}
+                extra = {"topic": self._topic}
                 logger.error("encoding a sample failed", exc_info=error, extra=extra)
             shared.supply(NOTHING)
         self._on_ready()
@@ -203,6 +205,7 @@ def make_encoding(
     message_type: MessageType,
     key: EncodingKey,
     *,
+    topic: str,
     on_error: Callable[[CodecError], None],
     on_ready: Callable[[], None],
     now_ns: Callable[[], int],
@@ -210,8 +213,8 @@ def make_encoding(
 ) -> Encoding:
     """Return the encoding that a key asks for; *workers* do what takes milliseconds.
 
-    *on_error* hears of samples that cannot be encoded, *on_ready* is called when a worker is done,
-    *now_ns* is ROS time.
+    *topic* is the resolved name, for the log. *on_error* hears of samples that cannot be encoded,
+    *on_ready* is called when a worker is done, *now_ns* is ROS time.
     """
     match key.compression:
         case "none":
@@ -224,7 +227,7 @@ def make_encoding(
             encode = _to_raw_cbor(now_ns)
     if key.image is None and key.compression != "png":
         return Encoding(key, encode, on_error)
-    return WorkerEncoding(key, encode, on_error, on_ready=on_ready, workers=workers)
+    return WorkerEncoding(key, encode, on_error, topic=topic, on_ready=on_ready, workers=workers)
 
 
 def _to_json(message_type: MessageType, key: EncodingKey) -> Encode:

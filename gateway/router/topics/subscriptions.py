@@ -20,8 +20,8 @@ from gateway.protocol.subscription_options import SubscriptionOptions, compressi
 from gateway.protocol.websocket_frames import Compression
 from gateway.router.topic_counts import CountsByTopic
 from gateway.router.topic_types import TopicTypes
-from gateway.router.topics.freshness import Freshness
 from gateway.router.topics.requested_qos import requested
+from gateway.router.topics.silence_watch import SilenceWatch
 from gateway.router.topics.subscription import EncodingKey, Source, Subscription, TopicKey
 from gateway.router.topics.topic import Topic
 
@@ -43,7 +43,7 @@ class Subscriptions:
         self._counts = counts
         self._topics: dict[TopicKey, Topic] = {}
         self._subscriptions: dict[Session, dict[str, Subscription]] = {}  # by requested name
-        self._freshness = Freshness(self._heard_ns)
+        self._silence_watch = SilenceWatch(self._heard_ns)
 
     @property
     def topics(self) -> int:
@@ -219,7 +219,7 @@ class Subscriptions:
     ) -> None:
         subscription.change(requests, options)
         self._move(subscription, source)
-        self._freshness.follow(subscription)
+        self._silence_watch.follow(subscription)
         subscription.session.wake()
 
     def _move(self, subscription: Subscription, source: Source | None) -> None:
@@ -260,7 +260,7 @@ class Subscriptions:
         del own[subscription.requested_name]
         if not own:
             del self._subscriptions[subscription.session]
-        self._freshness.forget(subscription)
+        self._silence_watch.forget(subscription)
         self._move(subscription, None)
         name = subscription.topic_name
         subscription.close(next((each for each in own.values() if each.topic_name == name), None))

@@ -23,7 +23,8 @@ from gateway.router.topics.latch import make_latch
 from gateway.router.topics.sample_faults import SampleFaults
 from gateway.router.topics.subscription import EncodingKey, Subscription, TopicKey
 
-TIMED_NS: Final = 100_000_000  # a batch in so long is timed: a look at each client costs 1 us
+# One batch in so long is timed: a look at each client costs 1 us.
+TIMING_PERIOD_NS: Final = 100_000_000
 RATE_BATCHES: Final = 16  # enough to tell 30 Hz from 25, few enough to follow within a second
 
 
@@ -80,6 +81,7 @@ class Topic:
             encoding = self._encodings[key] = make_encoding(
                 self._message_type,
                 key,
+                topic=self.key.name,
                 on_error=partial(self._on_codec_error, key),
                 on_ready=self._wake_all,
                 now_ns=self._ros.now_ns,
@@ -146,7 +148,7 @@ class Topic:
         self._counts.received += count
         self._counts.received_bytes += size
         if now_ns >= self._timed_ns:
-            self._timed_ns = now_ns + TIMED_NS
+            self._timed_ns = now_ns + TIMING_PERIOD_NS
             self._time(samples[0].received_ns)
         self._wake_all()
 

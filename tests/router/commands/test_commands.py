@@ -2,6 +2,7 @@
 """Operations on command topics, down to what ROS, the guard and the client get."""
 
 import asyncio
+import json
 import time
 
 import pytest
@@ -368,6 +369,24 @@ async def test_a_client_that_may_not_drive_any_more_is_stopped(scene: Scene):
 def of_role(scene: Scene, role: str, **access: object) -> Socketless:
     config = AccessConfig(**access)
     return scene.client(identity=Identity("tablet", Policy(config).of(role)))
+
+
+async def test_lines_of_the_audit_log_have_their_client(scene: Scene, caplog):
+    caplog.set_level("INFO", "gateway.audit")
+    scene.listen()
+    client = of_role(scene, "viewer")
+    client.session.client = "10.0.0.5#7"
+    push(client)
+    other = of_role(scene, "operator")
+    other.session.client = "10.0.0.5#8"
+    push(other)
+    await eventually(lambda: len(scene.audited) == 3)
+    records = [each for each in caplog.records if each.name == "gateway.audit"]
+    assert [(json.loads(each.getMessage())["event"], each.client) for each in records] == [
+        ("forbidden", "10.0.0.5#7"),
+        ("control_taken", "10.0.0.5#8"),
+        ("stop", "10.0.0.5#8"),
+    ]
 
 
 async def test_who_takes_control_and_what_stops_a_robot_is_in_the_audit_log(scene: Scene):

@@ -20,7 +20,7 @@ from gateway.router.topic_counts import TopicCounts
 from gateway.router.topics.subscription import Subscription
 
 LONG = 3_600_000
-TIMED = 16
+TIMED_EVERY = 16
 
 
 @dataclass
@@ -158,12 +158,12 @@ async def test_what_a_subscription_had_goes_to_another_one_of_its_client_and_top
 async def test_one_frame_in_sixteen_that_has_waited_is_timed_and_what_goes_at_once_when_asked():
     client = Client()
     client.is_busy = True
-    for number in range(2 * TIMED):
+    for number in range(2 * TIMED_EVERY):
         client.subscription.offer(Item("not ready"), number, more=False)
         client.subscription.sent_at_once(1)  # it waits
     client.subscription.clear()
     assert client.counts.latency.observed() == NOTHING_OBSERVED
-    for number in range(2 * TIMED):
+    for number in range(2 * TIMED_EVERY):
         client.subscription.offer(Item("ready", arrived_ns=1), number, more=False)
         client.session.outbox.take(1000)
     for observed in (client.counts.latency.observed(), client.session.latency.observed()):
@@ -172,7 +172,7 @@ async def test_one_frame_in_sixteen_that_has_waited_is_timed_and_what_goes_at_on
     assert sum(client.counts.latency.observed().counts) == 3
     late = Client()
     late.is_busy = True
-    for number in range(TIMED):  # as what a transient-local topic had kept
+    for number in range(TIMED_EVERY):  # as what a transient-local topic had kept
         late.subscription.offer(Item("ready"), number, more=False)
         late.session.outbox.take(1000)
     assert late.counts.latency.observed() == NOTHING_OBSERVED

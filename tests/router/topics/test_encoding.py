@@ -234,6 +234,19 @@ async def test_what_cannot_be_decoded_is_reported_once(bench: Bench, compression
     assert [code for code, _ in client.statuses] == ["invalid_value"]
 
 
+async def test_a_fault_of_a_worker_is_logged_with_the_resolved_name(bench: Bench, caplog):
+    bench.ros.add_publisher("/t", STRING)
+    client = bench.client()
+    client.send(op="subscribe", topic="t", compression="png")
+    (topic,) = bench.router._subscriptions._topics.values()
+    (encoding,) = topic._encodings.values()
+    encoding._encode = lambda cdr: bytes(1 // 0)
+    bench.ros.publish("/t", bench.cdr(STRING, data="x"))
+    await eventually(lambda: bool(caplog.records))
+    (record,) = caplog.records
+    assert (record.getMessage(), record.topic) == ("encoding a sample failed", "/t")
+
+
 class Workers:
     """An executor whose work a test finishes by hand."""
 
@@ -250,7 +263,12 @@ async def test_one_sample_is_encoded_at_a_time():
     key = EncodingKey("/camera", None, None)
     ready: list[None] = []
     encoding = WorkerEncoding(
-        key, bytes, lambda error: None, on_ready=lambda: ready.append(None), workers=workers
+        key,
+        bytes,
+        lambda error: None,
+        topic="/camera",
+        on_ready=lambda: ready.append(None),
+        workers=workers,
     )
     one, other = (SharedFrame(encoding, Sample(b"cdr", 0), seq) for seq in (1, 2))
     assert [each.frame() for each in (one, other, one, other)] == [NOT_READY] * 4

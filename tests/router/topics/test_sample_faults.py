@@ -1,24 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which faults of samples are told of."""
+"""Which faults of samples are reported."""
 
 from gateway.router.topics.sample_faults import SampleFaults
 
 SECOND = 1_000_000_000
 MAX_AT_ONCE = 16
-TELLS_EACH_S = 5
+REPORTS_EACH_S = 5
 REPEATS_AFTER_S = 60
 
 
-def test_the_first_faults_are_told_of_at_once_and_then_one_each_five_seconds():
+def test_the_first_faults_are_reported_at_once_and_then_one_each_five_seconds():
     faults = SampleFaults(0)
-    told = [number for number in range(100) if faults.note(f"fault {number}", 0)]
-    assert told == list(range(MAX_AT_ONCE))
-    assert faults.note("later", TELLS_EACH_S * SECOND - 1) is None
-    assert faults.note("later", TELLS_EACH_S * SECOND + 1) is not None
-    assert faults.note("next", TELLS_EACH_S * SECOND + 2) is None
+    reported = [number for number in range(100) if faults.note(f"fault {number}", 0)]
+    assert reported == list(range(MAX_AT_ONCE))
+    assert faults.note("later", REPORTS_EACH_S * SECOND - 1) is None
+    assert faults.note("later", REPORTS_EACH_S * SECOND + 1) is not None
+    assert faults.note("next", REPORTS_EACH_S * SECOND + 2) is None
 
 
-def test_the_same_fault_is_told_of_again_after_a_minute_with_the_number_of_those_between():
+def test_the_same_fault_is_reported_again_after_a_minute_with_the_number_of_those_between():
     faults = SampleFaults(0)
     assert faults.note("broken", 0) == "broken"
     for now_s in range(1, REPEATS_AFTER_S):
@@ -28,15 +28,15 @@ def test_the_same_fault_is_told_of_again_after_a_minute_with_the_number_of_those
     assert faults.note("broken", (2 * REPEATS_AFTER_S - 1) * SECOND) is None
 
 
-def test_a_fault_is_told_of_anew_to_who_does_not_know():
+def test_a_fault_is_reported_anew_to_who_does_not_know():
     faults = SampleFaults(0)
     assert faults.note("broken", 0)
     faults.forget()
     assert faults.note("broken", 1) == "broken"
 
 
-def test_no_more_texts_are_kept_than_are_told_of_at_once():
+def test_no_more_texts_are_kept_than_are_reported_at_once():
     faults = SampleFaults(0)
     for number in range(10 * MAX_AT_ONCE):
-        faults.note(f"fault {number}", number * TELLS_EACH_S * SECOND)
-    assert len(faults._told) == MAX_AT_ONCE
+        faults.note(f"fault {number}", number * REPORTS_EACH_S * SECOND)
+    assert len(faults._reported) == MAX_AT_ONCE

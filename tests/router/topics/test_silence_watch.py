@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Word of topics that fall silent and are heard again, over the fake ROS and a clock by hand."""
+"""Reports of topics that fall silent and are heard again, over the fake ROS and a clock by hand."""
 
 import asyncio
 import time
@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 
 from gateway.ports import Qos
-from gateway.router.topics import freshness
+from gateway.router.topics import silence_watch
 from tests.client import Frame
 from tests.router.conftest import Bench, Socketless
 
@@ -27,7 +27,7 @@ class Clock:
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> Iterator[Clock]:
     clock = Clock()
-    monkeypatch.setattr(freshness, "TICK_S", 0.001)
+    monkeypatch.setattr(silence_watch, "TICK_S", 0.001)
     monkeypatch.setattr(time, "monotonic_ns", lambda: clock.now_ns)
     yield clock
     monkeypatch.undo()
@@ -87,7 +87,7 @@ async def test_who_does_not_ask_is_told_nothing_and_costs_no_tick(bench: Bench, 
     clock.now_ns += 3600 * SECOND
     await ticks()
     assert client.of("status") == []
-    assert bench.router._subscriptions._freshness._timer is None
+    assert bench.router._subscriptions._silence_watch._timer is None
 
 
 async def test_a_topic_that_nobody_publishes_is_silent_since_the_subscription(
@@ -129,7 +129,7 @@ async def test_what_came_while_the_loop_stood_still_is_looked_at_first(bench: Be
     await ticks()
     subscriptions = bench.router._subscriptions
     clock.now_ns += 2 * SECOND
-    subscriptions._freshness._tick()  # before anything that waits in DDS is taken
+    subscriptions._silence_watch._tick()  # before anything that waits in DDS is taken
     hear(bench)
     await bench.settle()
     await ticks()
@@ -162,7 +162,7 @@ async def test_nothing_ticks_once_the_last_one_has_gone(bench: Bench, clock: Clo
     one, other = bench.client(), bench.client()
     one.send(op="subscribe", topic="/t", type=STRING, stale_after_ms=1000)
     other.send(op="subscribe", topic="/t", type=STRING, stale_after_ms=1000)
-    watch = bench.router._subscriptions._freshness
+    watch = bench.router._subscriptions._silence_watch
     one.send(op="unsubscribe", topic="/t")
     assert watch._timer is not None
     bench.router.leave(other.session)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Word of topics that fall silent and are heard again, for the subscriptions that ask for it.
+"""Reports of topics that fall silent and are heard again, to the clients that ask for them.
 
 A publisher that is killed stays in the ROS graph for some 20 s, so only the age of the newest
 sample shows that it is gone.
@@ -15,8 +15,8 @@ from gateway.protocol import messages
 from gateway.protocol.errors import StatusCode
 from gateway.router.topics.subscription import Subscription
 
-# Word comes a tick or two late: half of the shortest `stale_after_ms`. A tick takes 1 ms with all
-# 64 subscriptions of 32 clients.
+# A report comes a tick or two late: half of the shortest `stale_after_ms`. A tick takes 1 ms with
+# all 64 subscriptions of 32 clients.
 TICK_S: Final = 0.05
 
 
@@ -24,10 +24,10 @@ TICK_S: Final = 0.05
 class _Watched:
     heard_ns: int  # when the newest sample came that is known of, or the watch began
     is_suspected: bool = False  # it was silent for too long at the last look
-    is_stale: bool = False  # and its client has been told
+    is_stale: bool = False  # and that was reported
 
 
-class Freshness:
+class SilenceWatch:
     """Compares times that topics note anyway, at each tick: a sample costs nothing more.
 
     *heard_ns* returns when the newest sample of a subscription's topic came, 0 if none did. There
@@ -72,20 +72,20 @@ class Freshness:
             watched.heard_ns = newest_ns
             watched.is_suspected = watched.is_stale = False
             if was_stale:
-                _tell(subscription, "fresh", f"messages again, after {silent_ns / 1e9:.1f} s")
+                _report(subscription, "fresh", f"messages again, after {silent_ns / 1e9:.1f} s")
             return
         age_ns = now_ns - watched.heard_ns
         if watched.is_stale or age_ns < (subscription.options.stale_after_ns or 0):
             return
         if watched.is_suspected:
             watched.is_stale = True
-            _tell(subscription, "stale", f"no message for {age_ns / 1e9:.1f} s")
+            _report(subscription, "stale", f"no message for {age_ns / 1e9:.1f} s")
         # Only at the second look: if the event loop has stood still, what has come meanwhile is
         # taken between the two.
         watched.is_suspected = True
 
 
-def _tell(subscription: Subscription, code: StatusCode, text: str) -> None:
+def _report(subscription: Subscription, code: StatusCode, text: str) -> None:
     """Send a status whatever `set_level` says, as the client has asked for it."""
     asked = [each for each in subscription.requests.values() if each.stale_after_ms is not None]
     subscription.session.send(
