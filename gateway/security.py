@@ -52,9 +52,14 @@ class Security:
         Raises:
             ConfigError: something is wrong; nothing has changed.
         """
-        tokens = (
-            read_tokens(token_path(config)) if self.authentication.looks_at_tokens else Tokens()
-        )
+        tokens = Tokens()
+        if self.authentication.looks_at_tokens:
+            path = token_path(config)
+            tokens = read_tokens(path)
+            if self.authentication.tokens.known and not path.exists():
+                # somebody moves it, or it never could be written: that must not lock all out
+                logger.warning("%s is not there: the tokens stay as they were", path)
+                tokens = self.authentication.tokens
         if self.tls is not None and config.tls.cert is not None:
             _load_certificate(self.tls, config.tls)
         return tokens, Policy(config.access)

@@ -82,6 +82,16 @@ def test_a_reload_reads_tokens_and_permissions_anew(path: Path):
             security.reload(other)
 
 
+def test_a_token_file_that_has_gone_locks_nobody_out(path: Path, caplog):
+    with open_security(config()) as security:
+        before = security.authentication.tokens
+        assert before.known
+        path.unlink()
+        tokens, _ = security.reload(config())
+        assert tokens == before
+    assert f"{path} is not there: the tokens stay as they were" in caplog.text
+
+
 @pytest.mark.parametrize(
     ("lan", "has_file", "level"),
     [(False, False, logging.DEBUG), (True, False, logging.INFO), (False, True, logging.INFO)],

@@ -21,7 +21,10 @@ CAUSE_TEXTS: Final[dict[Cause, str]] = {
     "start": "this gateway wants a command to stop before the first to move",
 }
 
-_GUARD_TEXTS: Final[dict[GuardState, str]] = {"starting": "is starting", "lost": "is not there"}
+_GUARD_TEXTS: Final[dict[GuardState, str]] = {
+    "starting": "is starting: send the command again in a second or so",
+    "lost": "is not there: publish a command of zero in some seconds, then drive on",
+}
 
 
 def not_holder(command: Command, topic: str, rules: Rules) -> Refused:
@@ -55,8 +58,7 @@ def tripped(command: Command, topic: str, cause: Cause) -> Refused:
 def unguarded(command: Command, topic: str, guard: GuardState) -> Refused:
     """Refuse a command to move, as the guard process is not there to stop it."""
     reason = (
-        f"topic {topic}: the process that stops the robot if the gateway dies"
-        f" {_GUARD_TEXTS[guard]}; send the command again when it is there, in a second or so"
+        f"topic {topic}: the process that stops the robot if the gateway dies {_GUARD_TEXTS[guard]}"
     )
     return Refused(command, "tripped", reason)
 
