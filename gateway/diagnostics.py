@@ -52,7 +52,7 @@ class _Reports:
         """Publish one diagnosis; log why it cannot be, once, as the next one may be."""
         try:
             self._publish()
-        except RosError as error:  # diagnostic_msgs may not be installed
+        except (RosError, OSError) as error:  # no diagnostic_msgs, or no descriptors
             if self._is_new(error):
                 logger.warning("%s is not published: %s", TOPIC, error)
         except Exception as error:  # a fault of ours must not end the diagnoses that may show it

@@ -18,6 +18,7 @@ from gateway.ports import (
     ServiceClient,
 )
 from gateway.ros import RosOptions, open_ros
+from gateway.ros.port import RclpyRos
 from tests.ros.fake import FakeRos
 from tests.ros.outside import Outside
 
@@ -66,6 +67,11 @@ class Robot:
     world: World
 
 
+def known_to(ros: RclpyRos, service: str) -> bool:
+    """Return whether the gateway has discovered a client: it loses responses to others."""
+    return ros._debug.count_clients(service) > 0
+
+
 @pytest.fixture
 def outside() -> Iterator[Outside]:
     outside = Outside()
@@ -81,4 +87,5 @@ async def robot(request: pytest.FixtureRequest) -> AsyncIterator[Robot]:
         return
     outside = request.getfixturevalue("outside")
     async with open_ros(RosOptions(taking=request.param)) as ros:
+        outside.is_known = lambda service: known_to(ros, service)
         yield Robot(ros, outside)

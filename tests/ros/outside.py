@@ -12,7 +12,11 @@ from gateway.ros.executor import ExecutorThread
 from gateway.ros.interfaces import message_class
 from gateway.ros.profile import to_profile
 from gateway.ros.qos import adopt, complete_offer
-from tests.ros.outside_actions import OutsideActionClient, OutsideActionServer
+from tests.ros.outside_actions import (
+    ACTION_SERVICES,
+    OutsideActionClient,
+    OutsideActionServer,
+)
 from tests.ros.outside_services import OutsideClient, OutsideService
 
 
@@ -44,6 +48,8 @@ class Outside:
         # triggered, it has the executor look at everything once more
         self._guard = self.node.create_guard_condition(lambda: None)
         self._actions: list[OutsideActionClient | OutsideActionServer] = []
+        # whether a server has discovered the clients of a service; who has the server can tell
+        self.is_known: Callable[[str], bool] = lambda service: True
 
     def add_publisher(self, topic: str, type_name: str, qos: Qos | None = None) -> OutsidePublisher:
         return OutsidePublisher(self.node, topic, type_name, qos or Qos())
@@ -67,7 +73,7 @@ class Outside:
         )
 
     def add_client(self, name: str, type_name: str) -> OutsideClient:
-        return OutsideClient(self.node, name, type_name)
+        return OutsideClient(self.node, name, type_name, lambda: self.is_known(name))
 
     def add_service(
         self,
@@ -79,7 +85,10 @@ class Outside:
         return OutsideService(self.node, self._guard.trigger, name, type_name, on_request, depth)
 
     def add_action_client(self, name: str, type_name: str) -> OutsideActionClient:
-        client = OutsideActionClient(self.node, name, type_name)
+        services = [f"{name}/_action/{one}" for one in ACTION_SERVICES]
+        client = OutsideActionClient(
+            self.node, name, type_name, lambda: all(map(self.is_known, services))
+        )
         self._actions.append(client)
         return client
 

@@ -17,6 +17,8 @@ from gateway.ports import ABORTED, CANCELED, SUCCEEDED, GoalOutcome, GoalRequest
 from gateway.ros.interfaces import action_class
 from tests.ros.outside_services import arrived, until_known
 
+ACTION_SERVICES = ("send_goal", "get_result", "cancel_goal")
+
 
 class LockedActionClient(ActionClient):
     """rclpy's client, for a thread beside the executor's.
@@ -75,9 +77,7 @@ class OutsideActionServer:
         accepts: Callable[[bytes], bool],
     ) -> None:
         self._node = node
-        self._services = [
-            f"{name}/_action/{one}" for one in ("send_goal", "get_result", "cancel_goal")
-        ]
+        self._services = [f"{name}/_action/{one}" for one in ACTION_SERVICES]
         self.wake = wake
         self.action = action_class(type_name)
         self._loop = asyncio.get_running_loop()
@@ -133,7 +133,8 @@ class OutsideGoal:
 
 
 class OutsideActionClient:
-    def __init__(self, node: Node, name: str, type_name: str) -> None:
+    def __init__(self, node: Node, name: str, type_name: str, is_known: Callable[[], bool]) -> None:
+        self._is_known = is_known
         self._action = action_class(type_name)
         self._client: Any = LockedActionClient(node, self._action, name)
 
@@ -141,7 +142,7 @@ class OutsideActionClient:
         self, goal: bytes, on_feedback: Callable[[bytes], None]
     ) -> OutsideGoal | None:
         loop = asyncio.get_running_loop()
-        while not self._client.server_is_ready():  # noqa: ASYNC110  # nothing tells
+        while not (self._client.server_is_ready() and self._is_known()):  # noqa: ASYNC110
             await asyncio.sleep(0.01)
 
         def hear(message: Any) -> None:

@@ -93,13 +93,14 @@ class OutsideService:
 
 
 class OutsideClient:
-    def __init__(self, node: Node, name: str, type_name: str) -> None:
+    def __init__(self, node: Node, name: str, type_name: str, is_known: Callable[[], bool]) -> None:
         self._node = node
+        self._is_known = is_known
         self._class = service_class(type_name)
         self._client: Any = node.create_client(self._class, name, qos_profile=QoSProfile(depth=100))
 
     async def call(self, request: bytes) -> bytes:
-        while not self._client.service_is_ready():  # noqa: ASYNC110  # nothing tells
+        while not (self._client.service_is_ready() and self._is_known()):  # noqa: ASYNC110
             await asyncio.sleep(0.01)
         message = deserialize_message(request, self._class.Request)
         return serialize_message(await arrived(self._client.call_async(message)))

@@ -14,6 +14,7 @@ from gateway.ros import action_server as limits
 from gateway.ros.interfaces import action_class, message_class, service_class
 from gateway.ros.port import RclpyRos
 from tests.client import eventually
+from tests.ros.conftest import known_to
 from tests.ros.outside import Outside
 from tests.ros.outside_services import arrived
 from tests.ros.test_contract_actions import FIBONACCI, Provider, sequence, soon
@@ -34,6 +35,7 @@ class Caller:
     """Sends the requests that an action client is made of."""
 
     def __init__(self, outside: Outside, ros: RclpyRos) -> None:
+        self._ros = ros
         self.provider = Provider()
         self.clock = Clock()
         ros._actions._now_ns = lambda: self.clock.now_ns
@@ -73,6 +75,7 @@ class Caller:
 
     async def _call(self, client: Any, request: Any) -> Any:
         await eventually(client.service_is_ready)
+        await eventually(lambda: known_to(self._ros, client.srv_name))
         return await soon(arrived(client.call_async(request)))
 
     def _hear(self, message: Any) -> None:
