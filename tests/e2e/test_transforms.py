@@ -11,6 +11,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from schemas.installed import InstalledDefinitions
 from tests import interfaces
 from tests.client import Client, Frame, client
+from tests.demonstration import until_it_can_be_driven
 from tests.gateway_process import GatewayProcess, gateway_process
 from tests.ros.outside import Outside
 
@@ -28,6 +29,7 @@ async def demo() -> AsyncIterator[GatewayProcess]:
         async with client(demo.url) as speaker:
             await speaker.send(op="subscribe", topic="/odom", type="nav_msgs/msg/Odometry")
             await speaker.message("/odom")
+            await until_it_can_be_driven(speaker)
         yield demo
 
 
