@@ -259,7 +259,7 @@ class _LoopErrors:
 
     def __call__(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
         error = context.get("exception")
-        if isinstance(error, ValueError) and "_start_serving" in context["message"]:
+        if isinstance(error, ValueError) and "_start_serving" in context.get("message", ""):
             return
         if not isinstance(error, OSError) or error.errno not in {errno.EMFILE, errno.ENFILE}:
             loop.default_exception_handler(context)

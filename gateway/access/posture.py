@@ -34,8 +34,13 @@ def posture_of(config: Config) -> Posture:
     Raises:
         ConfigError: the configuration contradicts itself.
     """
-    is_default_host = config.host == "127.0.0.1"
-    hosts = EVERYWHERE if config.lan and is_default_host else (config.host,)
+    names_host = "host" in config.model_fields_set
+    if config.lan and names_host and is_loopback(config.host):
+        raise ConfigError(
+            f"lan: got true, but host is {config.host}, which only this machine reaches;"
+            " leave one of them out"
+        )
+    hosts = EVERYWHERE if config.lan and not names_host else (config.host,)
     is_open = config.lan or not is_loopback(config.host)
     access = config.access
     asked = access.authentication

@@ -65,6 +65,8 @@ class Session:
         self.numbers = itertools.count(1)  # of the calls and goals passed on to this client
         # raises ProtocolError if the client may not have one more ROS entity
         self.check_share: Callable[[], None] = lambda: None
+        # told of whatever the client's role forbids
+        self.on_forbidden: Callable[[ProtocolError, Operation], None] = lambda *_: None
         self.is_behind = False  # its time budget is spent, and what it has sent waits
         self.replaced = 0  # of what it deferred, by something newer
         self.deferred: dict[Hashable, Deferred] = {}
@@ -139,6 +141,8 @@ class Session:
         if operation is not None:
             name = getattr(operation, _NAMED_BY.get(operation.op, ""), None)
             asked = _Asked(operation.op, operation.id, name)
+            if error.code == "forbidden":
+                self.on_forbidden(error, operation)
         self._refuse(error, asked)
 
     def set_level(self, level: messages.Level) -> None:

@@ -32,6 +32,7 @@ class ExecutorThread:
     def __init__(self, context: Context, *, standard: bool = False) -> None:
         executor = None if standard else rclpy_private.events_executor(context)
         self._executor = executor or SingleThreadedExecutor(context=context)
+        self._context = context
         self._stop: Any = Future()
         self._stopping = threading.Event()
         self._asked_s: float | None = None  # since when it owes an answer
@@ -74,5 +75,8 @@ class ExecutorThread:
             try:
                 self._executor.spin_until_future_complete(self._stop, rclpy_private.SPIN_S)
             except Exception:  # raised by a callback; the thread must outlive it
+                if not self._context.ok():  # and nothing spins any more
+                    _logger.error("ROS was shut down by something else than the gateway")
+                    return
                 _logger.exception("callback of ROS failed")
                 self._stopping.wait(_PAUSE_S)

@@ -28,6 +28,7 @@ from gateway.protocol.operations import (
     topics,
     transforms,
 )
+from gateway.protocol.operations.base import Operation
 from gateway.protocol.session import Session
 from gateway.router.actions.client_actions import ClientActions
 from gateway.router.actions.goals import Goals
@@ -145,6 +146,7 @@ class Router:
         session = Session(self._limits, wake, identity)
         session.address = address
         session.check_share = partial(self._shares.check, session)
+        session.on_forbidden = partial(self._record_forbidden, session)
         self._shares.enter(session, address)
         self._sessions.add(session)
         return session
@@ -160,8 +162,6 @@ class Router:
             if not session.is_restricted or may_carry_out(session, operation):
                 self._carry_out(session, operation)
         except FAILURES as error:
-            if isinstance(error, ProtocolError) and error.code == "forbidden":
-                self._record_refusal(session, operation, error)
             refuse(session, operation, error)
 
     def end_turn(self, session: Session) -> None:
@@ -309,8 +309,8 @@ class Router:
             case _:
                 assert_never(operation)
 
-    def _record_refusal(
-        self, session: Session, operation: ClientOperation, error: ProtocolError
+    def _record_forbidden(
+        self, session: Session, error: ProtocolError, operation: Operation
     ) -> None:
         if session.identity is not None:  # else it is still at the door
             self._audit.record(

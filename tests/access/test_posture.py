@@ -45,6 +45,12 @@ def test_a_role_for_nobody_is_an_error():
         posture_of(Config(lan=True, access=AccessConfig(anonymous_role="operator")))
 
 
+@pytest.mark.parametrize("host", ["127.0.0.1", "::1", "localhost"])
+def test_the_network_and_this_machine_alone_is_a_contradiction(host):
+    with pytest.raises(ConfigError, match=f"lan: got true, but host is {host}"):
+        posture_of(Config(lan=True, host=host))
+
+
 @pytest.mark.parametrize(
     ("host", "expected"),
     [("127.0.0.2", True), ("::1", True), ("localhost", True), ("localhost.evil", False)],

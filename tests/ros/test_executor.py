@@ -39,16 +39,35 @@ class Stopping(threading.Event):
         return self.is_set()
 
 
-def test_a_fault_that_comes_back_at_once_is_logged_once_a_second(
-    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
-) -> None:
+@pytest.fixture
+def stopping(monkeypatch: pytest.MonkeyPatch) -> Stopping:
+    """Make every executor fail, and return what its thread waits for."""
     stopping = Stopping()
     monkeypatch.setattr(module.rclpy_private, "events_executor", lambda context: Failing())
     monkeypatch.setattr(module, "threading", SimpleNamespace(Event=lambda: stopping, Thread=Thread))
-    spinning = ExecutorThread(Context())
+    return stopping
+
+
+def test_a_fault_that_comes_back_at_once_is_logged_once_a_second(
+    stopping: Stopping, caplog: pytest.LogCaptureFixture
+) -> None:
+    context = Context()
+    context.init(args=[], domain_id=int(os.environ["ROS_DOMAIN_ID"]))
+    spinning = ExecutorThread(context)
     spinning._thread.join()
+    context.try_shutdown()
     assert stopping.pauses_s == [1.0, 1.0, 1.0]
     assert caplog.messages == ["callback of ROS failed"] * 3
+
+
+def test_a_fault_after_ros_was_shut_down_ends_the_thread(
+    stopping: Stopping, caplog: pytest.LogCaptureFixture
+) -> None:
+    spinning = ExecutorThread(Context())
+    spinning._thread.join()
+    assert stopping.pauses_s == []
+    assert caplog.messages == ["ROS was shut down by something else than the gateway"]
+    assert [fault.severity for fault in spinning.faults()] == ["dead"]
 
 
 @pytest.fixture(params=[False, True], ids=["events", "standard"])

@@ -225,8 +225,9 @@ async def test_a_watcher_of_the_graph_hears_only_of_what_it_sees(bench: Bench) -
     [("viewer", True, False), ("operator", True, False), ("admin", True, True)],
 )
 async def test_parameters_are_services_of_their_node_however_they_are_asked_for(
-    bench: Bench, role: Role, may_get: bool, may_set: bool
+    bench: Bench, caplog, role: Role, may_get: bool, may_set: bool
 ) -> None:
+    caplog.set_level(logging.DEBUG, "gateway.audit")
     ScriptedNodes(bench.ros).add("/base", "max_speed")
     await bench.settle()
     client = bench.client(identity=identity(role))
@@ -246,6 +247,9 @@ async def test_parameters_are_services_of_their_node_however_they_are_asked_for(
         assert by_id[2]["code"] == "forbidden"
         assert "/base/set_parameters takes role admin" in by_id[2]["msg"]
         assert "/base/set_parameters takes role admin" in by_id[3]["values"]["reason"]
+    audited = [json.loads(record.getMessage()) for record in caplog.records]
+    refused = [] if may_set else ["set_parameters", "call_service"]
+    assert sorted(each["op"] for each in audited) == sorted(refused)
 
 
 async def test_parameters_of_a_hidden_node_are_those_of_a_node_that_does_not_exist(

@@ -165,6 +165,7 @@ class CommandTopic:
 
     def stop(self, session: Session) -> None:
         """Stop at a client's request."""
+        self._record("stop_requested", session)
         self._apply(self._drive.stop(session, self._now_ns()))
 
     def acquire(self, session: Session) -> None:

@@ -15,7 +15,7 @@ START_S = 180  # a busy machine imports for a while
 MOVES_FOR = 5  # commands that the robot has to hear before a fault: it is no accident that it moves
 LATELY_NS = 300_000_000
 
-_PORT = re.compile(r"ws://\S+?:(\d+)")
+_PORT = re.compile(r"wss?://\S+?:(\d+)")
 
 
 @dataclass

@@ -5,13 +5,17 @@ import asyncio
 import contextlib
 import os
 import signal
+import ssl
 import time
 from collections.abc import AsyncIterator, Callable
+from functools import partial
+from pathlib import Path
 
 import pytest
 import pytest_asyncio
 from websockets.asyncio.client import connect
 
+from gateway.cli.main import main
 from gateway.drive.freshness import MAX_AGE_NS
 from tests.e2e.faults import scene
 from tests.e2e.faults.conftest import IS_EXACT, REPEAT
@@ -115,15 +119,38 @@ async def test_after_a_blackout_nothing_moves_until_the_stick_is_let_go(
             await until_it_moves(robot, driver)
 
 
+@pytest.fixture(scope="module")
+def certificate(tmp_path_factory) -> Path:
+    """Return the folder of a certificate of this machine and its key."""
+    pytest.importorskip("cryptography")
+    folder = tmp_path_factory.mktemp("certificate")
+    assert main(["cert", "--folder", str(folder)]) == 0
+    return folder
+
+
 async def test_commands_that_waited_behind_other_input_do_not_move_the_robot(
     robot, gateway, measured
 ):
+    await judge_late_input(robot, measured, partial(connect, gateway.url, max_queue=None))
+
+
+async def test_commands_that_waited_behind_other_input_do_not_move_the_robot_over_tls(
+    robot, certificate, measured
+):
+    cert, key = certificate / "cert.pem", certificate / "key.pem"
+    trusting = ssl.create_default_context(cafile=cert)
+    async with scene.gateway("--tls-cert", str(cert), "--tls-key", str(key)) as own:
+        url = own.url.replace("ws:", "wss:")
+        await judge_late_input(robot, measured, partial(connect, url, max_queue=None, ssl=trusting))
+
+
+async def judge_late_input(robot: Base, measured, operator: Callable[[], connect]) -> None:
     drive = (
         '{"op":"publish","topic":"/cmd_vel","type":"geometry_msgs/Twist","msg":{"linear":{"x":%s}}}'
     )
     costly = '{"op":"subscribe","topic":"/odm","id":"x"}'  # a search for what was meant
     for _ in REPETITIONS:
-        async with connect(gateway.url, max_queue=None) as driver:
+        async with operator() as driver:
             while not robot.is_moving:
                 await driver.send(drive % 0)
                 await asyncio.sleep(0.4)

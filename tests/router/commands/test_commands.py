@@ -418,7 +418,10 @@ async def test_a_viewer_stops_a_robot_but_takes_no_control(scene: Scene):
     viewer.send(op="stop", id=2)
     assert viewer.of("stop") == [{"op": "stop", "id": 2, "topics": ["/cmd_vel"]}]
     await eventually(lambda: 0.0 in speeds(heard))
-    assert [each["cause"] for each in scene.audited if each["event"] == "stop"] == ["stop"]
+    (stop,) = (each for each in scene.audited if each["event"] == "stop")
+    (asked,) = (each for each in scene.audited if each["event"] == "stop_requested")
+    assert (stop["cause"], stop["role"]) == ("stop", "admin")
+    assert (asked["topic"], asked["role"]) == ("/cmd_vel", "viewer")
 
 
 async def test_a_command_topic_that_is_hidden_is_none(build: Build):
