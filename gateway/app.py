@@ -26,7 +26,7 @@ from gateway.errors import BindError, ConfigError, system_reason
 from gateway.guard.supervisor import GuardProcess
 from gateway.log_fields import text_of
 from gateway.log_rate import LogRate
-from gateway.memory import exempt_from_collection, keep_large_blocks
+from gateway.memory import exempt_from_collection, keep_large_blocks, returning_free_memory
 from gateway.ports import LogLevel, Ros, RosError
 from gateway.ros import RosOptions, open_ros
 from gateway.rosapi import interfaces_prefix
@@ -133,6 +133,7 @@ async def _serve(
         reloading = asyncio.create_task(_reload_whenever(hung_up, load, security, server))
         stack.callback(reloading.cancel)
         exempt_from_collection()
+        stack.enter_context(returning_free_memory())
         announce(
             Listening(
                 addresses=addresses,

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Memory: large blocks that are kept, and objects that are not searched for garbage."""
+"""Memory: what is kept for the next message, what goes back, and what is never searched."""
 
+import asyncio
 import ctypes
 import gc
-from typing import Final
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, Final
 
 # from malloc.h of glibc
 _M_TRIM_THRESHOLD: Final = -1
@@ -11,6 +14,10 @@ _M_MMAP_THRESHOLD: Final = -3
 
 _LARGEST_KEPT_BYTES: Final = 32 * 1024**2  # the most that glibc allows; an 8K picture is larger
 _FREE_KEPT_BYTES: Final = 64 * 1024**2  # a dozen 1080p pictures in transit, as rgb8
+
+# What a peak took and nobody needs any more. It costs 4 ms, and the first pictures thereafter the
+# page faults that they are spared otherwise.
+RETURN_S: Final = 60.0
 
 
 def keep_large_blocks() -> None:
@@ -20,12 +27,40 @@ def keep_large_blocks() -> None:
     clears every page of it: for a 640x480 picture on its way through rclpy that is 640 page
     faults, 1.3 ms, more than encoding it takes. Does nothing with another C library.
     """
-    try:
-        mallopt = ctypes.CDLL(None).mallopt
-    except (AttributeError, OSError, TypeError):  # TypeError: CDLL(None) on Windows
+    mallopt = _libc_function("mallopt")
+    if mallopt is not None:
+        mallopt(_M_MMAP_THRESHOLD, _LARGEST_KEPT_BYTES)
+        mallopt(_M_TRIM_THRESHOLD, _FREE_KEPT_BYTES)
+
+
+@contextmanager
+def returning_free_memory() -> Iterator[None]:
+    """Give free pages back to the kernel, every `RETURN_S`, until the context ends.
+
+    What is kept for large blocks would only ever grow: each peak leaves holes between blocks that
+    live for long, and the next one finds none of its size. Does nothing with another C library.
+    """
+    trim = _libc_function("malloc_trim")
+    if trim is None:
+        yield
         return
-    mallopt(_M_MMAP_THRESHOLD, _LARGEST_KEPT_BYTES)
-    mallopt(_M_TRIM_THRESHOLD, _FREE_KEPT_BYTES)
+    loop = asyncio.get_running_loop()
+    timer: asyncio.TimerHandle | None = None
+
+    def wait() -> None:
+        nonlocal timer
+        timer = loop.call_later(RETURN_S, give_back)
+
+    def give_back() -> None:
+        trim(0)
+        wait()
+
+    wait()
+    try:
+        yield
+    finally:
+        if timer is not None:
+            timer.cancel()
 
 
 def exempt_from_collection() -> None:
@@ -35,3 +70,10 @@ def exempt_from_collection() -> None:
     nobody is served. Call this when all parts stand.
     """
     gc.freeze()
+
+
+def _libc_function(name: str) -> Any | None:
+    try:
+        return getattr(ctypes.CDLL(None), name)
+    except (AttributeError, OSError, TypeError):  # TypeError: CDLL(None) on Windows
+        return None

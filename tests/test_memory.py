@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+import asyncio
 import ctypes
 import subprocess
 import sys
@@ -6,7 +7,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from gateway.memory import keep_large_blocks
+from gateway import memory
+from gateway.memory import keep_large_blocks, returning_free_memory
+from tests.client import eventually
 
 MIB = 1024**2
 
@@ -25,6 +28,52 @@ def test_blocks_of_32_mib_come_from_the_heap_which_keeps_64_mib(
 def test_another_c_library_is_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ctypes, "CDLL", lambda name: SimpleNamespace())
     keep_large_blocks()
+    with returning_free_memory():
+        pass
+
+
+async def test_free_memory_goes_back_again_and_again_until_the_end(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert memory.RETURN_S == 60
+    monkeypatch.setattr(memory, "RETURN_S", 0.01)
+    asked: list[int] = []
+    monkeypatch.setattr(ctypes, "CDLL", lambda name: SimpleNamespace(malloc_trim=asked.append))
+    with returning_free_memory():
+        await eventually(lambda: len(asked) >= 2)
+    assert set(asked) == {0}
+    count = len(asked)
+    await asyncio.sleep(0.05)
+    assert len(asked) == count
+
+
+def test_what_is_free_is_the_kernel_s_again() -> None:
+    """Leave holes below a block that lives on; nothing but asking for it gives these back."""
+    program = """
+import asyncio
+from gateway import memory
+
+def resident_kb():
+    with open("/proc/self/status") as status:
+        return next(int(line.split()[1]) for line in status if line.startswith("RssAnon"))
+
+async def main():
+    memory.keep_large_blocks()
+    memory.RETURN_S = 0.01
+    blocks = [bytearray(b"x") * 100_000 for _ in range(400)]
+    last = bytearray(b"x") * 100_000
+    del blocks
+    before_kb = resident_kb()
+    with memory.returning_free_memory():
+        await asyncio.sleep(0.1)
+    print(before_kb - resident_kb())
+
+asyncio.run(main())
+"""
+    ended = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, check=True, text=True
+    )
+    assert int(ended.stdout) > 20_000
 
 
 def test_what_exists_is_exempt_from_collection():
