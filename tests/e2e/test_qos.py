@@ -181,6 +181,45 @@ async def test_every_client_gets_the_retained_sample_of_every_publisher(
         assert await late.sync() == []
 
 
+async def test_late_clients_get_what_a_late_node_of_ros_gets(
+    gateway: GatewayProcess, robot: Robot, topic: str
+):
+    def publish(publisher: Any, *data: str) -> None:
+        for each in data:
+            publisher.publish(String(data=each))
+
+    short_lived = QoSProfile(depth=5, durability=LATCHED, lifespan=Duration(seconds=0.1))
+    one, two = (robot.publisher(QoSProfile(depth=each, durability=LATCHED)) for each in (1, 3))
+    gone = robot.publisher(QoSProfile(depth=1, durability=LATCHED))
+    forgetful = robot.publisher(short_lived)
+    all_of_them = [*"ABCDEFGH", "of one that leaves", "for a moment"]
+    async with client(gateway.url) as early:
+        await early.send(
+            op="subscribe", topic=topic, type=STRING, qos={"durability": "transient_local"}
+        )
+        await eventually(
+            lambda: all(p.get_subscription_count() for p in (one, two, gone, forgetful))
+        )
+        publish(one, *"ABC")
+        publish(two, *"DEFGH")
+        publish(gone, "of one that leaves")
+        publish(forgetful, "for a moment")
+        assert sorted(await texts(early, topic, 10)) == sorted(all_of_them)
+        robot.remove(gone)
+        await asyncio.sleep(0.2)  # longer than the lifespan
+        late_node = robot.listen(QoSProfile(depth=10, durability=LATCHED))
+        await eventually(lambda: sorted(late_node) == [*"CFGH"])
+        for asked in ({}, {"qos": {"durability": "transient_local"}}, {}):
+            async with client(gateway.url) as late:
+                await late.send(op="subscribe", topic=topic, **asked)
+                assert sorted(await texts(late, topic, 4)) == [*"CFGH"]
+                publish(one, "new")
+                assert await texts(late, topic, 1) == ["new"]
+                publish(one, "C")
+                assert await texts(late, topic, 1) == ["C"]
+                assert await late.sync() == []
+
+
 async def test_an_explicit_profile_is_the_one_that_ros_sees(
     speaker: Client, robot: Robot, topic: str
 ):

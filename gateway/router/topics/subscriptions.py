@@ -234,7 +234,7 @@ class Subscriptions:
             self._topics[source.topic].add(subscription, source.encoding)
         subscription.source = source
         if source is not None and not is_same_topic:
-            self._topics[source.topic].replay(subscription, source.encoding)
+            self._topics[source.topic].welcome(subscription, source.encoding)
         if former is not None:
             self._topics[former.topic].remove(subscription, former.encoding)
             self._close_if_idle(former.topic)
