@@ -454,6 +454,18 @@ async def test_raw_pixels_and_single_fields_of_an_image_come_when_asked_for(benc
     assert (await fields.sees(1))[0]["msg"] == {"width": 64}
 
 
+async def test_who_asks_for_no_format_gets_that_of_its_connection(bench: Bench):
+    bench.ros.add_publisher("/camera", "sensor_msgs/msg/Image")
+    usual, asking = bench.client(), bench.client()
+    for client in (usual, asking):
+        client.session.image_format = "raw"
+    usual.send(op="subscribe", topic="/camera", image={"max_fps": 30})
+    asking.send(op="subscribe", topic="/camera", image={"format": "png"})
+    bench.ros.publish("/camera", picture_of(bench, (1, 2, 3)))
+    assert (await usual.sees(1))[0]["msg"]["encoding"] == "rgb8"
+    assert (await asking.sees(1))[0]["msg"]["format"] == "png"
+
+
 async def test_while_one_picture_is_in_the_works_only_the_newest_waits(bench: Bench):
     bench.ros.add_publisher("/camera", "sensor_msgs/msg/Image")
     client = bench.client()
