@@ -117,6 +117,7 @@ async def _serve(
             audit=security.audit,
             control=config.control,
             guard=guard,
+            image_format=config.images.default_format,
         )
         stack.callback(router.close)
         server = Server(

@@ -37,11 +37,22 @@ class RosError(Exception):
         self.code = code
 
 
+Origin = tuple[int, int | None]
+"""The time at which a sample was published, and its number where the middleware has one."""
+
+
 class Sample(NamedTuple):
-    """One message as it came from DDS."""
+    """One message as it came from DDS; times are nanoseconds of the system clock."""
 
     cdr: bytes  # with its 4-byte encapsulation header
-    received_ns: int  # when the middleware took it, nanoseconds of the system clock
+    received_ns: int  # when the middleware took it
+    source_ns: int = 0  # when it was published, by the publisher's clock
+    number: int | None = None  # of the publisher's samples, where the middleware has one
+
+    @property
+    def origin(self) -> Origin:
+        """The mark by which it is known in every reader of its topic."""
+        return self.source_ns, self.number
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,14 +115,31 @@ class RosSubscription(Protocol):
 
     @property
     def publishers(self) -> int:
-        """The number of publishers of its type that discovery knows.
+        """The number of publishers that it is matched with."""
 
-        Late clients of a transient-local topic get as many samples.
+    def join_late(self, on_samples: Callable[[Sequence[Sample]], None]) -> "LateReader":
+        """Subscribe once more, with the profile in force, and get what late joiners get.
+
+        Close it before this subscription.
+
+        Raises:
+            RosError: ROS refuses it.
         """
 
     @property
     def incompatible(self) -> tuple[Mismatch, ...]:
         """The mismatches given to *on_incompatible* that still apply."""
+
+    def close(self) -> None:
+        """Destroy it; no callback follows. Closing twice is harmless."""
+
+
+class LateReader(Protocol):
+    """A second ROS subscription beside one that has been there for long."""
+
+    @property
+    def publishers(self) -> int:
+        """The number of publishers that it is matched with."""
 
     def close(self) -> None:
         """Destroy it; no callback follows. Closing twice is harmless."""
@@ -370,6 +398,9 @@ class Ros(RosGraph, Protocol):
 
         Changes close together are reported once. Costs little while nothing changes.
         """
+
+    def watch_jumps_back(self, on_jump: Callable[[], None]) -> Watch:
+        """Call *on_jump* when simulated time has jumped back, however little."""
 
     def log(self, level: LogLevel, text: str) -> None:
         """Write to the debug node's logger, and so to ``/rosout``."""

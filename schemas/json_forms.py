@@ -34,10 +34,7 @@ def octets(value: object) -> bytes:
     """
     match value:
         case str():
-            try:
-                return pybase64.b64decode(value, validate=True)
-            except ValueError as error:
-                raise OctetsError("text is no valid base64") from error
+            return _octets_of_text(value)
         case list():
             return _octets_of_list(value)
         case bytes() | bytearray() | memoryview():
@@ -83,6 +80,17 @@ FORMS: Final[Mapping[str, Callable[[object, Clock], object]]] = {
     "std_msgs/msg/Header": header,
 }
 """The types with forms of their own, by name."""
+
+
+def _octets_of_text(text: str) -> bytes:
+    try:
+        return pybase64.b64decode(text, validate=True)
+    except ValueError:
+        unbroken = "".join(text.split())  # MIME and Android break lines
+    try:
+        return pybase64.b64decode(unbroken, validate=True)
+    except ValueError as error:
+        raise OctetsError("text is no valid base64") from error
 
 
 def _octets_of_list(items: list[object]) -> bytes:

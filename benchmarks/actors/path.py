@@ -19,7 +19,8 @@ from rclpy.signals import SignalHandlerOptions
 from benchmarks.actors.audience import Audience
 from benchmarks.actors.orders import obey, reply
 from benchmarks.samples import SAMPLES, message_type, topic
-from gateway.codec.image import ImageOptions, RawImage, compress, confine_to_calling_thread
+from gateway.codec.image import ImageOptions, compress, confine_to_calling_thread
+from gateway.codec.image_encodings import RawImage
 from gateway.codec.json import dumps
 from gateway.codec.picture import picture_renderer
 from gateway.codec.types import MessageType, Types

@@ -1,44 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
-"""ROS images to pictures; encodings as in sensor_msgs/image_encodings.hpp, depth as in REP 118.
+"""ROS images to pictures; depth as in REP 118.
 
-Pixels mean the same as in cv_bridge: 8UC3 and 8UC4 are bgr8 and bgra8, YUV is BT.601 in video
-range, 16-bit intensities span the full 16 bits. Everything here may run in any thread; OpenCV
-releases the GIL for all of the heavy work.
+Everything here may run in any thread; OpenCV releases the GIL for all of the heavy work.
 """
 
 from dataclasses import dataclass
-from typing import Final, Literal, NamedTuple
+from typing import Final, NamedTuple
 
 import cv2
 import numpy as np
 from cv2.typing import MatLike
 
-from gateway.codec.errors import CodecError
+from gateway.codec.image_encodings import ImageError, RawImage, as_colours, pixels_of
 from gateway.codec.picture_formats import PICTURE_FORMATS, PictureFormat
-
-MAX_SIDE_PX: Final = 8192  # the largest sensors that stream; a wrong header states more
-MAX_PIXELS: Final = 7680 * 4320  # 8K UHD; as rgba16 265 MB, and as much again while converting
 
 MAX_DEPTH_M: Final = 1000.0  # beyond any depth camera
 MIN_DEPTH_RANGE_M: Final = 0.1  # below, float32 at the maximum is coarser than a grey value
 
 _SMALLEST_FLOAT: Final = float(np.finfo(np.float32).tiny)
 _LARGEST_FLOAT: Final = float(np.finfo(np.float32).max)
-
-
-class ImageError(CodecError):
-    """An image contradicts itself or cannot be shown; the text gives the reason."""
-
-
-class RawImage(NamedTuple):
-    """The fields of sensor_msgs/msg/Image without its header; *data* is not copied."""
-
-    height: int
-    width: int
-    encoding: str
-    is_bigendian: bool
-    step: int  # bytes from one row to the next
-    data: bytes | memoryview
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,21 +82,19 @@ def compress(image: RawImage, options: ImageOptions) -> Picture:
         ImageError: the encoding is unknown, or the sizes contradict it or each other.
     """
     picture_format = PICTURE_FORMATS[options.format]
-    layout = _layout_of(image)
-    _check_sizes(image, layout)
-    pixels = _view(image, layout)
+    pixels, layout = pixels_of(image)
     depth_range_m = None
     if layout.metres is not None:
+        if layout.dtype == "f8":
+            with np.errstate(over="ignore"):  # infinite, and no measurement
+                pixels = pixels.astype(np.float32)
         if picture_format.has_8_bits:
             depth_range_m = options.depth_range_m
             pixels = _shaded(pixels, layout.metres, depth_range_m)
-        elif layout.dtype == "f4":
+        elif pixels.dtype == np.float32:
             pixels = _millimetres(pixels)
     else:
-        if picture_format.has_8_bits and layout.dtype == "u2":
-            pixels = cv2.convertScaleAbs(pixels, alpha=255 / 65535)
-        if layout.conversion is not None:
-            pixels = cv2.cvtColor(pixels, layout.conversion)
+        pixels = as_colours(pixels, image, layout, has_8_bits=picture_format.has_8_bits)
     width, height = size = _fitted(image, options)
     if size != (image.width, image.height):
         pixels = _reduced(pixels, size) if layout.metres is None else _sampled(pixels, size)
@@ -131,116 +109,6 @@ def confine_to_calling_thread() -> None:
     between jobs: for VGA they double the CPU time of a frame and save nothing.
     """
     cv2.setNumThreads(1)
-
-
-@dataclass(frozen=True, slots=True)
-class _Layout:
-    """The memory layout of an encoding, and OpenCV's conversion of it to grey, BGR or BGRA."""
-
-    dtype: Literal["u1", "u2", "f4"]
-    channels: int = 1
-    conversion: int | None = None
-    subsampling: tuple[int, int] = (1, 1)  # pixels per chroma sample: across, down
-    metres: float | None = None  # the unit of a depth image
-
-    @property
-    def row_item_bytes(self) -> int:
-        """The bytes of one pixel in a row (of the luma plane if chroma has its own)."""
-        return self.channels * int(self.dtype[1])
-
-    def rows(self, height: int) -> int:
-        """Return the rows in memory: a chroma plane at half height follows the luma plane."""
-        return height * 3 // 2 if self.subsampling[1] == 2 else height
-
-
-# OpenCV's four-letter Bayer names start at the top left pixel, as ROS's do; its older two-letter
-# ones start at the second row's second pixel.
-_LAYOUTS: Final = {
-    "rgb8": _Layout("u1", 3, cv2.COLOR_RGB2BGR),
-    "bgr8": _Layout("u1", 3),
-    "rgba8": _Layout("u1", 4, cv2.COLOR_RGBA2BGRA),
-    "bgra8": _Layout("u1", 4),
-    "mono8": _Layout("u1"),
-    "rgb16": _Layout("u2", 3, cv2.COLOR_RGB2BGR),
-    "bgr16": _Layout("u2", 3),
-    "rgba16": _Layout("u2", 4, cv2.COLOR_RGBA2BGRA),
-    "bgra16": _Layout("u2", 4),
-    "mono16": _Layout("u2"),
-    "8UC": _Layout("u1"),
-    "8UC1": _Layout("u1"),
-    "8UC3": _Layout("u1", 3),
-    "8UC4": _Layout("u1", 4),
-    "16UC": _Layout("u2", metres=0.001),
-    "16UC1": _Layout("u2", metres=0.001),
-    "32FC": _Layout("f4", metres=1.0),
-    "32FC1": _Layout("f4", metres=1.0),
-    "bayer_rggb8": _Layout("u1", 1, cv2.COLOR_BayerRGGB2BGR),
-    "bayer_bggr8": _Layout("u1", 1, cv2.COLOR_BayerBGGR2BGR),
-    "bayer_gbrg8": _Layout("u1", 1, cv2.COLOR_BayerGBRG2BGR),
-    "bayer_grbg8": _Layout("u1", 1, cv2.COLOR_BayerGRBG2BGR),
-    "bayer_rggb16": _Layout("u2", 1, cv2.COLOR_BayerRGGB2BGR),
-    "bayer_bggr16": _Layout("u2", 1, cv2.COLOR_BayerBGGR2BGR),
-    "bayer_gbrg16": _Layout("u2", 1, cv2.COLOR_BayerGBRG2BGR),
-    "bayer_grbg16": _Layout("u2", 1, cv2.COLOR_BayerGRBG2BGR),
-    "uyvy": _Layout("u1", 2, cv2.COLOR_YUV2BGR_UYVY, (2, 1)),
-    "yuv422": _Layout("u1", 2, cv2.COLOR_YUV2BGR_UYVY, (2, 1)),
-    "yuyv": _Layout("u1", 2, cv2.COLOR_YUV2BGR_YUYV, (2, 1)),
-    "yuv422_yuy2": _Layout("u1", 2, cv2.COLOR_YUV2BGR_YUYV, (2, 1)),
-    "nv12": _Layout("u1", 1, cv2.COLOR_YUV2BGR_NV12, (2, 2)),
-    "nv21": _Layout("u1", 1, cv2.COLOR_YUV2BGR_NV21, (2, 2)),
-}
-_LAYOUTS_BY_LOWER_NAME: Final = {name.lower(): layout for name, layout in _LAYOUTS.items()}
-
-ENCODINGS: Final = tuple(_LAYOUTS)  # `compress` takes them in upper or lower case
-
-
-def _layout_of(image: RawImage) -> _Layout:
-    layout = _LAYOUTS_BY_LOWER_NAME.get(image.encoding.lower())
-    if layout is None:
-        raise ImageError(
-            f"unknown image encoding {image.encoding[:32]!r}, known are rgb8, bgr8, mono8, 16UC1,"
-            f" 32FC1 and {len(ENCODINGS) - 5} others"
-        )
-    return layout
-
-
-def _check_sizes(image: RawImage, layout: _Layout) -> None:
-    width, height = image.width, image.height
-    if width < 1 or height < 1:
-        raise ImageError(f"image is {width}x{height}, needs at least 1x1 px")
-    if max(width, height) > MAX_SIDE_PX:
-        raise ImageError(f"image is {width}x{height}, at most {MAX_SIDE_PX} px a side")
-    if width * height > MAX_PIXELS:
-        raise ImageError(f"image is {width}x{height}, at most {MAX_PIXELS} px in all")
-    across, down = layout.subsampling
-    if width % across or height % down:
-        sides = "width" if down == 1 else "width and height"
-        raise ImageError(f"{image.encoding} image is {width}x{height}, needs an even {sides}")
-    row_bytes = width * layout.row_item_bytes
-    if image.step < row_bytes:
-        raise ImageError(
-            f"image step is {image.step}, a row of {width} {image.encoding} pixels has"
-            f" {row_bytes} bytes"
-        )
-    rows = layout.rows(height)
-    # refuse both fewer and more, as cv_bridge does
-    if len(image.data) != image.step * rows:
-        raise ImageError(
-            f"image data has {len(image.data)} bytes, {rows} rows of step {image.step} have"
-            f" {image.step * rows}"
-        )
-
-
-def _view(image: RawImage, layout: _Layout) -> MatLike:
-    """View the data as rows of pixels; copy only what OpenCV cannot read in place."""
-    stored = np.dtype(layout.dtype).newbyteorder(">" if image.is_bigendian else "<")
-    shape: tuple[int, ...] = (layout.rows(image.height), image.width)
-    strides: tuple[int, ...] = (image.step, layout.row_item_bytes)
-    if layout.channels > 1:
-        shape, strides = (*shape, layout.channels), (*strides, stored.itemsize)
-    view: MatLike = np.ndarray(shape, stored, buffer=image.data, strides=strides)
-    # a step that is not a multiple of the item, or the other byte order
-    return np.require(view, stored.newbyteorder("="), "A")
 
 
 def _shaded(depth: MatLike, metres: float, range_m: tuple[float, float]) -> MatLike:

@@ -7,7 +7,8 @@ from typing import Any, cast
 import pybase64
 
 from gateway.codec import cbor
-from gateway.codec.image import ImageOptions, RawImage, compress
+from gateway.codec.image import ImageOptions, compress
+from gateway.codec.image_encodings import RawImage
 from gateway.codec.json import dumps
 from gateway.codec.types import MessageType
 

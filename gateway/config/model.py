@@ -98,8 +98,13 @@ class RosConfig(Section):
 
 
 class ImagesConfig(Section):
-    """Encoding pictures as JPEG or PNG."""
+    """The pictures that clients get of images."""
 
+    default_format: Literal["jpeg", "png", "raw"] = Field(
+        "jpeg",
+        description="the format of images for who asks for none; `raw` is the plain message, for"
+        " clients of rosbridge that read `encoding`, `step` and `data`",
+    )
     workers: Annotated[int, Field(ge=1, le=64)] = Field(
         2,
         description="threads that encode, beside the event loop; OpenCV lets them run in parallel",

@@ -20,6 +20,7 @@ from gateway.protocol.operations import OPERATIONS, ClientOperation
 from gateway.protocol.operations.base import MAX_ID_CHARACTERS, Operation
 from gateway.protocol.operations.fragment import Fragment
 from gateway.protocol.operations.gateway import Auth
+from gateway.protocol.operations.topics import ImageFormat
 from gateway.protocol.outbox import Outbox
 from gateway.protocol.rosbridge_fragments import Assembly
 from gateway.protocol.websocket_frames import text_frames
@@ -67,6 +68,7 @@ class Session:
         self.check_share: Callable[[], None] = lambda: None
         # told of whatever the client's role forbids
         self.on_forbidden: Callable[[ProtocolError, Operation], None] = lambda *_: None
+        self.image_format: ImageFormat = "jpeg"  # of pictures for which it asks for none
         self.is_behind = False  # its time budget is spent, and what it has sent waits
         self.replaced = 0  # of what it deferred, by something newer
         self.deferred: dict[Hashable, Deferred] = {}

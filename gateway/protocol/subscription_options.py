@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Final, TypeVar, get_args
 
 from gateway.protocol.operations.topics import ImageRequest, QosRequest, Subscribe
+from gateway.protocol.throttle import Pace
 from gateway.protocol.websocket_frames import Compression
 
 DEFAULT_QUEUE_LENGTH: Final = 100  # 1 s at 100 Hz: rides out a WiFi hiccup without losing odometry
@@ -31,7 +32,7 @@ class SubscriptionOptions:
     fields: tuple[str, ...] | None
     image: ImageRequest
     meta: bool
-    throttle_ns: int
+    pace: Pace
     stale_after_ns: int | None
     queue_length: int | None
     compression: Compression
@@ -42,15 +43,16 @@ class SubscriptionOptions:
         """Merge requests, oldest first; there must be one at least."""
         asked = list(requests)
         image = _newest(request.image for request in asked) or ImageRequest()
+        lengths = [request.queue_length for request in asked if request.queue_length]
         throttle_ms = min(request.throttle_rate or 0 for request in asked)
-        if image.max_fps is not None:
-            throttle_ms = max(throttle_ms, 1000 / image.max_fps)
+        throttle_length = min(lengths, default=1)
+        if image.max_fps is not None and 1000 / image.max_fps > throttle_ms:
+            throttle_ms, throttle_length = 1000 / image.max_fps, 1  # pictures are to be fresh
         fields: tuple[str, ...] | None = None
         if all(request.fields is not None for request in asked):
             fields = tuple(sorted({field for request in asked for field in request.fields or ()}))
         types = [request.type for request in asked if request.type is not None]
         silences = [known for request in asked if (known := request.stale_after_ms) is not None]
-        lengths = [request.queue_length for request in asked if request.queue_length]
         sizes = [known for request in asked if (known := request.fragment_size) is not None]
         return cls(
             type=types[-1] if types else None,
@@ -58,7 +60,7 @@ class SubscriptionOptions:
             fields=fields,
             image=image,
             meta=any(request.meta for request in asked),
-            throttle_ns=round(throttle_ms * 1e6),
+            pace=Pace(round(throttle_ms * 1e6), throttle_length),
             stale_after_ns=round(min(silences) * 1e6) if silences else None,
             queue_length=min(lengths, default=None),
             compression=max((compression(request) for request in asked), key=_COMPRESSIONS.index),

@@ -214,10 +214,10 @@ class RclpyActionClient:
                     self.cancel_goal(goal_id)
 
     def _deliver_feedback(self, samples: Sequence[Sample]) -> None:
-        for cdr, _ in samples:
-            on_feedback = self._feedback_callbacks.get(goal_id_of(cdr))
+        for sample in samples:
+            on_feedback = self._feedback_callbacks.get(goal_id_of(sample.cdr))
             if on_feedback is not None:
-                on_feedback(without_goal_id(cdr))
+                on_feedback(without_goal_id(sample.cdr))
 
 
 class RclpyGoal:

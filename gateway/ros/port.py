@@ -52,6 +52,7 @@ from gateway.ros.ready_events import (
 )
 from gateway.ros.samples import EventfdSamples, ExecutorSamples, Samples
 from gateway.ros.service_entities import RclpyClient, RclpyService, Services
+from gateway.ros.time_jumps import JumpWatch
 from gateway.ros.watches import GraphWatch, GraphWatches
 
 _PROFILE: Final = Path(__file__).with_name("fastdds_profile.xml")
@@ -218,6 +219,10 @@ class RclpyRos:
     def watch_graph(self, on_change: Callable[[], None]) -> GraphWatch:
         """Call *on_change* soon after the graph has changed."""
         return self._watches.add(on_change)
+
+    def watch_jumps_back(self, on_jump: Callable[[], None]) -> JumpWatch:
+        """Call *on_jump* when simulated time has jumped back."""
+        return JumpWatch(self._debug.get_clock(), on_jump)
 
     def log(self, level: LogLevel, text: str) -> None:
         """Write to the debug node's logger, and so to ``/rosout``; do nothing after `close`."""

@@ -135,8 +135,12 @@ class RawSubscription:
 
     @property
     def publishers(self) -> int:
-        """The number of publishers of its type; see the port."""
-        return len(self._matching(self._offers))
+        """The number of publishers that it is matched with."""
+        return 0 if self._reader is None else self._reader.publishers
+
+    def join_late(self, on_samples: Callable[[Sequence[Sample]], None]) -> Reader:
+        """Open a second reader; see `gateway.ports.RosSubscription.join_late`."""
+        return self._subscriptions.read(self.topic, self._message_class, self.qos, on_samples)
 
     @property
     def incompatible(self) -> tuple[Mismatch, ...]:

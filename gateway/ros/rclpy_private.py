@@ -9,8 +9,9 @@ Handles: the objects of the extension module ``rclpy._rclpy_pybind11`` behind rc
 context managers they keep rcl's object alive, and ``pointer`` is its address in C.
 
 ``Subscription.handle.take_message(type, raw)``
-    Returns ``None`` or ``(bytes, {"received_timestamp": nanoseconds, ...})``. rclpy's own way to a
-    sample is an executor. Without it: only ``RosOptions(taking="executor")`` works.
+    Returns ``None`` or ``(bytes, {"received_timestamp": nanoseconds, "source_timestamp": ...,
+    "publication_sequence_number": ...})``. rclpy's own way to a sample is an executor. Without it:
+    only ``RosOptions(taking="executor")`` works.
 ``Publisher.handle.publish_raw(bytes)``
     `rclpy.publisher.Publisher.publish` takes bytes, too, after checks in Python.
 ``Client.handle.send_request(request)``

@@ -33,6 +33,10 @@ class Reader(Protocol):
     def topic_name(self) -> str:
         """The name that ROS gave the topic."""
 
+    @property
+    def publishers(self) -> int:
+        """The number of publishers that it is matched with."""
+
     def flush(self) -> None:
         """Deliver now all that is waiting, in as many calls as it takes; closing ends it."""
 
@@ -99,6 +103,10 @@ class _EventfdReader:
     def topic_name(self) -> str:
         return str(self._subscription.topic_name)
 
+    @property
+    def publishers(self) -> int:
+        return int(self._subscription.get_publisher_count())
+
     def close(self) -> None:
         self._is_closed = True
         self._source.close()
@@ -128,7 +136,9 @@ class _EventfdReader:
             if taken is None:
                 break
             cdr, info = taken
-            samples.append(Sample(cdr, info["received_timestamp"]))
+            received_ns, source_ns = info["received_timestamp"], info["source_timestamp"]
+            number = info["publication_sequence_number"]
+            samples.append(Sample(cdr, received_ns, source_ns, number))
         return samples
 
 
@@ -178,6 +188,10 @@ class _ExecutorReader:
     def topic_name(self) -> str:
         return str(self._subscription.topic_name)
 
+    @property
+    def publishers(self) -> int:
+        return int(self._subscription.get_publisher_count())
+
     def close(self) -> None:
         if not self._is_closed:
             self._is_closed = True
@@ -186,7 +200,9 @@ class _ExecutorReader:
 
     def _arrive(self, cdr: bytes, info: dict[str, int]) -> None:
         """Keep one sample for the loop; runs on the executor's thread."""
-        self._waiting.append(Sample(cdr, info["received_timestamp"]))
+        received_ns, source_ns = info["received_timestamp"], info["source_timestamp"]
+        number = info["publication_sequence_number"]
+        self._waiting.append(Sample(cdr, received_ns, source_ns, number))
         if not (self._is_scheduled or self._is_closed):
             self._is_scheduled = True
             self._loop.call_soon_threadsafe(self._deliver)

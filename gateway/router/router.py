@@ -29,6 +29,7 @@ from gateway.protocol.operations import (
     transforms,
 )
 from gateway.protocol.operations.base import Operation
+from gateway.protocol.operations.topics import ImageFormat
 from gateway.protocol.session import Session
 from gateway.router.actions.client_actions import ClientActions
 from gateway.router.actions.goals import Goals
@@ -77,11 +78,13 @@ class Router:
         audit: Audit | None = None,
         control: ControlConfig | None = None,
         guard: Guard | None = None,
+        image_format: ImageFormat = "jpeg",
     ) -> None:
         topic_types = TopicTypes(ros, types, table)
         interface_types = InterfaceTypes(ros, types)
         self._ros = ros
         self._limits = limits
+        self._image_format = image_format
         self._audit = audit or Audit(time.time_ns, level=logging.DEBUG)
         self._guard = guard or NoGuard()
         self._counts = CountsByTopic()
@@ -145,6 +148,7 @@ class Router:
         """
         session = Session(self._limits, wake, identity)
         session.address = address
+        session.image_format = self._image_format
         session.check_share = partial(self._shares.check, session)
         session.on_forbidden = partial(self._record_forbidden, session)
         self._shares.enter(session, address)

@@ -17,6 +17,7 @@ from gateway.access.credentials import SUBPROTOCOL, CredentialsError, check_targ
 from gateway.access.web_rules import WebRules, is_plain
 from gateway.server import health
 from gateway.server.health import Health
+from gateway.server.url_options import UrlOptionError, image_format
 
 logger = logging.getLogger(__name__)
 
@@ -90,6 +91,8 @@ class HttpFront:
             return self._respond(protocol, request, asker)
         except CredentialsError as error:
             return protocol.reject(400, f"{error}\n")
+        except UrlOptionError as error:
+            return protocol.reject(400, f"{error}\n")
         except (ValueError, LookupError):  # an invalid path or host, or a header twice
             return protocol.reject(400, "this request contradicts itself\n")
 
@@ -130,6 +133,7 @@ class HttpFront:
         if path != self._path:
             return protocol.reject(404, f"nothing here; the WebSocket is at {self._path}\n")
         check_target(request.path)
+        image_format(request.path)
         if request.headers.get("Upgrade") is None:
             address = f"{'wss' if self.is_encrypted else 'ws'}://{host}{self._path}"
             return page(protocol, request, _WELCOME.format(address=address).encode())

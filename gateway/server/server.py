@@ -41,6 +41,7 @@ from gateway.server.health import FindFaults, Health, no_faults
 from gateway.server.http import Asker, HttpFront, own_names, page
 from gateway.server.scrapes import Scrapes
 from gateway.server.time_budget import Spending, TimeBudgets
+from gateway.server.url_options import image_format
 
 MakeAdmission = Callable[[RoomFor], Admission]
 
@@ -277,6 +278,7 @@ class Server:
             return None
         session = self._router.enter(connection.flush, connection.address, identity)
         session.client = connection.name
+        session.image_format = image_format(request.path) or session.image_format
         self._counters.sessions += 1
         self._admission.enter(connection, session, request, time.monotonic())
         return session

@@ -68,6 +68,21 @@ async def test_a_command_beyond_the_robots_limits_is_dismissed_by_it(speaker: Cl
     assert abs(await speed(speaker)) < 0.001
 
 
+async def test_a_gateway_may_send_the_pixels_of_images_unasked():
+    async with gateway_process("demo", "--set", "images.default_format=raw") as demo:
+        async with client(demo.url) as speaker:
+            await speaker.send(
+                op="subscribe", topic="/camera/image_raw", type="sensor_msgs/msg/Image"
+            )
+            image = await speaker.message("/camera/image_raw")
+            assert image["step"] == 3 * image["width"]
+        async with client(f"{demo.url}?images=jpeg") as speaker:
+            await speaker.send(
+                op="subscribe", topic="/camera/image_raw", type="sensor_msgs/msg/Image"
+            )
+            assert (await speaker.message("/camera/image_raw"))["format"] == "jpeg"
+
+
 async def test_the_camera_comes_as_pictures_of_the_size_asked_for(speaker: Client):
     await speaker.send(
         op="subscribe", topic="/camera/image_raw", image={"max_width": 320, "quality": 70}

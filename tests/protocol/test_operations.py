@@ -89,6 +89,25 @@ def test_a_fragment_size_that_is_too_small_or_no_integer_is_refused(size):
         CallService.model_validate({"service": "/s", "fragment_size": size})
 
 
+@pytest.mark.parametrize(
+    ("asked", "expected"),
+    [
+        ({"secs": 3, "nsecs": 4}, (3, 4)),
+        ({"sec": 3, "nanosec": 4}, (3, 4)),
+        ({"nsecs": 4}, (0, 4)),
+        ({}, (0, 0)),
+    ],
+)
+def test_a_lookup_takes_the_time_in_the_names_of_either_ros(asked, expected):
+    time = StampRequest.model_validate(asked)
+    assert (time.sec, time.nanosec) == expected
+
+
+def test_a_lookup_takes_a_time_in_the_names_of_one_ros():
+    with pytest.raises(ValidationError):
+        StampRequest.model_validate({"sec": 3, "secs": 3})
+
+
 LOOKUP = {"op": "lookup_transform", "target_frame": "map", "source_frame": "odom"}
 SUBSCRIBE = {"op": "subscribe", "topic": "/t"}
 QOS = SUBSCRIBE | {"qos": {}}

@@ -23,7 +23,7 @@ def test_several_requests_merge_to_the_most_demanding():
         {"id": "a", "throttle_rate": 100, "queue_length": 5, "fields": ["pose"]},
         {"id": "b", "throttle_rate": 50, "queue_length": 2, "fields": ["twist", "pose"]},
     )
-    assert options.throttle_ns == 50 * MS
+    assert options.pace.interval_ns == 50 * MS
     assert options.queue_length == 2
     assert options.fields == ("pose", "twist")
 
@@ -36,7 +36,7 @@ def test_the_newest_type_and_qos_win():
 
 def test_one_request_for_everything_gets_everything():
     assert merged({"fields": ["pose"]}, {"id": "b"}).fields is None
-    assert merged({"throttle_rate": 100}, {"id": "b"}).throttle_ns == 0
+    assert merged({"throttle_rate": 100}, {"id": "b"}).pace.interval_ns == 0
 
 
 @pytest.mark.parametrize(
@@ -62,7 +62,7 @@ def test_the_smallest_fragments_win_and_none_are_the_default():
 @pytest.mark.parametrize(("max_fps", "throttle", "expected_ms"), [(10, 0, 100), (10, 200, 200)])
 def test_max_fps_is_a_throttle_for_pictures(max_fps, throttle, expected_ms):
     options = merged({"throttle_rate": throttle, "image": {"max_fps": max_fps}})
-    assert options.throttle_ns == expected_ms * MS
+    assert options.pace.interval_ns == expected_ms * MS
 
 
 @pytest.mark.parametrize(
@@ -82,3 +82,11 @@ def test_meta_and_fragments_need_own_frames(request_, is_own):
 def test_a_queue_is_bounded_as_requested_or_by_the_defaults():
     assert merged({"queue_length": 3}).queue_bounds == (3, None)
     assert merged().queue_bounds == (DEFAULT_QUEUE_LENGTH, DEFAULT_QUEUE_BYTES)
+
+
+def test_a_queue_is_that_of_the_throttle_too_but_not_of_pictures_that_are_to_be_fresh():
+    queued = {"throttle_rate": 100, "queue_length": 5}
+    assert merged(queued).pace == (100 * MS, 5)
+    assert merged({"throttle_rate": 100}).pace == (100 * MS, 1)
+    assert merged(queued | {"image": {"max_fps": 5}}).pace == (200 * MS, 1)
+    assert merged(queued | {"image": {"max_fps": 20}}).pace == (100 * MS, 5)

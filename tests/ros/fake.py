@@ -50,7 +50,8 @@ class FakePublisher:
 
     def publish(self, cdr: bytes) -> None:
         assert self in self.ros.publishers, "published after close"
-        sample = Sample(cdr, self.ros.now)
+        self.ros.published += 1  # no two samples are published at the same time
+        sample = Sample(cdr, self.ros.now, self.ros.now + self.ros.published)
         if self.qos.durability == "transient_local":
             self.retained.append(sample)
         self.ros.arrive(self, sample)
@@ -91,7 +92,12 @@ class FakeSubscription:
 
     @property
     def publishers(self) -> int:
-        return len(self.matching())
+        return sum(map(self.takes_from, self.ros.publishers))
+
+    def join_late(self, on_samples: Callable[[Sequence[Sample]], None]) -> "FakeSubscription":
+        return self.ros.open_subscription(
+            self.topic, self.type_name, self.qos, on_samples, lambda _: None, self.node
+        )
 
     @property
     def incompatible(self) -> tuple[Mismatch, ...]:
@@ -159,15 +165,19 @@ Server = FakeService | FakeActionServer
 
 
 class FakeWatch:
-    """A watch of the fake's graph."""
+    """A watch of something in the fake, one of *watches*."""
 
-    def __init__(self, ros: "FakeRos", on_change: Callable[[], None]) -> None:
+    def __init__(
+        self, ros: "FakeRos", on_change: Callable[[], None], watches: "list[FakeWatch]"
+    ) -> None:
         self.ros = ros
         self.on_change = on_change
+        self.watches = watches
+        watches.append(self)
 
     def close(self) -> None:
-        if self in self.ros.watches:
-            self.ros.watches.remove(self)
+        if self in self.watches:
+            self.watches.remove(self)
 
 
 class FakeRos:
@@ -178,6 +188,7 @@ class FakeRos:
         self.prefix = prefix
         self.options = options or RosOptions()
         self.now = 1_700_000_000_000_000_000
+        self.published = 0
         self.publishers: list[FakePublisher] = []
         self.subscriptions: list[FakeSubscription] = []
         self.clients: list[FakeClient] = []
@@ -185,6 +196,7 @@ class FakeRos:
         self.action_clients: list[FakeActionClient] = []
         self.action_servers: list[FakeActionServer] = []
         self.watches: list[FakeWatch] = []
+        self.jump_watches: list[FakeWatch] = []
         self.logged: list[tuple[LogLevel, str]] = []
         self.found: list[Fault] = []
         self._types = Types(InstalledDefinitions())
@@ -211,7 +223,7 @@ class FakeRos:
         on_incompatible: Callable[[Mismatch], None],
     ) -> FakeSubscription:
         self._check_topic(topic, type_name)
-        return self._open_subscription(
+        return self.open_subscription(
             topic, type_name, qos, on_samples, on_incompatible, f"/{self.prefix}_subscriptions"
         )
 
@@ -290,9 +302,10 @@ class FakeRos:
         )
 
     def watch_graph(self, on_change: Callable[[], None]) -> FakeWatch:
-        watch = FakeWatch(self, on_change)
-        self.watches.append(watch)
-        return watch
+        return FakeWatch(self, on_change, self.watches)
+
+    def watch_jumps_back(self, on_jump: Callable[[], None]) -> FakeWatch:
+        return FakeWatch(self, on_jump, self.jump_watches)
 
     def log(self, level: LogLevel, text: str) -> None:
         self.logged.append((level, text))
@@ -303,6 +316,13 @@ class FakeRos:
         return sum(node != f"/{self.prefix}_debug" for node in own)
 
     # The world outside
+
+    def set_time(self, now_ns: int) -> None:
+        """Set simulated time."""
+        is_back, self.now = now_ns < self.now, now_ns
+        if is_back:
+            for watch in list(self.jump_watches):
+                self.loop.call_soon(watch.on_change)
 
     def publish(self, topic: str, cdr: bytes) -> None:
         """Publish from the outside publisher that was added to a topic first."""
@@ -335,7 +355,7 @@ class FakeRos:
         node: str = "/outside",
     ) -> FakeSubscription:
         """Add a subscription that sees what is published, by the gateway too."""
-        return self._open_subscription(
+        return self.open_subscription(
             topic, type_name, qos or Qos(), on_samples, lambda _: None, node
         )
 
@@ -421,7 +441,7 @@ class FakeRos:
             if watch in self.watches:
                 watch.on_change()
 
-    def _open_subscription(
+    def open_subscription(
         self,
         topic: str,
         type_name: str,

@@ -250,6 +250,33 @@ async def test_latched_publishers_keep_what_each_of_them_said_last(robot: Robot)
     await eventually(lambda: sorted(each.cdr for each in late) == [number(1), number(2)])
 
 
+async def test_who_joins_late_gets_what_each_publisher_keeps_then(robot: Robot) -> None:
+    one, other, gone = (robot.world.add_publisher("/map", INT32, LATCHED) for _ in range(3))
+    received, subscription = subscribe(robot, "/map", qos=replace(LATCHED, depth=50))
+    await eventually(lambda: subscription.publishers == 3)
+    for value in range(7):
+        one.publish(number(value))
+    other.publish(number(7))
+    gone.publish(number(8))
+    await eventually(lambda: len(received.cdrs) == 9)
+    gone.close()
+    await eventually(lambda: subscription.publishers == 2)
+    late: list[Sample] = []
+    reader = subscription.join_late(late.extend)
+    await eventually(lambda: len(late) == 6)
+    kept = [number(value) for value in (2, 3, 4, 5, 6)]
+    assert [each.cdr for each in late if each.cdr != number(7)] == kept
+    await eventually(lambda: reader.publishers == 2)
+    early = {each.origin: each.cdr for batch in received.batches for each in batch}
+    assert len(early) == 9
+    assert all(early[each.origin] == each.cdr for each in late)
+    reader.close()
+    reader.close()
+    one.publish(number(9))
+    await eventually(lambda: len(received.cdrs) == 10)
+    assert len(late) == 6
+
+
 async def test_an_earlier_subscription_follows_to_transient_local(robot: Robot) -> None:
     received, subscription = subscribe(robot, "/map")
     assert subscription.qos.durability == "volatile"
@@ -331,7 +358,7 @@ async def test_a_publisher_of_another_type_is_told_in_words(robot: Robot) -> Non
     )
 
 
-async def test_the_publishers_of_a_subscription_are_counted(robot: Robot) -> None:
+async def test_the_publishers_that_match_a_subscription_are_counted(robot: Robot) -> None:
     _, subscription = subscribe(robot, "/map")
     assert subscription.publishers == 0
     first = robot.world.add_publisher("/map", INT32, LATCHED)
@@ -339,8 +366,9 @@ async def test_the_publishers_of_a_subscription_are_counted(robot: Robot) -> Non
     await eventually(lambda: subscription.publishers == 2)
     first.close()
     await eventually(lambda: subscription.publishers == 1)
-    _, later = subscribe(robot, "/map")
-    assert later.publishers == 1
+    robot.world.add_publisher("/map", INT32, replace(LATCHED, durability="volatile"))
+    _, later = subscribe(robot, "/map", qos=LATCHED)
+    await eventually(lambda: later.publishers == 1)
 
 
 async def test_a_subscription_that_keeps_all_is_bounded(robot: Robot) -> None:

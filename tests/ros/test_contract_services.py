@@ -85,12 +85,20 @@ async def test_a_call_waits_for_its_server(robot: Robot) -> None:
     assert text_of(await soon(calling)) == "got True"
 
 
+async def in_turn(client: Any, requests: list[Request]) -> list[asyncio.Future[bytes]]:
+    """Make five calls, each after the one before has come to the server."""
+    calls = []
+    for count in range(1, 6):
+        calls.append(asyncio.ensure_future(client.call(request(True))))
+        await eventually(lambda count=count: len(requests) == count)
+    return calls
+
+
 async def test_answers_may_come_in_another_order_than_requests(robot: Robot) -> None:
     requests: list[Request] = []
     robot.ros.serve("/arm", SET_BOOL, requests.append)
     client = robot.world.add_client("/arm", SET_BOOL)
-    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(5)]
-    await eventually(lambda: len(requests) == 5)
+    calls = await in_turn(client, requests)
     for index in (3, 0, 4, 1, 2):
         requests[index].answer(response(str(index)))
     assert [text_of(await soon(call)) for call in calls] == ["0", "1", "2", "3", "4"]
@@ -100,8 +108,7 @@ async def test_answers_of_an_outside_server_may_come_in_another_order(robot: Rob
     requests: list[Request] = []
     robot.world.add_service("/arm", SET_BOOL, requests.append)
     client = robot.ros.client("/arm", SET_BOOL)
-    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(5)]
-    await eventually(lambda: len(requests) == 5)
+    calls = await in_turn(client, requests)
     for index in (3, 0, 4, 1, 2):
         requests[index].answer(response(str(index)))
     assert [text_of(await soon(call)) for call in calls] == ["0", "1", "2", "3", "4"]

@@ -276,6 +276,34 @@ async def test_simulated_time_follows_the_clock_topic(outside: Outside) -> None:
         await eventually(has_arrived)
 
 
+async def test_simulated_time_that_goes_back_is_told(outside: Outside) -> None:
+    clock = outside.add_publisher("/clock", "rosgraph_msgs/msg/Clock")
+    jumps: list[int] = []
+    async with open_ros(RosOptions(use_sim_time=True)) as ros:
+        watch = ros.watch_jumps_back(lambda: jumps.append(ros.now_ns()))
+
+        async def tell(milliseconds: int) -> None:
+            seconds, rest = divmod(milliseconds, 1000)
+            stamp = seconds.to_bytes(4, "little") + (rest * 1_000_000).to_bytes(4, "little")
+
+            def has_arrived() -> bool:
+                clock.publish(b"\0\1\0\0" + stamp)
+                return ros.now_ns() == milliseconds * 1_000_000
+
+            await eventually(has_arrived)
+
+        for milliseconds in (1000, 1500, 3000):
+            await tell(milliseconds)
+        assert jumps == []
+        await tell(2999)
+        await eventually(lambda: jumps == [2_999_000_000])
+        watch.close()
+        watch.close()
+        await tell(100)
+        await tell(200)
+        assert len(jumps) == 1
+
+
 async def test_the_log_reaches_rosout_and_not_the_terminal(
     outside: Outside, capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -73,12 +73,6 @@ def waiting(reader: Any) -> int:
     return int(next(line for line in lines if line.startswith("eventfd-count:")).split()[1], 16)
 
 
-async def test_only_publishers_of_its_type_count(ros: RclpyRos) -> None:
-    subscription = ros.subscribe("/scan", INT32, Qos(), lambda _: None, lambda _: None)
-    subscription.follow([RELIABLE, Offer("/other", "std_msgs/msg/String"), BEST_EFFORT])
-    assert subscription.publishers == 2
-
-
 async def test_what_waits_while_the_profile_is_replaced_is_not_lost(
     ros: RclpyRos, outside: Outside
 ) -> None:

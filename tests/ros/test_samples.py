@@ -22,6 +22,7 @@ from tests.client import eventually
 from tests.ros.outside import Outside, OutsidePublisher
 
 INT32 = "std_msgs/msg/Int32"
+INFO = {"received_timestamp": 0, "source_timestamp": 0, "publication_sequence_number": 1}
 CDR = b"\0\1\0\0\7\0\0\0"
 CLASS = message_class(INT32)
 
@@ -178,7 +179,7 @@ async def test_the_newest_samples_wait_where_an_executor_takes_them(node: Node) 
         CLASS, "/count", to_profile(adopt(Qos(depth=3), ())), received.extend
     )
     for number in range(10):
-        reader._arrive(CDR, {"received_timestamp": number})  # type: ignore[attr-defined]
+        reader._arrive(CDR, INFO | {"received_timestamp": number})  # type: ignore[attr-defined]
     await eventually(lambda: bool(received))
     assert [sample.received_ns for sample in received] == [7, 8, 9]
     reader.close()
@@ -187,7 +188,7 @@ async def test_the_newest_samples_wait_where_an_executor_takes_them(node: Node) 
 async def test_a_flush_ends_though_the_samples_do_not(node: Node) -> None:
     received: list[Sample] = []
     reader = samples_of(node).read(CLASS, "/count", to_profile(adopt(Qos(), ())), received.extend)
-    reader._take_message = lambda *_: (CDR, {"received_timestamp": 0})  # type: ignore[attr-defined]
+    reader._take_message = lambda *_: (CDR, INFO)  # type: ignore[attr-defined]
     reader.flush()
     assert len(received) == MAX_QUEUE_DEPTH
     reader.close()

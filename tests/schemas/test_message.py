@@ -208,7 +208,15 @@ def test_octets_come_back_from_base64_and_from_a_list(octets):
     assert CompressedImage.model_validate_json(f'{{"data": "{text}"}}').data == octets
 
 
-@pytest.mark.parametrize("sent", ["QQ", "QQ=", "QQ==\n", " QQ==", "Q-__", "ä", "====", "A"])
+@pytest.mark.parametrize("line_end", ["\n", "\r\n", " "])
+@given(octets=st.binary())
+def test_octets_are_taken_from_base64_in_lines(line_end, octets):
+    text = base64.encodebytes(octets).decode().replace("\n", line_end)
+
+    assert CompressedImage.model_validate({"data": text}).data == octets
+
+
+@pytest.mark.parametrize("sent", ["QQ", "QQ=", "QQ\n", "Q-__", "ä", "====", "A", "QQ\0=="])
 def test_what_is_not_strictly_base64_is_refused(sent):
     assert refusal(CompressedImage, {"data": sent})[1:] == ("octets", "text is no valid base64")
 

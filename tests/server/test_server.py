@@ -565,6 +565,23 @@ async def status_of(served: Served, request: bytes) -> int:
     return int(response.split()[1])
 
 
+async def test_the_address_says_in_which_format_images_come(serve: Serve):
+    image = "sensor_msgs/msg/Image"
+    async with serve() as served, client(f"{served.url}?images=raw") as speaker:
+        publisher = served.ros.add_publisher("/camera", image)
+        await speaker.send(op="subscribe", topic="/camera")
+        await speaker.sync()
+        publisher.publish(
+            served.cdr(image, encoding="mono8", width=1, height=1, step=1, data="AA==")
+        )
+        assert (await speaker.message("/camera"))["encoding"] == "mono8"
+        with pytest.raises(InvalidStatus) as refused:
+            async with client(f"{served.url}?images=gif"):
+                pass
+    assert refused.value.response.status_code == 400
+    assert b"images: got 'gif', expected jpeg, png or raw" in refused.value.response.body
+
+
 @pytest.mark.parametrize(
     ("host", "status"), [("evil.example", 421), ("evil.example:9090", 421), ("", 400)]
 )

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Topics: advertise, publish, subscribe."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Final, Literal
 
 from pydantic import Field, GetPydanticSchema, model_validator
 from pydantic_core import core_schema
@@ -43,16 +43,18 @@ class QosRequest(OperationPart):
     lifespan: Duration = None
 
 
-# a Literal of the table's names and `raw`, the plain message
+IMAGE_FORMATS: Final = (*PICTURE_FORMATS, "raw")  # raw is the plain message
+
+# a Literal of these names
 ImageFormat = Annotated[
-    str, GetPydanticSchema(lambda *_: core_schema.literal_schema([*PICTURE_FORMATS, "raw"]))
+    str, GetPydanticSchema(lambda *_: core_schema.literal_schema(list(IMAGE_FORMATS)))
 ]
 
 
 class ImageRequest(OperationPart):
     """The picture options of a subscription to ``sensor_msgs/msg/Image``."""
 
-    format: ImageFormat = "jpeg"
+    format: ImageFormat | None = None  # that of the connection
     quality: Annotated[int, Field(ge=1, le=100)] = 80
     max_width: Annotated[int, Field(ge=1, le=8192)] | None = None
     max_height: Annotated[int, Field(ge=1, le=8192)] | None = None

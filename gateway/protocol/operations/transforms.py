@@ -3,10 +3,11 @@
 
 from typing import Annotated, Final
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from gateway.protocol.operations.base import MIN_RATE_HZ, Id, Operation, OperationPart
 from gateway.tf.buffer import MAX_FRAME_CHARACTERS
+from schemas.json_forms import duration
 
 MAX_RATE_HZ: Final = 200  # what a headset draws, twice
 # A robot takes as long to start. To wait longer, a client asks again, or periodically.
@@ -16,10 +17,15 @@ FrameId = Annotated[str, Field(max_length=MAX_FRAME_CHARACTERS)]
 
 
 class StampRequest(OperationPart):
-    """A ROS time."""
+    """A ROS time, in the names of either ROS."""
 
-    sec: Annotated[int, Field(ge=0, lt=2**31)]
+    sec: Annotated[int, Field(ge=0, lt=2**31)] = 0
     nanosec: Annotated[int, Field(ge=0, lt=1_000_000_000)] = 0
+
+    @model_validator(mode="before")
+    @classmethod
+    def _take_names_of_ros_1(cls, value: object) -> object:
+        return duration(value)
 
 
 class LookupTransform(Operation):

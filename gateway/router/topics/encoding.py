@@ -196,7 +196,7 @@ class PerClientFrame:
         options = subscription.options
         meta = None
         if options.meta and self._received_ns is not None:
-            meta = Meta(shared.seq, self._received_ns, subscription.queue.dropped)
+            meta = Meta(shared.seq, self._received_ns, subscription.lost)
         own = PerClient(shared.seq, meta, options.fragment_size, subscription.session.is_ros_sharp)
         return shared.encoding.frames.per_client(message, own)
 

@@ -53,6 +53,7 @@ class Subscription:
 
     __slots__ = (
         "_counts",
+        "_is_late",
         "_throttle",
         "_timer",
         "last_refusal",
@@ -84,6 +85,7 @@ class Subscription:
         self.requests = requests
         self.options = options
         self.shares_frames = not options.needs_own_frames
+        self._is_late = False
         self.source: Source | None = None
         self.last_refusal = ""  # of another source, as the client was warned
         self.offered = 0
@@ -109,42 +111,51 @@ class Subscription:
             sent_bytes=queue.sent_bytes,
             coalesced=queue.coalesced,
             dropped=queue.dropped + queue.discarded,
-            pending=queue.pending + (throttle is not None and throttle.is_holding),
+            pending=queue.pending + (0 if throttle is None else len(throttle)),
         )
         return own.plus(self.past)
+
+    @property
+    def lost(self) -> int:
+        """The samples that the client will never get, as it or its throttle was too slow."""
+        return self.queue.dropped + self.queue.coalesced
 
     def offer(self, entry: Entry, now_ns: int, *, more: bool) -> None:
         """Take an entry, now or at the end of the throttle's interval; *more* follow at once."""
         self.offered += 1
         throttle = self._throttle
-        if throttle is None or throttle.passes(entry, now_ns):
+        if throttle is None or throttle.passes(now_ns):
             self.queue.put(entry, more=more)
-        elif self._timer is not None:
-            self.queue.coalesced += 1  # the entry took the place of an older one
-        else:
-            delay_s = (throttle.due_ns - now_ns) / 1e9
-            self._timer = asyncio.get_running_loop().call_later(delay_s, self._on_interval)
+            return
+        self.queue.coalesced += throttle.hold(entry)
+        if self._timer is None:
+            self._wait_for(throttle, now_ns)
 
     def change(
         self, requests: Mapping[str | int | None, Subscribe], options: SubscriptionOptions
     ) -> None:
         """Go on with other requests; entries that wait are still delivered.
 
-        Another throttle begins at once: the entry that the former one holds passes.
+        Another throttle begins at once: what the former one holds passes.
         """
-        if options.throttle_ns != self.options.throttle_ns:
-            self._release()
+        if options.pace != self.options.pace:
+            self._release_all()
             self._throttle = _throttle(options)
         self.requests = requests
         self.options = options
-        self.shares_frames = not options.needs_own_frames
+        self.set_late(is_late=self._is_late)
         self.queue.depth, self.queue.max_bytes = options.queue_bounds
+
+    def set_late(self, *, is_late: bool) -> None:
+        """Note whether it gets retained samples, of which others have got frames long ago."""
+        self._is_late = is_late
+        self.shares_frames = not (is_late or self.options.needs_own_frames)
 
     def clear(self) -> None:
         """Deliver nothing of what has come so far."""
         self._stop_timer()
         if self._throttle is not None:
-            self.queue.discarded += self._throttle.is_holding
+            self.queue.discarded += len(self._throttle)
             self._throttle.clear()
         self.queue.clear()
 
@@ -169,7 +180,7 @@ class Subscription:
     def sent_at_once(self, arrived_ns: int) -> None:
         """Note how long a sample took from DDS to the socket, unless it waits."""
         throttle = self._throttle
-        if not self.queue.pending and (throttle is None or not throttle.is_holding):
+        if not self.queue.pending and not throttle:
             self._on_timed(arrived_ns)
 
     def _on_timed(self, arrived_ns: int) -> None:
@@ -179,16 +190,27 @@ class Subscription:
             self._counts.latency.observe(time_s)
             self.session.latency.observe(time_s)
 
+    def _wait_for(self, throttle: Throttle, now_ns: int) -> None:
+        delay_s = (throttle.due_ns - now_ns) / 1e9
+        self._timer = asyncio.get_running_loop().call_later(delay_s, self._on_interval)
+
     def _on_interval(self) -> None:
-        self._release()
+        self._stop_timer()
+        throttle = self._throttle
+        if throttle is None:
+            return
+        now_ns = time.monotonic_ns()
+        held = throttle.release(now_ns)
+        if held is not None:
+            self.queue.put(held)
+        if throttle:
+            self._wait_for(throttle, now_ns)
         self.session.wake()
 
-    def _release(self) -> None:
+    def _release_all(self) -> None:
         self._stop_timer()
-        if self._throttle is not None:
-            held = self._throttle.release(time.monotonic_ns())
-            if held is not None:
-                self.queue.put(held)
+        while self._throttle and (held := self._throttle.release(0)) is not None:
+            self.queue.put(held)
 
     def _stop_timer(self) -> None:
         if self._timer is not None:
@@ -197,4 +219,4 @@ class Subscription:
 
 
 def _throttle(options: SubscriptionOptions) -> Throttle | None:
-    return Throttle(options.throttle_ns) if options.throttle_ns else None
+    return Throttle(options.pace) if options.pace.interval_ns else None

@@ -14,7 +14,7 @@ from gateway.metrics.state import ClientTopic, Delivery
 from gateway.ports import Graph, Ros, RosError
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import TopicName, resolve_topic
-from gateway.protocol.operations.topics import Subscribe, Unsubscribe
+from gateway.protocol.operations.topics import ImageFormat, Subscribe, Unsubscribe
 from gateway.protocol.session import Session
 from gateway.protocol.subscription_options import SubscriptionOptions, compression
 from gateway.protocol.websocket_frames import Compression
@@ -97,7 +97,7 @@ class Subscriptions:
                 "limit_exceeded",
                 f"queue_length: {options.queue_length}, at most {longest} allowed",
             )
-        source = self._find_source(name, request.topic, options)
+        source = self._find_source(session, name, request.topic, options)
         if source is not None:
             # its own as well: merged with a request for everything it has none
             message_type = self._types.get(source.topic.type_name)
@@ -174,14 +174,18 @@ class Subscriptions:
             raise ProtocolError("limit_exceeded", f"at most {limit} subscriptions per client")
 
     def _find_source(
-        self, name: TopicName, requested_name: str, options: SubscriptionOptions
+        self,
+        session: Session,
+        name: TopicName,
+        requested_name: str,
+        options: SubscriptionOptions,
     ) -> Source | None:
         """Return what feeds a subscription with these options; ``None``: the type is not known."""
         message_type = self._types.on_topic(name, options.type)
         if message_type is None:
             return None
         _check_fields(message_type, options.fields, options.compression)
-        image = _image_options(message_type, options)
+        image = _image_options(message_type, options, session.image_format)
         return Source(
             TopicKey(name, message_type.name, requested(options.qos)),
             EncodingKey(requested_name, options.fields, image, options.compression),
@@ -197,7 +201,10 @@ class Subscriptions:
         options = SubscriptionOptions.merge(requests.values())
         try:
             source = self._find_source(
-                subscription.topic_name, subscription.requested_name, options
+                subscription.session,
+                subscription.topic_name,
+                subscription.requested_name,
+                options,
             )
             if source is not None:
                 self._open(source.topic)
@@ -234,7 +241,7 @@ class Subscriptions:
             self._topics[source.topic].add(subscription, source.encoding)
         subscription.source = source
         if source is not None and not is_same_topic:
-            self._topics[source.topic].replay(subscription, source.encoding)
+            self._topics[source.topic].welcome(subscription, source.encoding)
         if former is not None:
             self._topics[former.topic].remove(subscription, former.encoding)
             self._close_if_idle(former.topic)
@@ -296,14 +303,17 @@ def _check_fields(
         raise ProtocolError("bad_request", text)
 
 
-def _image_options(message_type: MessageType, options: SubscriptionOptions) -> ImageOptions | None:
+def _image_options(
+    message_type: MessageType, options: SubscriptionOptions, default_format: ImageFormat
+) -> ImageOptions | None:
     """Return how pictures are encoded; ``None`` for plain messages."""
     image = options.image
-    if message_type.name != "sensor_msgs/msg/Image" or options.fields or image.format == "raw":
+    image_format = image.format or default_format
+    if message_type.name != "sensor_msgs/msg/Image" or options.fields or image_format == "raw":
         return None
     if options.compression == "cbor-raw":
         return None
-    asked = ImageOptions(image.format, image.quality, image.max_width, image.max_height)
+    asked = ImageOptions(image_format, image.quality, image.max_width, image.max_height)
     if image.depth_range_m is None:
         return asked
     try:

@@ -10,7 +10,7 @@ from typing import Final
 
 from gateway.codec.errors import CodecError
 from gateway.codec.types import MessageType
-from gateway.ports import Mismatch, Ros, Sample
+from gateway.ports import Mismatch, Ros, RosError, Sample
 from gateway.protocol.errors import ProtocolError
 from gateway.router.topic_counts import TopicCounts
 from gateway.router.topics.encoding import (
@@ -19,7 +19,7 @@ from gateway.router.topics.encoding import (
     SharedFrame,
     make_encoding,
 )
-from gateway.router.topics.latch import make_latch
+from gateway.router.topics.late_join import LateJoin
 from gateway.router.topics.sample_faults import SampleFaults
 from gateway.router.topics.subscription import EncodingKey, Subscription, TopicKey
 
@@ -55,8 +55,7 @@ class Topic:
         self._encodings: dict[EncodingKey, Encoding] = {}
         self._seq = 0
         self._received: deque[tuple[int, int]] = deque(maxlen=RATE_BATCHES)  # times and numbers
-        self._latch = make_latch(key.name, message_type)
-        self._has_kept = False
+        self._late_joins: dict[Subscription, LateJoin] = {}
         self._faults: dict[EncodingKey, SampleFaults] = {}  # of a picture, or of the message
         self._timed_ns = 0  # when the next batch is timed
         self._ros_subscription = ros.subscribe(
@@ -90,25 +89,29 @@ class Topic:
         encoding.subscriptions.append(subscription)
 
     def remove(self, subscription: Subscription, key: EncodingKey) -> None:
-        """Feed a subscription no longer."""
+        """Feed a subscription no longer by the encoding of this key."""
         encoding = self._encodings[key]
         encoding.subscriptions.remove(subscription)
+        if subscription in self._late_joins and not self._feeds(subscription):
+            self._end_late_join(subscription)
         if not encoding.subscriptions:
             del self._encodings[key], self._faults[key]
 
-    def replay(self, subscription: Subscription, key: EncodingKey) -> None:
-        """Offer a new subscription what late subscribers of the topic get, and its warnings."""
+    def welcome(self, subscription: Subscription, key: EncodingKey) -> None:
+        """Give a new subscription what has been there before: warnings, and retained samples.
+
+        Before the first sample has come, the topic itself is a late joiner.
+        """
         for mismatch in self._ros_subscription.incompatible:
             subscription.warn(ProtocolError(mismatch.code, mismatch.text))
         self._faults[key].forget()
-        now_ns = time.monotonic_ns()
-        for seq, sample in self._latch.newest(self._retained):
-            shared = SharedFrame(self._encodings[key], sample, seq)  # with nobody: others had it
-            shared.arrived_ns = 0  # long ago
-            self._offer_own(shared, subscription, now_ns, more=True)
+        if self._seq and self._ros_subscription.qos.durability == "transient_local":
+            self._join_late(subscription)
 
     def close(self) -> None:
-        """End the ROS subscription."""
+        """End the ROS subscriptions."""
+        for join in self._late_joins.values():
+            join.close()
         self._ros_subscription.close()
 
     def rate_hz(self, now_ns: int) -> float:
@@ -126,13 +129,6 @@ class Topic:
         first_seq = self._seq + 1
         self._seq += count
         self._received.append((now_ns, self._seq))
-        if self._ros_subscription.qos.durability == "transient_local":
-            # twice what is replayed now: a new publisher's sample may come before its discovery
-            self._latch.keep(samples, first_seq, 2 * self._retained)
-            self._has_kept = True
-        elif self._has_kept:
-            self._latch.clear()  # its publishers have changed: what it kept may be long wrong
-            self._has_kept = False
         more = count > 1
         size = 0
         for encoding in self._encodings.values():
@@ -143,7 +139,7 @@ class Topic:
                 for subscription in encoding.subscriptions:
                     if subscription.shares_frames and not subscription.session.is_ros_sharp:
                         subscription.offer(shared, now_ns, more=more)
-                    else:
+                    elif self._passes(subscription, seq, sample):
                         self._offer_own(shared, subscription, now_ns, more=more)
         self._counts.received += count
         self._counts.received_bytes += size
@@ -171,6 +167,41 @@ class Topic:
         received_ns = self._ros.now_ns() if subscription.options.meta else None
         subscription.offer(PerClientFrame(shared, subscription, received_ns), now_ns, more=more)
 
+    def _join_late(self, subscription: Subscription) -> None:
+        try:
+            self._late_joins[subscription] = LateJoin(
+                self._ros_subscription,
+                partial(self._offer_late, subscription),
+                partial(self._end_late_join, subscription),
+            )
+        except RosError as error:
+            text = f"{error}; what {self.key.name} has kept for late subscribers will not come"
+            subscription.warn(ProtocolError(error.code, text))
+        else:
+            subscription.set_late(is_late=True)
+
+    def _passes(self, subscription: Subscription, seq: int, sample: Sample) -> bool:
+        join = self._late_joins.get(subscription)
+        return join is None or join.passes(seq, sample)
+
+    def _offer_late(self, subscription: Subscription, sample: Sample, seq: int | None) -> None:
+        """Offer a sample to a late subscription; retained ones have the number of the newest."""
+        if subscription.source is None:
+            return
+        encoding = self._encodings[subscription.source.encoding]
+        shared = SharedFrame(encoding, sample, self._seq if seq is None else seq)
+        if seq is None:
+            shared.arrived_ns = 0  # long ago
+        self._offer_own(shared, subscription, time.monotonic_ns(), more=True)
+        subscription.session.wake()
+
+    def _feeds(self, subscription: Subscription) -> bool:
+        return any(subscription in each.subscriptions for each in self._encodings.values())
+
+    def _end_late_join(self, subscription: Subscription) -> None:
+        self._late_joins.pop(subscription).close()
+        subscription.set_late(is_late=False)
+
     def _on_incompatible(self, mismatch: Mismatch) -> None:
         """Warn the clients of a publisher that cannot be matched."""
         self._warn_all(ProtocolError(mismatch.code, mismatch.text))
@@ -190,15 +221,3 @@ class Topic:
     def _warn(self, key: EncodingKey, error: ProtocolError) -> None:
         for subscription in list(self._encodings[key].subscriptions):
             subscription.warn(error)
-
-    @property
-    def _retained(self) -> int:
-        """The number of samples that a late subscriber gets: as many as DDS would give it.
-
-        That is `depth` samples of each publisher. rclpy does not say which publisher a sample came
-        from, so it is the newest ones, as many as there are publishers. None of a volatile topic.
-        """
-        ros_subscription = self._ros_subscription
-        if ros_subscription.qos.durability != "transient_local":
-            return 0
-        return max(1, ros_subscription.publishers) * (self.key.qos.depth or 1)

@@ -11,13 +11,12 @@ from typing import Any, Final
 from gateway.codec.error_text import truncate
 from gateway.codec.errors import CodecError
 from gateway.codec.types import MessageType
-from gateway.ports import Mismatch, Qos, Ros, RosError, RosSubscription, Sample
+from gateway.ports import Mismatch, Qos, Ros, RosError, RosSubscription, Sample, Watch
 from gateway.protocol.errors import ProtocolError
 from gateway.router.topic_types import TopicTypes
 from gateway.tf import TF_MESSAGE
 from gateway.tf.buffer import Buffer
 from gateway.tf.errors import InvalidTransformError
-from gateway.tf.history import JUMP_BACK_NS
 from gateway.tf.rigid import Rigid
 
 # After the last lookup. A client that asks every few seconds, or reconnects, finds the buffer full;
@@ -31,6 +30,8 @@ _MAX_WARNINGS: Final = 8  # on /rosout, for each kind of fault, about as many fr
 class TfListener:
     """The two ROS subscriptions while they are needed, and the buffer that they fill.
 
+    As in tf2, what moves is forgotten when simulated time jumps back.
+
     *on_change* is called when an answer of the buffer may have changed.
     """
 
@@ -39,10 +40,9 @@ class TfListener:
         self._ros = ros
         self._types = types
         self._on_change = on_change
-        self._open: list[RosSubscription] = []
+        self._open: list[RosSubscription | Watch] = []
         self._users = 0
         self._end: asyncio.TimerHandle | None = None
-        self._newest_now_ns = 0
         self._news: asyncio.Event | None = None  # while somebody waits for it
         self._warned: dict[str, set[str]] = {}  # by kind of fault, the subjects warned about
 
@@ -71,8 +71,8 @@ class TfListener:
         if self._end is not None:
             self._end.cancel()
             self._end = None
-        for subscription in self._open:
-            subscription.close()
+        for each in self._open:
+            each.close()
         self._open.clear()
         self.buffer.forget()
         self._warned.clear()
@@ -107,16 +107,12 @@ class TfListener:
                 self.close()
                 raise
             self._open.append(opened)
+        self._open.append(self._ros.watch_jumps_back(self._on_jump_back))
 
     def _on_samples(
         self, message_type: MessageType, is_static: bool, samples: Sequence[Sample]
     ) -> None:
         before = self.buffer.revision
-        now_ns = self._ros.now_ns()
-        if now_ns < self._newest_now_ns - JUMP_BACK_NS:
-            self.buffer.clear()  # as in tf2: a simulation or a recording has started over
-            self._newest_now_ns = now_ns
-        self._newest_now_ns = max(self._newest_now_ns, now_ns)
         heard_ns = time.monotonic_ns()
         for sample in samples:
             try:
@@ -131,6 +127,10 @@ class TfListener:
         if self._news is not None:
             self._news.set()
             self._news = None
+        self._on_change()
+
+    def _on_jump_back(self) -> None:
+        self.buffer.clear()
         self._on_change()
 
     def _insert(self, stamped: Mapping[str, Any], heard_ns: int, is_static: bool) -> None:

@@ -10,7 +10,8 @@ import pybase64
 
 from gateway.codec import cbor
 from gateway.codec.errors import CodecError
-from gateway.codec.image import ENCODINGS, ImageOptions
+from gateway.codec.image import ImageOptions
+from gateway.codec.image_encodings import ENCODINGS
 from gateway.codec.json import loads
 from gateway.codec.picture import cbor_picture_renderer, picture_renderer
 from gateway.codec.png import text_as_png

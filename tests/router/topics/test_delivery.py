@@ -94,7 +94,14 @@ def check(delivery: Delivery, client: Client) -> None:
 
 
 options = st.sampled_from(
-    [{}, {"queue_length": 1}, {"queue_length": 3}, {"throttle_rate": LONG}, {"throttle_rate": 1}]
+    [
+        {},
+        {"queue_length": 1},
+        {"queue_length": 3},
+        {"throttle_rate": LONG},
+        {"throttle_rate": 1},
+        {"throttle_rate": LONG, "queue_length": 3},
+    ]
 )
 steps = st.lists(
     st.one_of(

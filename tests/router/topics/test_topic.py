@@ -16,8 +16,9 @@ from gateway.protocol.operations.topics import Subscribe
 from gateway.protocol.session import Session
 from gateway.protocol.subscription_options import SubscriptionOptions
 from gateway.router.topic_counts import TopicCounts
+from gateway.router.topics import late_join
 from gateway.router.topics import topic as topic_module
-from gateway.router.topics.subscription import EncodingKey, Subscription, TopicKey
+from gateway.router.topics.subscription import EncodingKey, Source, Subscription, TopicKey
 from gateway.router.topics.topic import Topic
 from schemas.installed import InstalledDefinitions
 from tests.client import eventually
@@ -74,6 +75,19 @@ def received(of: Subscription) -> list[Any]:
     return [frame["msg"]["data"] for frame in frames if frame["op"] == "publish"]
 
 
+class Heard:
+    """All that a subscription has received."""
+
+    def __init__(self, of: Subscription) -> None:
+        self._of = of
+        self._texts: list[Any] = []
+
+    @property
+    def texts(self) -> list[Any]:
+        self._texts += received(self._of)
+        return self._texts
+
+
 def test_subscriptions_with_one_encoding_share_the_bytes(topic: Topic):
     one, other = subscription(), subscription()
     for each in (one, other):
@@ -109,39 +123,117 @@ def test_what_ros_refuses_is_no_topic(ros: FakeRos, workers: Executor):
         )
 
 
-def test_a_late_subscriber_gets_as_many_samples_as_there_are_publishers(
-    ros: FakeRos, workers: Executor
-):
-    latched = Qos(durability="transient_local", depth=1)
-    for _ in range(2):
-        ros.add_publisher("/t", STRING, latched)
-    topic = open_topic(ros, workers, latched)
-    topic._on_samples([sample(text) for text in "abcde"])
-    late = subscription()
+LATCHED = Qos(durability="transient_local", depth=2)
+
+
+@pytest.fixture
+async def latched(ros: FakeRos, workers: Executor) -> Topic:
+    """Return a topic that has received "b" and "c", which its publisher keeps, and "a"."""
+    publisher = ros.add_publisher("/t", STRING, LATCHED)
+    topic = open_topic(ros, workers, Qos(durability="transient_local", depth=10))
+    early = subscription()
+    topic.add(early, PLAIN)
+    for text in "abc":
+        publisher.publish(sample(text).cdr)
+    heard = Heard(early)
+    await eventually(lambda: heard.texts == ["a", "b", "c"])
+    return topic
+
+
+def join(topic: Topic, **options: Any) -> Subscription:
+    late = subscription(**options)
+    late.source = Source(topic.key, PLAIN)
     topic.add(late, PLAIN)
-    topic.replay(late, PLAIN)
-    assert received(late) == ["d", "e"]
+    topic.welcome(late, PLAIN)
+    return late
 
 
-def test_twice_what_is_replayed_is_retained_and_no_more(ros: FakeRos, workers: Executor):
-    # a new publisher's sample may come before its discovery
-    latched = Qos(durability="transient_local", depth=1)
-    ros.add_publisher("/t", STRING, latched)
-    topic = open_topic(ros, workers, latched)
-    topic._on_samples([sample(text) for text in "abc"])
-    assert [seq for seq, _ in topic._latch.newest(100)] == [2, 3]
+async def test_a_late_subscriber_gets_what_its_publishers_keep(ros: FakeRos, latched: Topic):
+    late = join(latched)
+    ros.publish("/t", sample("d").cdr)
+    heard = Heard(late)
+    await eventually(lambda: len(heard.texts) >= 3)
+    assert heard.texts == ["b", "c", "d"]
 
 
-async def test_a_topic_that_becomes_volatile_retains_nothing(ros: FakeRos, workers: Executor):
-    latched = Qos(durability="transient_local", depth=1)
-    publisher = ros.add_publisher("/t", STRING, latched)
-    topic = open_topic(ros, workers, Qos())
-    topic._on_samples([sample("old")])
-    ros.remove_publisher(publisher)
-    ros.add_publisher("/t", STRING)
-    await eventually(lambda: topic._ros_subscription.qos.durability == "volatile")
-    topic._on_samples([sample("new")])
-    assert topic._latch.newest(100) == []
+async def test_a_publisher_that_has_gone_keeps_nothing_for_late_subscribers(
+    ros: FakeRos, latched: Topic
+):
+    ros.remove_publisher(ros.publishers[0])
+    other = ros.add_publisher("/t", STRING, LATCHED)
+    other.publish(sample("d").cdr)
+    heard = Heard(join(latched))
+    await eventually(lambda: heard.texts == ["d"])
+
+
+async def test_retained_samples_have_the_number_of_the_newest(latched: Topic):
+    late = join(latched, meta=True)
+    frames: list[Any] = []
+
+    def has_come() -> bool:
+        wires = late.session.outbox.take(1 << 20)
+        frames.extend(frame for wire in wires for frame in unpacked(wire))
+        return len(frames) == 2
+
+    await eventually(has_come)
+    assert [frame["seq"] for frame in frames] == [3, 3]
+
+
+async def test_a_late_subscriber_that_leaves_takes_its_reader_with_it(ros: FakeRos, latched: Topic):
+    late = join(latched)
+    assert len(ros.subscriptions) == 2
+    late.source = None
+    latched.remove(late, PLAIN)
+    assert len(ros.subscriptions) == 1
+
+
+async def test_the_subscriptions_of_a_topic_end_with_it(ros: FakeRos, latched: Topic):
+    join(latched)
+    latched.close()
+    assert ros.subscriptions == []
+
+
+async def test_another_encoding_of_the_topic_is_no_reason_to_begin_anew(
+    ros: FakeRos, latched: Topic
+):
+    late = join(latched)
+    fields = EncodingKey("/t", ("data",), None)
+    latched.add(late, fields)
+    late.source = Source(latched.key, fields)
+    latched.remove(late, PLAIN)
+    assert len(ros.subscriptions) == 2
+    heard = Heard(late)
+    await eventually(lambda: heard.texts == ["b", "c"])
+
+
+async def test_after_its_late_join_a_subscription_shares_frames(
+    ros: FakeRos, latched: Topic, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(late_join, "QUIET_S", 0.02)
+    late = join(latched)
+    assert not late.shares_frames
+    await eventually(lambda: late.shares_frames)
+    assert len(ros.subscriptions) == 1
+    assert received(late) == ["b", "c"]
+    ros.publish("/t", sample("d").cdr)
+    heard = Heard(late)
+    await eventually(lambda: heard.texts == ["d"])
+
+
+async def test_where_ros_refuses_the_late_join_the_client_is_told(
+    ros: FakeRos, latched: Topic, monkeypatch: pytest.MonkeyPatch
+):
+    def refuse(*_: object) -> None:
+        raise RosError("internal", "no room")
+
+    monkeypatch.setattr(type(ros.subscriptions[0]), "join_late", refuse)
+    late = join(latched)
+    ((wire,),) = [late.session.outbox.take(1000)]
+    (status,) = unpacked(wire)
+    assert status["msg"] == "no room; what /t has kept for late subscribers will not come"
+    ros.publish("/t", sample("d").cdr)
+    heard = Heard(late)
+    await eventually(lambda: heard.texts == ["d"])
 
 
 def send_broken(topic: Topic, listener: Subscription, length: int = 100) -> list[Any]:
@@ -165,7 +257,7 @@ def test_a_later_subscriber_is_told_of_a_fault_that_lasts(topic: Topic):
     assert send_broken(topic, early)
     assert not send_broken(topic, early)
     topic.add(late, PLAIN)
-    topic.replay(late, PLAIN)
+    topic.welcome(late, PLAIN)
     assert send_broken(topic, late)
 
 

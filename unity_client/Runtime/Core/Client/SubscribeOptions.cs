@@ -28,7 +28,7 @@ namespace Ros2Gateway
     /// <summary>How the gateway should send sensor_msgs/msg/Image: as JPEG, of this size and rate.</summary>
     public sealed class ImageOptions
     {
-        /// <summary>"jpeg", "png" or "raw"; null for JPEG.</summary>
+        /// <summary>"jpeg", "png" or "raw"; null for the gateway's default, mostly JPEG.</summary>
         public string Format;
 
         /// <summary>1 to 100, of JPEG; 0 for the gateway's default.</summary>

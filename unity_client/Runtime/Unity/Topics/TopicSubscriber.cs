@@ -142,6 +142,7 @@ namespace Ros2Gateway.Unity
             {
                 options.Image = new ImageOptions
                 {
+                    Format = "jpeg",
                     Quality = _imageQuality,
                     MaxWidth = _imageMaxWidth,
                     MaxHeight = _imageMaxHeight,
