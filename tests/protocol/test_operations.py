@@ -148,7 +148,7 @@ def with_value(operation: dict[str, Any], path: str, value: Any) -> dict[str, An
         (IMAGE, "image.max_height", 8192, 8193),
         (IMAGE, "image.max_height", 1, 0),
         (IMAGE, "image.max_fps", 1000, 1000.1),
-        (IMAGE, "image.max_fps", 0.001, 0),
+        (IMAGE, "image.max_fps", 0.001, 0.0009),
         (IMAGE, "image.depth_range_m", [0, 0.1], [-0.1, 0.1]),
         (IMAGE, "image.depth_range_m", [1, 2], [2, 2]),
         ({"op": "advertise", "topic": "/t", "type": "x"}, "queue_size", 0, -1),

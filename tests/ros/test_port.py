@@ -212,6 +212,14 @@ async def test_an_action_of_which_a_part_is_remapped_is_refused_by_name(part: st
         assert ros.entity_count() == 0
 
 
+async def test_topics_that_do_not_exist_are_not_remembered(outside: Outside) -> None:
+    async with open_ros(RosOptions()) as ros:
+        outside.add_publisher("/count", INT32)
+        await eventually(lambda: ros.topic_types("/count") == (INT32,))
+        assert not any(ros.topic_types(f"/none{number}") for number in range(10))
+        assert set(ros._types) == {"/count"}  # type: ignore[attr-defined]  # its memory
+
+
 async def test_a_remapped_topic_is_refused_by_name() -> None:
     options = RosOptions(arguments=("--ros-args", "-r", "/cmd_vel:=/other"))
     async with open_ros(options) as ros:

@@ -4,12 +4,13 @@
 import asyncio
 import logging
 from collections.abc import AsyncIterator, Callable, Iterator
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from gateway.ports import Request, RosError
+from gateway.ports import MAX_TAKES_PER_TURN, Request, RosError
 from gateway.ros import RosOptions, endpoints
 from gateway.ros.interfaces import service_class
 from gateway.ros.port import RclpyRos
@@ -301,6 +302,20 @@ async def test_responses_that_cannot_be_read_keep_no_other_waiting(ros: RclpyRos
         assert text_of(await soon(calling)) == "done"
     for calling in calls[:6]:
         calling.cancel()
+
+
+async def test_32_responses_are_taken_in_a_turn_then_others_have_theirs(ros: RclpyRos) -> None:
+    requester: Any = ros.client("/arm", SET_BOOL)._requester
+    taken = 0
+
+    def take(_: type) -> Any:
+        nonlocal taken
+        taken += 1
+        return SimpleNamespace(request_id=SimpleNamespace(sequence_number=-1)), None
+
+    requester._take_response = take
+    requester._take()
+    assert taken == MAX_TAKES_PER_TURN == 32
 
 
 async def test_more_responses_at_once_than_are_taken_in_a_turn_all_arrive(ros: RclpyRos) -> None:
