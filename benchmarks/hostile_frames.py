@@ -16,6 +16,7 @@ from gateway.codec.json import LARGE_BYTES, MAX_CONTAINERS, MAX_ITEMS
 from gateway.config.limits import Limits
 from schemas.definition import FLOATS, INTEGER_RANGES, STRINGS, Definition, FieldType
 from schemas.installed import InstalledDefinitions
+from schemas.json_forms import MAX_BROKEN_TEXT
 
 MAX_MESSAGE_BYTES: Final = Limits().max_message_bytes
 
@@ -101,6 +102,9 @@ def plain_frames() -> Iterator[HostileFrame]:
         ),
         "octets as base64": publish(_IMAGE, f'{{"data":"{"A" * (room // 4 * 4)}"}}'),
         "octets as bad base64": publish(_IMAGE, f'{{"data":"{"A" * (room // 4 * 4 - 1)}?"}}'),
+        "octets as bad base64 in lines": publish(
+            _IMAGE, f'{{"data":"{(("A" * 76) + chr(92) + "n") * (MAX_BROKEN_TEXT // 77)}?"}}'
+        ),
         "a long string": publish(_STRING, f'{{"data":"{"a" * room}"}}'),
         "a long string, not ASCII": publish(_STRING, f'{{"data":"{"ü" * (room // 2)}"}}'),
         "unknown fields": publish(_STRING, f"{{{members}}}"),

@@ -19,6 +19,11 @@ Clock: TypeAlias = int | Callable[[], int]
 MAX_NANOSEC: Final = 10**9 - 1
 CLOCKS: Final = frozenset({"builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration"})
 
+# Characters of base64 with line breaks, as MIME and Android make it. Taking them out costs fifteen
+# times as much as decoding: 3 ms for this many.
+MAX_BROKEN_TEXT: Final = 4 * 1024**2
+_WHITESPACE: Final = b" \t\r\n"
+
 _ROS1_NAMES: Final = {"secs": "sec", "nsecs": "nanosec"}
 
 
@@ -85,10 +90,11 @@ FORMS: Final[Mapping[str, Callable[[object, Clock], object]]] = {
 def _octets_of_text(text: str) -> bytes:
     try:
         return pybase64.b64decode(text, validate=True)
-    except ValueError:
-        unbroken = "".join(text.split())  # MIME and Android break lines
+    except ValueError as error:
+        if len(text) > MAX_BROKEN_TEXT or not text.isascii():
+            raise OctetsError("text is no valid base64") from error
     try:
-        return pybase64.b64decode(unbroken, validate=True)
+        return pybase64.b64decode(text.encode().translate(None, _WHITESPACE), validate=True)
     except ValueError as error:
         raise OctetsError("text is no valid base64") from error
 

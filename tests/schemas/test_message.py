@@ -216,6 +216,14 @@ def test_octets_are_taken_from_base64_in_lines(line_end, octets):
     assert CompressedImage.model_validate({"data": text}).data == octets
 
 
+def test_base64_in_lines_is_taken_up_to_4_mib():
+    lines = "A" * 76 + "\n"
+    most = lines * (4 * 1024**2 // len(lines))
+
+    assert CompressedImage.model_validate({"data": most}).data
+    assert refusal(CompressedImage, {"data": most + lines * 4})[2] == "text is no valid base64"
+
+
 @pytest.mark.parametrize("sent", ["QQ", "QQ=", "QQ\n", "Q-__", "ä", "====", "A", "QQ\0=="])
 def test_what_is_not_strictly_base64_is_refused(sent):
     assert refusal(CompressedImage, {"data": sent})[1:] == ("octets", "text is no valid base64")

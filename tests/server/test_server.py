@@ -14,6 +14,7 @@ from gateway.ports import Qos
 from gateway.router.topics.encoding import Encoding
 from gateway.server.connection import Connection
 from gateway.server.end import End, Why
+from gateway.server.server import TICK_S
 from tests.client import TIMEOUT_S, Client, client, eventually
 from tests.server.conftest import Serve, Served
 
@@ -52,6 +53,15 @@ async def test_samples_and_answers_reach_a_client(serve: Serve):
         await speaker.sync()
         publisher.publish(served.cdr(STRING, data="grüß dich"))
         assert await speaker.message("/chatter") == {"data": "grüß dich"}
+
+
+async def test_the_times_of_clients_and_budgets_are_looked_at_four_times_a_second(serve: Serve):
+    assert TICK_S == 0.25
+    async with serve() as served:
+        async with client(served.url) as speaker:
+            await speaker.sync()
+            assert served.server.budgets._addresses
+        await eventually(lambda: not served.server.budgets._addresses)
 
 
 async def test_binary_and_fragmented_frames_are_json_too(serve: Serve):
