@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """One subscription by itself."""
 
+import time
 from typing import Any
 
 import pytest
@@ -12,6 +13,7 @@ from gateway.protocol.session import Session
 from gateway.protocol.subscription_options import SubscriptionOptions
 from gateway.router.topic_counts import TopicCounts
 from gateway.router.topics.subscription import Subscription
+from tests.client import eventually
 from tests.clock import StoppedClock
 from tests.protocol.entries import Item
 
@@ -70,6 +72,22 @@ async def test_what_a_throttle_holds_passes_at_the_end_of_its_interval(
     assert waiting(subscription) == [b"1"]
     await clock.advance(0.002)
     assert waiting(subscription) == [b"2"]
+
+
+async def test_what_a_throttle_queues_passes_one_by_one_until_nothing_waits():
+    subscription = subscribed(throttle_rate=5, queue_length=10)
+    seen: list[bytes] = []
+
+    def count() -> int:
+        seen.extend(waiting(subscription))
+        return len(seen)
+
+    for number in range(4):
+        offer(subscription, number, time.monotonic_ns())
+    assert subscription.delivery.pending > 0
+    await eventually(lambda: count() == 4)
+    assert seen == [b"0", b"1", b"2", b"3"]
+    assert subscription._timer is None
 
 
 async def test_another_throttle_begins_at_once_and_keeps_the_order():
