@@ -133,7 +133,7 @@ class HttpFront:
         if path != self._path:
             return protocol.reject(404, f"nothing here; the WebSocket is at {self._path}\n")
         check_target(request.path)
-        image_format(request.path)
+        image_format(request.path)  # refuses what is none while there is a response to do it by
         if request.headers.get("Upgrade") is None:
             address = f"{'wss' if self.is_encrypted else 'ws'}://{host}{self._path}"
             return page(protocol, request, _WELCOME.format(address=address).encode())
