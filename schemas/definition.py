@@ -100,7 +100,7 @@ class Constant:
 
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """A message type: its full name (``pkg/msg/Name``), members, comments and source text.
+    """A message type: its full name (``pkg/msg/Name``), members, comments and `.msg` text.
 
     A part of a service or an action has rosidl's name for it: ``pkg/srv/Name_Request``.
     """
@@ -141,8 +141,10 @@ _TYPE = re.compile(
     r"(?:<=(?P<string_bound>\d+))?"
     r"(?P<array>\[(?:(?P<at_most><=)?(?P<size>\d+))?\])?"
 )
-_FIELD_NAME = re.compile(r"[a-z](?:_?[a-z0-9]+)*_?", re.IGNORECASE)
-_CONSTANT_NAME = re.compile(r"[A-Z](?:_?[A-Z0-9]+)*_?", re.IGNORECASE)
+# Letters, digits and single underscores. A character can belong to one part of it only, so the
+# time is proportional to the length.
+FIELD_NAME: Final = re.compile(r"[a-z][a-z0-9]*(?:_[a-z0-9]+)*_?", re.IGNORECASE | re.ASCII)
+CONSTANT_NAME: Final = FIELD_NAME
 _STRING_ITEM = re.compile(
     r"""(?P<item>"(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*'|[^"',][^,]*)\s*(?:,\s*|$)"""
 )
@@ -250,13 +252,13 @@ def _parse_member(package: str, declaration: str, comment: str) -> Field | Const
     rest = rest.strip()
     constant, equals, value = rest.partition("=")
     # "string<=3 x" has its "=" inside the type, and a default may hold one inside quotes
-    if equals and _CONSTANT_NAME.fullmatch(constant.strip()):
+    if equals and CONSTANT_NAME.fullmatch(constant.strip()):
         parsed = _parse_value(field_type, value.strip())
         if isinstance(parsed, tuple):
             raise ValueError(f"constant {constant.strip()} is an array")
         return Constant(constant.strip(), field_type.base, parsed, comment)
     field, _, default = rest.partition(" ")
-    if not _FIELD_NAME.fullmatch(field):
+    if not FIELD_NAME.fullmatch(field):
         raise ValueError(f"{field!r} is no field name")
     default = default.strip()
     value_or_none = _parse_value(field_type, default) if default else None

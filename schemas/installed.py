@@ -5,16 +5,18 @@ A service or an action is a file of several messages, which have rosidl's names:
 ``std_srvs/srv/SetBool_Request``, ``test_msgs/action/Fibonacci_Feedback``.
 """
 
-import difflib
 import json
 import os
 import re
 import sys
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal, get_args
 
 from schemas.definition import Definition, DefinitionError, parse_definition
+from schemas.guess import MAX_GUESSED, guess, guess_text
+from schemas.idl import parse_idl_interface, parse_idl_message
 from schemas.interface import ROLES, Interface, InterfaceKind, Role, parse_interface, part_name
 
 Kind = Literal["msg", "srv", "action"]
@@ -27,10 +29,7 @@ _EXPECTED: Final = {
     "srv": "service type name: expected pkg/srv/Name",
     "action": "action type name: expected pkg/action/Name",
 }
-# Of names that differ by a typing error; difflib's own 0.6 takes two to three times as long.
-_LIKENESS: Final = 0.75
-# Characters of a name that are compared: the time is proportional, and clients may send any name.
-_MAX_GUESSED: Final = 128
+_IDL: Final = "idl"
 
 
 class UnknownTypeError(LookupError):
@@ -50,10 +49,20 @@ def installed_prefixes() -> tuple[Path, ...]:
     return tuple(dict.fromkeys(Path(prefix) for prefix in [*overlays, sys.prefix] if prefix))
 
 
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """The text of a file, its notation, and the hashes of the types in it."""
+
+    text: str
+    is_idl: bool
+    hashes: Mapping[str, str]
+
+
 class InstalledDefinitions:
     """The definitions below some prefixes, read on first use and then kept.
 
-    An earlier prefix hides a later one, like an overlay in ROS.
+    An earlier prefix hides a later one, like an overlay in ROS. A package may have its definitions
+    as `.idl` files alone.
     """
 
     def __init__(self, prefixes: Sequence[Path] | None = None) -> None:
@@ -83,7 +92,9 @@ class InstalledDefinitions:
         _roles_of(name, kind)
         known = self._interfaces.get(name)
         if known is None:
-            known = self._interfaces[name] = parse_interface(name, *self._text_and_hashes(name))
+            found = self._find(name)
+            parse = parse_idl_interface if found.is_idl else parse_interface
+            known = self._interfaces[name] = parse(name, found.text, found.hashes)
         return known
 
     def names(self, packages: Iterable[str] | None = None, kind: Kind = "msg") -> list[str]:
@@ -131,21 +142,20 @@ class InstalledDefinitions:
         return list(ordered.values())
 
     def nearest(self, name: str) -> str | None:
-        """Guess the type that an unknown name means: misspelt, or of another package.
+        """Guess the type that an unknown name means: misspelt, abbreviated, or of another package.
 
         It compares with the types of one package, not with all installed ones.
         """
-        match = _TYPE_NAME.fullmatch(name[:_MAX_GUESSED])
+        match = _TYPE_NAME.fullmatch(name[:MAX_GUESSED])
         if match is None:
-            return None
+            return self.meant(name)
         package, _, short_name = match["file"].split("/")
         kind: Kind = match["kind"]  # type: ignore[assignment]  # the pattern knows these three
-        listed = self._list(kind)
-        for near in _close(package, listed):
-            for found in _close(short_name, listed[near]):
-                return f"{near}/{kind}/{found}"
-        owners = (owner for owner, short_names in listed.items() if short_name in short_names)
-        return next((f"{owner}/{kind}/{short_name}" for owner in owners), None)
+        return _joined(guess(package, short_name, self._list(kind)), kind)
+
+    def meant(self, text: str, kind: Kind = "msg") -> str | None:
+        """Guess the type of a kind that a text means which is not of the form of a type name."""
+        return _joined(guess_text(text, self._list(kind)), kind)
 
     def _list(self, kind: Kind) -> Mapping[str, Sequence[str]]:
         """Return the installed types by package; reading the directories takes milliseconds."""
@@ -153,8 +163,9 @@ class InstalledDefinitions:
         if listed is None:
             found: dict[str, set[str]] = {}
             for prefix in self._prefixes:
-                for path in prefix.glob(f"share/*/{kind}/*.{kind}"):
-                    found.setdefault(path.parts[-3], set()).add(path.stem)
+                for path in prefix.glob(f"share/*/{kind}/*.*"):
+                    if path.suffix[1:] in {kind, _IDL}:
+                        found.setdefault(path.parts[-3], set()).add(path.stem)
             listed = {package: sorted(found[package]) for package in sorted(found)}
             self._listed[kind] = listed
         return listed
@@ -162,27 +173,31 @@ class InstalledDefinitions:
     def _read(self, name: str) -> Definition:
         match = _TYPE_NAME.fullmatch(name)
         if match is not None and match["kind"] == "msg" and match["file"] == name:
-            text, hashes = self._text_and_hashes(name)
-            return parse_definition(name, text, hashes.get(name))
+            found = self._find(name)
+            parse = parse_idl_message if found.is_idl else parse_definition
+            return parse(name, found.text, found.hashes.get(name))
         if match is not None:
             for role in ROLES.get(match["kind"], ()):
                 if part_name(match["file"], role) == name:
                     return self.interface(match["file"]).parts[role]
         raise UnknownTypeError(name, f"{name!r} is no message type name: expected pkg/msg/Name")
 
-    def _text_and_hashes(self, name: str) -> tuple[str, dict[str, str]]:
+    def _find(self, name: str) -> "_Found":
         """Read the file of ``pkg/KIND/Name``, and the hashes beside it."""
         package, kind, short_name = name.split("/")
         for prefix in self._prefixes:
-            path = prefix / "share" / package / kind / f"{short_name}.{kind}"
-            try:
-                if path.is_file():
-                    # invalid UTF-8 is in comments, where it is harmless
-                    text = path.read_text(encoding="utf-8", errors="replace")
-                    return text, _type_hashes(path.with_suffix(".json"))
-            except OSError as error:  # a name longer than any file's, a file that is not ours
-                reason = f"no definition of {name} can be read: {error.strerror}"
-                raise UnknownTypeError(name, reason) from error
+            # rosidl writes IDL beside each .msg file, which has the comments as they were written
+            for suffix in (kind, _IDL):
+                path = prefix / "share" / package / kind / f"{short_name}.{suffix}"
+                try:
+                    if path.is_file():
+                        # invalid UTF-8 is in comments, where it is harmless
+                        text = path.read_text(encoding="utf-8", errors="replace")
+                        hashes = _type_hashes(path.with_suffix(".json"))
+                        return _Found(text, suffix == _IDL, hashes)
+                except OSError as error:  # a name longer than any file's, a file that is not ours
+                    reason = f"no definition of {name} can be read: {error.strerror}"
+                    raise UnknownTypeError(name, reason) from error
         raise UnknownTypeError(name, f"no definition of {name} is installed")
 
 
@@ -200,8 +215,8 @@ def _roles_in(name: str) -> tuple[Role, ...]:
     return ROLES.get(match["kind"], ())
 
 
-def _close(name: str, names: Iterable[str]) -> list[str]:
-    return difflib.get_close_matches(name, names, n=1, cutoff=_LIKENESS)
+def _joined(found: tuple[str, str] | None, kind: Kind) -> str | None:
+    return None if found is None else f"{found[0]}/{kind}/{found[1]}"
 
 
 def _type_hashes(path: Path) -> dict[str, str]:

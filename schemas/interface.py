@@ -16,7 +16,7 @@ Role = Literal["request", "response", "goal", "result", "feedback"]
 ROLES: Final[Mapping[str, tuple[Role, ...]]] = MappingProxyType(
     {"srv": ("request", "response"), "action": ("goal", "result", "feedback")}
 )
-_SEPARATOR: Final = "---"
+SEPARATOR: Final = "---"
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +48,7 @@ def parse_interface(name: str, text: str, hashes: Mapping[str, str] | None = Non
     known = hashes or {}
     lines = text.splitlines()
     # As in rosidl, a separator has no blank beside it.
-    ends = [number for number, line in enumerate(lines) if line == _SEPARATOR]
+    ends = [number for number, line in enumerate(lines) if line == SEPARATOR]
     roles = ROLES[name.split("/")[1]]
     if len(ends) != len(roles) - 1:
         raise DefinitionError(

@@ -7,8 +7,9 @@ missing ones default. Pydantic's compiled core checks nearly all of it; it calls
 a comment says so.
 """
 
+import math
 from collections.abc import Callable, Iterable, Mapping
-from typing import Annotated, ClassVar, TypeAlias, TypeVar
+from typing import Annotated, Any, ClassVar, Final, TypeAlias, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -17,13 +18,24 @@ from pydantic import (
     ConfigDict,
     FailFast,
     Field,
+    GetCoreSchemaHandler,
+    GetPydanticSchema,
     ValidationInfo,
     model_validator,
 )
-from pydantic_core import PydanticCustomError
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from schemas.definition import FLOAT32_OVERFLOW
-from schemas.json_forms import MAX_NANOSEC, Clock, OctetsError, duration, header, octets, time
+from schemas.json_forms import (
+    MAX_WHOLE,
+    NON_FINITE,
+    Clock,
+    OctetsError,
+    duration,
+    header,
+    octets,
+    time,
+)
 
 __all__ = [
     "Annotated",
@@ -40,7 +52,6 @@ __all__ = [
     "Int32",
     "Int64",
     "Message",
-    "Nanoseconds",
     "Octets",
     "String",
     "TimeMessage",
@@ -69,7 +80,7 @@ class Message(BaseModel):
         strict=True,
         extra="forbid",
         frozen=True,
-        allow_inf_nan=False,  # JSON has neither; an overflowing 1e999 must not become one
+        allow_inf_nan=False,  # see `_as_non_finite`
         protected_namespaces=(),  # attribute() keeps clear of what BaseModel uses
         defer_build=True,  # a module of 30 messages imports in the time of the few in use
     )
@@ -78,21 +89,63 @@ class Message(BaseModel):
     ros_type_hash: ClassVar[str]  # REP-2011, "RIHS01_..."
 
 
+def _whole(source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+    number = core_schema.float_schema(
+        strict=True, ge=-MAX_WHOLE, le=MAX_WHOLE, multiple_of=1, allow_inf_nan=False
+    )
+    # In Python only if a float comes; integers and what is refused are the core's.
+    convert = core_schema.no_info_plain_validator_function(int)
+    choices = [
+        core_schema.int_schema(strict=True),
+        core_schema.chain_schema([number, convert]),
+        core_schema.any_schema(),
+    ]
+    forms = core_schema.union_schema(choices, mode="left_to_right")  # type: ignore[arg-type]  # a list is invariant
+    return core_schema.chain_schema([forms, handler(source)])
+
+
+def _non_finite(size: int) -> GetPydanticSchema:
+    def schema(source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        # In Python only what is neither a finite number nor null.
+        others = core_schema.with_info_plain_validator_function(_as_non_finite)
+        return core_schema.union_schema(
+            [handler(source), others],
+            mode="left_to_right",
+            custom_error_type=f"float{size}_type",
+            custom_error_message=f"Input should be a number that float{size} holds",
+        )
+
+    return GetPydanticSchema(schema)
+
+
+def _as_non_finite(value: object, info: ValidationInfo) -> float:
+    if isinstance(value, str) and value in NON_FINITE:
+        return NON_FINITE[value]
+    # JSON text has no such number; an overflowing 1e999 must not become one.
+    if info.mode == "python" and isinstance(value, float) and not math.isfinite(value):
+        return value
+    raise PydanticCustomError("float_type", "Input should be a valid number")
+
+
+# A float without a fraction is an integer, as in JSON Schema.
+_WHOLE: Final = GetPydanticSchema(_whole)
+
 Bool: TypeAlias = bool
-Int8: TypeAlias = Annotated[int, Field(ge=-(2**7), le=2**7 - 1)]
-Int16: TypeAlias = Annotated[int, Field(ge=-(2**15), le=2**15 - 1)]
-Int32: TypeAlias = Annotated[int, Field(ge=-(2**31), le=2**31 - 1)]
-Int64: TypeAlias = Annotated[int, Field(ge=-(2**63), le=2**63 - 1)]
-UInt8: TypeAlias = Annotated[int, Field(ge=0, le=2**8 - 1)]
-UInt16: TypeAlias = Annotated[int, Field(ge=0, le=2**16 - 1)]
-UInt32: TypeAlias = Annotated[int, Field(ge=0, le=2**32 - 1)]
-UInt64: TypeAlias = Annotated[int, Field(ge=0, le=2**64 - 1)]
+Int8: TypeAlias = Annotated[int, Field(ge=-(2**7), le=2**7 - 1), _WHOLE]
+Int16: TypeAlias = Annotated[int, Field(ge=-(2**15), le=2**15 - 1), _WHOLE]
+Int32: TypeAlias = Annotated[int, Field(ge=-(2**31), le=2**31 - 1), _WHOLE]
+Int64: TypeAlias = Annotated[int, Field(ge=-(2**63), le=2**63 - 1), _WHOLE]
+UInt8: TypeAlias = Annotated[int, Field(ge=0, le=2**8 - 1), _WHOLE]
+UInt16: TypeAlias = Annotated[int, Field(ge=0, le=2**16 - 1), _WHOLE]
+UInt32: TypeAlias = Annotated[int, Field(ge=0, le=2**32 - 1), _WHOLE]
+UInt64: TypeAlias = Annotated[int, Field(ge=0, le=2**64 - 1), _WHOLE]
 
-Nanoseconds: TypeAlias = Annotated[int, Field(ge=0, le=MAX_NANOSEC)]
 
-# null is NaN, which JSON does not have; integers pass as floats.
-Float32: TypeAlias = Annotated[float, Field(gt=-FLOAT32_OVERFLOW, lt=FLOAT32_OVERFLOW)] | None
-Float64: TypeAlias = float | None
+# null is NaN, which JSON does not have; NaN and infinities are strings; integers pass as floats.
+Float32: TypeAlias = Annotated[
+    Annotated[float, Field(gt=-FLOAT32_OVERFLOW, lt=FLOAT32_OVERFLOW)] | None, _non_finite(32)
+]
+Float64: TypeAlias = Annotated[float | None, _non_finite(64)]
 
 # CDR strings end at NUL. The pattern also refuses lone surrogates, which have no UTF-8.
 String: TypeAlias = Annotated[str, Field(pattern=r"^[^\x00]*$")]

@@ -24,6 +24,8 @@ _TYPE_SPELLING: Final = re.compile(
 _INTERFACE_SPELLING: Final = re.compile(
     r"(?P<package>[a-z][a-z0-9_]*)/(?:(?P<kind>srv|action)/)?(?P<name>[A-Z][A-Za-z0-9]*)"
 )
+_ANY_SPELLING: Final = re.compile(r"[a-z][a-z0-9_]*/(?P<kind>msg|srv|action)/[A-Z][A-Za-z0-9]*")
+_A: Final = {"msg": "a message", "srv": "a service", "action": "an action"}
 # Ten times the digits that a table will ever need; int() of very many digits is slow.
 _NUMBER: Final = re.compile(r"[0-9]{1,9}", re.ASCII)
 
@@ -35,7 +37,17 @@ class TableError(ValueError):
 
 
 class TypeNameError(ValueError):
-    """A client's text does not name a type; the exception's text says what was expected."""
+    """A client's text does not name a type; the exception's text says what was expected.
+
+    *requested* is that text, empty if nobody can guess what it means, and *kind* what was expected.
+    """
+
+    def __init__(
+        self, reason: str, requested: str = "", kind: Literal["msg", "srv", "action"] = "msg"
+    ) -> None:
+        super().__init__(reason)
+        self.requested = requested
+        self.kind: Literal["msg", "srv", "action"] = kind
 
 
 class Row(BaseModel):
@@ -139,8 +151,10 @@ def resolve_type(requested: str | int, table: Table) -> str:
             return _numbered(int(requested), table)
         case str() if match := _TYPE_SPELLING.fullmatch(requested):
             return f"{match['package']}/msg/{match['name']}"
+    _refuse_other_kind(requested, "msg")
     raise TypeNameError(
-        f"{requested!r} is no message type: expected pkg/msg/Name, pkg/Name or a table number"
+        f"{requested!r} is no message type: expected pkg/msg/Name, pkg/Name or a table number",
+        requested if isinstance(requested, str) else "",
     )
 
 
@@ -154,9 +168,12 @@ def resolve_interface(requested: str, kind: InterfaceKind) -> str:
     """
     match = _INTERFACE_SPELLING.fullmatch(requested)
     if match is None or match["kind"] not in {None, kind}:
+        _refuse_other_kind(requested, kind)
         called = "service" if kind == "srv" else "action"
         raise TypeNameError(
-            f"{requested!r} is no {called} type: expected pkg/{kind}/Name or pkg/Name"
+            f"{requested!r} is no {called} type: expected pkg/{kind}/Name or pkg/Name",
+            requested,
+            kind,
         )
     return f"{match['package']}/{kind}/{match['name']}"
 
@@ -178,6 +195,13 @@ def resolve_any(requested: str | int, table: Table, known: Container[str]) -> st
         return message
     interfaces = (resolve_interface(text, kind) for kind in get_args(InterfaceKind))
     return next((name for name in interfaces if name in known), message)
+
+
+def _refuse_other_kind(requested: str | int, kind: str) -> None:
+    """Refuse the name of a type of another kind in words of its own."""
+    match = _ANY_SPELLING.fullmatch(requested) if isinstance(requested, str) else None
+    if match is not None and match["kind"] != kind:
+        raise TypeNameError(f"{requested!r} is {_A[match['kind']]} type, not {_A[kind]} type")
 
 
 def _numbered(number: int, table: Table) -> str:

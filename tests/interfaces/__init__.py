@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """ROS packages that tests need and PyPI lacks, built from their definitions.
 
+``idl_msgs`` is made up: its definitions are `.idl` files alone.
+
 `python -m tests.interfaces` builds them (gcc needed, a few seconds, once) against the wheels, and
 the tests' `conftest.py` uses them from then on.
 """
@@ -13,8 +15,10 @@ from pathlib import Path
 from typing import Final
 
 FOLDER: Final = Path(__file__).parent
-PACKAGES: Final = ("tf2_msgs",)
-HOW: Final = "tf2_msgs is not built: `python -m tests.interfaces` builds it, with gcc"
+PACKAGES: Final = ("tf2_msgs", "idl_msgs")
+HOW: Final = (
+    "tf2_msgs and idl_msgs are not built: `python -m tests.interfaces` builds them, with gcc"
+)
 
 _CACHE: Final = FOLDER.parents[1] / ".cache/interfaces"
 # what the built code depends on beside the definitions and the interpreter

@@ -19,7 +19,7 @@ def main() -> int:
         return 0
     has_headers = Path(sysconfig.get_path("include"), "Python.h").is_file()
     if not (shutil.which("gcc") and shutil.which("g++") and has_headers):
-        print("no gcc, g++ or Python.h: tests that need tf2_msgs will be skipped")  # noqa: T201
+        print("no gcc, g++ or Python.h: tests that need tf2_msgs or idl_msgs will be skipped")  # noqa: T201
         return 0
     from tests.interfaces.build import build  # only now: it needs the generators
 

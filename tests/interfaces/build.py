@@ -92,9 +92,11 @@ def build(package: str, source: Path, prefix: Path) -> None:
 
 def _generate(package: str, share: Path, trees: dict[str, Path]) -> None:
     """Write the code, and beside the definitions in *share* their REP-2011 descriptions."""
-    found = [path for kind in _KINDS for path in sorted(share.glob(f"{kind}/*.{kind}"))]
+    written = [path for kind in _KINDS for path in sorted(share.glob(f"{kind}/*.idl"))]
+    converted = [path for kind in _KINDS for path in sorted(share.glob(f"{kind}/*.{kind}"))]
+    found = [*written, *converted]
     idls = [path.relative_to(share).with_suffix(".idl") for path in found]
-    for path in found:
+    for path in converted:
         convert_to_idl(share, package, path.relative_to(share), share)
     arguments = {
         "package_name": package,

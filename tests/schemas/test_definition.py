@@ -102,6 +102,13 @@ def test_a_line_is_read_as_rosidl_reads_it(line):
     ]
 
 
+@pytest.mark.parametrize("name", [f"{'a' * 5000}-", f"{'a' * 5000}__", "\u017f", "\u212a"])
+def test_a_name_of_any_length_is_read_at_once_and_has_letters_of_ascii(name):
+    for line in (f"int32 {name}", f"int32 {name}=1"):
+        with pytest.raises(DefinitionError, match="is no field name"):
+            parse(line)
+
+
 def test_the_text_of_a_definition_keeps_its_tabs():
     assert parse("float64\tx\n").text == "float64\tx\n"
 

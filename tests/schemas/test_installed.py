@@ -59,6 +59,15 @@ def write_definition(prefix, name, text):
     path.write_text(text, encoding="utf-8")
 
 
+def write_idl(prefix, name, body):
+    package, kind, short_name = name.split("/")
+    write_definition(prefix, name, "")
+    path = prefix / "share" / package / kind / f"{short_name}.{kind}"
+    path.unlink()
+    text = f"module {package} {{ module {kind} {{ {body} }}; }};"
+    path.with_suffix(".idl").write_text(text, encoding="utf-8")
+
+
 @pytest.mark.parametrize(
     ("described", "at_least"), [(descriptions, 120), (descriptions_of_parts, 60)]
 )
@@ -200,6 +209,58 @@ def test_an_earlier_prefix_hides_a_later_one(tmp_path):
     assert definitions.get("some_msgs/msg/Thing").fields[0].name == "ours"
 
 
+def test_a_type_may_be_defined_by_idl_alone(tmp_path):
+    write_idl(tmp_path, "some_msgs/msg/Thing", "struct Thing { a_msgs::msg::Other x; };")
+    write_definition(tmp_path, "a_msgs/msg/Other", "int8 y")
+    write_idl(
+        tmp_path, "some_msgs/srv/Do", "struct Do_Request {long a;}; struct Do_Response {long b;};"
+    )
+    definitions = InstalledDefinitions([tmp_path])
+
+    closure = definitions.closure(["some_msgs/msg/Thing"])
+    assert [definition.name for definition in closure] == [
+        "a_msgs/msg/Other",
+        "some_msgs/msg/Thing",
+    ]
+    assert definitions.get("some_msgs/srv/Do_Response").fields[0].name == "b"
+    assert definitions.all_names() == [
+        "a_msgs/msg/Other", "some_msgs/msg/Thing", "some_msgs/srv/Do"
+    ]  # fmt: skip
+    assert definitions.nearest("some_msgs/msg/Thin") == "some_msgs/msg/Thing"
+
+
+def test_the_hash_beside_idl_is_read(tmp_path):
+    write_idl(tmp_path, "some_msgs/msg/Thing", "struct Thing { long x; };")
+    known = {"type_hashes": [{"type_name": "some_msgs/msg/Thing", "hash_string": "RIHS01_a"}]}
+    (tmp_path / "share/some_msgs/msg/Thing.json").write_text(json.dumps(known))
+
+    assert InstalledDefinitions([tmp_path]).get("some_msgs/msg/Thing").type_hash == "RIHS01_a"
+
+
+def test_a_msg_file_comes_before_the_idl_that_rosidl_wrote_from_it(tmp_path):
+    write_idl(tmp_path, "some_msgs/msg/Thing", "struct Thing { long from_idl; };")
+    write_definition(tmp_path, "some_msgs/msg/Thing", "int32 from_msg")
+    definitions = InstalledDefinitions([tmp_path])
+
+    assert definitions.get("some_msgs/msg/Thing").fields[0].name == "from_msg"
+    assert definitions.names() == ["some_msgs/msg/Thing"]
+
+
+def test_idl_in_an_earlier_prefix_hides_a_msg_file_in_a_later_one(tmp_path):
+    write_idl(tmp_path / "overlay", "some_msgs/msg/Thing", "struct Thing { long ours; };")
+    write_definition(tmp_path / "below", "some_msgs/msg/Thing", "int8 theirs")
+    definitions = InstalledDefinitions([tmp_path / "overlay", tmp_path / "below"])
+
+    assert definitions.get("some_msgs/msg/Thing").fields[0].name == "ours"
+
+
+def test_idl_that_cannot_be_read_is_a_definition_error(tmp_path):
+    write_idl(tmp_path, "some_msgs/msg/Thing", "struct Thing { wchar x; };")
+
+    with pytest.raises(DefinitionError, match=r"some_msgs/msg/Thing\.idl, line 1, column 48: ros"):
+        InstalledDefinitions([tmp_path]).get("some_msgs/msg/Thing")
+
+
 @pytest.mark.parametrize(
     "name",
     [
@@ -292,15 +353,51 @@ def test_what_is_missing_is_named_also_where_another_type_nests_it(tmp_path):
         ("std_srvs/srv/SetBoool", "std_srvs/srv/SetBool"),
         ("std_srvs/srv/SetBol_Request", "std_srvs/srv/SetBool"),
         ("test_msgs/action/Fibonaci", "test_msgs/action/Fibonacci"),
+        ("geometry_msgs/msg/Twits", "geometry_msgs/msg/Twist"),
+        ("geometry_mgs/msg/Twist", "geometry_msgs/msg/Twist"),
+        ("std_msgs/msg/Strng", "std_msgs/msg/String"),
+        ("nav_msgs/msg/Odom", "nav_msgs/msg/Odometry"),
+        ("nav_msgs/msg/Od", None),
+        ("sensor_msgs/msg/Pointcloud", "sensor_msgs/msg/PointCloud"),
+        ("my_msgs/msg/BasicTypes", "test_msgs/msg/BasicTypes"),
         ("nav_msgs/msg/Xyzzy", None),
         ("xyzzy/msg/Xyzzy", None),
-        ("Odometry", None),
+        ("Odometry", "nav_msgs/msg/Odometry"),
         ("", None),
         (f"nav_msgs/msg/{'A' * 200_000}", None),
     ],
 )
 def test_what_was_meant_is_guessed(name, meant):
     assert InstalledDefinitions().nearest(name) == meant
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "meant"),
+    [
+        ("Twist", "msg", "geometry_msgs/msg/Twist"),
+        ("twist", "msg", "geometry_msgs/msg/Twist"),
+        ("std_msgs/string", "msg", "std_msgs/msg/String"),
+        ("std_msgs::msg::String", "msg", "std_msgs/msg/String"),
+        ("std_msgs.msg.Strng", "msg", "std_msgs/msg/String"),
+        ("sensor_msgs/laser_scan", "msg", "sensor_msgs/msg/LaserScan"),
+        ("/geometry_msgs/Twist", "msg", "geometry_msgs/msg/Twist"),
+        ("set_bool", "srv", "std_srvs/srv/SetBool"),
+        ("SetBool", "msg", None),
+        ("/odom", "msg", None),
+        ("a/b/c/d", "msg", None),
+        ("", "msg", None),
+        ("/", "msg", None),
+        ("::" * 100_000, "msg", None),
+    ],
+)
+def test_what_a_text_means_is_guessed(text, kind, meant):
+    assert InstalledDefinitions().meant(text, kind) == meant
+
+
+def test_a_name_of_two_packages_is_not_guessed_to_be_that_of_the_tests(tmp_path):
+    for package in ("example_interfaces", "test_msgs", "useful_msgs"):
+        write_definition(tmp_path, f"{package}/msg/Thing", "")
+    assert InstalledDefinitions([tmp_path]).meant("Thing") == "useful_msgs/msg/Thing"
 
 
 def test_a_name_is_guessed_by_its_first_128_characters(tmp_path):

@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
+import json
+import math
+
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from schemas.json_forms import OctetsError, octets
+from schemas.json_forms import NON_FINITE, OctetsError, octets, whole
 
 OCTETS = st.integers(0, 255)
-OTHERS = st.sampled_from([-1, 256, 2**64, True, False, 1.0, "1", None, [1]])
+OTHERS = st.sampled_from([-1, 256, 256.0, 2**64, True, False, 1.5, "1", None, [1]])
 
 
 @given(st.lists(OCTETS, max_size=40), OTHERS, st.lists(OCTETS | OTHERS, max_size=40))
@@ -17,6 +20,18 @@ def test_the_first_item_that_is_no_octet_is_named(before, wrong, after):
         octets([*before, wrong, *after])
 
 
-@given(st.lists(OCTETS, max_size=40))
+@given(st.lists(OCTETS | OCTETS.map(float), max_size=40))
 def test_a_list_of_integers_holds_octets(items):
-    assert octets(items) == bytes(items)
+    assert octets(items) == bytes(map(int, items))
+
+
+@given(st.floats())
+def test_a_float_is_an_integer_if_it_is_one_of_those_that_floats_tell_apart(value):
+    is_integer = value % 1 == 0 and abs(value) <= 2**53
+    assert type(whole(value)) is (int if is_integer else float)
+    assert whole(value) == value or math.isnan(value)
+
+
+def test_names_of_non_finite_numbers_are_those_of_javascript_and_of_python():
+    for name in ("Infinity", "-Infinity", "NaN"):
+        assert json.dumps(NON_FINITE[name]) == name

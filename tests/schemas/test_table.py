@@ -125,7 +125,7 @@ def test_a_type_outside_the_table_is_resolved_too(table):
         "",
         "Twist",
         "geometry_msgs",
-        "geometry_msgs/srv/Twist",
+        "geometry_msgs/srv/Twist/",
         "geometry_msgs/msg/Twist/",
         "geometry_msgs/msg/Twist\n",
         "/geometry_msgs/Twist",
@@ -154,8 +154,7 @@ def test_a_service_or_an_action_is_resolved_in_every_form(kind):
         "",
         "1",
         "SetBool",
-        "std_srvs/msg/SetBool",
-        "std_srvs/action/SetBool",
+        "std_srvs/message/SetBool",
         "std_srvs/srv/SetBool_Request",
         "std_srvs/srv/SetBool\n",
         "../srv/SetBool",
@@ -168,7 +167,27 @@ def test_what_is_no_service_type_is_refused_with_the_forms_that_are(form):
 
 def test_what_is_no_action_type_is_refused_with_the_forms_that_are():
     with pytest.raises(TypeNameError, match="no action type: expected pkg/action/Name or pkg/"):
-        resolve_interface("std_srvs/srv/SetBool", "action")
+        resolve_interface("SetBool", "action")
+
+
+def test_the_name_of_another_kind_is_refused_as_such(table):
+    with pytest.raises(TypeNameError, match="is a service type, not a message type"):
+        resolve_type("std_srvs/srv/SetBool", table)
+    with pytest.raises(TypeNameError, match="is an action type, not a service type"):
+        resolve_interface("test_msgs/action/Fibonacci", "srv")
+    with pytest.raises(TypeNameError, match="is a message type, not an action type"):
+        resolve_interface("std_msgs/msg/String", "action")
+
+
+def test_a_refusal_has_what_is_needed_for_a_guess(table):
+    with pytest.raises(TypeNameError) as message:
+        resolve_type("twist", table)
+    with pytest.raises(TypeNameError) as service:
+        resolve_interface("set_bool", "srv")
+    with pytest.raises(TypeNameError) as number:
+        resolve_type(4711, table)
+    refusals = [(each.value.requested, each.value.kind) for each in (message, service, number)]
+    assert refusals == [("twist", "msg"), ("set_bool", "srv"), ("", "msg")]
 
 
 @pytest.mark.parametrize(

@@ -24,19 +24,22 @@ def references(schema):
             yield from references(value)
 
 
+FLOAT = {"type": ["number", "null", "string"], "pattern": "^(NaN|-?Infinity)$"}
+
+
 @pytest.mark.parametrize(
     ("line", "expected"),
     [
         ("bool x", {"type": "boolean"}),
         ("int16 x 5", {"type": "integer", "minimum": -32768, "maximum": 32767, "default": 5}),
-        ("float64 x", {"type": ["number", "null"]}),
-        ("float64 x nan", {"type": ["number", "null"], "default": None}),
+        ("float64 x", FLOAT),
+        ("float64 x nan", {**FLOAT, "default": None}),
         (
             "float64[2] x # two",
             {
                 "description": "two",
                 "type": "array",
-                "items": {"type": ["number", "null"]},
+                "items": FLOAT,
                 "minItems": 2,
                 "maxItems": 2,
             },
