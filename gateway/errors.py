@@ -6,11 +6,18 @@ import socket
 from typing import Final
 
 _BIND_REASONS: Final = {
-    errno.EADDRINUSE: "the port is in use",
-    errno.EACCES: "ports below 1024 need privileges",
-    errno.EADDRNOTAVAIL: "no interface of this machine has that address",
-    errno.EAFNOSUPPORT: "this machine has no such address family",
+    errno.EADDRINUSE: "the port is in use: end the program that has it (`ss -ltnp` names it), or"
+    " choose another one with --port",
+    errno.EACCES: "ports below 1024 need privileges: choose another one with --port",
+    errno.EADDRNOTAVAIL: "no interface of this machine has that address: `ip -br address` lists"
+    " those that are up; --lan listens on all of them, and without --host this machine alone can"
+    " connect",
+    errno.EAFNOSUPPORT: "this machine has no such address family: choose another address with"
+    " --host",
 }
+_NO_HOST: Final = (
+    "no address has that host name: choose one of this machine's with --host, or --lan"
+)
 
 _HOW_TO_GET_ROS: Final = """\
 rclpy cannot be imported ({reason}); there are two ways to get it:
@@ -46,7 +53,7 @@ class BindError(GatewayError):
     def __init__(self, host: str, port: int, cause: OSError) -> None:
         reason = _BIND_REASONS.get(cause.errno or 0) or cause.strerror or str(cause)
         if isinstance(cause, socket.gaierror):  # its numbers are not those of errno
-            reason = "no address has that host name"
+            reason = _NO_HOST
         where = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
         super().__init__(f"cannot listen on {where}, {reason}")
 

@@ -7,15 +7,10 @@ called on the event loop's thread and returns without blocking. Callbacks run on
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, Protocol
+from typing import Final, Literal, NamedTuple, Protocol
 
+from gateway.action_ports import ActionClient, ActionServer, GoalRequest
 from gateway.faults import Fault
-
-# action_msgs/msg/GoalStatus: how a goal ended
-GoalOutcome = Literal[4, 5, 6]
-SUCCEEDED: GoalOutcome = 4
-CANCELED: GoalOutcome = 5
-ABORTED: GoalOutcome = 6
 
 Reliability = Literal["reliable", "best_effort"]
 Durability = Literal["volatile", "transient_local"]
@@ -68,13 +63,43 @@ class Qos:
     depth: int | None = None
     deadline_ns: int | None = None
     lifespan_ns: int | None = None
+    lease_ns: int | None = None  # of liveliness: for how long a publisher may give no sign
 
 
-class Mismatch(NamedTuple):
-    """The reason that nothing comes from a publisher, with its code in the protocol."""
+# What a transient-local publisher keeps for so long or shorter is no state that a late subscriber
+# needs: it bridges the time until the two have discovered each other.
+BRIEF_LIFESPAN_NS: Final = 1_000_000_000
 
-    code: Literal["type_conflict", "qos_incompatible"]
-    text: str  # a sentence for people
+
+class TopicEvent(NamedTuple):
+    """Something that keeps messages from passing between publishers and subscriptions.
+
+    It has its code in the protocol, and two parts of a sentence for people.
+    """
+
+    code: Literal[
+        "type_conflict",
+        "qos_incompatible",
+        "deadline_missed",
+        "liveliness_lost",
+        "messages_lost",
+        "publisher_gone",
+    ]
+    problem: str
+    remedy: str = ""
+    node: str = ""  # that the problem names, as in "topic /t: /node offers"
+
+    @property
+    def text(self) -> str:
+        """Both parts."""
+        return f"{self.problem}; {self.remedy}" if self.remedy else self.problem
+
+    def for_who(self, sees: Callable[[str], bool]) -> "TopicEvent":
+        """Return it without the name of its node for a client that may not see that."""
+        if not self.node or sees(self.node):
+            return self
+        # no name has a blank in it, so this is the node
+        return self._replace(problem=self.problem.replace(f" {self.node} ", " a node ", 1), node="")
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,8 +152,8 @@ class RosSubscription(Protocol):
         """
 
     @property
-    def incompatible(self) -> tuple[Mismatch, ...]:
-        """The mismatches given to *on_incompatible* that still apply."""
+    def incompatible(self) -> tuple[TopicEvent, ...]:
+        """The mismatches given to *on_event* that still apply."""
 
     def close(self) -> None:
         """Destroy it; no callback follows. Closing twice is harmless."""
@@ -198,90 +223,6 @@ class Service(Protocol):
         """
 
 
-class GoalResult(NamedTuple):
-    """The status and the result of a goal that has ended."""
-
-    status: GoalOutcome
-    cdr: bytes  # the action's Result, with its 4-byte encapsulation header
-
-
-class Goal(Protocol):
-    """A goal that an action server has accepted."""
-
-    async def result(self) -> GoalResult:
-        """Wait for the end of the goal.
-
-        Raises:
-            RosError: ``not_found``: the server is gone or has forgotten the goal, or the action
-                client was closed.
-        """
-
-    def cancel(self) -> None:
-        """Ask the server to cancel, without waiting; `result` reports whether it did."""
-
-
-class ActionClient(Protocol):
-    """A client of a ROS action; goals, feedback and results are CDR."""
-
-    async def send_goal(self, goal: bytes, on_feedback: Callable[[bytes], None]) -> Goal | None:
-        """Wait for a server and send it a goal; return ``None`` if it rejects the goal.
-
-        *on_feedback* gets CDR of the action's Feedback until the result arrives. Any number of
-        goals may be active. The caller sets the time limit. Cancelling this gives the goal up: if
-        the server still accepts it, it is cancelled.
-
-        Raises:
-            RosError: ``not_found``, as for `ServiceClient.call`.
-        """
-
-    def close(self) -> None:
-        """Destroy it; accepted goals continue. Closing twice is harmless.
-
-        Everything that waits for it fails, and no callback follows. While the server may still
-        accept a goal that was given up, or has not answered a cancel, the client waits for it, for
-        a bounded time, and counts as open.
-        """
-
-
-class GoalRequest(Protocol):
-    """A goal that a ROS client has sent to an action that the gateway provides.
-
-    It counts as accepted and being executed. Its methods do nothing if the action is closed, the
-    goal has finished, or its sender is gone.
-    """
-
-    @property
-    def cdr(self) -> bytes:
-        """The action's Goal, encapsulation header included."""
-
-    def feedback(self, cdr: bytes) -> None:
-        """Publish the action's Feedback.
-
-        Raises:
-            RosError: ``internal``: ROS cannot publish it.
-        """
-
-    def finish(self, status: GoalOutcome, result: bytes) -> None:
-        """End the goal; *result* is CDR of the action's Result.
-
-        A goal can end as canceled only while it is being canceled; otherwise it counts as aborted.
-
-        Raises:
-            RosError: ``internal``: *result* is not CDR of the type; the goal continues.
-        """
-
-
-class ActionServer(Protocol):
-    """A ROS action that the gateway provides."""
-
-    def close(self) -> None:
-        """Withdraw it; unfinished goals are aborted, and no callback follows.
-
-        Requests of callers that have not yet discovered the end are answered, goals by a
-        rejection. Closing twice is harmless.
-        """
-
-
 class Watch(Protocol):
     """A registration of a callback."""
 
@@ -318,21 +259,31 @@ class Ros(RosGraph, Protocol):
         type_name: str,
         qos: Qos,
         on_samples: Callable[[Sequence[Sample]], None],
-        on_incompatible: Callable[[Mismatch], None],
+        on_event: Callable[[TopicEvent], None],
     ) -> RosSubscription:
         """Subscribe to a fully resolved topic name.
 
         *on_samples* gets the samples since its last call, oldest first, never empty, at most
         `MAX_TAKES_PER_TURN` at once. Fields that *qos* leaves open are adopted from the publishers,
-        and again when they change. *on_incompatible* hears of each publisher whose type or
-        offer cannot be matched.
+        and again when they change. *on_event* hears of each publisher whose type or
+        offer cannot be matched, of publishers that are gone, and of what DDS counts.
 
         Raises:
             RosError: the name or the type is invalid, or the type's ROS package is not installed.
         """
 
-    def advertise(self, topic: str, type_name: str, qos: Qos) -> Publisher:
+    def advertise(
+        self,
+        topic: str,
+        type_name: str,
+        qos: Qos,
+        on_event: Callable[[TopicEvent], None],
+    ) -> Publisher:
         """Create a publisher on a fully resolved topic name; open QoS fields get defaults.
+
+        *on_event* hears of each subscription that gets nothing, because of its type or of
+        what it asks for, and of missed deadlines; the gateway's own subscriptions hear of it
+        themselves.
 
         Raises:
             RosError: as for `subscribe`.
@@ -407,6 +358,12 @@ class Ros(RosGraph, Protocol):
 
     def faults(self) -> Sequence[Fault]:
         """Return what is wrong with ROS itself; ask every few seconds, or a hang is not found."""
+
+    def shared_names(self) -> Sequence[str]:
+        """Return the full names that several nodes have had for a while, sorted.
+
+        A node that was killed stays in the graph beside its successor, and does not count.
+        """
 
     def entity_count(self) -> int:
         """Count the open entities of this port, of all kinds."""

@@ -5,30 +5,73 @@ Functions that turn them into the plain form; a value that has no such form come
 for its reader to refuse.
 """
 
+import math
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from typing import Final, TypeAlias
+from typing import Any, Final, TypeAlias
 
+import numpy as np
 import pybase64
 
 Clock: TypeAlias = int | Callable[[], int]
 """ROS time in nanoseconds, or a function that returns it."""
-
-# The nanosec of Time and Duration. The uint32 would hold four times as much, but their
-# definitions say "valid in the range [0, 1e9)", and readers of an invalid one disagree.
-MAX_NANOSEC: Final = 10**9 - 1
-CLOCKS: Final = frozenset({"builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration"})
 
 # Characters of base64 with line breaks, as MIME and Android make it. Taking them out costs fifteen
 # times as much as decoding: 3 ms for this many.
 MAX_BROKEN_TEXT: Final = 4 * 1024**2
 _WHITESPACE: Final = b" \t\r\n"
 
+NON_FINITE: Final[Mapping[object, float]] = {
+    None: math.nan,
+    "NaN": math.nan,
+    "Infinity": math.inf,
+    "-Infinity": -math.inf,
+}
+"""The forms of floats that are no numbers in JSON."""
+
+# Up to here every integer is a float; beyond, one float stands for several.
+MAX_WHOLE: Final = 2**53
+
 _ROS1_NAMES: Final = {"secs": "sec", "nsecs": "nanosec"}
 
 
 class OctetsError(ValueError):
     """A value holds no octets; the text is for the client that sent it."""
+
+
+class _ItemError(OctetsError):
+    """One of the items is no octet; which one is sought when somebody wants to read it."""
+
+    def __init__(self, items: list[object]) -> None:
+        self._items = items
+
+    def __str__(self) -> str:
+        return f"item {_first_misfit(self._items)} is no integer from 0 to 255"
+
+
+def whole(value: Any) -> Any:
+    """Return the integer that a float without a fraction is, up to `MAX_WHOLE`."""
+    if type(value) is float and value.is_integer() and -MAX_WHOLE <= value <= MAX_WHOLE:
+        return int(value)
+    return value
+
+
+def wholes(values: list[Any]) -> list[Any]:
+    """Return an array of integers and floats with `whole` done to each."""
+    if first_fraction(values) is not None:
+        return values
+    return [value if type(value) is int else int(value) for value in values]
+
+
+def first_fraction(values: list[Any]) -> int | None:
+    """Return the index of the first float that is no integer for sure, if there is one.
+
+    Among 100,000 numbers of a client numpy finds it in the time of 20,000 tests.
+    """
+    numbers = np.array(values, np.float64)
+    is_whole = (np.trunc(numbers) == numbers) & (np.abs(numbers) <= MAX_WHOLE)
+    doubtful = np.flatnonzero(~is_whole).tolist()
+    return next((index for index in doubtful if type(values[index]) is float), None)
 
 
 def octets(value: object) -> bytes:
@@ -102,17 +145,26 @@ def _octets_of_text(text: str) -> bytes:
 def _octets_of_list(items: list[object]) -> bytes:
     found = _as_octets(items)
     if found is None:
-        raise OctetsError(f"item {_first_misfit(items)} is no integer from 0 to 255")
+        raise _ItemError(items)
     return found
 
 
 def _as_octets(items: list[object]) -> bytes | None:
     # bytes() would take True for 1. Checking the types as a set is five times as fast as checking
     # each item.
-    if set(map(type, items)) <= {int}:
-        with suppress(ValueError):
+    types = set(map(type, items))
+    with suppress(ValueError, TypeError):
+        if types <= {int}:
             return bytes(items)  # type: ignore[arg-type]  # the line above saw integers only
+        if types <= {int, float}:
+            return _octets_of_numbers(items)
     return None
+
+
+def _octets_of_numbers(items: list[Any]) -> bytes | None:
+    numbers = np.array(items, np.float64)
+    fit = (numbers >= 0) & (numbers <= 255) & (np.trunc(numbers) == numbers)
+    return numbers.astype(np.uint8).tobytes() if fit.all() else None
 
 
 def _first_misfit(items: list[object]) -> int:

@@ -16,7 +16,6 @@ import pybase64
 
 from schemas.definition import INTEGER_RANGES, Definition, FieldType
 from schemas.installed import InstalledDefinitions
-from schemas.json_forms import CLOCKS
 from schemas.naming import attribute
 
 Plain = dict[str, Any]
@@ -33,12 +32,7 @@ class RandomMessages:
         self._longest = longest
 
     def message(self, name: str) -> Plain:
-        values = {
-            field.name: self._value(field.type) for field in self._definitions.get(name).fields
-        }
-        if name in CLOCKS:
-            values["nanosec"] %= 10**9
-        return values
+        return {field.name: self._value(field.type) for field in self._definitions.get(name).fields}
 
     def _value(self, kind: FieldType) -> Any:
         if not kind.is_array:

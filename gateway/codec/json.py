@@ -18,6 +18,7 @@ import orjson
 
 from gateway.codec.error_text import MAX_ECHO
 from gateway.codec.errors import CodecError
+from gateway.codec.json_tokens import in_original, is_at_token, with_numbers, without_tokens
 
 # Deeper than any ROS type nests, and far from the recursion limits of the code that follows.
 MAX_DEPTH: Final = 32
@@ -37,6 +38,9 @@ _MAX_OUTLINED: Final = 1000  # strings; a picture's message has a dozen
 # Removing strings takes up to 50 ns a byte, 10 ms here. In a longer text everything counts as if it
 # stood outside of strings; base64 has no commas, brackets or backslashes.
 LARGE_BYTES: Final = 256 * 1024
+
+# NaN, Infinity and, in a text with these, strings: 6 ms to put numbers in their places.
+MAX_TOKENS: Final = 30_000
 
 _CONTAINERS: Final = frozenset({dict, list})
 
@@ -62,15 +66,24 @@ def ascii_only(text: bytes) -> bytes:
     return _NOT_ASCII.sub(lambda found: json.dumps(found[0])[1:-1], text.decode()).encode()
 
 
-def loads(data: bytes | str, *, max_depth: int = MAX_DEPTH, max_items: int = MAX_ITEMS) -> object:
+def loads(
+    data: bytes | str,
+    *,
+    max_depth: int = MAX_DEPTH,
+    max_items: int = MAX_ITEMS,
+    takes_tokens: bool = True,
+) -> object:
     """Read one JSON text.
 
     *max_depth* bounds how deep objects and arrays nest, *max_items* how many members and
     elements they have in all, `MAX_CONTAINERS` how many of these are objects and arrays.
 
+    Beside RFC 8259, a text of up to `LARGE_BYTES` may hold the values NaN, Infinity and -Infinity,
+    at most `MAX_TOKENS`, if it *takes_tokens*.
+
     Raises:
-        JsonError: the text is not JSON (RFC 8259) in UTF-8, a limit is exceeded, or an object has
-            two members of one name.
+        JsonError: the text is not JSON in UTF-8, a limit is exceeded, or an object has two members
+            of one name.
     """
     if isinstance(data, str):
         data = data.encode("utf-8", "surrogatepass")  # orjson refuses it, with the position
@@ -78,12 +91,34 @@ def loads(data: bytes | str, *, max_depth: int = MAX_DEPTH, max_items: int = MAX
     # each item takes a character at least
     if len(text) > min(max_items, MAX_CONTAINERS) and not _is_bounded(text, max_items):
         _check_items(text, max_items)
+    has_tokens = False
     try:
         value: object = orjson.loads(data)
     except orjson.JSONDecodeError as error:
-        raise _refusal(error, data, max_depth) from None
+        has_tokens = takes_tokens and is_at_token(error)
+        if not has_tokens:
+            raise _refusal(error, data, max_depth) from None
+        value = _loads_tokens(error, data, max_depth)
     if not _has_names(text, _count_names(value, max_depth)):
         raise _duplicate(data)
+    return with_numbers(value) if has_tokens else value
+
+
+def _loads_tokens(refused: orjson.JSONDecodeError, data: bytes, max_depth: int) -> object:
+    """Read a text that was *refused* at a NaN or Infinity, with integers in their places."""
+    if len(data) > LARGE_BYTES:  # else it takes too long
+        limit = f"at most {LARGE_BYTES // 1024} KiB with NaN or Infinity; write them as strings"
+        raise JsonError(f"frame is not JSON: {limit}")
+    if data.count(b"NaN") + data.count(b"Infinity") + data.count(b'"') // 2 > MAX_TOKENS:
+        limit = f"at most {MAX_TOKENS} strings and NaN or Infinity; write these as strings"
+        raise JsonError(f"frame is not JSON: {limit}")
+    readable = without_tokens(data)
+    if readable is None:
+        raise _refusal(refused, data, max_depth)
+    try:
+        value: object = orjson.loads(readable)
+    except orjson.JSONDecodeError as error:
+        raise _refusal(in_original(error, data), data, max_depth) from None
     return value
 
 
@@ -131,7 +166,7 @@ def _items_at_most(data: bytes) -> int:
     return data.count(b",") + _containers(data) - empty
 
 
-def _refusal(error: orjson.JSONDecodeError, data: bytes, max_depth: int) -> JsonError:
+def _refusal(error: json.JSONDecodeError, data: bytes, max_depth: int) -> JsonError:
     try:
         text = data.decode()
     except UnicodeDecodeError as not_utf8:

@@ -1,16 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A sensor_msgs/msg/Image that carries a compressed picture instead of pixels."""
+"""A sensor_msgs/msg/Image, or CompressedImage, as the picture that a client asks for."""
 
 from collections.abc import Callable
-from typing import Any, cast
+from typing import Any, Final, cast
 
 import pybase64
 
 from gateway.codec import cbor
+from gateway.codec.compressed_images import decompress
 from gateway.codec.image import ImageOptions, compress
 from gateway.codec.image_encodings import RawImage
 from gateway.codec.json import dumps
 from gateway.codec.types import MessageType
+
+IMAGE: Final = "sensor_msgs/msg/Image"
+COMPRESSED_IMAGE: Final = "sensor_msgs/msg/CompressedImage"
 
 
 def picture_renderer(image_type: MessageType, options: ImageOptions) -> Callable[[bytes], bytes]:
@@ -36,20 +40,11 @@ def _renderer(
     image_type: MessageType, options: ImageOptions, wrap: Callable[[bytes], object]
 ) -> Callable[[bytes], dict[str, object]]:
     decode = image_type.decoder(octets="raw")
+    pixels_of = _unpacked if image_type.name == COMPRESSED_IMAGE else _as_it_is
 
     def render(cdr: bytes) -> dict[str, object]:
         values = cast("dict[str, Any]", decode(cdr))
-        picture = compress(
-            RawImage(
-                values["height"],
-                values["width"],
-                values["encoding"],
-                bool(values["is_bigendian"]),
-                values["step"],
-                values["data"],
-            ),
-            options,
-        )
+        picture = compress(pixels_of(values), options)
         message: dict[str, object] = {
             "header": values["header"],
             "format": picture.format,
@@ -62,3 +57,18 @@ def _renderer(
         return message
 
     return render
+
+
+def _as_it_is(values: dict[str, Any]) -> RawImage:
+    return RawImage(
+        values["height"],
+        values["width"],
+        values["encoding"],
+        bool(values["is_bigendian"]),
+        values["step"],
+        values["data"],
+    )
+
+
+def _unpacked(values: dict[str, Any]) -> RawImage:
+    return decompress(values["format"], values["data"])

@@ -7,6 +7,7 @@ The encoder finds out that a value does not fit, and this module where and why.
 import difflib
 import math
 from collections.abc import Callable, Iterable, Mapping
+from itertools import islice
 from typing import Any, Final
 
 from gateway.codec.cdr.encoder import MISFITS, Encoder
@@ -22,7 +23,15 @@ from schemas.definition import (
     FieldType,
 )
 from schemas.installed import InstalledDefinitions
-from schemas.json_forms import CLOCKS, FORMS, MAX_NANOSEC, Clock, OctetsError, octets
+from schemas.json_forms import (
+    FORMS,
+    NON_FINITE,
+    Clock,
+    OctetsError,
+    first_fraction,
+    octets,
+    whole,
+)
 
 MAX_PROBLEMS: Final = 3  # as many as a person reads; the others are counted
 
@@ -32,7 +41,13 @@ _KINDS: Final[Mapping[str, frozenset[type]]] = {
     "string": frozenset({str}),
     "wstring": frozenset({str}),
     **dict.fromkeys(INTEGER_RANGES, frozenset({int})),
-    **dict.fromkeys(FLOATS, frozenset({float, int, type(None)})),
+    **dict.fromkeys(FLOATS, frozenset({float, int})),
+}
+_NAMED: Final = frozenset(map(type, NON_FINITE))
+_FORMS: Final[Mapping[str, frozenset[type]]] = {  # those of `_plain`, before
+    **_KINDS,
+    **dict.fromkeys(INTEGER_RANGES, frozenset({int, float})),
+    **dict.fromkeys(FLOATS, frozenset({float, int}) | _NAMED),
 }
 _FLOAT32_LIMIT: Final = math.nextafter(FLOAT32_OVERFLOW, 0)
 _RANGES: Final[Mapping[str, tuple[float, float]]] = {
@@ -108,21 +123,19 @@ class _Problems:
         names = {field.name: None for field in definition.fields}
         for field in definition.fields:
             if field.name in value:
-                is_nanosec = field.name == "nanosec" and definition.name in CLOCKS
-                limit = MAX_NANOSEC if is_nanosec else None
-                self._check_field(value[field.name], field.type, f"{path}.{field.name}", limit)
+                self._check_field(value[field.name], field.type, f"{path}.{field.name}")
         unknown = [name for name in value if name not in names]
         for name in unknown[:MAX_PROBLEMS]:
             self._add(f"{path}.{name}", _unknown(name, list(names), definition))
         self._count += len(unknown[MAX_PROBLEMS:])
 
-    def _check_field(self, value: object, kind: FieldType, path: str, limit: int | None) -> None:
+    def _check_field(self, value: object, kind: FieldType, path: str) -> None:
         if kind.is_octets:
             self._check_octets(value, kind, path)
         elif kind.is_array:
             self._check_array(value, kind, path)
         elif kind.is_primitive:
-            self._add(path, _misfit(value, kind, limit))
+            self._add(path, _misfit(value, kind))
         else:
             self.check_message(value, self._definitions.get(kind.base), path)
 
@@ -141,7 +154,7 @@ class _Problems:
             self._add(path, wrong_length)
         elif kind.is_primitive:
             for index in _suspects(values, kind):
-                reason = _misfit(values[index], kind, None)
+                reason = _misfit(values[index], kind)
                 if reason is not None:
                     self._add(f"{path}[{index}]", reason)
                     return
@@ -176,30 +189,51 @@ def _suspects(values: list[object], kind: FieldType) -> Iterable[int]:
     if kind.base in STRINGS:
         return range(len(values))
     types = list(map(type, values))
-    wrong = set(types) - _KINDS[kind.base]
+    kinds = set(types)
+    wrong = kinds - _FORMS[kind.base]
     if wrong:
         return (min(map(types.index, wrong)),)
+    if str in kinds:
+        is_unnamed = [type(value) is str and value not in NON_FINITE for value in values]
+        if True in is_unnamed:
+            return (is_unnamed.index(True),)
+    if float in kinds and kind.base in INTEGER_RANGES:
+        fraction = first_fraction(values)
+        if fraction is not None:
+            return (fraction,)
+    numbers: list[Any] = values
+    if kinds & _NAMED:
+        numbers = [0 if type(value) in _NAMED else value for value in values]
     low, high = _RANGES.get(kind.base, (False, True))
-    numbers: list[Any] = [0 if value is None else value for value in values]
     if not numbers or low <= min(numbers) <= max(numbers) <= high:
         return ()
-    return (next(index for index, value in enumerate(numbers) if not low <= value <= high),)
+    outside = (index for index, value in enumerate(numbers) if not low <= value <= high)
+    finite = (index for index in outside if math.isfinite(numbers[index]))
+    return tuple(islice(finite, 1))
 
 
-def _misfit(value: object, kind: FieldType, limit: int | None) -> str | None:
-    """Return the reason why a value does not fit; *limit* is a bound below that of its type."""
-    if type(value) not in _KINDS[kind.base]:
+def _plain(value: object, kind: FieldType) -> Any:
+    """Return a number in one form: an integer as such, 0 for NaN and infinities."""
+    if kind.base in FLOATS:
+        if type(value) in _NAMED:
+            return 0 if value in NON_FINITE else value
+        return 0 if type(value) is float and not math.isfinite(value) else value
+    return whole(value) if kind.base in INTEGER_RANGES else value
+
+
+def _misfit(value: object, kind: FieldType) -> str | None:
+    """Return the reason why a value does not fit its type."""
+    plain = _plain(value, kind)
+    if type(plain) not in _KINDS[kind.base]:
         return f"expected {_EXPECTED.get(kind.base, _number(kind))}, got {kind_of(value)}"
-    if isinstance(value, str):
-        return _text_misfit(value, kind)
-    if kind.base == "bool" or value is None:
+    if kind.base in STRINGS:
+        return _text_misfit(plain, kind)
+    if kind.base == "bool":
         return None
     low, high = _RANGES[kind.base]
-    if not low <= value <= high:  # type: ignore[operator]  # it is a number
+    if not low <= plain <= high:
         text = f"{truncate(str(value))} is out of range for {kind.base}"
         return text if kind.base in FLOATS else f"{text} ({low} to {high})"
-    if limit is not None and value > limit:  # type: ignore[operator]
-        return f"{value} is out of range, at most {limit}"
     return None
 
 

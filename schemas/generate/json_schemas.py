@@ -22,7 +22,8 @@ SCHEMA_FOLDER: Final = PurePosixPath("schemas/json")
 _DIALECT: Final = "https://json-schema.org/draft/2020-12/schema"
 _NO_NUL: Final = "^[^\\u0000]*$"
 _TIMES: Final = frozenset({"builtin_interfaces/msg/Duration", "builtin_interfaces/msg/Time"})
-_NANOSECONDS: Final[Schema] = {"type": "integer", "minimum": 0, "maximum": 10**9 - 1}
+# The pattern is for strings alone, as bounds are for numbers.
+_FLOAT: Final[Schema] = {"type": ["number", "null", "string"], "pattern": "^(NaN|-?Infinity)$"}
 _ROS1_NAMES: Final = {"sec": "secs", "nanosec": "nsecs"}
 
 
@@ -104,7 +105,7 @@ def _closure(definition: Definition, known: Mapping[str, Definition]) -> list[De
 
 def _message(definition: Definition) -> Schema:
     schema: Schema = {"description": definition.comment} if definition.comment else {}
-    properties = {field.name: _field(definition, field) for field in definition.fields}
+    properties = {field.name: _field(field) for field in definition.fields}
     if definition.name == "std_msgs/msg/Header":
         properties["seq"] = {"description": "As in ROS 1; ignored", "type": "integer"}
     this = schema | _object(properties)
@@ -121,10 +122,8 @@ def _object(properties: Mapping[str, Schema]) -> Schema:
     return {"type": "object", "properties": dict(properties), "additionalProperties": False}
 
 
-def _field(definition: Definition, field: Field) -> Schema:
+def _field(field: Field) -> Schema:
     described: Schema = {"description": field.comment} if field.comment else {}
-    if definition.name in _TIMES and field.name == "nanosec":
-        return described | _NANOSECONDS
     schema = described | _type(field.type)
     if field.default is not None and not field.type.is_octets:
         schema["default"] = _finite(field.default)
@@ -145,13 +144,9 @@ def _single(field_type: FieldType) -> Schema:
             return {"type": "boolean"}
         case "float32":
             bound = 2.0**128 - 2.0**103  # from here, single precision rounds to infinity
-            return {
-                "type": ["number", "null"],
-                "exclusiveMinimum": -bound,
-                "exclusiveMaximum": bound,
-            }
+            return _FLOAT | {"exclusiveMinimum": -bound, "exclusiveMaximum": bound}
         case "float64":
-            return {"type": ["number", "null"]}
+            return _FLOAT
         case "string" | "wstring":
             schema: Schema = {"type": "string", "pattern": _NO_NUL}
             if field_type.string_bound is not None:

@@ -49,10 +49,6 @@ _BASES: Final = {
     "builtin_interfaces/msg/Time": "ros.TimeMessage",
     "std_msgs/msg/Header": "ros.HeaderMessage",
 }
-_FIELD_TYPES: Final = {
-    ("builtin_interfaces/msg/Duration", "nanosec"): "ros.Nanoseconds",
-    ("builtin_interfaces/msg/Time", "nanosec"): "ros.Nanoseconds",
-}
 
 
 def write(catalogue: Catalogue) -> dict[str, str]:
@@ -115,7 +111,7 @@ def class_source(
     if definition.fields:
         lines.append("")
     for field in definition.fields:
-        lines += _field(definition, field, names)
+        lines += _field(field, names)
     # Constants come last: a class body sees the names above, so none can hide a type of a field.
     if definition.constants:
         lines.append("")
@@ -154,8 +150,8 @@ def _docstring(definition: Definition, purpose: str | None) -> list[str]:
     ]
 
 
-def _field(definition: Definition, field: Field, names: Mapping[str, str]) -> list[str]:
-    annotation = _FIELD_TYPES.get((definition.name, field.name)) or _annotation(field.type, names)
+def _field(field: Field, names: Mapping[str, str]) -> list[str]:
+    annotation = _annotation(field.type, names)
     name = attribute(field.name)
     is_factory, default = _default(field, names)
     arguments = [f"{'default_factory' if is_factory else 'default'}={default}"]

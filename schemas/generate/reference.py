@@ -34,8 +34,8 @@ _CARRIED: Final = {
     ),
     "other arrays": "an array, `[N]` of exactly, `[<=N]` of at most that length",
     "`builtin_interfaces/msg/Time`": (
-        '`{"sec": 1, "nanosec": 5}`, `nanosec` below 10^9; also taken: `{"secs": 1, "nsecs": 5}` '
-        'and `"now"`'
+        '`{"sec": 1, "nanosec": 5}`, `nanosec` as it is, also from 10^9 on; also taken: '
+        '`{"secs": 1, "nsecs": 5}` and `"now"`'
     ),
     "`builtin_interfaces/msg/Duration`": 'like Time, without `"now"`',
     "`std_msgs/msg/Header`": (

@@ -21,7 +21,7 @@ class Time(ros.TimeMessage):
         default=0,
         description="The seconds component, valid over all int32 values.",
     )
-    nanosec: ros.Nanoseconds = ros.Field(
+    nanosec: ros.UInt32 = ros.Field(
         default=0,
         description=(
             "The nanoseconds component, valid in the range [0, 1e9), to be added to the seconds component.\n"
@@ -49,7 +49,7 @@ class Duration(ros.DurationMessage):
         default=0,
         description="The seconds component, valid over all int32 values.",
     )
-    nanosec: ros.Nanoseconds = ros.Field(
+    nanosec: ros.UInt32 = ros.Field(
         default=0,
         description=(
             "The nanoseconds component, valid in the range [0, 1e9), to be added to the seconds component.\n"

@@ -50,9 +50,6 @@ def test_json_is_read(text):
     [
         (b"", r"frame is not JSON: .* at line 1, column 1$"),
         (b"hello", r"frame is not JSON: .* at line 1, column 1$"),
-        (b'{"a":\n  NaN}', r"frame is not JSON: .* at line 2, column 3$"),
-        (b"[Infinity]", r"frame is not JSON: .* at line 1, column 2$"),
-        (b"[-Infinity]", r"frame is not JSON: .* at line 1, column"),
         (b"[1e999]", r"frame is not JSON: .* at line 1, column 2$"),
         (b"[1,]", r"frame is not JSON: "),
         (b"{'a':1}", r"frame is not JSON: "),

@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
+import struct
+
 import pytest
 from rclpy.serialization import deserialize_message, serialize_message
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
@@ -188,6 +190,17 @@ def test_now_is_the_time_given(types):
     header = types.get("std_msgs/msg/Header")
     cdr = header.encode({"stamp": "now"}, now_ns=3_000_000_007)
     assert header.decode(cdr)["stamp"] == {"sec": 3, "nanosec": 7}
+
+
+@pytest.mark.parametrize("name", ["Time", "Duration"])
+@pytest.mark.parametrize("nanosec", [0, 10**9 - 1, 10**9, 2**32 - 1])
+def test_a_time_is_the_same_on_both_sides_whatever_its_nanoseconds(types, name, nanosec):
+    clock = types.get(f"builtin_interfaces/msg/{name}")
+    value = {"sec": -1, "nanosec": nanosec}
+    cdr = clock.encode(value, now_ns=0)
+    assert cdr == b"\0\1\0\0" + struct.pack("<iI", -1, nanosec)
+    assert clock.decode(cdr) == value
+    assert clock.encode({"secs": -1, "nsecs": nanosec}, now_ns=0) == cdr
 
 
 def test_null_reaches_ros_as_nan(types):

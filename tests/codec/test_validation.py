@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
+import math
+
 import pytest
 
 from gateway.codec.types import Types
@@ -29,6 +31,24 @@ def reason_of(types, name, value):
         (TWIST, {"linear": {"x": "1"}}, "msg.linear.x: expected a number, got a string"),
         (TWIST, {"linear": {"x": True}}, "msg.linear.x: expected a number, got true"),
         (TWIST, {"linear": None}, "msg.linear: expected an object, got null"),
+        ("std_msgs/msg/Int8", {"data": 1.5}, "msg.data: expected an integer, got 1.5"),
+        ("std_msgs/msg/Int8", {"data": math.nan}, "msg.data: expected an integer, got NaN"),
+        ("std_msgs/msg/Int8", {"data": 128.0},
+         "msg.data: 128.0 is out of range for int8 (-128 to 127)"),
+        ("std_msgs/msg/UInt64", {"data": 1e19}, "msg.data: expected an integer, got 1e+19"),
+        ("std_msgs/msg/Bool", {"data": 1.0}, "msg.data: expected true or false, got 1.0"),
+        ("std_msgs/msg/String", {"data": math.inf}, "msg.data: expected a string, got Infinity"),
+        ("std_msgs/msg/Float32", {"data": "inf"}, "msg.data: expected a number, got a string"),
+        (
+            "std_msgs/msg/Float32MultiArray",
+            {"data": ["NaN", math.nan, math.inf, None, "Infinity", 1e39]},
+            "msg.data[5]: 1e+39 is out of range for float32",
+        ),
+        (
+            "std_msgs/msg/Int16MultiArray",
+            {"data": [1.0, -32768.0, "NaN"]},
+            "msg.data[2]: expected an integer, got a string",
+        ),
         (TWIST, {"linear": 5}, "msg.linear: expected an object, got 5"),
         (TWIST, [], "msg: expected an object, got an array"),
         ("std_msgs/msg/UInt8", {"data": 1.5}, "msg.data: expected an integer, got 1.5"),
@@ -54,7 +74,8 @@ def test_a_wrong_kind_is_named_with_path_and_expectation(types, name, value, rea
         ("std_msgs/msg/Int8", {"data": -129},
          "msg.data: -129 is out of range for int8 (-128 to 127)"),
         ("std_msgs/msg/Float32", {"data": 1e39}, "msg.data: 1e+39 is out of range for float32"),
-        (TIME, {"nanosec": 10**9}, "msg.nanosec: 1000000000 is out of range, at most 999999999"),
+        (TIME, {"nanosec": 2**32},
+         "msg.nanosec: 4294967296 is out of range for uint32 (0 to 4294967295)"),
         ("std_msgs/msg/Header", {"stamp": {"nanosec": -1}},
          "msg.stamp.nanosec: -1 is out of range for uint32 (0 to 4294967295)"),
     ],

@@ -2,9 +2,10 @@
 """CDR to values that `gateway.codec.json.dumps` can write, or to CBOR."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from functools import cache
-from struct import calcsize, unpack_from
 from struct import error as StructError  # noqa: N812
+from struct import unpack_from
 from typing import Any, Final, Generic, TypeAlias, assert_never
 
 import numpy as np
@@ -26,9 +27,10 @@ from gateway.codec.cdr.layout import (
     item_path,
     least_size,
 )
+from gateway.codec.cdr.rows import each_row, row
 from gateway.codec.cdr.selection import Selection, select
 from gateway.codec.cdr.source import SourceCode, variable
-from gateway.codec.cdr.target import Octets, Target, Value, Values
+from gateway.codec.cdr.target import NATIVE, Octets, Target, Value, Values
 from gateway.codec.cdr.to_cbor import Cbor
 from gateway.codec.errors import CodecError
 from schemas.definition import Definition, FieldType
@@ -52,8 +54,8 @@ def compile_decoder(
 
     The dict has the fields in the order of the definition: messages as dicts, arrays as
     lists, tuples or numpy views on the bytes, octet arrays as base64 (or, ``raw``, as
-    memoryviews), floats unchanged, non-finite ones included. Like rclpy, it ends a string at its
-    first NUL and replaces invalid UTF-8: one sloppy node must not silence a topic.
+    memoryviews), a float32 as a `numpy.float32`, non-finite floats unchanged. Like rclpy, it ends
+    a string at its first NUL and replaces invalid UTF-8: one sloppy node must not silence a topic.
 
     With *fields* (dotted paths) the dict holds only these, and reading stops after the last one.
 
@@ -149,6 +151,8 @@ class _DecoderWriter(Generic[Value]):
         self._source = SourceCode()
         self._slots: list[Slot] = []
         self._targets: list[str] = []
+        # the float32 of the run: the variable of their bytes; those of each, or none for an array
+        self._floats: list[tuple[str, list[str]]] = []
         self._residue: int | None = 0  # of the offset modulo 8, if known
 
     def write(
@@ -175,6 +179,7 @@ class _DecoderWriter(Generic[Value]):
             source.line(f"return {self._target.expression(message, source)}")
         names = {
             **self._target.names,
+            "FLOAT32": np.dtype(f"{self._order}f"),
             "StructError": StructError,
             "other_encapsulation": other_encapsulation,
             "too_long": _too_long,
@@ -202,6 +207,8 @@ class _DecoderWriter(Generic[Value]):
         code = CODES[member.base]
         if not member.wanted:
             self._slots.append(Slot(code, member.length or 1, is_padding=True))
+        elif member.base == "float32" and self._target.keeps_float32:
+            self._float32(member)
         elif member.length is None:
             self._slots.append(Slot(code))
             self._targets.append(variable(member.path))
@@ -219,6 +226,27 @@ class _DecoderWriter(Generic[Value]):
             self._flush()
             self._slots.append(Slot(code, member.length))
             self._flush(variable(member.path))
+
+    def _float32(self, member: Fixed) -> None:
+        """Read them as one array of numpy, neighbours together: one each takes twice as long."""
+        name, length = variable(member.path), member.length
+        if length is None and self._floats and self._slots[-1].is_raw and self._floats[-1][1]:
+            self._slots[-1] = replace(self._slots[-1], count=self._slots[-1].count + 1)
+            self._floats[-1][1].append(name)
+            return
+        self._slots.append(Slot("f", length or 1, is_raw=True))
+        self._targets.append(name)
+        self._floats.append((name, [name] if length is None else []))
+
+    def _floats_of(self, octets: str, names: Sequence[str]) -> str:
+        """Return the assignment of float32 whose bytes have been read."""
+        view = f"frombuffer({octets}, FLOAT32)"
+        if len(names) == 1:
+            return f"{names[0]} = {view}[0]"
+        if names:  # an array's own iterator ends by an IndexError, and so takes twice as long
+            return f"{', '.join(names)} = {view}.flat"
+        # orjson writes arrays in native order only
+        return f"{octets} = {view}" + ("" if self._order == NATIVE else '.astype("=f")')
 
     def _text(self, member: Text) -> None:
         source = self._source
@@ -264,9 +292,10 @@ class _DecoderWriter(Generic[Value]):
         else:
             self._flush()
             source.line(f"count = {member.length}")
-        stride = _stride(member, self._order)
-        if stride is not None and not (member.wanted and not _names(member.members)):
-            self._rows(member, stride)
+        run = row(member, self._order)
+        is_wanted = any(part.wanted for part in member.members)
+        if run is not None and (is_wanted or not member.wanted):
+            self._rows(member, run)
             return
         # Each element takes some bytes, so the remaining bytes bound the length of the list.
         need = f"count * {least_size(member.members)}"
@@ -290,12 +319,9 @@ class _DecoderWriter(Generic[Value]):
         source.line(f"end = offset + count * {struct.size}")
         self._check("end - offset", "end")
         if member.wanted:
-            rows = source.constant("ROWS", struct.iter_unpack, struct.format)
-            names = ", ".join(_names(member.members))
-            source.line(
-                f"{variable(member.path)} = [{self._element(member)}"
-                f" for {names}, in {rows}(memoryview(data)[offset:end])]"
-            )
+            keep = self._target.keeps_float32
+            rows = each_row(member.members, run, self._order, source, keeps_float32=keep)
+            source.line(f"{variable(member.path)} = [{self._element(member)} {rows}]")
         source.line("offset = end")
         self._residue = None
 
@@ -360,9 +386,12 @@ class _DecoderWriter(Generic[Value]):
         if "encapsulation" in self._targets:
             with source.block(f"if encapsulation != {_ENCAPSULATIONS[self._order]}:"):
                 source.line("return other_encapsulation(data)")
+        for octets, names in self._floats:
+            source.line(self._floats_of(octets, names))
         self._residue = run.residue_after(self._residue)
         self._slots = []
         self._targets = []
+        self._floats = []
 
     def _message(self, definition: Definition, path: Path, selection: Selection) -> Value:
         """Build a message from its fields, nested messages included."""
@@ -381,20 +410,3 @@ class _DecoderWriter(Generic[Value]):
                 nested = self._definitions.get(field.type.base)
                 value = self._message(nested, here, selection[field.name] if selection else None)
             yield field.name, value
-
-
-def _names(members: Sequence[Member]) -> list[str]:
-    return [variable(member.path) for member in members if member.wanted]
-
-
-def _stride(member: Elements, order: ByteOrder) -> Run | None:
-    """Return the run of one element, if elements follow each other without padding."""
-    slots = []
-    for part in member.members:
-        if not isinstance(part, Fixed) or (part.wanted and part.length is not None):
-            return None
-        slots.append(Slot(CODES[part.base], part.length or 1, is_padding=not part.wanted))
-    run = Run(slots, order)
-    first = calcsize(f"<{slots[0].code}")
-    is_even = run.alignment == first and run.at(HEADER_BYTES).size % first == 0
-    return run if is_even else None

@@ -34,13 +34,15 @@ from gateway.codec.cdr.source import SourceCode, variable
 from gateway.codec.cdr.text import wide
 from schemas.definition import FLOATS, Definition
 from schemas.installed import InstalledDefinitions
-from schemas.json_forms import CLOCKS, FORMS, MAX_NANOSEC, Clock, octets
+from schemas.json_forms import FORMS, NON_FINITE, Clock, octets, whole, wholes
 
 Encoder: TypeAlias = Callable[[object, Clock], bytes]
 
 _CDR_LE: Final = b"\0\1\0\0"  # RTPS 2.5, 10.2; the options stay 0
 _NUMBERS: Final = frozenset({float, int})
 _INTEGERS: Final = frozenset({int})
+_LENIENT_NUMBERS: Final = _NUMBERS | {type(None), str}
+_LENIENT_INTEGERS: Final = _INTEGERS | {float}
 _BOOLS: Final = frozenset({bool})
 
 
@@ -48,8 +50,8 @@ class MisfitError(ValueError):
     """A value does not fit its field."""
 
 
-class _NullError(MisfitError):
-    """One of the floats is ``None``."""
+class _LenientError(MisfitError):
+    """One of the numbers has another form, which the lenient encoder may know."""
 
 
 # Misfits that struct, str.encode and the like find. Their texts are not for clients.
@@ -60,8 +62,9 @@ def compile_encoder(definition: Definition, definitions: InstalledDefinitions) -
     """Compile a function from a decoded JSON object to little-endian CDR, header included.
 
     It takes what `schemas.message.Message` describes, and the ROS time for ``"now"`` and for
-    headers without a stamp. ``None`` for a float is encoded as NaN. Padding is zero. A value that
-    does not fit raises one of `MISFITS`, without saying where; `gateway.codec.validation` does.
+    headers without a stamp. For a float it takes what `NON_FINITE` names, too, for an integer a
+    float that is one (`whole`). Padding is zero. A value that does not fit raises one of `MISFITS`,
+    without saying where; `gateway.codec.validation` does.
 
     It raises `TooManyFieldsError` for a message beyond the bounds of `gateway.codec.cdr.bounds`.
 
@@ -75,21 +78,28 @@ def compile_encoder(definition: Definition, definitions: InstalledDefinitions) -
     @cache
     def lenient() -> Encoder:
         writer = _EncoderWriter(definition, definitions, is_lenient=True)
-        return writer.write(members, f"{title}, null as NaN")
+        return writer.write(members, f"{title}, lenient")
 
     def encode(message: object, now_ns: Clock) -> bytes:
         try:
             return strict(message, now_ns)
-        except _NullError:
+        except _LenientError:
             return lenient()(message, now_ns)
 
     return encode
 
 
-def _misfit(values: Sequence[object]) -> MisfitError:
-    """Return the error for floats of which one is not a number."""
-    others = set(map(type, values)) - _NUMBERS
-    return _NullError() if others == {type(None)} else MisfitError()
+def _misfit(values: Sequence[object], lenient: frozenset[type]) -> MisfitError:
+    """Return the error for numbers of which one has not the type that it should have."""
+    types = set(map(type, values))
+    if not types <= lenient:
+        return MisfitError()
+    if str not in types:
+        return _LenientError()
+    # few are different: those of a client that sends nothing else take less time at once
+    has_numbers = not types.isdisjoint(_NUMBERS)
+    names = {each for each in values if type(each) is str} if has_numbers else set(values)
+    return _LenientError() if names <= NON_FINITE.keys() else MisfitError()
 
 
 @dataclass(slots=True)
@@ -104,8 +114,9 @@ class _Run:
 class _EncoderWriter:
     """Writes the source of one encoder: ``out`` grows, run by run.
 
-    The lenient encoder accepts ``None`` as a float. A check at every float would slow down all
-    messages for the sake of few, so the strict encoder runs first and the lenient one if it fails.
+    The lenient encoder accepts other forms of numbers, such as ``None`` as a float. A check at
+    every number would slow down all messages for the sake of few, so the strict encoder runs first
+    and the lenient one if it fails.
     """
 
     def __init__(
@@ -133,15 +144,19 @@ class _EncoderWriter:
             "BOOLS": _BOOLS,
             "CDR_LE": _CDR_LE,
             "EMPTY": {},
-            "INTEGERS": _INTEGERS,
+            "INTEGERS": _LENIENT_INTEGERS if self._is_lenient else _INTEGERS,
+            "LENIENT_INTEGERS": _LENIENT_INTEGERS,
+            "LENIENT_NUMBERS": _LENIENT_NUMBERS,
             "Misfit": MisfitError,
-            "NAN": float("nan"),
+            "NON_FINITE": NON_FINITE,
             "NUL": b"\0",
-            "NUMBERS": _NUMBERS | {type(None)} if self._is_lenient else _NUMBERS,
+            "NUMBERS": _LENIENT_NUMBERS if self._is_lenient else _NUMBERS,
             "misfit": _misfit,
             "octets": octets,
             "pack": pack,
             "refuse_size": refuse_size,
+            "whole": whole,
+            "wholes": wholes,
             "wide": wide,
         }
         encode: Encoder = source.compile("encode", title, names)
@@ -275,9 +290,6 @@ class _EncoderWriter:
         if not isinstance(member, Text) and member.is_octets:
             value = f"octets({value})"
         self._source.line(f"{name} = {value}")
-        if member.path[-1] == "nanosec" and self._messages[member.path[:-1]].name in CLOCKS:
-            with self._source.block(f"if {name} > {MAX_NANOSEC}:"):
-                self._source.line("raise Misfit")
         return name
 
     def _get(self, path: Path, default: str) -> str:
@@ -352,9 +364,6 @@ class _EncoderWriter:
         with self._source.block(f"if {test}:"):
             self._source.line("raise Misfit")
 
-    def _may_be_none(self, member: Fixed | Numbers) -> bool:
-        return self._is_lenient and member.base in FLOATS
-
     # Runs
 
     def _put(self, slot: Slot, value: str) -> None:
@@ -362,12 +371,16 @@ class _EncoderWriter:
         self._run.values.append(value)
 
     def _as_number(self, member: Fixed, name: str) -> str:
-        return f"NAN if {name} is None else {name}" if self._may_be_none(member) else name
+        if not self._is_lenient or member.base == "bool":
+            return name
+        return f"NON_FINITE.get({name}, {name})" if member.base in FLOATS else f"whole({name})"
 
     def _unpacked(self, member: Fixed | Numbers, name: str) -> str:
-        if not self._may_be_none(member):
+        if not self._is_lenient or member.base == "bool":
             return f"*{name}"
-        return f"*[NAN if each is None else each for each in {name}]"
+        if member.base in FLOATS:
+            return f"*[NON_FINITE.get(each, each) for each in {name}]"
+        return f"*wholes({name})"
 
     def _flush(self) -> None:
         """Write the current run."""
@@ -402,4 +415,4 @@ def _allowed(base: str) -> str:
 
 
 def _raise(allowed: str, values: str) -> str:
-    return f"raise misfit({values})" if allowed == "NUMBERS" else "raise Misfit"
+    return "raise Misfit" if allowed == "BOOLS" else f"raise misfit({values}, LENIENT_{allowed})"

@@ -180,11 +180,12 @@ def _of_field(
 
 @dataclass(frozen=True, slots=True)
 class Slot:
-    """A part of a run: a struct code, its count, and whether it is a value or padding."""
+    """A part of a run: a struct code and its count; values, their bytes, or padding."""
 
     code: str
     count: int = 1
     is_padding: bool = False
+    is_raw: bool = False
 
 
 class Run:
@@ -195,29 +196,40 @@ class Run:
     """
 
     def __init__(self, slots: Sequence[Slot], order: ByteOrder) -> None:
-        self._slots = tuple(slots)
+        self.slots = tuple(slots)
         self._order = order
 
     @property
     def alignment(self) -> int:
         """The largest alignment in the run."""
-        return max(calcsize(f"<{slot.code}") for slot in self._slots)
+        return max(calcsize(f"<{slot.code}") for slot in self.slots)
 
     def at(self, residue: int) -> Struct:
         """Return the struct for an offset, counted from the header's start, modulo 8."""
         parts: list[str] = [self._order]
         position = residue
-        for slot in self._slots:
+        for slot in self.slots:
             size = calcsize(f"<{slot.code}")
             padding = (HEADER_BYTES - position) % size
             parts.append("x" * padding)
             length = size * slot.count
             if slot.is_padding:
                 parts.append(f"{length}x")
+            elif slot.is_raw:
+                parts.append(f"{length}s")
             else:
                 parts.append(slot.code if slot.count == 1 else f"{slot.count}{slot.code}")
             position += padding + length
         return Struct("".join(parts))
+
+    def starts(self, residue: int) -> Iterator[int]:
+        """Yield the position of each slot in the struct for this residue."""
+        position = residue
+        for slot in self.slots:
+            size = calcsize(f"<{slot.code}")
+            position += (HEADER_BYTES - position) % size
+            yield position - residue
+            position += size * slot.count
 
     def at_all(self) -> list[Struct]:
         """Return the structs for all residues, by residue."""

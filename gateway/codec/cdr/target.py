@@ -14,7 +14,7 @@ from schemas.definition import FieldType
 
 Octets = Literal["base64", "raw"]
 
-_NATIVE: Final = "<" if sys.byteorder == "little" else ">"
+NATIVE: Final = "<" if sys.byteorder == "little" else ">"
 
 Value = TypeVar("Value")
 
@@ -33,6 +33,10 @@ class Target(Protocol[Value]):
     @property
     def takes_tuples(self) -> bool:
         """Short fixed arrays of numbers are made as tuples rather than by `numbers`."""
+
+    @property
+    def keeps_float32(self) -> bool:
+        """A float32 is made as a `numpy.float32`, and short fixed arrays as arrays of them."""
 
     def octets(self, octets: str) -> str:
         """Return the source for an array of octets, given the source of its bytes or a view."""
@@ -54,6 +58,9 @@ class Values:
     """Makes dicts that `gateway.codec.json.dumps` can write."""
 
     takes_tuples = True
+    # A Python float holds 0.1f as 0.10000000149011612, and would be written so. To orjson a
+    # float32 is one, with the digits that it needs, and arrays of any length read the same.
+    keeps_float32 = True
 
     def __init__(self, octets: Octets) -> None:
         self._octets = octets
@@ -78,10 +85,12 @@ class Values:
             wire = np.dtype(f"{order}{code}")
             dtype = source.constant(member.base.upper(), wire, wire.str)
             view = f"frombuffer(data, {dtype}, count, offset)"
-            if order != _NATIVE:  # orjson writes arrays in native order only
+            if order != NATIVE:  # orjson writes arrays in native order only
                 view += f'.astype("={code}")'
         if member.length is not None:
             return view
+        if member.base == "float32":
+            return f"{view} if count else ()"
         few = f'unpack_from(f"{order}{{count}}{code}", data, offset)'
         return f"({view} if count > {NUMPY_LENGTH} else {few}) if count else ()"
 

@@ -43,6 +43,7 @@ class Cbor:
     """
 
     takes_tuples = False
+    keeps_float32 = False  # every float is a float64, and 0.1f one of 0.10000000149011612
     names: Mapping[str, Callable[..., object] | bytes] = {
         "BOOLEANS": _BOOLEANS,
         "frombuffer": np.frombuffer,

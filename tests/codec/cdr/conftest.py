@@ -4,6 +4,8 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from schemas.installed import InstalledDefinitions
 
+WITH_WSTRINGS = ("test_msgs/msg/WStrings", "idl_msgs/msg/Track")
+
 
 @pytest.fixture(scope="session")
 def rosbags_store():
@@ -11,7 +13,7 @@ def rosbags_store():
     definitions = InstalledDefinitions()
     types = {}
     for name in definitions.names():
-        if name != "test_msgs/msg/WStrings":
+        if name not in WITH_WSTRINGS:
             types.update(get_types_from_msg(definitions.get(name).text, name))
     store = get_typestore(Stores.EMPTY)
     store.register(types)

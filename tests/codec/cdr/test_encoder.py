@@ -15,6 +15,7 @@ from gateway.codec.cdr.layout import flatten
 from gateway.codec.json import dumps
 from schemas.definition import PRIMITIVES
 from schemas.installed import InstalledDefinitions
+from tests.codec.cdr.conftest import WITH_WSTRINGS
 from tests.codec.cdr.reference import Writer
 from tests.messages import RandomMessages, from_ros, normalized, ros_class, to_json
 
@@ -56,7 +57,7 @@ def test_rclpy_reads_what_is_encoded(name):
         assert from_ros(DEFINITIONS.get(name), DEFINITIONS, message) == values
 
 
-@pytest.mark.parametrize("name", [name for name in NAMES if name != "test_msgs/msg/WStrings"])
+@pytest.mark.parametrize("name", [name for name in NAMES if name not in WITH_WSTRINGS])
 def test_rosbags_reads_what_is_encoded(name, rosbags_store):
     encode = encoder_of(name)
     for values in samples(name):
@@ -86,7 +87,53 @@ def test_none_is_nan_in_a_fixed_array():
     assert all(math.isnan(value) for value in struct.unpack_from("<36d", cdr, 60))
 
 
-@pytest.mark.parametrize("value", [None, "1", 1.0, True, 2**63, -(2**63) - 1])
+NAMED = ["Infinity", "-Infinity", "NaN", math.inf, -math.inf, math.nan, None]
+
+
+@pytest.mark.parametrize("name", ["float64", "float32"])
+def test_non_finite_numbers_are_taken_by_name_as_numbers_and_as_null(name):
+    cdr = encoded(f"std_msgs/msg/{name.title()}MultiArray", data=[1.5, *NAMED])
+    code = "d" if name == "float64" else "f"
+    first, *found = struct.unpack_from(f"<8{code}", cdr, len(cdr) - 8 * struct.calcsize(code))
+    assert first == 1.5
+    assert list(map(str, found)) == ["inf", "-inf", "nan", "inf", "-inf", "nan", "nan"]
+    for value, number in zip(NAMED, found, strict=True):
+        cdr = encoded(f"std_msgs/msg/{name.title()}", data=value)
+        assert str(struct.unpack_from(f"<{code}", cdr, 4)[0]) == str(number)
+
+
+@pytest.mark.parametrize("value", ["", "inf", "nan", "+Infinity", "infinity", "1", " NaN"])
+def test_no_other_text_is_a_float(value):
+    for name in ("Float32", "Float64"):
+        with pytest.raises(MISFITS):
+            encoded(f"std_msgs/msg/{name}", data=value)
+        with pytest.raises(MISFITS):
+            encoded(f"std_msgs/msg/{name}MultiArray", data=[1.0, value])
+
+
+def test_a_float_without_a_fraction_is_taken_as_an_integer():
+    for name, whole in {"Int8": -128, "UInt16": 65535, "Int64": -(2**53), "UInt64": 2**53}.items():
+        for value in (whole, float(whole)):
+            assert encoded(f"std_msgs/msg/{name}", data=value) == encoded(
+                f"std_msgs/msg/{name}", data=whole
+            )
+    assert encoded("std_msgs/msg/Int32MultiArray", data=[1, 2.0, -0.0]) == encoded(
+        "std_msgs/msg/Int32MultiArray", data=[1, 2, 0]
+    )
+    assert encoded("std_msgs/msg/UInt8MultiArray", data=[1.0, 255]) == encoded(
+        "std_msgs/msg/UInt8MultiArray", data=[1, 255]
+    )
+
+
+@pytest.mark.parametrize("value", [1.5, 128.0, math.inf, math.nan, "1", "Infinity", None, True])
+def test_what_is_no_integer_for_sure_is_a_misfit(value):
+    with pytest.raises(MISFITS):
+        encoded("std_msgs/msg/Int8", data=value)
+    with pytest.raises(MISFITS):
+        encoded("std_msgs/msg/Int8MultiArray", data=[1, value])
+
+
+@pytest.mark.parametrize("value", [None, "1", 2.0**53 + 2, True, 2**63, -(2**63) - 1])
 def test_a_value_without_encoding_is_a_misfit(value):
     with pytest.raises(MISFITS):
         encoded("std_msgs/msg/Int64", data=value)

@@ -161,6 +161,28 @@ namespace Ros2Gateway.Tests
             Assert.Throws<JsonFormatException>(() => Reading("null").ReadFloat64s());
         }
 
+        [Test]
+        public void NonFiniteFloatsAreReadByTheirNames()
+        {
+            const string Text = "[\"Infinity\", \"-Infinity\" ,\"NaN\",null,-0.5]";
+            double[] doubles = { double.PositiveInfinity, double.NegativeInfinity, double.NaN, double.NaN, -0.5 };
+            CollectionAssert.AreEqual(doubles, Reading(Text).ReadFloat64s());
+            CollectionAssert.AreEqual(Array.ConvertAll(doubles, each => (float)each), Reading(Text).ReadFloat32s());
+        }
+
+        [TestCase("\"\"")]
+        [TestCase("\"infinity\"")]
+        [TestCase("\"Infinity")]
+        [TestCase("\"+Infinity\"")]
+        [TestCase("\"1\"")]
+        [TestCase("Infinity")]
+        public void NoOtherTextIsAFloat(string text)
+        {
+            Assert.Throws<JsonFormatException>(() => Reading(text).ReadFloat64());
+            Assert.Throws<JsonFormatException>(() => Reading(text).ReadFloat32());
+            Assert.Throws<JsonFormatException>(() => Reading("\"Infinity\"").ReadInt32());
+        }
+
         [TestCase("[1,2]")]
         [TestCase("[1,2,3,4]")]
         [TestCase("[]")]

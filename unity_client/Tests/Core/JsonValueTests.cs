@@ -33,6 +33,17 @@ namespace Ros2Gateway.Tests
         }
 
         [Test]
+        public void InfinitiesAreTextsOfTheirNames()
+        {
+            JsonValue value = JsonValue.Array(double.PositiveInfinity, double.NegativeInfinity, double.NaN);
+            Assert.AreEqual("[\"Infinity\",\"-Infinity\",null]", value.ToString());
+            Assert.AreEqual(double.PositiveInfinity, value[0].AsDouble());
+            Assert.AreEqual(double.NegativeInfinity, value[1].AsDouble());
+            Assert.IsNaN(JsonValue.Parse("\"NaN\"").AsDouble(7));
+            Assert.AreEqual(7, JsonValue.Parse("\"inf\"").AsDouble(7));
+        }
+
+        [Test]
         public void IntegersKeepAllTheirDigits()
         {
             const string Text = "[9223372036854775807,-9223372036854775808,18446744073709551615,1.0]";

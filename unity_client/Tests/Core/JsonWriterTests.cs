@@ -54,7 +54,8 @@ namespace Ros2Gateway.Tests
         [TestCase(double.Epsilon, "5e-324")]
         [TestCase(double.MaxValue, "1.7976931348623157e308")]
         [TestCase(double.NaN, "null")]
-        [TestCase(double.PositiveInfinity, "null")]
+        [TestCase(double.PositiveInfinity, "\"Infinity\"")]
+        [TestCase(double.NegativeInfinity, "\"-Infinity\"")]
         public void ADoubleIsWrittenShortest(double value, string expected)
         {
             var writer = new JsonWriter();
@@ -67,7 +68,8 @@ namespace Ros2Gateway.Tests
         [TestCase(float.Epsilon, "1e-45")]
         [TestCase(float.MaxValue, "3.4028235e38")]
         [TestCase(float.NaN, "null")]
-        [TestCase(float.NegativeInfinity, "null")]
+        [TestCase(float.NegativeInfinity, "\"-Infinity\"")]
+        [TestCase(float.PositiveInfinity, "\"Infinity\"")]
         public void AFloatIsWrittenShortest(float value, string expected)
         {
             var writer = new JsonWriter();

@@ -41,10 +41,10 @@ namespace Ros2Gateway.Tests
             LaserScanMsg scan = new LaserScanMsg { ranges = new float[720] };
             scan.ranges[0] = 0.1f;
             scan.ranges[1] = float.PositiveInfinity;
-            scan.intensities = new float[] { 1, 2, 3 };
+            scan.intensities = new float[] { 1, float.NaN, 3 };
             string text = Text(scan);
-            StringAssert.Contains("ranges: [0.1, nan, ... 720]\n", text);
-            StringAssert.EndsWith("intensities: [1, 2, 3]", text);
+            StringAssert.Contains("ranges: [0.1, Infinity, ... 720]\n", text);
+            StringAssert.EndsWith("intensities: [1, nan, 3]", text);
         }
 
         [Test]

@@ -273,7 +273,9 @@ namespace Ros2Gateway.Tests
                     live.Client.Request("cut", null, null);
                     live.Until(() => live.States.Count > states && !control.State.IsKnown, "for the cut");
                     Assert.AreEqual("not connected", control.State.ToString());
-                    Assert.IsFalse(commands.Publish(Ahead()));
+                    // on a busy machine it has connected again meanwhile, and the gateway refuses it
+                    bool isOnItsWay = commands.Publish(Ahead());
+                    Assert.IsTrue(!isOnItsWay || live.Client.IsConnected);
                     live.Until(() => control.State.Holder == ControlHolder.You, "to have control again", () =>
                     {
                         live.Client.Pump();

@@ -114,6 +114,23 @@ namespace Ros2Gateway.Tests
         }
 
         [Test]
+        public void RaysThatHitNothingComeBackAsInfinity()
+        {
+            using (Live live = Live.Connected())
+            {
+                Publisher<LaserScanMsg> publisher = live.Client.Advertise<LaserScanMsg>("/rays");
+                Subscription<LaserScanMsg> subscription = live.Client.Subscribe<LaserScanMsg>("/rays");
+                LaserScanMsg sent = new LaserScanMsg();
+                sent.range_max = float.PositiveInfinity;
+                sent.ranges = new[] { 1.5f, float.PositiveInfinity, float.NaN, float.NegativeInfinity, 0.1f };
+                LaserScanMsg got = null;
+                live.Until(() => subscription.TryTake(out got), "for the scan", () => publisher.Publish(sent));
+                CollectionAssert.AreEqual(sent.ranges, got.ranges);
+                Assert.AreEqual(float.PositiveInfinity, got.range_max);
+            }
+        }
+
+        [Test]
         public void ATypeWithoutAClassCanBeReadAsATree()
         {
             using (Live live = Live.Connected())

@@ -81,6 +81,10 @@ namespace Ros2Gateway.Unity.Tests
             _display.Show(scan);
             yield return null;
             Assert.AreEqual(5, _display.Hits);
+            scan.range_max = float.PositiveInfinity;
+            _display.Show(scan);
+            yield return null;
+            Assert.AreEqual(5, _display.Hits);
         }
 
         [UnityTest]

@@ -264,6 +264,7 @@ namespace Ros2Gateway
                     frame.Member("service", name);
                     frame.Name("args");
                     request.Write(frame);
+                    frame.Member("nonfinite", "string");
                     frame.Member("timeout", patience / 1000.0);
                 },
                 reader =>

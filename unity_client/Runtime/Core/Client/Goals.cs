@@ -59,6 +59,7 @@ namespace Ros2Gateway
                 frame.Name("args");
                 goal.Write(frame);
                 frame.Member("feedback", onFeedback != null);
+                frame.Member("nonfinite", "string");
                 if (keep)
                 {
                     frame.Member("keep", true);

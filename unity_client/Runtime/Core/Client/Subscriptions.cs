@@ -147,6 +147,7 @@ namespace Ros2Gateway
                 frame.Member("throttle_rate", options.ThrottleMilliseconds);
             }
             frame.Member("queue_length", queue);
+            frame.Member("nonfinite", "string"); // without it infinities are null, and read as NaN
             if (options.Fields != null)
             {
                 frame.Name("fields");

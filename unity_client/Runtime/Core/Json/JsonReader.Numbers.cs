@@ -64,12 +64,16 @@ namespace Ros2Gateway.Json
             return ReadUnsigned(ulong.MaxValue);
         }
 
-        /// <summary>Reads the single precision number nearest to what is written; null is NaN.</summary>
+        /// <summary>
+        /// Reads the single precision number nearest to what is written; null is NaN, the texts "NaN",
+        /// "Infinity" and "-Infinity" are what they name.
+        /// </summary>
         public float ReadFloat32()
         {
-            if (TryReadNull())
+            double named;
+            if (TryReadNonFinite(out named))
             {
-                return float.NaN;
+                return (float)named;
             }
             ScanNumber("a number or null");
             double wide = ScannedDouble();
@@ -86,12 +90,16 @@ namespace Ros2Gateway.Json
             return value;
         }
 
-        /// <summary>Reads the double precision number nearest to what is written; null is NaN.</summary>
+        /// <summary>
+        /// Reads the double precision number nearest to what is written; null is NaN, the texts "NaN",
+        /// "Infinity" and "-Infinity" are what they name.
+        /// </summary>
         public double ReadFloat64()
         {
-            if (TryReadNull())
+            double named;
+            if (TryReadNonFinite(out named))
             {
-                return double.NaN;
+                return named;
             }
             ScanNumber("a number or null");
             return ScannedDouble();
@@ -305,6 +313,30 @@ namespace Ros2Gateway.Json
             }
             exponent += isNegative ? -value : value;
             return at;
+        }
+
+        private bool TryReadNonFinite(out double value)
+        {
+            value = double.NaN;
+            if (TryReadNull())
+            {
+                return true;
+            }
+            if (_position >= _end || _buffer[_position] != (byte)'"')
+            {
+                return false;
+            }
+            if (TakeLiteral("\"Infinity\""))
+            {
+                value = double.PositiveInfinity;
+                return true;
+            }
+            if (TakeLiteral("\"-Infinity\""))
+            {
+                value = double.NegativeInfinity;
+                return true;
+            }
+            return TakeLiteral("\"NaN\"");
         }
 
         private JsonFormatException NoNumber(string expected, int at, int first)

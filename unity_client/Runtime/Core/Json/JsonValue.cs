@@ -24,6 +24,9 @@ namespace Ros2Gateway.Json
         /// <summary>The literal null.</summary>
         public static readonly JsonValue Null = new JsonValue(JsonKind.Null);
 
+        private const string Infinity = "Infinity";
+        private const string MinusInfinity = "-Infinity";
+
         private readonly JsonKind _kind;
         private string _text;
         private bool _isTrue;
@@ -118,12 +121,16 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>
-        /// Makes a number; NaN and the infinities, which JSON has not, make <see cref="Null"/>.
+        /// Makes a number. JSON has no NaN, which makes <see cref="Null"/>, and no infinities, which make
+        /// the texts "Infinity" and "-Infinity".
         /// </summary>
         public static implicit operator JsonValue(double v)
         {
-            bool isFinite = !double.IsNaN(v) && !double.IsInfinity(v);
-            return isFinite ? new JsonValue(JsonKind.Number) { _number = v } : Null;
+            if (double.IsInfinity(v))
+            {
+                return v > 0 ? Infinity : MinusInfinity;
+            }
+            return double.IsNaN(v) ? Null : new JsonValue(JsonKind.Number) { _number = v };
         }
 
         /// <summary>Makes an array; null among the elements is <see cref="Null"/>.</summary>
@@ -253,9 +260,18 @@ namespace Ros2Gateway.Json
             }
         }
 
-        /// <summary>The number; null is NaN, for that is how ROS sends it.</summary>
+        /// <summary>
+        /// The number; null is NaN, and the texts "NaN", "Infinity" and "-Infinity" are what they name, for that
+        /// is how the gateway sends them.
+        /// </summary>
         public double AsDouble(double fallback = double.NaN)
         {
+            if (_kind == JsonKind.String)
+            {
+                return _text == Infinity ? double.PositiveInfinity
+                    : _text == MinusInfinity ? double.NegativeInfinity
+                    : _text == "NaN" ? double.NaN : fallback;
+            }
             if (_kind != JsonKind.Number)
             {
                 return _kind == JsonKind.Null ? double.NaN : fallback;

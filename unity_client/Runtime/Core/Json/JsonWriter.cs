@@ -138,14 +138,14 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>
-        /// Writes the shortest number that reads back as the same float. NaN and the infinities, which JSON
-        /// has not, are null.
+        /// Writes the shortest number that reads back as the same float. JSON has no NaN, which is null, and
+        /// no infinities, which are "Infinity" and "-Infinity".
         /// </summary>
         public void Value(float v)
         {
             if (float.IsNaN(v) || float.IsInfinity(v))
             {
-                Null();
+                NonFinite(v);
                 return;
             }
             BeginValue(DecimalText.LongestNumber);
@@ -153,14 +153,14 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>
-        /// Writes the shortest number that reads back as the same double. NaN and the infinities, which JSON
-        /// has not, are null.
+        /// Writes the shortest number that reads back as the same double. JSON has no NaN, which is null, and
+        /// no infinities, which are "Infinity" and "-Infinity".
         /// </summary>
         public void Value(double v)
         {
             if (double.IsNaN(v) || double.IsInfinity(v))
             {
-                Null();
+                NonFinite(v);
                 return;
             }
             BeginValue(DecimalText.LongestNumber);
@@ -210,6 +210,16 @@ namespace Ros2Gateway.Json
             Reserve(1);
             _buffer[_count++] = bracket;
             _needsComma = true;
+        }
+
+        private void NonFinite(double v)
+        {
+            if (double.IsNaN(v))
+            {
+                Null();
+                return;
+            }
+            Literal(v > 0 ? "\"Infinity\"" : "\"-Infinity\"");
         }
 
         private void Literal(string text)

@@ -11,8 +11,8 @@ using Ros2Gateway.Messages.StdMsgs;
 namespace Ros2Gateway.Thesis
 {
     /// <summary>
-    /// The calls of the native ROS2-Unity library of 2021, under its own names: a scene written for it
-    /// needs another import (<c>using static Ros2Gateway.Thesis.Ros2Library;</c>), not other logic.
+    /// The calls of the native ROS2-Unity library of 2021, under its own names, for scenes written for it:
+    /// <c>using static Ros2Gateway.Thesis.Ros2Library;</c>. The table of old and new calls says what differs.
     /// </summary>
     /// <remarks>
     /// The library was one per process, and scenes call it as such: this class alone in the package holds

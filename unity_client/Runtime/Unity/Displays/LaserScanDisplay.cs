@@ -150,9 +150,9 @@ namespace Ros2Gateway.Unity
         /// <summary>Puts the sensor at 0, the hits behind it; returns how many hits there are.</summary>
         private int Place(LaserScanMsg message, int step, int beams)
         {
-            // without limits of its own (0, or null which came as NaN) everything counts
+            // without limits of its own (0, NaN or infinite) all that was measured counts
             float least = message.range_min > 0 ? message.range_min : 0;
-            float most = message.range_max > 0 ? message.range_max : float.MaxValue;
+            float most = message.range_max > 0 ? Mathf.Min(message.range_max, float.MaxValue) : float.MaxValue;
             most = _maxRange > 0 ? Mathf.Min(most, _maxRange) : most;
             float[] intensities = message.intensities;
             bool isByIntensity = _coloring == LaserScanColoring.Intensity
