@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The fields that records of the log carry beside their text, by `extra`.
+"""The fields that records of the log carry beside their text, by `extra`, and their words.
 
 ``client`` is a client's address and number, such as ``10.0.0.5#12``, and ``topic`` a topic, an
 action or a service. Lines with one of them may come as often as somebody outside wants: they are
@@ -46,6 +46,11 @@ def text_of(record: logging.LogRecord) -> str:
     if record.name.partition(".")[0] == "gateway":  # libraries may use several lines
         message = _on_one_line(message)
     return f"{message} [{_on_one_line(shown)}]" if shown else message
+
+
+def counted(count: int, noun: str) -> str:
+    """Return a number of things in words: ``1 token``, ``2 tokens``."""
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
 def _on_one_line(text: str) -> str:

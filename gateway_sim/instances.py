@@ -4,6 +4,7 @@
 import array
 import importlib
 import json
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
@@ -15,6 +16,8 @@ from schemas.installed import InstalledDefinitions
 _SHOWN_ELEMENTS: Final = 8  # of an array; a line stays readable
 _SHOWN_CHARACTERS: Final = 80  # of a string
 _MAX_LINE: Final = 2000  # characters: 20 lines of a terminal
+# that of .msg files is a uint8 in IDL
+_IDL_CHAR: Final = re.compile(r"char(\[\d+\])?|sequence<char(, \d+)?>")
 
 
 def message_class(name: str) -> Any:
@@ -47,7 +50,11 @@ class Builder:
         if cls is None:
             cls = self._classes[name] = message_class(name)
         types = {field.name: field.type for field in self._definitions.get(name).fields}
-        return cls(**{key: self._value(types[key], value) for key, value in values.items()})
+        members = {key: self._value(types[key], value) for key, value in values.items()}
+        for key, in_idl in cls.get_fields_and_field_types().items():
+            if key in members and _IDL_CHAR.fullmatch(in_idl):
+                members[key] = _as_text(values[key])
+        return cls(**members)
 
     def _value(self, kind: FieldType, value: Any) -> Any:
         if kind.is_array:
@@ -61,6 +68,13 @@ class Builder:
         if base == "byte":
             return bytes((value,))
         return self.build(base, value) if "/" in base else value
+
+
+def _as_text(value: Any) -> Any:
+    """Turn a char of IDL, or several, into text; rclpy takes no more than ASCII."""
+    if isinstance(value, int):
+        return chr(value & 0x7F)
+    return [_as_text(each) for each in value]
 
 
 def one_line(message: Any) -> str:

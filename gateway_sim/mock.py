@@ -126,7 +126,8 @@ class MockSystem:
             f"publishing at {options.rate_hz:g} Hz below /mock" if options.publish else "",
             "listening below /mock_in" if options.listen else "",
         ]
-        self._node.get_logger().info(f"{len(classes)} types: {', '.join(filter(None, doing))}")
+        count = "1 type" if len(classes) == 1 else f"{len(classes)} types"
+        self._node.get_logger().info(f"{count}: {', '.join(filter(None, doing))}")
 
     def close(self) -> None:
         """Take the node off the graph."""

@@ -8,6 +8,7 @@ import time
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Final
 
+from gateway.access.posture import LOOPBACKS
 from gateway.cli.logs import json_line
 
 if TYPE_CHECKING:
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 EVERYWHERE: Final = frozenset({"0.0.0.0", "::"})  # noqa: S104  # for messages, not binding
 
 _WARNING: Final = "WARNING: "
+_NO_ADDRESS: Final = "no default route: `ip -br address` lists the addresses of what is up"
 _WHO: Final = {"viewer": "watch", "operator": "drive the robot", "admin": "do everything"}
 
 
@@ -85,8 +87,10 @@ def _lines(listening: "Listening", addresses: Sequence[str]) -> Iterator[str]:
         yield f"  on this machine   {own_url(listening)}"
         for address in addresses:
             yield f"  from a headset    {_url(listening, address)}"
+        if not addresses:
+            yield f"  from a headset    {_url(listening, 'ADDRESS')}   {_NO_ADDRESS}"
     else:
-        for host, _ in listening.addresses:
+        for host, _ in listening.addresses[:1] if _is_here(listening) else listening.addresses:
             yield f"listening on {_url(listening, host)}"
     if listening.posture.needs_token:
         yield from _token_lines(listening, addresses)
@@ -120,6 +124,11 @@ def _wscat(listening: "Listening", url: str) -> str:
 def _hosts(listening: "Listening", addresses: Sequence[str]) -> list[str]:
     hosts = [host for host, _ in listening.addresses]
     return [*addresses, *hosts] if not EVERYWHERE.isdisjoint(hosts) else hosts
+
+
+def _is_here(listening: "Listening") -> bool:
+    """Return whether its addresses are two names of this machine alone."""
+    return {host for host, _ in listening.addresses} == set(LOOPBACKS)
 
 
 def _url(listening: "Listening", host: str) -> str:

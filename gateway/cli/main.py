@@ -14,18 +14,16 @@ import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from difflib import get_close_matches
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, NoReturn
 
 from gateway.cli.arguments import CONFIG_FLAGS, CONFIG_SWITCHES, argument_parser
 from gateway.cli.output import announce, discard_output, write, write_elsewhere
 from gateway.cli.report import EXIT_OK, report
-from gateway.config.domain_id import DOMAIN_ID_EXPECTATION, is_domain_id
+from gateway.cli.ros_environment import require_rclpy, ros_imports, use_ros
 from gateway.errors import (
     ConfigError,
     RobotDiedError,
-    RosMissingError,
     UsageError,
 )
 
@@ -34,11 +32,13 @@ if TYPE_CHECKING:
     from gateway.cli.foreign_output import OwnOutput
     from gateway.config.settings import Given, Loaded
     from schemas.installed import InstalledDefinitions
+    from schemas.table import TypeNameError
 
 _DEMO_HINT: Final = """\
 in another terminal, connect with  WSCAT  and paste:
-  {"op":"subscribe","topic":"/odom"}
+  {"op":"subscribe","topic":"/odom","fields":["pose.pose.position"],"throttle_rate":1000}
   {"op":"publish","topic":"/cmd_vel","type":"geometry_msgs/msg/Twist","msg":{"linear":{"x":0.2}}}
+  help
 Ctrl-C ends the gateway and the robot"""
 
 
@@ -132,7 +132,7 @@ def _serve(arguments: argparse.Namespace) -> int:
     loaded = _configuration(arguments)
     if arguments.print_config:
         return _print_config(loaded)
-    _use_domain(loaded.config.ros.domain_id)
+    use_ros(loaded.config.ros.domain_id)
     with _log_output(loaded) as own:
         return _run_gateway(arguments, loaded, own)
 
@@ -191,7 +191,7 @@ def _announce_listening(listening: "Listening", *, shows_qr: bool, hint: str) ->
 def _run_gateway(
     arguments: argparse.Namespace, loaded: "Loaded", own: "OwnOutput | None", hint: str = ""
 ) -> int:
-    _require_rclpy()
+    require_rclpy()
     from gateway import app
 
     def announce(listening: "Listening") -> None:
@@ -208,17 +208,12 @@ def _run_gateway(
     )
 
 
-def _require_rclpy() -> None:
-    if find_spec("rclpy") is None:
-        raise RosMissingError
-
-
 def _demo(arguments: argparse.Namespace) -> int:
     loaded = _configuration(arguments)
     if arguments.print_config:
         return _print_config(loaded)
-    _use_domain(loaded.config.ros.domain_id)  # the robot inherits it
-    _require_rclpy()
+    use_ros(loaded.config.ros.domain_id)  # the robot inherits it
+    require_rclpy()
     from gateway.cli import demo
 
     # the robot on this desk is nobody else's business; read when the middleware starts
@@ -235,8 +230,8 @@ def _sim(arguments: argparse.Namespace) -> int:
         from gateway.cli.demo import end_with_stdin
 
         end_with_stdin()
-    _use_domain(arguments.domain_id)
-    with _ros_imports():
+    use_ros(arguments.domain_id)
+    with ros_imports():
         from gateway_sim import node
     return node.run(
         node.SimOptions(
@@ -248,27 +243,9 @@ def _sim(arguments: argparse.Namespace) -> int:
     )
 
 
-def _use_domain(domain_id: int | None) -> None:
-    """Have ROS use this domain, or the environment's; an invalid one is an error."""
-    if domain_id is not None:
-        os.environ["ROS_DOMAIN_ID"] = str(domain_id)
-    given = os.environ.get("ROS_DOMAIN_ID")
-    if given and not is_domain_id(given):  # empty is unset, as to ROS
-        raise ConfigError(f"ROS_DOMAIN_ID: got {given!r}, expected {DOMAIN_ID_EXPECTATION}")
-
-
-@contextmanager
-def _ros_imports() -> Iterator[None]:
-    """Report what to do if an import of ROS fails."""
-    try:
-        yield
-    except ImportError as error:
-        raise RosMissingError(str(error)) from error
-
-
 def _mock(arguments: argparse.Namespace) -> int:
-    _use_domain(arguments.domain_id)
-    with _ros_imports():
+    use_ros(arguments.domain_id)
+    with ros_imports():
         from gateway_sim import mock
     return mock.run(
         mock.MockOptions(
@@ -298,16 +275,29 @@ def _schema(arguments: argparse.Namespace) -> int:
     except UnknownTypeError as error:
         # of a known name, something is missing that no other name mends
         close = [] if name in known else get_close_matches(name, known, n=1)
+        near = close[0] if close else definitions.nearest(name)
         hint = ""
-        if close:
-            hint = f", did you mean {close[0]}"
+        if near and name not in known:
+            hint = f", did you mean {near}"
         elif arguments.definition:
             hint = ", --definition needs the message package installed"
         raise UsageError(f"{error}{hint}") from error
-    except (TypeNameError, DefinitionError) as error:
+    except TypeNameError as error:
+        raise UsageError(f"{error}{_type_hint(error, definitions)}") from error
+    except DefinitionError as error:
         raise UsageError(str(error)) from error
     print(text)
     return EXIT_OK
+
+
+def _type_hint(error: "TypeNameError", definitions: "InstalledDefinitions") -> str:
+    near = error.requested and definitions.meant(error.requested, error.kind)
+    if near:
+        return f", did you mean {near}"
+    if error.requested.startswith("/"):  # a topic, a service or an action
+        frame = f'{{"op":"describe","type":"{error.requested}"}}'
+        return f"; a running gateway knows the types of names, send it {frame}"
+    return ""
 
 
 def _schema_text(name: str, definitions: "InstalledDefinitions") -> str:

@@ -89,7 +89,8 @@ class Limits(Section):
     max_transforms: Count = Field(
         16,  # head, two hands, and the robot's main frames
         serialization_alias="transforms",
-        description="repeated transform lookups a client may hold; one more is refused",
+        description="repeated transform lookups a client may hold, and as many arrays of"
+        " frames from `/tf2_web_republisher`; one more is refused",
     )
     service_timeout_s: Seconds = Field(
         5,  # what rosbridge has

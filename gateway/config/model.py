@@ -116,8 +116,9 @@ class Config(Section):
 
     host: Host = Field(
         "127.0.0.1",
-        description="the address to listen on: `127.0.0.1` for this machine alone; any address that"
-        " other machines reach asks for tokens, as `lan` does",
+        description="the address to listen on; unless set, this machine alone can connect, to"
+        " `127.0.0.1` and `::1`; any address that other machines reach asks for tokens, as `lan`"
+        " does",
     )
     lan: bool = Field(
         False,

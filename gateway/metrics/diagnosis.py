@@ -15,7 +15,7 @@ ERROR: Final = 2
 LATE_S: Final = 0.1  # people notice it in what they steer
 TOO_LATE_S: Final = 0.5  # the deadline of a command: robots stop
 CROWDED: Final = 0.8  # of the ROS entities; the rest is gone before somebody has looked
-MAX_NAMED: Final = 8  # clients: more do not help, and the message is for people
+MAX_NAMED: Final = 8  # clients or nodes: more do not help, and the message is for people
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +38,7 @@ def diagnose(now: Summary, before: Summary | None) -> list[Diagnosis]:
         _clients(now),
         _delivery(now, before),
         _ros_entities(now),
+        _ros_graph(now),
         _guard(now),
         *map(_drive, now.control.drives),
     ]
@@ -103,6 +104,15 @@ def _ros_entities(now: Summary) -> Diagnosis:
     level: Level = ERROR if count >= limit else WARN if count >= CROWDED * limit else OK
     text = f"{count} of {limit} (limits.max_ros_entities)"
     return Diagnosis("ROS entities", level, text, now.entities)
+
+
+def _ros_graph(now: Summary) -> Diagnosis:
+    shared = now.shared_names
+    text = "each node has a name of its own"
+    if shared:
+        more = f" and {len(shared) - MAX_NAMED} more" if len(shared) > MAX_NAMED else ""
+        text = f"several nodes are named {', '.join(shared[:MAX_NAMED])}{more}"
+    return Diagnosis("ROS graph", WARN if shared else OK, text, {"shared names": len(shared)})
 
 
 def _guard(now: Summary) -> Diagnosis:

@@ -136,6 +136,7 @@ class Summary(NamedTuple):
     entities: Mapping[str, int]  # that are open, by kind
     max_ros_entities: int
     control: ControlState
+    shared_names: tuple[str, ...]  # of nodes in the ROS graph
     handshakes_refused: Mapping[str, int]  # by reason
     authentication_failures: Mapping[str, int]  # by reason
     ends: Mapping[tuple[str, str, str], int]  # of connections, by who ended it, reason and code

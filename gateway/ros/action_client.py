@@ -13,8 +13,9 @@ from typing import Any, Final
 from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message, serialize_message
 
+from gateway.action_ports import ABORTED, CANCELED, SUCCEEDED, GoalResult
 from gateway.config.limits import MAX_QUEUE_DEPTH
-from gateway.ports import ABORTED, CANCELED, SUCCEEDED, GoalResult, RosError, Sample
+from gateway.ports import RosError, Sample
 from gateway.ros.endpoints import Endpoints, Requester
 from gateway.ros.errors import refusals, remapped
 from gateway.ros.goal_ids import goal_id_of, with_goal_id, without_goal_id

@@ -3,7 +3,8 @@
 
 from collections.abc import Callable
 
-from gateway.ports import GoalRequest, RosError
+from gateway.action_ports import GoalRequest
+from gateway.ports import RosError
 from gateway.ros.action_client import RclpyActionClient
 from gateway.ros.action_server import RclpyActionServer
 from gateway.ros.deferred_destruction import DeferredDestruction

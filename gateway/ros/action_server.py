@@ -13,7 +13,7 @@ from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.qos import QoSProfile, qos_profile_action_status_default
 from rclpy.serialization import deserialize_message, serialize_message
 
-from gateway.ports import ABORTED, CANCELED, GoalOutcome, GoalRequest
+from gateway.action_ports import ABORTED, CANCELED, GoalOutcome, GoalRequest
 from gateway.ros import rclpy_private
 from gateway.ros.endpoints import Endpoints, OnRequest, Replier, Reply
 from gateway.ros.errors import refusals, remapped

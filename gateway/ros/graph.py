@@ -20,8 +20,8 @@ from rclpy.node import Node
 
 from gateway.ports import Graph, ServerInfo, TopicInfo
 from gateway.ros.errors import REFUSALS
-from gateway.ros.profile import endpoint_node, full_name, to_offer
-from gateway.ros.qos import Offer
+from gateway.ros.profile import endpoint_node, full_name, to_endpoint
+from gateway.ros.qos import Endpoint
 from gateway.ros.rclpy_private import GraphWaitSet
 
 # A new node causes dozens of changes within a few milliseconds: look once they are over. Far below
@@ -57,9 +57,14 @@ def read_graph(node: Node, hidden: str = "") -> Graph:
         for name, types in sorted(node.get_topic_names_and_types())
         if _BEHIND_ACTION not in name
     )
-    nodes = (full_name(namespace, name) for name, namespace in node.get_node_names_and_namespaces())
-    shown = tuple(sorted(each for each in nodes if each != hidden))
+    shown = tuple(sorted(each for each in read_nodes(node) if each != hidden))
     return Graph(topics, shown, read_services(node), read_actions(node))
+
+
+def read_nodes(node: Node) -> list[str]:
+    """Return the full names of all nodes; a name that several have is there as often."""
+    found = node.get_node_names_and_namespaces()
+    return [full_name(namespace, name) for name, namespace in found]
 
 
 def read_services(node: Node) -> tuple[ServerInfo, ...]:
@@ -96,9 +101,14 @@ def read_types(
     return tuple(sorted({endpoint.topic_type for endpoint in endpoints}))
 
 
-def read_offers(node: Node, topic: str) -> list[Offer]:
+def read_offers(node: Node, topic: str) -> list[Endpoint]:
     """Return what the publishers of a topic offer, of any type."""
-    return [to_offer(publisher) for publisher in node.get_publishers_info_by_topic(topic)]
+    return [to_endpoint(publisher) for publisher in node.get_publishers_info_by_topic(topic)]
+
+
+def read_requests(node: Node, topic: str) -> list[Endpoint]:
+    """Return what the subscriptions to a topic ask for, of any type."""
+    return [to_endpoint(each) for each in node.get_subscriptions_info_by_topic(topic)]
 
 
 class GraphChanges:

@@ -13,19 +13,10 @@ from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from gateway.action_ports import GoalRequest
 from gateway.config.domain_id import MAX_DOMAIN_ID
 from gateway.faults import Fault
-from gateway.ports import (
-    GoalRequest,
-    Graph,
-    LogLevel,
-    Mismatch,
-    Qos,
-    Request,
-    RosError,
-    Sample,
-    ServerInfo,
-)
+from gateway.ports import Graph, LogLevel, Qos, Request, RosError, Sample, ServerInfo, TopicEvent
 from gateway.ros import fast_dds, rclpy_private
 from gateway.ros.action_client import RclpyActionClient
 from gateway.ros.action_entities import Actions
@@ -39,10 +30,12 @@ from gateway.ros.graph import (
     read_actions,
     read_all_services,
     read_graph,
+    read_nodes,
     read_types,
 )
 from gateway.ros.options import RosOptions, Taking, check_room
 from gateway.ros.publishers import Publishers, RclpyPublisher
+from gateway.ros.qos_events import QosEvents
 from gateway.ros.raw_subscriptions import RawSubscription, RawSubscriptions
 from gateway.ros.ready_events import (
     EventfdReadyEvents,
@@ -50,6 +43,7 @@ from gateway.ros.ready_events import (
     ReadyEvents,
     UnsupportedError,
 )
+from gateway.ros.same_names import SameNames
 from gateway.ros.samples import EventfdSamples, ExecutorSamples, Samples
 from gateway.ros.service_entities import RclpyClient, RclpyService, Services
 from gateway.ros.time_jumps import JumpWatch
@@ -101,12 +95,16 @@ class RclpyRos:
             )
             ready_events = _open_ready_events(options.taking, loop)
             samples = _open_samples(ready_events, subscribing, loop, undo)
-            self._subscriptions = RawSubscriptions(subscribing, samples, loop, self._topics_changed)
+            events = QosEvents(loop)
+            self._subscriptions = RawSubscriptions(
+                subscribing, samples, events, loop, self._topics_changed
+            )
             undo.callback(self._subscriptions.close)
             self._deferred = DeferredDestruction(loop)
             undo.callback(self._deferred.close)
-            self._publishers = self._open_publishers(publishing, undo)
-            self._own_publishers = self._open_publishers(self._debug, undo)
+            self._publishers, self._own_publishers = (
+                self._open_publishers(node, events, undo) for node in (publishing, self._debug)
+            )
             endpoints = Endpoints(serving, ready_events, loop)
             self._services = Services(endpoints, self._deferred, self._services_changed)
             undo.callback(self._services.close)
@@ -114,8 +112,7 @@ class RclpyRos:
                 endpoints, samples, self._deferred, self.now_ns, self._actions_changed
             )
             undo.callback(self._actions.close)
-            self._watches = GraphWatches(loop)
-            undo.callback(self._watches.close)
+            self._watches = self._open_watches(loop, undo)
             self._changes = GraphChanges(self._debug, loop, self._graph_changed)
             undo.callback(self._changes.close)
             self._undo = undo.pop_all()
@@ -137,21 +134,27 @@ class RclpyRos:
         type_name: str,
         qos: Qos,
         on_samples: Callable[[Sequence[Sample]], None],
-        on_incompatible: Callable[[Mismatch], None],
+        on_event: Callable[[TopicEvent], None],
     ) -> RawSubscription:
         """Subscribe to a fully resolved topic name; see the port."""
         self._check_topic(topic, type_name)
-        return self._subscriptions.subscribe(topic, type_name, qos, on_samples, on_incompatible)
+        return self._subscriptions.subscribe(topic, type_name, qos, on_samples, on_event)
 
-    def advertise(self, topic: str, type_name: str, qos: Qos) -> RclpyPublisher:
+    def advertise(
+        self,
+        topic: str,
+        type_name: str,
+        qos: Qos,
+        on_event: Callable[[TopicEvent], None],
+    ) -> RclpyPublisher:
         """Create a publisher on a fully resolved topic name; see the port."""
         self._check_topic(topic, type_name, is_reserved=topic in self._options.reserved_topics)
-        return self._publishers.advertise(topic, type_name, qos)
+        return self._publishers.advertise(topic, type_name, qos, on_event)
 
     def advertise_own(self, topic: str, type_name: str, qos: Qos) -> RclpyPublisher:
         """Create a publisher on the debug node; see the port."""
         self._check_type(f"topic {topic}", type_name, self._type_of_topic(topic))
-        return self._own_publishers.advertise(topic, type_name, qos)
+        return self._own_publishers.advertise(topic, type_name, qos, lambda _: None)
 
     def client(self, service: str, type_name: str) -> RclpyClient:
         """Create a client of a service by its fully resolved name; see the port."""
@@ -251,15 +254,31 @@ class RclpyRos:
             faults.append(Fault("dead", "the thread that follows the ROS graph has ended"))
         return faults
 
+    def shared_names(self) -> Sequence[str]:
+        """Return the names that several nodes have; see the port."""
+        return self._same_names.known
+
     def entity_count(self) -> int:
         """Count the handles of all kinds that are open through this port."""
         parts = (self._subscriptions, self._publishers, self._services, self._actions)
         return sum(len(part) for part in parts)
 
-    def _open_publishers(self, node: Node, undo: contextlib.ExitStack) -> Publishers:
-        publishers = Publishers(node, self._deferred, self._topics_changed)
+    def _open_publishers(
+        self, node: Node, events: QosEvents, undo: contextlib.ExitStack
+    ) -> Publishers:
+        publishers = Publishers(node, self._deferred, self._topics_changed, self._own_nodes, events)
         undo.callback(publishers.close)
         return publishers
+
+    def _open_watches(
+        self, loop: asyncio.AbstractEventLoop, undo: contextlib.ExitStack
+    ) -> GraphWatches:
+        watches = GraphWatches(loop)
+        undo.callback(watches.close)
+        self._same_names = SameNames(loop, lambda: read_nodes(self._debug))
+        undo.callback(self._same_names.close)
+        watches.add(self._same_names.look)
+        return watches
 
     def _check_topic(self, topic: str, type_name: str, *, is_reserved: bool = False) -> None:
         known = self._type_of_topic(topic)
@@ -314,6 +333,7 @@ class RclpyRos:
         self._topics_changed()
         self._actions_changed()
         self._subscriptions.follow_publishers()
+        self._publishers.follow_subscribers()
         self._services.follow_graph()
         self._actions.follow_graph()
         self._watches.notify()

@@ -2,11 +2,17 @@
 """Conversion between the port's quality of service and rclpy's."""
 
 from rclpy.duration import Duration
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import (
+    DurabilityPolicy,
+    HistoryPolicy,
+    LivelinessPolicy,
+    QoSProfile,
+    ReliabilityPolicy,
+)
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from gateway.ports import Qos
-from gateway.ros.qos import MAX_PERIOD_NS, Offer
+from gateway.ros.qos import MAX_PERIOD_NS, Endpoint
 
 
 def to_profile(qos: Qos) -> QoSProfile:
@@ -22,19 +28,20 @@ def to_profile(qos: Qos) -> QoSProfile:
         depth=qos.depth,
         deadline=_duration(qos.deadline_ns),
         lifespan=_duration(qos.lifespan_ns),
+        liveliness=LivelinessPolicy.AUTOMATIC,
+        liveliness_lease_duration=_duration(qos.lease_ns),
     )
 
 
-def to_offer(publisher: TopicEndpointInfo) -> Offer:
-    """Convert what discovery knows of a publisher.
+def to_endpoint(info: TopicEndpointInfo) -> Endpoint:
+    """Convert what discovery knows of a publisher or a subscription.
 
     A policy that discovery leaves unknown counts as the weaker one, which any offer matches.
     """
-    profile = publisher.qos_profile
-    deadline_ns = profile.deadline.nanoseconds
-    return Offer(
-        node=endpoint_node(publisher),
-        type_name=publisher.topic_type,
+    profile = info.qos_profile
+    return Endpoint(
+        node=endpoint_node(info),
+        type_name=info.topic_type,
         reliability="reliable"
         if profile.reliability == ReliabilityPolicy.RELIABLE
         else "best_effort",
@@ -42,7 +49,10 @@ def to_offer(publisher: TopicEndpointInfo) -> Offer:
         if profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
         else "volatile",
         depth=profile.depth or None,
-        deadline_ns=deadline_ns if 0 < deadline_ns < MAX_PERIOD_NS else None,
+        deadline_ns=_nanoseconds(profile.deadline),
+        lifespan_ns=_nanoseconds(profile.lifespan),
+        lease_ns=_nanoseconds(profile.liveliness_lease_duration),
+        is_manual=profile.liveliness == LivelinessPolicy.MANUAL_BY_TOPIC,
     )
 
 
@@ -54,6 +64,10 @@ def endpoint_node(endpoint: TopicEndpointInfo) -> str:
 def full_name(namespace: str, name: str) -> str:
     """Join a namespace and a node name; rmw's placeholders, which have no namespace, stay bare."""
     return f"{namespace.rstrip('/')}/{name}" if namespace.startswith("/") else name
+
+
+def _nanoseconds(duration: Duration) -> int | None:
+    return duration.nanoseconds if 0 < duration.nanoseconds < MAX_PERIOD_NS else None
 
 
 def _duration(nanoseconds: int | None) -> Duration:

@@ -5,12 +5,20 @@ Nothing here needs ROS: offers come in, a profile or sentences come out. Matchin
 of "requested versus offered" in the DDS specification (formal/15-04-10, 2.2.3).
 """
 
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, NamedTuple
 
 from gateway.config.limits import MAX_QUEUE_DEPTH
-from gateway.ports import MAX_TAKES_PER_TURN, Durability, Mismatch, Qos, Reliability
+from gateway.ports import (
+    BRIEF_LIFESPAN_NS,
+    MAX_TAKES_PER_TURN,
+    Durability,
+    Qos,
+    Reliability,
+    TopicEvent,
+)
 
 # what the loop takes in one turn: DDS need not drop while a turn takes 32 ms at 1 kHz; a topic
 # of 1 MB images holds at most 32 MB
@@ -25,8 +33,11 @@ UNKNOWN_NODE: Final = "_NODE_NAME_UNKNOWN_"
 
 
 @dataclass(frozen=True, slots=True)
-class Offer:
-    """The offer of one publisher of a topic, as discovery reports it."""
+class Endpoint:
+    """One publisher of a topic and its offer, or one subscriber and its request.
+
+    Discovery reports it.
+    """
 
     node: str
     type_name: str
@@ -34,9 +45,12 @@ class Offer:
     durability: Durability = "volatile"
     depth: int | None = None  # None: not reported, as by Fast DDS
     deadline_ns: int | None = None
+    lifespan_ns: int | None = None
+    lease_ns: int | None = None
+    is_manual: bool = False  # of liveliness: MANUAL_BY_TOPIC
 
 
-def adopt(asked: Qos, offers: Sequence[Offer], current: Qos | None = None) -> Qos:
+def adopt(asked: Qos, offers: Sequence[Endpoint], current: Qos | None = None) -> Qos:
     """Fill all that *asked* leaves open with what matches every offer.
 
     *offers* are those of the subscription's own type. Without any, *current* stays: publishers
@@ -46,16 +60,35 @@ def adopt(asked: Qos, offers: Sequence[Offer], current: Qos | None = None) -> Qo
 
     A subscription that keeps all would grow for as long as the event loop is busy: it keeps the
     last `MAX_QUEUE_DEPTH` instead.
+
+    The lease is the longest, if all publishers have one: DDS then says when one gives no sign of
+    life.
     """
     if not offers and current is not None:
         return current
     reliable = all(offer.reliability == "reliable" for offer in offers)
-    retained = bool(offers) and all(offer.durability == "transient_local" for offer in offers)
+    retained = all(offer.durability == "transient_local" for offer in offers) and any(
+        map(retains, offers)
+    )
     return _bounded(
         asked,
         reliability=asked.reliability or ("reliable" if reliable else "best_effort"),
         durability=asked.durability or ("transient_local" if retained else "volatile"),
         depth=max(NEEDED_DEPTH, sum(offer.depth or 1 for offer in offers)),
+        lease_ns=_longest([offer.lease_ns for offer in offers]),
+    )
+
+
+def retains(offer: Qos | Endpoint) -> bool:
+    """Return whether a publisher keeps samples for late subscribers, and not just briefly.
+
+    rosbridge's publishers are transient local for a second, and clients' through this gateway: to
+    match every subscriber. Who subscribed to them as transient local without need would get some
+    samples twice whenever they come.
+    """
+    lifespan_ns = offer.lifespan_ns
+    return offer.durability == "transient_local" and (
+        lifespan_ns is None or lifespan_ns > BRIEF_LIFESPAN_NS
     )
 
 
@@ -82,46 +115,96 @@ def complete_offer(asked: Qos) -> Qos:
     )
 
 
-def mismatches(topic: str, type_name: str, qos: Qos, offers: Iterable[Offer]) -> list[Mismatch]:
+def unmatched_publishers(
+    topic: str, type_name: str, qos: Qos, publishers: Iterable[Endpoint]
+) -> list[TopicEvent]:
     """Describe the publishers that a subscription gets nothing from, each reason once."""
-    reasons: dict[Mismatch, None] = {}
-    for offer in offers:
-        if offer.node != UNKNOWN_NODE:  # its name follows within milliseconds
-            if offer.type_name != type_name:  # the policies of another type do not matter
-                reasons[_other_type(topic, type_name, offer)] = None
+
+    def reasons() -> Iterator[TopicEvent]:
+        for publisher in _introduced(publishers):
+            node = publisher.node
+            if publisher.type_name != type_name:  # the policies of another type do not matter
+                published = publisher.type_name
+                problem = f"{node} publishes {published}, the subscription is for {type_name}"
+                remedy = f"subscribe with the type {published}"
+                yield TopicEvent("type_conflict", f"topic {topic}: {problem}", remedy, node)
                 continue
-            reasons.update(
-                (Mismatch("qos_incompatible", text), None) for text in _mismatch(topic, qos, offer)
-            )
-    return list(reasons)
+            for clash in _clashes(qos, publisher):
+                problem = f"{node} offers {clash.offered}, the subscription asks for {clash.asked}"
+                problem = f"topic {topic}: {problem}"
+                yield TopicEvent("qos_incompatible", problem, clash.for_subscriber, node)
+
+    return list(dict.fromkeys(reasons()))
 
 
-def _other_type(topic: str, type_name: str, offer: Offer) -> Mismatch:
-    return Mismatch(
-        "type_conflict",
-        f"topic {topic}: {offer.node} publishes {offer.type_name}, the subscription is for"
-        f" {type_name}; subscribe with the type {offer.type_name}",
-    )
+def unmatched_subscribers(
+    topic: str, type_name: str, qos: Qos, subscribers: Iterable[Endpoint]
+) -> list[TopicEvent]:
+    """Describe the subscriptions that get nothing from a publisher, each reason once."""
+
+    def reasons() -> Iterator[TopicEvent]:
+        for subscriber in _introduced(subscribers):
+            node = subscriber.node
+            if subscriber.type_name != type_name:
+                wanted = subscriber.type_name
+                problem = f"topic {topic}: {node} subscribes to {wanted}, published is {type_name}"
+                yield TopicEvent("type_conflict", problem, f"publish {wanted}", node)
+                continue
+            for clash in _clashes(subscriber, qos):
+                problem = f"{node} asks for {clash.asked}, published is with {clash.offered}"
+                problem = f"topic {topic}: {problem}"
+                yield TopicEvent("qos_incompatible", problem, clash.for_publisher, node)
+
+    return list(dict.fromkeys(reasons()))
 
 
-def _mismatch(topic: str, qos: Qos, offer: Offer) -> Iterable[str]:
-    publisher = f"topic {topic}: {offer.node}"
-    if qos.reliability == "reliable" and offer.reliability == "best_effort":
-        yield (
-            f"{publisher} offers reliability best_effort, the subscription asks for reliable;"
-            " ask for best_effort or leave the reliability open"
+def _introduced(endpoints: Iterable[Endpoint]) -> Iterable[Endpoint]:
+    """Leave out those whose node is not known yet: its name follows within milliseconds."""
+    return (endpoint for endpoint in endpoints if endpoint.node != UNKNOWN_NODE)
+
+
+class _Clash(NamedTuple):
+    """One policy that keeps two endpoints apart, in words, and what either side can do."""
+
+    asked: str
+    offered: str
+    for_subscriber: str
+    for_publisher: str
+
+
+def _clashes(asked: Qos | Endpoint, offered: Qos | Endpoint) -> Iterable[_Clash]:
+    if asked.reliability == "reliable" and offered.reliability == "best_effort":
+        yield _Clash(
+            "reliability reliable",
+            "reliability best_effort",
+            "ask for best_effort or leave the reliability open",
+            "offer reliable or leave the reliability open",
         )
-    if qos.durability == "transient_local" and offer.durability == "volatile":
-        yield (
-            f"{publisher} offers durability volatile, the subscription asks for transient_local;"
-            " ask for volatile or leave the durability open"
+    if asked.durability == "transient_local" and offered.durability == "volatile":
+        yield _Clash(
+            "durability transient_local",
+            "durability volatile",
+            "ask for volatile or leave the durability open",
+            "offer transient_local or leave the durability open",
         )
-    if qos.deadline_ns is not None and (
-        offer.deadline_ns is None or offer.deadline_ns > qos.deadline_ns
+    if asked.deadline_ns is not None and (
+        offered.deadline_ns is None or offered.deadline_ns > asked.deadline_ns
     ):
-        yield (
-            f"{publisher} offers {_deadline(offer.deadline_ns)}, the subscription asks for"
-            f" {_deadline(qos.deadline_ns)}; ask for a longer deadline or none"
+        yield _Clash(
+            _deadline(asked.deadline_ns),
+            _deadline(offered.deadline_ns),
+            "ask for a longer deadline or none",
+            f"offer {_deadline(asked.deadline_ns)}",
+        )
+    # Publishers here are automatic, without a lease; subscriptions adopt what is offered.
+    if isinstance(asked, Endpoint) and (asked.lease_ns is not None or asked.is_manual):
+        kind = "manual" if asked.is_manual else "automatic"
+        lease = "no lease" if asked.lease_ns is None else f"a lease of {asked.lease_ns / 1e6:g} ms"
+        yield _Clash(
+            f"{kind} liveliness with {lease}",
+            "automatic liveliness with no lease",
+            "",
+            "let it ask for that",
         )
 
 
@@ -129,7 +212,19 @@ def _deadline(deadline_ns: int | None) -> str:
     return "no deadline" if deadline_ns is None else f"a deadline of {deadline_ns / 1e6:g} ms"
 
 
-def _bounded(asked: Qos, *, reliability: Reliability, durability: Durability, depth: int) -> Qos:
+def _longest(leases_ns: Sequence[int | None]) -> int | None:
+    finite = [lease_ns for lease_ns in leases_ns if lease_ns is not None]
+    return max(finite) if finite and len(finite) == len(leases_ns) else None
+
+
+def _bounded(
+    asked: Qos,
+    *,
+    reliability: Reliability,
+    durability: Durability,
+    depth: int,
+    lease_ns: int | None = None,
+) -> Qos:
     """Complete a profile; *depth* is for one that leaves its depth open."""
     wanted = MAX_QUEUE_DEPTH if asked.history == "keep_all" else asked.depth or depth
     return Qos(
@@ -139,6 +234,7 @@ def _bounded(asked: Qos, *, reliability: Reliability, durability: Durability, de
         max(1, min(wanted, MAX_QUEUE_DEPTH)),
         deadline_ns=_period(asked.deadline_ns),
         lifespan_ns=_period(asked.lifespan_ns),
+        lease_ns=lease_ns,
     )
 
 
@@ -146,3 +242,16 @@ def _period(nanoseconds: int | None) -> int | None:
     if nanoseconds is None or nanoseconds >= MAX_PERIOD_NS:
         return None
     return max(nanoseconds, MIN_PERIOD_NS)
+
+
+def gone(topic: str, before: Iterable[Endpoint], now: Sequence[Endpoint]) -> list[TopicEvent]:
+    """Describe the nodes that have published before and do not now."""
+    left = Counter(each.node for each in _introduced(before))
+    left.subtract(each.node for each in now)
+    events = []
+    for node, number in left.items():
+        if number > 0:
+            rest = "others do" if now else "nobody does"
+            problem = f"topic {topic}: {node} publishes no longer, {rest}"
+            events.append(TopicEvent("publisher_gone", problem, node=node))
+    return events

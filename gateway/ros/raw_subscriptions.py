@@ -6,13 +6,14 @@ from collections.abc import Callable, Sequence
 
 from rclpy.node import Node
 
-from gateway.ports import Mismatch, Qos, RosError, Sample
+from gateway.ports import Qos, RosError, Sample, TopicEvent
 from gateway.ros.errors import REFUSALS, refused, remapped
 from gateway.ros.graph import read_offers
 from gateway.ros.interfaces import message_class
 from gateway.ros.name_checks import check_topic
 from gateway.ros.profile import to_profile
-from gateway.ros.qos import Offer, adopt, is_same_request, mismatches
+from gateway.ros.qos import Endpoint, adopt, gone, is_same_request, unmatched_publishers
+from gateway.ros.qos_events import QosEvents, QosWatch
 from gateway.ros.samples import Reader, Samples
 
 
@@ -23,10 +24,12 @@ class RawSubscriptions:
         self,
         node: Node,
         samples: Samples,
+        events: QosEvents,
         loop: asyncio.AbstractEventLoop,
         on_change: Callable[[], None],
     ) -> None:
         self._node = node
+        self.events = events
         self._on_change = on_change
         self._samples = samples
         self._loop = loop
@@ -42,12 +45,12 @@ class RawSubscriptions:
         type_name: str,
         qos: Qos,
         on_samples: Callable[[Sequence[Sample]], None],
-        on_incompatible: Callable[[Mismatch], None],
+        on_event: Callable[[TopicEvent], None],
     ) -> "RawSubscription":
         """Open a subscription; see `gateway.ports.Ros.subscribe`."""
         check_topic(topic)
         subscription = RawSubscription(
-            self, topic, type_name, qos, on_samples, on_incompatible, self.offers(topic)
+            self, topic, type_name, qos, on_samples, on_event, self.offers(topic)
         )
         self._open.add(subscription)
         self._on_change()
@@ -64,7 +67,7 @@ class RawSubscriptions:
         for subscription in list(self._open):
             subscription.follow(self.offers(subscription.topic))
 
-    def offers(self, topic: str) -> list[Offer]:
+    def offers(self, topic: str) -> list[Endpoint]:
         """Return what the publishers of a topic offer now."""
         return read_offers(self._node, topic)
 
@@ -115,8 +118,8 @@ class RawSubscription:
         type_name: str,
         asked: Qos,
         on_samples: Callable[[Sequence[Sample]], None],
-        on_incompatible: Callable[[Mismatch], None],
-        offers: Sequence[Offer],
+        on_event: Callable[[TopicEvent], None],
+        offers: Sequence[Endpoint],
     ) -> None:
         self.topic = topic
         self.type_name = type_name
@@ -124,13 +127,14 @@ class RawSubscription:
         self._message_class = message_class(type_name)
         self._asked = asked
         self._on_samples = on_samples
-        self._on_incompatible = on_incompatible
+        self._on_event = on_event
         self._offers = offers
         # why the profile that the offers require is not in force
-        self._refusals: list[Mismatch] = []
-        self._reported: list[Mismatch] = []
+        self._refusals: list[TopicEvent] = []
+        self._reported: list[TopicEvent] = []
         self.qos = adopt(asked, self._matching(offers))  # complete
         self._reader: Reader | None = self._read(self.qos)
+        self._watch: QosWatch | None = self._watched(self._reader)
         self._retired: Reader | None = None  # while it delivers its last samples
 
     @property
@@ -143,47 +147,53 @@ class RawSubscription:
         return self._subscriptions.read(self.topic, self._message_class, self.qos, on_samples)
 
     @property
-    def incompatible(self) -> tuple[Mismatch, ...]:
+    def incompatible(self) -> tuple[TopicEvent, ...]:
         """The mismatches that were reported and still hold."""
         return tuple(self._reported)
 
     def close(self) -> None:
         """Destroy it; no callback comes after. Closing twice is harmless."""
         self._subscriptions.forget(self)
+        self._unwatch()
         readers = (self._retired, self._reader)
         self._retired = self._reader = None
         for reader in readers:
             if reader is not None:
                 reader.close()
 
-    def follow(self, offers: Sequence[Offer]) -> None:
+    def follow(self, offers: Sequence[Endpoint]) -> None:
         """Adopt what the publishers offer now, and report those that cannot be matched."""
         if self._reader is None:
             return
-        self._offers = offers
+        before, self._offers = self._matching(self._offers), offers
         qos = adopt(self._asked, self._matching(offers), self.qos)
         self._refusals.clear()
         if not is_same_request(qos, self.qos):
             self._replace(self._reader, qos)
+        for event in gone(self.topic, before, self._matching(offers)):
+            if self._reader is not None:  # a callback may close this
+                self._on_event(event)
         self.report()
 
     def report(self) -> None:
         """Report each publisher that cannot be matched, once for as long as that lasts."""
         known = self._reported
-        unmatched = mismatches(self.topic, self.type_name, self.qos, self._offers)
+        unmatched = unmatched_publishers(self.topic, self.type_name, self.qos, self._offers)
         self._reported = [*self._refusals, *unmatched]
         for reason in self._reported:
             if reason not in known and self._reader is not None:  # a callback may close this
-                self._on_incompatible(reason)
+                self._on_event(reason)
 
     def _replace(self, retired: Reader, qos: Qos) -> None:
         try:
             self._reader = self._read(qos)
         except RosError as error:
-            text = f"{error}; keeping reliability {self.qos.reliability}"
-            self._refusals.append(Mismatch("qos_incompatible", text))
+            kept = f"keeping reliability {self.qos.reliability}"
+            self._refusals.append(TopicEvent("qos_incompatible", str(error), kept))
             return
+        self._unwatch()
         self.qos = qos
+        self._watch = self._watched(self._reader)
         self._retired = retired
         try:
             retired.flush()
@@ -191,8 +201,17 @@ class RawSubscription:
             self._retired = None
             retired.close()
 
+    def _watched(self, reader: Reader) -> QosWatch:
+        events = self._subscriptions.events
+        return events.of_subscription(reader.entity, self.topic, self.qos, self._on_event)
+
+    def _unwatch(self) -> None:
+        watch, self._watch = self._watch, None
+        if watch is not None:
+            watch.close()
+
     def _read(self, qos: Qos) -> Reader:
         return self._subscriptions.read(self.topic, self._message_class, qos, self._on_samples)
 
-    def _matching(self, offers: Sequence[Offer]) -> list[Offer]:
+    def _matching(self, offers: Sequence[Endpoint]) -> list[Endpoint]:
         return [offer for offer in offers if offer.type_name == self.type_name]

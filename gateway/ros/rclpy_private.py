@@ -24,6 +24,11 @@ context managers they keep rcl's object alive, and ``pointer`` is its address in
     Returns ``(request, info)`` with ``info.request_id``, or ``(None, None)``, as above.
 ``Service.handle.service_send_response(response, request_id)``
     Warns with the text `RESPONSE_TIMED_OUT` where rmw has waited for the client in vain.
+``rclpy.impl.implementation_singleton.rclpy_implementation.EventHandle(handle, kind)``
+    With ``take_event()``, which returns what rcl has counted, and the change since the last call,
+    and ``destroy_when_not_in_use()``; raises ``UnsupportedEventTypeError`` where the middleware
+    lacks a kind. rclpy's own way needs an executor. Without it: nobody hears of missed deadlines
+    and lost messages (`gateway.ros.qos_events`).
 ``Clock.handle.get_now().nanoseconds``
     `rclpy.clock.Clock.now` returns the same, wrapped in a ``Time``.
 ``RCLError`` and ``InvalidHandle`` are RuntimeErrors
@@ -144,6 +149,52 @@ def clock_reader(clock: Clock) -> Callable[[], int]:
             return int(handle.get_now().nanoseconds)
 
     return read
+
+
+SubscriptionCount = Literal["deadline_missed", "liveliness_lost", "messages_lost"]
+
+
+def subscription_count(
+    subscription: Subscription, kind: SubscriptionCount
+) -> tuple[Callable[[], int], Callable[[], None]]:
+    """Return a function that takes what was counted since its last call, and one that ends it.
+
+    End it before the subscription.
+    """
+    kinds = rclpy_implementation.rcl_subscription_event_type_t
+    match kind:
+        case "deadline_missed":
+            event, change = kinds.RCL_SUBSCRIPTION_REQUESTED_DEADLINE_MISSED, "total_count_change"
+        case "liveliness_lost":
+            event, change = kinds.RCL_SUBSCRIPTION_LIVELINESS_CHANGED, "not_alive_count_change"
+        case "messages_lost":
+            event, change = kinds.RCL_SUBSCRIPTION_MESSAGE_LOST, "total_count_change"
+    return _event_count(subscription, event, change)
+
+
+def missed_deadlines(publisher: Publisher) -> tuple[Callable[[], int], Callable[[], None]]:
+    """Return what `subscription_count` does, for the deadlines that a publisher has missed."""
+    kinds = rclpy_implementation.rcl_publisher_event_type_t
+    event = kinds.RCL_PUBLISHER_OFFERED_DEADLINE_MISSED
+    return _event_count(publisher, event, "total_count_change")
+
+
+def _event_count(
+    entity: Any, kind: Any, change: str
+) -> tuple[Callable[[], int], Callable[[], None]]:
+    parent = _handle(entity)
+    try:
+        with parent:
+            event = rclpy_implementation.EventHandle(parent, kind)
+    except rclpy_implementation.UnsupportedEventTypeError:  # not every middleware has all of them
+        return _count_nothing, _nothing
+
+    def take() -> int:
+        with event:
+            taken = event.take_event()
+        return max(0, getattr(taken, change)) if taken is not None else 0
+
+    return take, event.destroy_when_not_in_use
 
 
 class ReadyCallbacks:
@@ -268,4 +319,8 @@ def _rcl_function(name: str, result: type, *, argument_count: int) -> Callable[.
 
 
 def _nothing() -> None:
-    """Serve as the callback that a guard condition requires."""
+    """Serve as a callback where nothing is to be done."""
+
+
+def _count_nothing() -> int:
+    return 0

@@ -37,6 +37,10 @@ class Reader(Protocol):
     def publishers(self) -> int:
         """The number of publishers that it is matched with."""
 
+    @property
+    def entity(self) -> Any:
+        """The subscription as rclpy created it."""
+
     def flush(self) -> None:
         """Deliver now all that is waiting, in as many calls as it takes; closing ends it."""
 
@@ -106,6 +110,10 @@ class _EventfdReader:
     @property
     def publishers(self) -> int:
         return int(self._subscription.get_publisher_count())
+
+    @property
+    def entity(self) -> Any:
+        return self._subscription
 
     def close(self) -> None:
         self._is_closed = True
@@ -192,6 +200,10 @@ class _ExecutorReader:
     def publishers(self) -> int:
         return int(self._subscription.get_publisher_count())
 
+    @property
+    def entity(self) -> Any:
+        return self._subscription
+
     def close(self) -> None:
         if not self._is_closed:
             self._is_closed = True
@@ -231,7 +243,7 @@ class _ExecutorReader:
 
 
 def _no_events() -> SubscriptionEventCallbacks:
-    # The graph names the publishers that do not match; nobody would take these events.
+    # rclpy's callbacks need an executor: see `gateway.ros.qos_events`.
     return SubscriptionEventCallbacks(use_default_callbacks=False)
 
 

@@ -16,6 +16,7 @@ import time
 from pathlib import Path
 from typing import Final
 
+from gateway.log_fields import counted
 from gateway.ports import RosError
 
 FOLDER: Final = Path("/dev/shm")  # noqa: S108  # where POSIX' shm_open puts it on Linux
@@ -41,7 +42,8 @@ def remove_abandoned_segments(folder: Path = FOLDER) -> int:
                 with contextlib.suppress(OSError):  # it is locked, or has gone meanwhile
                     removed += _remove_if_abandoned(path)
     if removed:
-        _logger.info("removed %d segments of shared memory that killed programs left", removed)
+        segments = counted(removed, "segment")
+        _logger.info("removed %s of shared memory that killed programs left", segments)
     return removed
 
 

@@ -117,18 +117,20 @@ def test_a_terminal_shows_a_qr_code_of_a_gateway_on_the_network(
     home: Path, flags: tuple[str, ...], is_shown: bool
 ):
     terminal, end = pty.openpty()
-    process = subprocess.Popen(
-        [sys.executable, "-m", "gateway", "demo", "--lan", "--port", "0", *flags],
-        cwd=ROOT,
-        stdout=end,
-        stderr=subprocess.DEVNULL,
-    )
+    errors = home.with_name("errors")
+    with errors.open("wb") as log:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "gateway", "demo", "--lan", "--port", "0", *flags],
+            cwd=ROOT,
+            stdout=end,
+            stderr=log,
+        )
     os.close(end)
     seen = ""
     while "Ctrl-C ends" not in seen:
         seen += os.read(terminal, 4096).decode(errors="replace")
     process.terminate()
-    assert process.wait(TIMEOUT_S) == 0
+    assert process.wait(TIMEOUT_S) == 0, errors.read_text()
     os.close(terminal)
     assert ("█▀▀" in seen or "▄▄▄▄▄" in seen) is is_shown
     assert ("for a phone: http://" in seen) is is_shown

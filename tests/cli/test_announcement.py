@@ -17,7 +17,7 @@ HOME = "192.168.1.7"
 def listening(
     addresses=LAN, anonymous_role=None, new_token=None, certificate=None, path="/"
 ) -> Listening:
-    is_open = addresses is not HERE
+    is_open = addresses[:1] != HERE
     posture = Posture(tuple(host for host, _ in addresses), is_open, anonymous_role)
     return Listening(addresses, path, posture, Path("/conf/tokens.json"), new_token, certificate)
 
@@ -27,8 +27,9 @@ def home(monkeypatch):
     monkeypatch.setattr(announcement, "own_addresses", lambda: [HOME])
 
 
-def test_on_this_machine_alone_it_is_one_line():
-    lines = announcement.announcement(listening(HERE, "admin"))
+@pytest.mark.parametrize("addresses", [HERE, (*HERE, ("::1", 9090))])
+def test_on_this_machine_alone_it_is_one_line(addresses):
+    lines = announcement.announcement(listening(addresses, "admin"))
     assert lines == "listening on ws://127.0.0.1:9090/"
 
 
@@ -46,6 +47,13 @@ def test_a_new_token_is_in_lines_for_wscat_and_unity():
         f"  Unity   Address: ws://{HOME}:9090/   Token: r2g_x",
         "  more    ros2-gateway token create NAME --role viewer, then SIGHUP",
     ]
+
+
+def test_without_a_network_it_says_how_to_find_an_address(monkeypatch):
+    monkeypatch.setattr(announcement, "own_addresses", list)
+    line = announcement.announcement(listening()).splitlines()[2]
+    assert line.startswith("  from a headset    ws://ADDRESS:9090/ ")
+    assert "`ip -br address`" in line
 
 
 def test_a_token_that_is_kept_as_a_hash_has_a_place_in_the_lines():

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command line from outside: real processes, their words and their exit codes."""
 
+import errno
 import json
 import os
 import signal
@@ -16,6 +17,7 @@ from pathlib import Path
 import pytest
 
 from gateway.cli import main as cli
+from gateway.errors import _BIND_REASONS
 
 ROOT = Path(__file__).parents[2]
 TIMEOUT_S = 180  # generous: other tests share the machine
@@ -150,7 +152,7 @@ def test_a_domain_that_does_not_exist_is_one_sentence_with_its_flag(command):
     [
         (("serve", "--port", "0"), "ws://"),
         (("demo", "--port", "0"), "ready at the origin"),  # the robot's, which inherits it
-        (("mock", "--type", "0"), "1 types"),
+        (("mock", "--type", "0"), "1 type: "),
     ],
 )
 def test_a_flag_beats_a_domain_of_the_environment_that_does_not_exist(
@@ -289,6 +291,9 @@ def test_schema_prints_the_definition():
         ("std_msgs/msg/Strng", "std_msgs/msg/Strng", "std_msgs/msg/String"),
         ("std_srvs/SetBol", "std_srvs/msg/SetBol", "std_srvs/srv/SetBool"),
         ("std_srvs/srv/SetBol", "std_srvs/srv/SetBol", "std_srvs/srv/SetBool"),
+        ("nav_msgs/Odom", "nav_msgs/msg/Odom", "nav_msgs/msg/Odometry"),
+        ("geometry_mgs/Twist", "geometry_mgs/msg/Twist", "geometry_msgs/msg/Twist"),
+        ("robot/Odometry", "robot/msg/Odometry", "nav_msgs/msg/Odometry"),
         ("test_msgs/action/Fibo", "test_msgs/action/Fibo", "test_msgs/action/Fibonacci"),
     ],
 )
@@ -309,6 +314,21 @@ def test_what_is_no_type_is_one_sentence(form, reason):
     code, sentence = refusal("schema", form)
     assert code == 2
     assert sentence.startswith(reason)
+
+
+@pytest.mark.parametrize(
+    ("form", "hint"),
+    [
+        ("twist", ", did you mean geometry_msgs/msg/Twist"),
+        ("std_msgs::msg::String", ", did you mean std_msgs/msg/String"),
+        ("std_srvs/srv/setbool", ", did you mean std_srvs/srv/SetBool"),
+        ("/odom", 'types of names, send it {"op":"describe","type":"/odom"}'),
+    ],
+)
+def test_what_is_no_type_comes_with_what_was_meant(form, hint):
+    code, sentence = refusal("schema", form)
+    assert code == 2
+    assert sentence.endswith(hint)
 
 
 def test_a_reader_that_stops_reading_is_no_error():
@@ -365,7 +385,7 @@ def test_a_port_in_use_is_one_sentence_and_exit_code_4():
         port = taken.getsockname()[1]
         assert refusal("serve", "--port", str(port), "--log-level", "error") == (
             4,
-            f"cannot listen on 127.0.0.1:{port}, the port is in use",
+            f"cannot listen on 127.0.0.1:{port}, {_BIND_REASONS[errno.EADDRINUSE]}",
         )
 
 
@@ -373,8 +393,21 @@ def test_an_address_of_another_machine_is_one_sentence_and_exit_code_4():
     # RFC 5737: an address that no machine has
     assert refusal("serve", "--host", "192.0.2.1", "--log-level", "error") == (
         4,
-        "cannot listen on 192.0.2.1:9090, no interface of this machine has that address",
+        f"cannot listen on 192.0.2.1:9090, {_BIND_REASONS[errno.EADDRNOTAVAIL]}",
     )
+
+
+def test_each_reason_not_to_listen_comes_with_what_to_do():
+    assert "--port" in _BIND_REASONS[errno.EADDRINUSE]
+    assert "--port" in _BIND_REASONS[errno.EACCES]
+    assert "--lan" in _BIND_REASONS[errno.EADDRNOTAVAIL]
+    assert "--host" in _BIND_REASONS[errno.EAFNOSUPPORT]
+
+
+def test_a_host_name_that_nobody_has_is_one_sentence_with_what_to_do():
+    code, sentence = refusal("serve", "--host", "nobody.invalid", "--log-level", "error")
+    assert code == 4
+    assert sentence.endswith("choose one of this machine's with --host, or --lan")
 
 
 @pytest.mark.parametrize("signal_number", [signal.SIGINT, signal.SIGTERM])

@@ -53,6 +53,7 @@ def summary(**changed: Any) -> Summary:
         entities={"clients": 1, "ros_entities": 2, "subscriptions": 1},
         max_ros_entities=512,
         control=ControlState((DRIVE,), guard_is_ready=True, guard_losses=0),
+        shared_names=(),
         handshakes_refused={"origin": 2},
         authentication_failures={"wrong": 1},
         ends={("client", "closed", "1000"): 2},

@@ -25,6 +25,8 @@ def test_all_is_well_with_a_gateway_that_has_little_to_do():
         ("clients", {"max_clients": 1}, WARN, "no room for another"),
         ("ROS entities", {"entities": {"ros_entities": 410}}, WARN, "410 of 512"),
         ("ROS entities", {"entities": {"ros_entities": 512}}, ERROR, "512 of 512"),
+        ("ROS graph", {"shared_names": ("/a", "/b")}, WARN, "several nodes are named /a, /b"),
+        ("ROS graph", {"shared_names": ("/a",) * 10}, WARN, "/a, /a and 2 more"),
         ("guard", {"control": ControlState((), False, 0)}, WARN, "starting"),
         ("guard", {"control": ControlState((), False, 2)}, ERROR, "lost"),
     ],

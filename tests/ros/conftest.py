@@ -7,16 +7,8 @@ from typing import Any, Protocol
 
 import pytest
 
-from gateway.ports import (
-    ActionClient,
-    GoalRequest,
-    Publisher,
-    Qos,
-    Request,
-    Ros,
-    Sample,
-    ServiceClient,
-)
+from gateway.action_ports import ActionClient, GoalRequest
+from gateway.ports import Publisher, Qos, Request, Ros, Sample, ServiceClient
 from gateway.ros import RosOptions, open_ros
 from gateway.ros.port import RclpyRos
 from tests.ros.fake import FakeRos

@@ -11,24 +11,32 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
+from gateway.action_ports import GoalRequest
 from gateway.codec.types import Types
 from gateway.faults import Fault
 from gateway.ports import (
     MAX_TAKES_PER_TURN,
-    GoalRequest,
     Graph,
     LogLevel,
-    Mismatch,
     Qos,
     Request,
     RosError,
     Sample,
     ServerInfo,
+    TopicEvent,
     TopicInfo,
 )
 from gateway.ros.name_checks import TypeKind, check_action, check_service, check_topic, split_type
 from gateway.ros.options import RosOptions, check_room
-from gateway.ros.qos import Offer, adopt, complete_offer, is_same_request, mismatches
+from gateway.ros.qos import (
+    Endpoint,
+    adopt,
+    complete_offer,
+    gone,
+    is_same_request,
+    unmatched_publishers,
+    unmatched_subscribers,
+)
 from schemas.installed import InstalledDefinitions, UnknownTypeError
 from tests.ros.fake_actions import FakeActionClient, FakeActionServer
 from tests.ros.fake_services import FakeClient, FakeService
@@ -47,6 +55,8 @@ class FakePublisher:
     qos: Qos
     node: str
     retained: deque[Sample] = field(default_factory=deque)
+    on_event: Callable[[TopicEvent], None] = lambda _: None
+    reported: list[TopicEvent] = field(default_factory=list)
 
     def publish(self, cdr: bytes) -> None:
         assert self in self.ros.publishers, "published after close"
@@ -62,13 +72,20 @@ class FakePublisher:
             self.ros.changed()
 
     @property
-    def offer(self) -> Offer:
-        qos = self.qos
-        assert qos.reliability is not None
-        assert qos.durability is not None
-        return Offer(
-            self.node, self.type_name, qos.reliability, qos.durability, None, qos.deadline_ns
-        )
+    def offer(self) -> Endpoint:
+        return _endpoint(self.node, self.type_name, self.qos)
+
+    def follow(self) -> None:
+        subscribers = [
+            _endpoint(each.node, each.type_name, each.qos)
+            for each in self.ros.subscriptions
+            if each.topic == self.topic and not self.ros.is_own(each.node)
+        ]
+        known = self.reported
+        self.reported = unmatched_subscribers(self.topic, self.type_name, self.qos, subscribers)
+        for reason in self.reported:
+            if reason not in known and self in self.ros.publishers:
+                self.on_event(reason)
 
 
 @dataclass(eq=False)
@@ -80,15 +97,17 @@ class FakeSubscription:
     type_name: str
     asked: Qos
     on_samples: Callable[[Sequence[Sample]], None]
-    on_incompatible: Callable[[Mismatch], None]
+    on_event: Callable[[TopicEvent], None]
     node: str
     qos: Qos = field(init=False)
+    offers: list[Endpoint] = field(init=False)
     waiting: deque[Sample] = field(default_factory=deque)
-    reported: list[Mismatch] = field(default_factory=list)
+    reported: list[TopicEvent] = field(default_factory=list)
     is_scheduled: bool = False
 
     def __post_init__(self) -> None:
-        self.qos = adopt(self.asked, self.matching())
+        self.offers = self.matching()
+        self.qos = adopt(self.asked, self.offers)
 
     @property
     def publishers(self) -> int:
@@ -100,7 +119,7 @@ class FakeSubscription:
         )
 
     @property
-    def incompatible(self) -> tuple[Mismatch, ...]:
+    def incompatible(self) -> tuple[TopicEvent, ...]:
         return tuple(self.reported)
 
     def close(self) -> None:
@@ -108,26 +127,31 @@ class FakeSubscription:
             self.ros.subscriptions.remove(self)
             self.ros.changed()
 
-    def matching(self) -> list[Offer]:
+    def matching(self) -> list[Endpoint]:
         return [o for o in self.ros.offers(self.topic) if o.type_name == self.type_name]
 
     def takes_from(self, publisher: FakePublisher) -> bool:
-        return publisher.topic == self.topic and not mismatches(
+        return publisher.topic == self.topic and not unmatched_publishers(
             self.topic, self.type_name, self.qos, [publisher.offer]
         )
 
     def follow(self) -> None:
-        qos = adopt(self.asked, self.matching(), self.qos)
+        offers = self.matching()
+        before, self.offers = self.offers, offers
+        for event in gone(self.topic, before, offers):
+            if self in self.ros.subscriptions:
+                self.on_event(event)
+        qos = adopt(self.asked, offers, self.qos)
         if not is_same_request(qos, self.qos):
             self.qos = qos
             self.take_retained()
         known = self.reported
-        self.reported = mismatches(
+        self.reported = unmatched_publishers(
             self.topic, self.type_name, self.qos, self.ros.offers(self.topic)
         )
         for reason in self.reported:
             if reason not in known and self in self.ros.subscriptions:
-                self.on_incompatible(reason)
+                self.on_event(reason)
 
     def take_retained(self) -> None:
         if self.qos.durability == "transient_local":
@@ -159,7 +183,7 @@ class FakeSubscription:
             self.on_samples(samples)
 
 
-Endpoint = FakePublisher | FakeSubscription
+TopicEndpoint = FakePublisher | FakeSubscription
 Caller = FakeClient | FakeActionClient
 Server = FakeService | FakeActionServer
 
@@ -199,6 +223,7 @@ class FakeRos:
         self.jump_watches: list[FakeWatch] = []
         self.logged: list[tuple[LogLevel, str]] = []
         self.found: list[Fault] = []
+        self.shared: tuple[str, ...] = ()
         self._types = Types(InstalledDefinitions())
         self._is_changing = False
 
@@ -211,6 +236,9 @@ class FakeRos:
     def faults(self) -> Sequence[Fault]:
         return self.found
 
+    def shared_names(self) -> Sequence[str]:
+        return self.shared
+
     def now_ns(self) -> int:
         return self.now
 
@@ -220,16 +248,24 @@ class FakeRos:
         type_name: str,
         qos: Qos,
         on_samples: Callable[[Sequence[Sample]], None],
-        on_incompatible: Callable[[Mismatch], None],
+        on_event: Callable[[TopicEvent], None],
     ) -> FakeSubscription:
         self._check_topic(topic, type_name)
         return self.open_subscription(
-            topic, type_name, qos, on_samples, on_incompatible, f"/{self.prefix}_subscriptions"
+            topic, type_name, qos, on_samples, on_event, f"/{self.prefix}_subscriptions"
         )
 
-    def advertise(self, topic: str, type_name: str, qos: Qos) -> FakePublisher:
+    def advertise(
+        self,
+        topic: str,
+        type_name: str,
+        qos: Qos,
+        on_event: Callable[[TopicEvent], None],
+    ) -> FakePublisher:
         self._check_topic(topic, type_name, is_reserved=topic in self.options.reserved_topics)
-        return self.add_publisher(topic, type_name, qos, f"/{self.prefix}_publishers")
+        publisher = self.add_publisher(topic, type_name, qos, f"/{self.prefix}_publishers")
+        publisher.on_event = on_event
+        return publisher
 
     def advertise_own(self, topic: str, type_name: str, qos: Qos) -> FakePublisher:
         self._check_topic(topic, type_name)
@@ -281,7 +317,7 @@ class FakeRos:
         return tuple(sorted({s.type_name for s in self.action_servers if s.name == action}))
 
     def graph(self) -> Graph:
-        endpoints: list[Endpoint] = [*self.publishers, *self.subscriptions]
+        endpoints: list[TopicEndpoint] = [*self.publishers, *self.subscriptions]
         topics = (
             TopicInfo(
                 name,
@@ -311,7 +347,7 @@ class FakeRos:
         self.logged.append((level, text))
 
     def entity_count(self) -> int:
-        topics: list[Endpoint] = [*self.publishers, *self.subscriptions]
+        topics: list[TopicEndpoint] = [*self.publishers, *self.subscriptions]
         own = [each.node for each in [*topics, *self._calling()] if self.is_own(each.node)]
         return sum(node != f"/{self.prefix}_debug" for node in own)
 
@@ -412,7 +448,7 @@ class FakeRos:
         message_type = self._types.get(type_name)
         return message_type.encode({}, now_ns=0)
 
-    def offers(self, topic: str) -> list[Offer]:
+    def offers(self, topic: str) -> list[Endpoint]:
         return [p.offer for p in self.publishers if p.topic == topic]
 
     def arrive(self, publisher: FakePublisher, sample: Sample) -> None:
@@ -433,6 +469,8 @@ class FakeRos:
         self._is_changing = False
         for subscription in list(self.subscriptions):
             subscription.follow()
+        for publisher in list(self.publishers):
+            publisher.follow()
         for client in list(self.clients):
             client.follow()
         for action_client in list(self.action_clients):
@@ -447,12 +485,10 @@ class FakeRos:
         type_name: str,
         qos: Qos,
         on_samples: Callable[[Sequence[Sample]], None],
-        on_incompatible: Callable[[Mismatch], None],
+        on_event: Callable[[TopicEvent], None],
         node: str,
     ) -> FakeSubscription:
-        subscription = FakeSubscription(
-            self, topic, type_name, qos, on_samples, on_incompatible, node
-        )
+        subscription = FakeSubscription(self, topic, type_name, qos, on_samples, on_event, node)
         self.subscriptions.append(subscription)
         subscription.take_retained()
         self.changed()
@@ -468,7 +504,7 @@ class FakeRos:
         name: str,
         type_name: str,
         kind: TypeKind,
-        others: Iterable[Endpoint | Caller | Server],
+        others: Iterable[TopicEndpoint | Caller | Server],
         *,
         is_reserved: bool = False,
     ) -> None:
@@ -489,7 +525,7 @@ class FakeRos:
                 raise RosError("type_conflict", text)
 
 
-def _name(each: Endpoint | Caller | Server) -> str:
+def _name(each: TopicEndpoint | Caller | Server) -> str:
     return each.topic if isinstance(each, FakePublisher | FakeSubscription) else each.name
 
 
@@ -501,4 +537,17 @@ def _provided(servers: Sequence[Server]) -> tuple[ServerInfo, ...]:
             tuple(sorted(s.node for s in servers if s.name == name)),
         )
         for name in sorted({server.name for server in servers})
+    )
+
+
+def _endpoint(node: str, type_name: str, qos: Qos) -> Endpoint:
+    assert qos.reliability is not None
+    assert qos.durability is not None
+    return Endpoint(
+        node,
+        type_name,
+        qos.reliability,
+        qos.durability,
+        deadline_ns=qos.deadline_ns,
+        lifespan_ns=qos.lifespan_ns,
     )

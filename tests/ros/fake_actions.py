@@ -6,7 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from gateway.ports import ABORTED, CANCELED, GoalOutcome, GoalRequest, GoalResult, RosError
+from gateway.action_ports import ABORTED, CANCELED, GoalOutcome, GoalRequest, GoalResult
+from gateway.ports import RosError
 
 if TYPE_CHECKING:
     from tests.ros.fake import FakeRos

@@ -7,7 +7,8 @@ from typing import Any
 from rclpy.context import Context
 from rclpy.node import Node
 
-from gateway.ports import GoalRequest, Qos, Request, Sample
+from gateway.action_ports import GoalRequest
+from gateway.ports import Qos, Request, Sample
 from gateway.ros.executor import ExecutorThread
 from gateway.ros.interfaces import message_class
 from gateway.ros.profile import to_profile

@@ -13,7 +13,7 @@ from rclpy.node import Node
 from rclpy.serialization import deserialize_message, serialize_message
 from rclpy.task import Future
 
-from gateway.ports import ABORTED, CANCELED, SUCCEEDED, GoalOutcome, GoalRequest, GoalResult
+from gateway.action_ports import ABORTED, CANCELED, SUCCEEDED, GoalOutcome, GoalRequest, GoalResult
 from gateway.ros.interfaces import action_class
 from tests.ros.outside_services import arrived, until_known
 

@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 from rclpy.node import Node
 
-from gateway.ports import ABORTED, SUCCEEDED, RosError
+from gateway.action_ports import ABORTED, SUCCEEDED
+from gateway.ports import RosError
 from gateway.ros import RosOptions, action_client, action_server, endpoints
 from gateway.ros.action_client import RclpyActionClient
 from gateway.ros.action_server import RclpyActionServer

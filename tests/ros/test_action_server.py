@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from rclpy.qos import qos_profile_action_status_default
 
-from gateway.ports import ABORTED, CANCELED, SUCCEEDED, GoalRequest
+from gateway.action_ports import ABORTED, CANCELED, SUCCEEDED, GoalRequest
 from gateway.ros import RosOptions
 from gateway.ros import action_server as limits
 from gateway.ros.interfaces import action_class, message_class, service_class

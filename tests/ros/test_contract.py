@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from gateway.config.limits import MAX_QUEUE_DEPTH
-from gateway.ports import MAX_TAKES_PER_TURN, Mismatch, Publisher, Qos, Ros, RosError, Sample
+from gateway.ports import MAX_TAKES_PER_TURN, Publisher, Qos, Ros, RosError, Sample, TopicEvent
 from gateway.ros import RosOptions, open_ros
 from tests.client import eventually
 from tests.ros.conftest import Robot
@@ -39,12 +39,12 @@ class Received:
 
     def __init__(self) -> None:
         self.batches: list[list[Sample]] = []
-        self.reasons: list[Mismatch] = []
+        self.reasons: list[TopicEvent] = []
 
     def on_samples(self, samples: Sequence[Sample]) -> None:
         self.batches.append(list(samples))
 
-    def on_incompatible(self, reason: Mismatch) -> None:
+    def on_event(self, reason: TopicEvent) -> None:
         self.reasons.append(reason)
 
     @property
@@ -55,9 +55,14 @@ class Received:
 def subscribe(robot: Robot, topic: str, type_name: str = INT32, qos: Qos | None = None) -> Any:
     received = Received()
     subscription = robot.ros.subscribe(
-        topic, type_name, qos or Qos(), received.on_samples, received.on_incompatible
+        topic, type_name, qos or Qos(), received.on_samples, received.on_event
     )
     return received, subscription
+
+
+def advertise(robot: Robot, topic: str, qos: Qos) -> tuple[list[TopicEvent], Publisher]:
+    reasons: list[TopicEvent] = []
+    return reasons, robot.ros.advertise(topic, INT32, qos, reasons.append)
 
 
 async def until_it_flows(publisher: Publisher, received: Received, first: int = 1_000_000) -> None:
@@ -117,13 +122,13 @@ async def test_the_newest_samples_win_when_the_loop_falls_behind(robot: Robot) -
 async def test_what_is_published_reaches_an_outside_subscription(robot: Robot) -> None:
     received = Received()
     robot.world.add_subscription("/command", INT32, received.on_samples)
-    await until_it_flows(robot.ros.advertise("/command", INT32, Qos()), received)
+    await until_it_flows(robot.ros.advertise("/command", INT32, Qos(), lambda _: None), received)
     assert int.from_bytes(received.cdrs[0][4:], "little") >= 1_000_000
 
 
 async def test_the_gateway_hears_itself(robot: Robot) -> None:
     received, _ = subscribe(robot, "/echo")
-    await until_it_flows(robot.ros.advertise("/echo", INT32, Qos()), received)
+    await until_it_flows(robot.ros.advertise("/echo", INT32, Qos(), lambda _: None), received)
 
 
 async def test_no_sample_comes_after_close(robot: Robot) -> None:
@@ -166,7 +171,7 @@ async def test_what_the_gateway_says_itself_arrives_and_counts_as_no_entity(robo
     await until_it_flows(publisher, received)
     assert robot.ros.entity_count() == count
     with pytest.raises(RosError) as error:
-        robot.ros.advertise("/self", STRING, Qos())
+        robot.ros.advertise("/self", STRING, Qos(), lambda _: None)
     assert error.value.code == "type_conflict"
     with pytest.raises(RosError):
         robot.ros.advertise_own("/self", STRING, Qos())
@@ -176,7 +181,7 @@ async def test_what_the_gateway_says_itself_arrives_and_counts_as_no_entity(robo
 
 async def test_closing_twice_is_harmless(robot: Robot) -> None:
     _, subscription = subscribe(robot, "/count")
-    publisher = robot.ros.advertise("/count", INT32, Qos())
+    publisher = robot.ros.advertise("/count", INT32, Qos(), lambda _: None)
     watch = robot.ros.watch_graph(lambda: None)
     for each in (subscription, publisher, watch):
         each.close()
@@ -186,7 +191,7 @@ async def test_closing_twice_is_harmless(robot: Robot) -> None:
 
 async def test_entities_are_counted_by_handle(robot: Robot) -> None:
     _, subscription = subscribe(robot, "/count")
-    publishers = [robot.ros.advertise("/count", INT32, Qos()) for _ in range(2)]
+    publishers = [robot.ros.advertise("/count", INT32, Qos(), lambda _: None) for _ in range(2)]
     assert robot.ros.entity_count() == 3
     publishers[0].close()
     assert robot.ros.entity_count() == 2
@@ -201,7 +206,7 @@ async def test_entities_are_counted_by_handle(robot: Robot) -> None:
 async def test_a_name_that_is_not_fully_qualified_is_bad(robot: Robot, topic: str) -> None:
     for attempt in (
         lambda: subscribe(robot, topic),
-        lambda: robot.ros.advertise(topic, INT32, Qos()),
+        lambda: robot.ros.advertise(topic, INT32, Qos(), lambda _: None),
     ):
         with pytest.raises(RosError) as caught:
             attempt()
@@ -213,7 +218,7 @@ async def test_a_name_that_is_not_fully_qualified_is_bad(robot: Robot, topic: st
 async def test_a_type_without_a_ros_package_is_bad(robot: Robot, type_name: str) -> None:
     for attempt in (
         lambda: subscribe(robot, "/count", type_name),
-        lambda: robot.ros.advertise("/count", type_name, Qos()),
+        lambda: robot.ros.advertise("/count", type_name, Qos(), lambda _: None),
     ):
         with pytest.raises(RosError) as caught:
             attempt()
@@ -224,7 +229,7 @@ async def test_a_type_without_a_ros_package_is_bad(robot: Robot, type_name: str)
 async def test_a_topic_is_open_with_one_type_at_a_time(robot: Robot) -> None:
     _, subscription = subscribe(robot, "/count", INT32)
     with pytest.raises(RosError, match="open here as std_msgs/msg/Int32") as caught:
-        robot.ros.advertise("/count", STRING, Qos())
+        robot.ros.advertise("/count", STRING, Qos(), lambda _: None)
     assert caught.value.code == "type_conflict"
     with pytest.raises(RosError, match="open here as std_msgs/msg/Int32"):
         subscribe(robot, "/count", STRING)
@@ -242,9 +247,71 @@ async def test_a_later_subscription_gets_the_retained_samples(robot: Robot) -> N
     assert subscription.qos.durability == "transient_local"
 
 
+BRIEF = Qos(durability="transient_local", lifespan_ns=1_000_000_000)
+
+
+async def test_a_publisher_that_keeps_briefly_reaches_who_asks_for_transient_local(
+    robot: Robot,
+) -> None:
+    received = Received()
+    robot.world.add_subscription("/map", INT32, received.on_samples, LATCHED)
+    await until_it_flows(advertise(robot, "/map", BRIEF)[1], received)
+
+
+async def test_briefly_kept_samples_are_nothing_to_adopt(robot: Robot) -> None:
+    received, subscription = subscribe(robot, "/map")
+    await until_it_flows(robot.world.add_publisher("/map", INT32, BRIEF), received)
+    assert subscription.qos.durability == "volatile"
+    _, later = subscribe(robot, "/map")
+    assert later.qos.durability == "volatile"
+    longer = replace(BRIEF, lifespan_ns=3_600_000_000_000)
+    robot.world.add_publisher("/plan", INT32, longer)
+    _, adopting = subscribe(robot, "/plan")
+    await eventually(lambda: adopting.qos.durability == "transient_local")
+
+
+async def test_a_publisher_hears_of_subscriptions_that_get_nothing_once(robot: Robot) -> None:
+    reasons, publisher = advertise(robot, "/map", Qos(durability="volatile"))
+    subscribe(robot, "/map", qos=LATCHED)  # of the gateway: that one is told itself
+    robot.world.add_subscription("/map", INT32, lambda _: None, Qos(durability="volatile"))
+    robot.world.add_subscription("/map", INT32, lambda _: None, LATCHED)
+    await eventually(lambda: bool(reasons))
+    [reason] = reasons
+    assert reason.code == "qos_incompatible"
+    assert reason.problem == (
+        "topic /map: /outside asks for durability transient_local, published is with durability"
+        " volatile"
+    )
+    later, second = advertise(robot, "/map", Qos(durability="volatile"))
+    assert later == []  # the caller does not hold the publisher yet
+    await eventually(lambda: later == reasons)
+    publisher.close()
+    second.close()
+
+
+async def test_a_publisher_hears_of_subscriptions_to_another_type(robot: Robot) -> None:
+    robot.world.add_subscription("/count", STRING, lambda _: None)
+    await eventually(lambda: robot.ros.topic_types("/count") == (STRING,))
+    reasons, _ = advertise(robot, "/count", Qos())
+    await eventually(lambda: bool(reasons))
+    assert reasons[0].code == "type_conflict"
+    assert reasons[0].problem.startswith("topic /count: /outside subscribes to std_msgs/msg/String")
+
+
+async def test_no_subscription_is_told_of_after_close(robot: Robot) -> None:
+    reasons, publisher = advertise(robot, "/map", Qos(durability="volatile"))
+    publisher.close()
+    others, _ = advertise(robot, "/map", Qos(durability="volatile"))
+    robot.world.add_subscription("/map", INT32, lambda _: None, LATCHED)
+    await eventually(lambda: bool(others))
+    assert reasons == []
+
+
 async def test_latched_publishers_keep_what_each_of_them_said_last(robot: Robot) -> None:
     for value in (1, 2):
-        robot.ros.advertise("/map", INT32, replace(LATCHED, depth=1)).publish(number(value))
+        robot.ros.advertise("/map", INT32, replace(LATCHED, depth=1), lambda _: None).publish(
+            number(value)
+        )
     late: list[Sample] = []
     robot.world.add_subscription("/map", INT32, late.extend, LATCHED)
     await eventually(lambda: sorted(each.cdr for each in late) == [number(1), number(2)])
@@ -326,8 +393,8 @@ async def test_an_offer_that_cannot_match_is_told_once_in_words(robot: Robot) ->
     [reason] = received.reasons
     assert reason.code == "qos_incompatible"
     assert reason.text == (
-        "topic /scan: /outside offers reliability best_effort, the subscription asks for reliable;"
-        " ask for best_effort or leave the reliability open"
+        "topic /scan: /outside offers reliability best_effort, the subscription asks for"
+        " reliability reliable; ask for best_effort or leave the reliability open"
     )
     other = robot.world.add_publisher("/scan", INT32, Qos())
     await until_it_flows(other, received)
@@ -355,6 +422,23 @@ async def test_a_publisher_of_another_type_is_told_in_words(robot: Robot) -> Non
         "topic /count: /outside publishes std_msgs/msg/String, the subscription is for"
         " std_msgs/msg/Int32; subscribe with the type std_msgs/msg/String"
     )
+
+
+async def test_publishers_that_go_are_told_of_by_their_nodes(robot: Robot) -> None:
+    received, subscription = subscribe(robot, "/count")
+    seen: list[tuple[str, ...]] = []  # by the subscription, too, which looks first
+    robot.ros.watch_graph(lambda: seen.append(nodes_publishing(robot, "/count")))
+    first, second = (robot.world.add_publisher("/count", INT32) for _ in range(2))
+    await eventually(lambda: ("/outside", "/outside") in seen)
+    for publisher, text in ((first, "others do"), (second, "nobody does")):
+        publisher.close()
+        await eventually(
+            lambda text=text: bool(received.reasons) and text in received.reasons[-1].text
+        )
+        reason = received.reasons[-1]
+        assert reason.code == "publisher_gone"
+        assert reason.text == f"topic /count: /outside publishes no longer, {text}"
+    subscription.close()
 
 
 async def test_the_publishers_that_match_a_subscription_are_counted(robot: Robot) -> None:
@@ -386,14 +470,14 @@ async def test_the_types_of_a_topic_appear_and_vanish_with_it(robot: Robot) -> N
 async def test_the_type_of_an_own_new_publisher_is_known_at_once(robot: Robot) -> None:
     robot.world.add_subscription("/count", INT32, lambda _: None)
     await eventually(lambda: robot.ros.topic_types("/count") == (INT32,))
-    robot.ros.advertise("/count", STRING, Qos())
+    robot.ros.advertise("/count", STRING, Qos(), lambda _: None)
     assert robot.ros.topic_types("/count") == (STRING,)
 
 
 async def test_the_graph_lists_endpoints_by_node_our_own_included(robot: Robot) -> None:
     robot.world.add_publisher("/count", INT32)
     robot.world.add_publisher("/count", INT32)
-    robot.ros.advertise("/count", INT32, Qos())
+    robot.ros.advertise("/count", INT32, Qos(), lambda _: None)
     subscribe(robot, "/count")
     publishing = ("/outside", "/outside", "/ros2_gateway_publishers")
     await eventually(lambda: nodes_publishing(robot, "/count") == publishing)
@@ -445,7 +529,7 @@ async def test_changes_close_together_are_one_call(robot: Robot) -> None:
     await eventually(lambda: nodes_publishing(robot, "/first") == ("/outside",))
     robot.ros.watch_graph(lambda: calls.append(len(robot.ros.graph().topics)))
     for index in range(20):
-        robot.ros.advertise(f"/of_ours/n{index}", INT32, Qos())
+        robot.ros.advertise(f"/of_ours/n{index}", INT32, Qos(), lambda _: None)
     await eventually(lambda: len(nodes_publishing(robot, "/of_ours/n19")) == 1)
     await eventually(lambda: bool(calls))
     assert len(calls) < 20
@@ -462,10 +546,10 @@ async def test_some_entities_are_kept_for_publishers_of_reserved_topics(kind: st
         ros: Ros = FakeRos(options=options)
         if kind == "real":
             ros = await stack.enter_async_context(open_ros(options))
-        others = [ros.advertise(f"/t{number}", INT32, Qos()) for number in range(6)]
+        others = [ros.advertise(f"/t{number}", INT32, Qos(), lambda _: None) for number in range(6)]
         text = "at most 8 ROS entities, of which 2 are kept for command topics"
         attempts: list[Callable[[], object]] = [
-            lambda: ros.advertise("/more", INT32, Qos()),
+            lambda: ros.advertise("/more", INT32, Qos(), lambda _: None),
             lambda: ros.subscribe("/drive", INT32, Qos(), print, print),
             lambda: ros.client("/drive", "std_srvs/srv/Trigger"),
         ]
@@ -473,8 +557,14 @@ async def test_some_entities_are_kept_for_publishers_of_reserved_topics(kind: st
             with pytest.raises(RosError, match=text) as caught:
                 attempt()
             assert caught.value.code == "limit_exceeded"
-        kept = [ros.advertise(topic, INT32, Qos()) for topic in ("/drive", "/arm")]
+        kept = [ros.advertise(topic, INT32, Qos(), lambda _: None) for topic in ("/drive", "/arm")]
         with pytest.raises(RosError, match="at most 8 ROS entities"):
-            ros.advertise("/drive", INT32, Qos())
+            ros.advertise("/drive", INT32, Qos(), lambda _: None)
         for each in (*others, *kept):
             each.close()
+
+
+async def test_nodes_of_different_names_share_none(robot: Robot) -> None:
+    robot.world.add_publisher("/anything", INT32)
+    await eventually(lambda: "/outside" in robot.ros.graph().nodes)
+    assert robot.ros.shared_names() == ()

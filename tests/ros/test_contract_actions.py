@@ -8,7 +8,8 @@ from typing import Any
 
 import pytest
 
-from gateway.ports import ABORTED, CANCELED, SUCCEEDED, GoalRequest, RosError
+from gateway.action_ports import ABORTED, CANCELED, SUCCEEDED, GoalRequest
+from gateway.ports import RosError
 from tests.client import TIMEOUT_S, eventually
 from tests.ros.conftest import Robot
 from tests.ros.test_contract import BAD_NAMES

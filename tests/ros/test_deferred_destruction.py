@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from gateway.ports import SUCCEEDED, Qos
+from gateway.action_ports import SUCCEEDED
+from gateway.ports import Qos
 from gateway.ros import RosOptions
 from gateway.ros.deferred_destruction import DeferredDestruction
 from gateway.ros.port import RclpyRos
@@ -85,7 +86,7 @@ async def test_the_oldest_goes_where_too_much_is_kept() -> None:
 
 
 async def test_a_publisher_that_has_published_stays_for_a_moment(ros: RclpyRos) -> None:
-    publisher = ros.advertise("/a", INT32, Qos())
+    publisher = ros.advertise("/a", INT32, Qos(), lambda _: None)
     publisher.publish(SEVEN)
     publisher.close()
     assert ros.entity_count() == 0
@@ -94,16 +95,16 @@ async def test_a_publisher_that_has_published_stays_for_a_moment(ros: RclpyRos) 
 
 
 async def test_a_publisher_that_has_said_nothing_goes_at_once(ros: RclpyRos) -> None:
-    ros.advertise("/a", INT32, Qos()).close()
+    ros.advertise("/a", INT32, Qos(), lambda _: None).close()
     assert publishers(ros, "/a") == []
 
 
 async def test_advertising_again_goes_on_with_the_same_publisher(ros: RclpyRos) -> None:
-    publisher = ros.advertise("/a", INT32, Qos())
+    publisher = ros.advertise("/a", INT32, Qos(), lambda _: None)
     publisher.publish(SEVEN)
     [before] = publishers(ros, "/a")
     publisher.close()
-    again = ros.advertise("/a", INT32, Qos())
+    again = ros.advertise("/a", INT32, Qos(), lambda _: None)
     assert publishers(ros, "/a") == [before]
     again.close()  # without a word of its own
     assert publishers(ros, "/a") == [before]
@@ -112,13 +113,13 @@ async def test_advertising_again_goes_on_with_the_same_publisher(ros: RclpyRos) 
 
 @pytest.mark.parametrize("is_read", [False, True])
 async def test_another_type_need_not_wait(ros: RclpyRos, is_read: bool) -> None:
-    publisher = ros.advertise("/a", INT32, Qos())
+    publisher = ros.advertise("/a", INT32, Qos(), lambda _: None)
     publisher.publish(SEVEN)
     publisher.close()
     if is_read:
         ros.subscribe("/a", STRING, Qos(), lambda _: None, lambda _: None)
     else:
-        ros.advertise("/a", STRING, Qos())
+        ros.advertise("/a", STRING, Qos(), lambda _: None)
     assert ros.entity_count() == 1
 
 
@@ -152,7 +153,7 @@ async def test_a_service_may_come_back_with_another_type_at_once(ros: RclpyRos) 
 
 async def test_nothing_is_left_when_all_ends() -> None:
     ros = RclpyRos(RosOptions())
-    publisher = ros.advertise("/a", INT32, Qos())
+    publisher = ros.advertise("/a", INT32, Qos(), lambda _: None)
     publisher.publish(SEVEN)
     node = ros._publishers._node
     ros.close()

@@ -14,8 +14,9 @@ from pathlib import Path
 import pytest
 from rclpy.node import Node
 
+from gateway.action_ports import GoalRequest
 from gateway.errors import RosMissingError
-from gateway.ports import GoalRequest, LogLevel, Qos, Request, Ros, RosError, Sample
+from gateway.ports import LogLevel, Qos, Request, Ros, RosError, Sample
 from gateway.ros import RosOptions, open_ros
 from gateway.ros.graph import read_actions, read_all_services
 from gateway.ros.options import Taking
@@ -36,7 +37,7 @@ def ignore(*_: object) -> None: ...
 async def hears_itself(ros: Ros) -> None:
     received: list[Sample] = []
     subscription = ros.subscribe("/echo", INT32, Qos(), received.extend, ignore)
-    publisher = ros.advertise("/echo", INT32, Qos())
+    publisher = ros.advertise("/echo", INT32, Qos(), lambda _: None)
 
     def arrived() -> bool:
         publisher.publish(CDR)
@@ -79,7 +80,7 @@ async def test_repeated_starts_leave_no_descriptor_and_no_thread(taking: Taking)
             await hears_itself(ros)
             ros.watch_graph(ignore)
             ros.subscribe("/left_open", INT32, Qos(), ignore, ignore)
-            ros.advertise("/left_open", INT32, Qos())
+            ros.advertise("/left_open", INT32, Qos(), lambda _: None)
             left = await leave_calls_open(ros)
         for failed in left:
             with pytest.raises(RosError, match="is closed"):
@@ -224,7 +225,7 @@ async def test_a_remapped_topic_is_refused_by_name() -> None:
     options = RosOptions(arguments=("--ros-args", "-r", "/cmd_vel:=/other"))
     async with open_ros(options) as ros:
         for attempt in (
-            lambda: ros.advertise("/cmd_vel", INT32, Qos()),
+            lambda: ros.advertise("/cmd_vel", INT32, Qos(), lambda _: None),
             lambda: ros.subscribe("/cmd_vel", INT32, Qos(), ignore, ignore),
         ):
             with pytest.raises(RosError, match="remapped to /other here") as caught:
@@ -236,7 +237,7 @@ async def test_a_remapped_topic_is_refused_by_name() -> None:
 
 async def test_entities_are_limited() -> None:
     async with open_ros(RosOptions(max_entities=2, reserved_entities=0)) as ros:
-        first = ros.advertise("/a", INT32, Qos())
+        first = ros.advertise("/a", INT32, Qos(), lambda _: None)
         ros.subscribe("/b", INT32, Qos(), ignore, ignore)
         others: list[Callable[[], object]] = [
             lambda: ros.client("/c", SET_BOOL),
@@ -245,13 +246,13 @@ async def test_entities_are_limited() -> None:
             lambda: ros.serve_action("/c", FIBONACCI, ignore, ignore),
         ]
         with pytest.raises(RosError, match="at most 2 ROS entities") as caught:
-            ros.advertise("/c", INT32, Qos())
+            ros.advertise("/c", INT32, Qos(), lambda _: None)
         assert caught.value.code == "limit_exceeded"
         for attempt in others:
             with pytest.raises(RosError, match="at most 2 ROS entities"):
                 attempt()
         first.close()
-        ros.advertise("/c", INT32, Qos())
+        ros.advertise("/c", INT32, Qos(), lambda _: None)
 
 
 async def test_a_lack_of_descriptors_is_a_ros_error_and_leaves_nothing(
@@ -429,7 +430,7 @@ async def test_what_is_opened_and_closed_here_is_in_the_graph_and_out_of_it_at_o
 
         names()  # keeps it
         opened = [
-            ros.advertise("/own_topic", "std_msgs/msg/String", Qos()),
+            ros.advertise("/own_topic", "std_msgs/msg/String", Qos(), lambda _: None),
             ros.serve("/own_service", "std_srvs/srv/Trigger", lambda request: None),
             ros.serve_action(
                 "/own_action", "test_msgs/action/Fibonacci", lambda goal: None, lambda goal: None

@@ -8,17 +8,17 @@ from typing import Any
 
 import pytest
 
-from gateway.ports import MAX_TAKES_PER_TURN, Mismatch, Qos, Sample
+from gateway.ports import MAX_TAKES_PER_TURN, Qos, Sample, TopicEvent
 from gateway.ros import RosOptions
 from gateway.ros.port import RclpyRos
-from gateway.ros.qos import Offer
+from gateway.ros.qos import Endpoint
 from gateway.ros.raw_subscriptions import RawSubscription
 from tests.client import TIMEOUT_S, eventually
 from tests.ros.outside import Outside
 
 INT32 = "std_msgs/msg/Int32"
-BEST_EFFORT = Offer("/scanner", INT32, "best_effort")
-RELIABLE = Offer("/driver", INT32)
+BEST_EFFORT = Endpoint("/scanner", INT32, "best_effort")
+RELIABLE = Endpoint("/driver", INT32)
 WAITING = 100
 
 
@@ -116,11 +116,12 @@ async def test_a_refused_replacement_is_told_once_while_it_stands(
     def refuse(*_: object) -> None:
         raise RuntimeError("no memory")
 
-    reasons: list[Mismatch] = []
+    reasons: list[TopicEvent] = []
     subscription = ros.subscribe("/scan", INT32, Qos(), lambda _: None, reasons.append)
     monkeypatch.setattr(ros._subscriptions._samples, "read", refuse)
-    text = "topic /scan: no memory; keeping reliability reliable"
-    refusal = Mismatch("qos_incompatible", text)
+    refusal = TopicEvent(
+        "qos_incompatible", "topic /scan: no memory", "keeping reliability reliable"
+    )
     for _ in range(3):
         subscription.follow([BEST_EFFORT])
     assert reasons.count(refusal) == 1

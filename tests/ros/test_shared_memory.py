@@ -37,6 +37,12 @@ def test_the_segment_of_a_dead_participant_is_removed_with_its_lock(tmp_path: Pa
     assert not newer.exists()
 
 
+def test_what_was_removed_is_logged_in_right_words(tmp_path: Path, segment: Path, caplog):
+    with caplog.at_level("INFO"):
+        remove_abandoned_segments(tmp_path)
+    assert caplog.messages == ["removed 1 segment of shared memory that killed programs left"]
+
+
 def test_a_lock_without_a_segment_is_removed(tmp_path: Path, segment: Path):
     segment.unlink()
     assert remove_abandoned_segments(tmp_path) == 1

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Variables of ROS that are wrong, as the command line reports them."""
+
+import signal
+
+import pytest
+
+from tests.cli.test_main import TIMEOUT_S, refusal, ros2_gateway, running
+
+NOT_LOADED = (
+    "which ROS cannot load here, expected rmw_fastrtps_cpp; unset it for the default, or install"
+    " that package"
+)
+PEERS = (
+    "expected host names or addresses with ; between them, without blanks, such as"
+    " '192.168.1.7;robot.lan'"
+)
+
+
+@pytest.mark.parametrize("command", ["serve", "demo", "sim", "mock"])
+def test_middleware_that_is_not_there_is_one_sentence_with_what_to_do(command):
+    assert refusal(command, RMW_IMPLEMENTATION="rmw_nonsense") == (
+        2,
+        f"RMW_IMPLEMENTATION: got 'rmw_nonsense', {NOT_LOADED}",
+    )
+
+
+@pytest.mark.parametrize(
+    ("variable", "value", "sentence"),
+    [
+        (
+            "ROS_AUTOMATIC_DISCOVERY_RANGE",
+            "localhost",
+            "'localhost', expected SUBNET, LOCALHOST, OFF or SYSTEM_DEFAULT; unset it for SUBNET",
+        ),
+        (
+            "ROS_LOCALHOST_ONLY",
+            "true",
+            "'true', expected 0 or 1; ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST has taken its place",
+        ),
+        (
+            "ROS_STATIC_PEERS",
+            "192.168.1.7, 192.168.1.8",
+            f"'192.168.1.7, 192.168.1.8', {PEERS}",
+        ),
+    ],
+)
+@pytest.mark.parametrize("command", ["serve", "sim"])
+def test_a_variable_of_ros_that_it_would_not_understand_is_one_sentence(
+    command, variable, value, sentence
+):
+    assert refusal(command, **{variable: value}) == (2, f"{variable}: got {sentence}")
+
+
+def test_all_variables_of_ros_that_are_wrong_are_reported_at_once():
+    finished = ros2_gateway("serve", ROS_DOMAIN_ID="x", ROS_LOCALHOST_ONLY="yes")
+    assert finished.returncode == 2
+    assert len(finished.stderr.splitlines()) == 2
+
+
+def test_variables_of_ros_that_are_right_or_empty_let_it_start(monkeypatch):
+    for variable, value in {
+        "RMW_IMPLEMENTATION": "rmw_fastrtps_cpp",
+        "ROS_LOCALHOST_ONLY": "",
+        "ROS_STATIC_PEERS": "127.0.0.1;localhost;",
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+    }.items():
+        monkeypatch.setenv(variable, value)
+    with running("serve", "--port", "0", until="ws://") as (process, printed):
+        assert "ws://" in printed
+        process.send_signal(signal.SIGINT)
+        assert process.wait(TIMEOUT_S) == 0
+
+
+def test_a_peer_that_nobody_knows_is_one_sentence_with_what_to_do():
+    # RFC 6761: a name that no machine has
+    finished = ros2_gateway("serve", ROS_STATIC_PEERS="nobody.invalid")
+    assert (finished.returncode, finished.stdout) == (2, "")
+    sentence = finished.stderr.splitlines()[-1]  # first, it may tidy up after killed programs
+    assert sentence.endswith("nobody.invalid; mend its name in ROS_STATIC_PEERS, or take it out")
