@@ -24,7 +24,7 @@ from gateway.config.model import Config
 from gateway.diagnostics import publishing
 from gateway.errors import BindError, ConfigError, system_reason
 from gateway.guard.supervisor import GuardProcess
-from gateway.log_fields import text_of
+from gateway.log_fields import counted, text_of
 from gateway.log_rate import LogRate
 from gateway.memory import exempt_from_collection, keep_large_blocks, returning_free_memory
 from gateway.ports import LogLevel, Ros, RosError
@@ -160,7 +160,10 @@ async def _open_ros(stack: AsyncExitStack, config: Config) -> Ros:
     try:
         return await stack.enter_async_context(open_ros(_ros_options(config)))
     except RosError as error:
-        raise ConfigError(f"ROS: {error}") from error
+        text = str(error).strip()
+        is_peer = "resolve peer" in text  # as Fast DDS says it
+        remedy = "; mend its name in ROS_STATIC_PEERS, or take it out" if is_peer else ""
+        raise ConfigError(f"ROS: {text}{remedy}") from error
 
 
 def _guard(config: Config) -> GuardProcess:
@@ -224,7 +227,7 @@ async def _reload_whenever(
             continue
         server.reload(tokens, policy)
         security.audit.record("reload", successful=True, tokens=len(tokens.known))
-        logger.info("reloaded permissions and %d tokens", len(tokens.known))
+        logger.info("reloaded permissions and %s", counted(len(tokens.known), "token"))
 
 
 def _loop_factory() -> Callable[[], asyncio.AbstractEventLoop] | None:

@@ -72,7 +72,8 @@ class AuditFile:
                     logger.error("cannot write %s, %s", self._path, system_reason(error))
             else:
                 if self._is_failing or self._lost:
-                    logger.warning("%s: %d lines are missing", self._path, self._lost)
+                    lines = "1 line is" if self._lost == 1 else f"{self._lost} lines are"
+                    logger.warning("%s: %s missing", self._path, lines)
                 self._is_failing, self._lost = False, 0
         os.close(self._descriptor)
 

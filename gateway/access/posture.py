@@ -10,6 +10,7 @@ from gateway.config.model import Config
 from gateway.errors import ConfigError
 
 EVERYWHERE: Final = ("0.0.0.0", "::")  # noqa: S104  # what `--lan` asks for
+LOOPBACKS: Final = ("127.0.0.1", "::1")  # `localhost` is one of them, as the client's system has it
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +41,8 @@ def posture_of(config: Config) -> Posture:
             f"lan: got true, but host is {config.host}, which only this machine reaches;"
             " leave one of them out"
         )
-    hosts = EVERYWHERE if config.lan and not names_host else (config.host,)
+    by_default = EVERYWHERE if config.lan else LOOPBACKS
+    hosts = (config.host,) if names_host else by_default
     is_open = config.lan or not is_loopback(config.host)
     access = config.access
     asked = access.authentication

@@ -1,18 +1,31 @@
 # SPDX-License-Identifier: Apache-2.0
 """The error for a type that cannot be used."""
 
+from typing import Final
+
 from gateway.codec.error_text import truncate
 from gateway.protocol.errors import ProtocolError
 from schemas.definition import DefinitionError
 from schemas.installed import InstalledDefinitions, UnknownTypeError
 from schemas.table import TypeNameError
 
+# It has the place in a file of this machine, what was expected there and a way out.
+MAX_DEFINITION_ERROR: Final = 512
+
 
 def bad_type(
     error: UnknownTypeError | DefinitionError | TypeNameError,
     definitions: InstalledDefinitions,
 ) -> ProtocolError:
-    """Return ``bad_type``, with the name that was probably meant if a type is not installed."""
-    near = definitions.nearest(error.name) if isinstance(error, UnknownTypeError) else None
+    """Return ``bad_type``, with the name that was probably meant by one that is wrong."""
+    match error:
+        case UnknownTypeError():
+            near = definitions.nearest(error.name)
+        case TypeNameError(requested=str(text)) if text:
+            near = definitions.meant(text, error.kind)
+        case _:
+            near = None
     hint = f"; did you mean {near}?" if near else ""
-    return ProtocolError("bad_type", f"type: {truncate(str(error))}{hint}")
+    is_of_file = isinstance(error, DefinitionError)
+    text = str(error)[:MAX_DEFINITION_ERROR] if is_of_file else truncate(str(error))
+    return ProtocolError("bad_type", f"type: {text}{hint}")

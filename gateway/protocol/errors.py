@@ -11,7 +11,12 @@ StatusCode = Literal[
     "bad_type",
     "type_conflict",  # the type contradicts that of the topic
     "qos_incompatible",
+    "deadline_missed",  # no message came within the deadline that was asked for
+    "liveliness_lost",  # a publisher gave no sign of life within its lease
+    "messages_lost",  # on the way to the gateway
+    "publisher_gone",  # a node publishes no longer
     "not_found",
+    "already_provided",  # a ROS node answers calls of the same name
     "forbidden",  # the client's role may not do this, or the client has yet to authenticate
     "limit_exceeded",
     "invalid_value",  # the message does not fit its type

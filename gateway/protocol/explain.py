@@ -10,7 +10,9 @@ from gateway.codec.error_text import EXPECTED, kind, truncate
 def explain(error: ValidationError) -> str:
     """Describe the first wrong field: ``throttle_rate: expected a number, ...``."""
     details = error.errors(include_url=False)
-    first = details[0]
+    # A duration is a number, an object or "infinite": who sent an object meant that one.
+    same = [each for each in details if each["loc"][:2] == details[0]["loc"][:2]]
+    first = next((each for each in same if len(each["loc"]) > _DURATION), details[0])
     name = _name(first)
     # A field that may be of several kinds has one error for each.
     same_field = [detail for detail in details if _name(detail) == name]
@@ -29,12 +31,17 @@ def explain(error: ValidationError) -> str:
 def _name(detail: ErrorDetails) -> str:
     """Return the path to the field, without the tags that unions add to it."""
     first, *rest = detail["loc"]
-    parts = [first, *(rest[:1] if first in _OBJECTS else ())]
+    parts = [first]
+    if first in _OBJECTS:
+        parts += rest[:1]
+        parts += [part for part in rest[_DURATION - 1 :] if isinstance(part, str)]
     parts += [part for part in rest if isinstance(part, int)]  # which element
     return truncate(".".join(map(str, parts)))
 
 
-_OBJECTS = frozenset({"qos", "image"})  # operations nest no deeper
+# Operations nest no deeper, but for the durations of `qos`.
+_OBJECTS = frozenset({"qos", "image", "time", "timeout"})
+_DURATION = 3  # parts of the path to one, behind which its own members are
 
 
 def _expected(detail: ErrorDetails) -> str:

@@ -41,6 +41,28 @@ def answer(op: str, request_id: str | int | None, **members: Any) -> bytes:
     return dumps(frame | members)
 
 
+def help_answer(
+    request_id: str | int | None, text: str, frames: Mapping[str, Mapping[str, Any]], **others: Any
+) -> bytes:
+    """Build the answer to `help`; each of *frames* has a line of its own, which can be copied."""
+    lines = ",".join(
+        f"{orjson.dumps(purpose).decode()}:\n{orjson.dumps(frame).decode()}\n"
+        for purpose, frame in frames.items()
+    )
+    head = answer("help", request_id, msg=text)
+    return b'%b,"try":{\n%b},%b' % (head[:-1], lines.encode(), dumps(others)[1:])
+
+
+def description(
+    request_id: str | int | None, example: Mapping[str, Any] | None, members: Mapping[str, Any]
+) -> bytes:
+    """Build the answer to `describe`; the example has a line of its own, as it can be copied."""
+    if example is None:
+        return answer("describe", request_id, **members)
+    head = answer("describe", request_id)
+    return b'%b,"example":\n%b\n,%b' % (head[:-1], orjson.dumps(example), dumps(members)[1:])
+
+
 def publish_prefix(topic: str) -> bytes:
     """Return the beginning of every `publish` frame of a topic, up to the message.
 

@@ -19,7 +19,7 @@ from gateway.protocol.explain import explain
 from gateway.protocol.operations import OPERATIONS, ClientOperation
 from gateway.protocol.operations.base import MAX_ID_CHARACTERS, Operation
 from gateway.protocol.operations.fragment import Fragment
-from gateway.protocol.operations.gateway import Auth
+from gateway.protocol.operations.gateway import Auth, Help
 from gateway.protocol.operations.topics import ImageFormat
 from gateway.protocol.outbox import Outbox
 from gateway.protocol.rosbridge_fragments import Assembly
@@ -31,6 +31,10 @@ NOT_AUTHENTICATED: Final = (
 )
 
 ROS_SHARP_FRAGMENT_SIZE: Final = 2**31 - 1  # only ROS# sends it, with every request
+
+# what people type who do not know what to send; none of it is a JSON object
+_HELP: Final = frozenset({b"help", b"?", b"h", b"/help", b"--help", b'"help"', b"help()"})
+_MAX_HELP_BYTES: Final = 16  # of these, with blanks
 
 # the operations whose failure has a frame of its own, and the key that names their subject
 _NAMED_BY: Final = {"call_service": "service", "send_action_goal": "action"}
@@ -56,8 +60,9 @@ class Session:
         self.authenticate: Callable[[Auth], None] | None = None  # set by who knows the tokens
         self.outbox = Outbox(limits.send_queue_bytes)
         self.wake = wake
-        # takes what work for this client has taken from its time budget: seconds, and the time
-        self.spend: Callable[[float, float], object] = lambda spent_s, now_s: None
+        # takes what work for this client has taken from its time budget: seconds, and the time;
+        # returns whether something is left
+        self.spend: Callable[[float, float], bool] = lambda spent_s, now_s: True
         # for how long the message at hand may have waited until we read it, in seconds
         self.waited_s: Callable[[], float] = lambda: 0.0
         self.received = 0
@@ -248,11 +253,20 @@ def _object(data: bytes, max_depth: int, max_items: int) -> dict[str, object]:
     try:
         values = loads(data, max_depth=max_depth, max_items=max_items)
     except JsonError as error:
-        raise ProtocolError("bad_json", str(error)) from error
+        if _asks_for_help(data):
+            return {"op": Help.op}
+        hint = "" if data[:64].lstrip()[:1] in {b"{", b"["} else "; send help for lines to try"
+        raise ProtocolError("bad_json", f"{error}{hint}") from error
     if not isinstance(values, dict):
+        if _asks_for_help(data):
+            return {"op": Help.op}
         example = '{"op":"subscribe","topic":"/odom"}'
-        raise ProtocolError("bad_request", f"expected a JSON object such as {example}")
+        raise ProtocolError("bad_request", f"expected a JSON object such as {example}, or help")
     return values
+
+
+def _asks_for_help(data: bytes) -> bool:
+    return len(data) <= _MAX_HELP_BYTES and data.strip().lower() in _HELP
 
 
 def _readable_id(value: object) -> str | int | None:
@@ -281,7 +295,7 @@ def _readable_op(values: dict[str, object]) -> str:
 def _operation(op: str, values: dict[str, object]) -> ClientOperation | Fragment:
     model = OPERATIONS.get(op)
     if model is None:
-        near = difflib.get_close_matches(op, OPERATIONS, n=1)
+        near = difflib.get_close_matches(op.lower(), OPERATIONS, n=1)
         hint = f"; did you mean {near[0]}?" if near else f"; known are {', '.join(OPERATIONS)}"
         raise ProtocolError("unknown_op", f"op: {op!r} is unknown{hint}")
     try:

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final, TypeVar, get_args
 
+from gateway.codec.nonfinite import NonFinite
 from gateway.protocol.operations.topics import ImageRequest, QosRequest, Subscribe
 from gateway.protocol.throttle import Pace
 from gateway.protocol.websocket_frames import Compression
@@ -24,7 +25,7 @@ class SubscriptionOptions:
     A `publish` frame does not say which request it is for, so several requests of one client for
     one topic are one subscription, as in rosbridge: the shortest throttle, queue and silence, the
     strongest compression, the smallest fragments, all the fields that any of them names, the newest
-    type, QoS and image options.
+    type, QoS, image options and form of non-finite numbers.
     """
 
     type: str | int | None
@@ -37,6 +38,7 @@ class SubscriptionOptions:
     queue_length: int | None
     compression: Compression
     fragment_size: int | None
+    nonfinite: NonFinite
 
     @classmethod
     def merge(cls, requests: Iterable[Subscribe]) -> "SubscriptionOptions":
@@ -65,6 +67,7 @@ class SubscriptionOptions:
             queue_length=min(lengths, default=None),
             compression=max((compression(request) for request in asked), key=_COMPRESSIONS.index),
             fragment_size=min(sizes, default=None),
+            nonfinite=_newest(request.nonfinite for request in asked) or "null",
         )
 
     @property

@@ -95,7 +95,7 @@ def _default(text: str) -> str:
     if not text:
         return _NO_VALUE
     try:
-        loads(text)
+        loads(text, takes_tokens=False)  # which clients do not read
     except CodecError:
         return dumps(text).decode()
     return text

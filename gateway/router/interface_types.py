@@ -4,9 +4,8 @@
 import contextlib
 import difflib
 from collections.abc import Callable, Iterable
-from typing import Literal, TypeVar
+from typing import Literal, TypeVar, get_args
 
-from gateway.codec.error_text import truncate
 from gateway.codec.types import ActionType, ServiceType, Types
 from gateway.ports import Ros
 from gateway.protocol.bad_type import bad_type
@@ -62,6 +61,14 @@ class InterfaceTypes:
                         return named(requested)
         return None
 
+    def meant(self, requested: str | int) -> str | None:
+        """Guess the service or action type that a name means which is no message type's either."""
+        definitions = self._types.definitions
+        if not isinstance(requested, str) or definitions.meant(requested) is not None:
+            return None
+        guesses = (definitions.meant(requested, kind) for kind in get_args(InterfaceKind))
+        return next(filter(None, guesses), None)
+
     def of_service(
         self, service: ServiceName, requested: str | None, sees: Callable[[str], bool]
     ) -> ServiceType:
@@ -74,7 +81,7 @@ class InterfaceTypes:
         """
         found = self._ros.service_types(service)
         known = (each.name for each in self._ros.graph().services) if not found else ()
-        name = _one("service", service, requested, found, filter(sees, known))
+        name = self._one("service", service, requested, found, filter(sees, known))
         return self.service(name)
 
     def of_action(
@@ -87,44 +94,43 @@ class InterfaceTypes:
         """
         found = self._ros.action_types(action)
         known = (each.name for each in self._ros.graph().actions) if not found else ()
-        name = _one("action", action, requested, found, filter(sees, known))
+        name = self._one("action", action, requested, found, filter(sees, known))
         return self.action(name)
 
     def _known(self, get: Callable[[str], T], requested: str, kind: InterfaceKind) -> T:
-        name = _resolved(requested, kind)
+        name = self._resolved(requested, kind)
         try:
             return get(name)
         except (UnknownTypeError, DefinitionError) as error:
             raise bad_type(error, self._types.definitions) from error
 
+    def _resolved(self, requested: str, kind: InterfaceKind) -> str:
+        try:
+            return resolve_interface(requested, kind)
+        except TypeNameError as error:
+            raise bad_type(error, self._types.definitions) from error
 
-def _one(
-    kind: Literal["service", "action"],
-    name: str,
-    requested: str | None,
-    found: tuple[str, ...],
-    known: Iterable[str],
-) -> str:
-    """Choose among the types that the graph has found for a name."""
-    if not found:
-        others = (each for each in known if each != name)  # it may have gone just now
-        near = difflib.get_close_matches(name, others, n=1)
-        hint = f"; did you mean {near[0]}?" if near else ""
-        raise ProtocolError("not_found", f"{kind} {name} does not exist{hint}")
-    if requested is None:
-        if len(found) > 1:
+    def _one(
+        self,
+        kind: Literal["service", "action"],
+        name: str,
+        requested: str | None,
+        found: tuple[str, ...],
+        known: Iterable[str],
+    ) -> str:
+        """Choose among the types that the graph has found for a name."""
+        if not found:
+            others = (each for each in known if each != name)  # it may have gone just now
+            near = difflib.get_close_matches(name, others, n=1)
+            hint = f"; did you mean {near[0]}?" if near else ""
+            raise ProtocolError("not_found", f"{kind} {name} does not exist{hint}")
+        if requested is None:
+            if len(found) > 1:
+                types = " and ".join(found)
+                raise ProtocolError("type_conflict", f"{kind} {name} has types {types}: choose one")
+            return found[0]
+        named = self._resolved(requested, "srv" if kind == "service" else "action")
+        if named not in found:
             types = " and ".join(found)
-            raise ProtocolError("type_conflict", f"{kind} {name} has types {types}: choose one")
-        return found[0]
-    named = _resolved(requested, "srv" if kind == "service" else "action")
-    if named not in found:
-        types = " and ".join(found)
-        raise ProtocolError("type_conflict", f"{kind} {name} has type {types}, not {named}")
-    return named
-
-
-def _resolved(requested: str, kind: InterfaceKind) -> str:
-    try:
-        return resolve_interface(requested, kind)
-    except TypeNameError as error:
-        raise ProtocolError("bad_type", f"type: {truncate(str(error))}") from error
+            raise ProtocolError("type_conflict", f"{kind} {name} has type {types}, not {named}")
+        return named

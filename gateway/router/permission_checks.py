@@ -35,10 +35,11 @@ class _Need(NamedTuple):
     absent: str | None  # None: an operation that makes names is refused in any case
 
 
-def may_carry_out(session: Session, operation: ClientOperation) -> bool:
+def may_carry_out(session: Session, operation: ClientOperation, *, is_of_tf: bool = False) -> bool:
     """Return whether to carry out an operation; false if it was answered as for an absent name.
 
-    Call it only for restricted sessions: the others may do everything.
+    Call it only for restricted sessions: the others may do everything. An operation *is_of_tf* if
+    the gateway answers it with transforms: whatever its name is, it takes what those take.
 
     Raises:
         ProtocolError: ``forbidden``, or as for a name that does not exist, or the name is invalid.
@@ -49,6 +50,8 @@ def may_carry_out(session: Session, operation: ClientOperation) -> bool:
         raise ProtocolError("forbidden", NOT_AUTHENTICATED)
     permissions = session.identity.permissions
     need = _need(operation, session.limits.max_name_characters)
+    if need is not None and is_of_tf:
+        need = need._replace(action="subscribe", names=_TRANSFORMS, doing="subscribing to")
     for name in need.names if need else ():
         assert need is not None  # noqa: S101  # else there are no names
         if need.absent is not None and not permissions.sees(name):
@@ -143,8 +146,10 @@ def _needs_no_permission(
     | parameters.DescribeParameters
     | gateway.Ping
     | gateway.Hello
+    | gateway.Help
     | gateway.Describe
     | gateway.GraphRequest
+    | gateway.Events
     | gateway.SetLevel
     | gateway.Auth,
 ) -> None:

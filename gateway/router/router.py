@@ -4,7 +4,7 @@
 import contextlib
 import logging
 import time
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from concurrent.futures import Executor
 from functools import partial
 from typing import Any, Protocol, assert_never
@@ -37,6 +37,7 @@ from gateway.router.commands.commands import Commands
 from gateway.router.commands.guard import Guard, NoGuard
 from gateway.router.entity_shares import EntityShares
 from gateway.router.interface_types import InterfaceTypes
+from gateway.router.introspection.descriptions import Descriptions
 from gateway.router.introspection.introspection import Introspection
 from gateway.router.permission_checks import may_carry_out
 from gateway.router.role_views import RoleViews
@@ -44,10 +45,13 @@ from gateway.router.services.client_services import ClientServices
 from gateway.router.services.service_calls import ServiceCalls
 from gateway.router.tasks import ASKING_S, FAILURES, Tasks, refuse
 from gateway.router.topic_counts import CountsByTopic
+from gateway.router.topic_events import TopicEvents
 from gateway.router.topic_types import TopicTypes
 from gateway.router.topics.publications import Publications
 from gateway.router.topics.subscriptions import Subscriptions
 from gateway.router.transforms.lookups import TransformLookups
+from gateway.router.transforms.republisher import TfRepublisher
+from gateway.router.transforms.tf_listener import TfListener
 from gateway.service_clients import ServiceClients
 from schemas.table import Table
 
@@ -88,6 +92,7 @@ class Router:
         self._audit = audit or Audit(time.time_ns, level=logging.DEBUG)
         self._guard = guard or NoGuard()
         self._counts = CountsByTopic()
+        self._events = TopicEvents()
         self._sessions: set[Session] = set()
         self._calling = Tasks()
         # with separate limits: a call may take an hour, a lookup a minute
@@ -95,10 +100,13 @@ class Router:
         self._looking = Tasks()
         self._service_clients = ServiceClients(ros)
         self._views = RoleViews(ros, types, self._service_clients)
-        self._subscriptions = Subscriptions(ros, topic_types, workers, self._counts)
+        self._subscriptions = Subscriptions(ros, topic_types, workers, self._counts, self._events)
         control = control or ControlConfig()
-        self._commands = Commands(ros, topic_types, control, self._guard, self._audit, self._counts)
-        self._publications = Publications(ros, topic_types, self._commands, self._counts)
+        self._commands = Commands(
+            ros, topic_types, control, self._guard, self._audit, self._counts, self._events
+        )
+        offering = (self._commands, self._counts, self._events)
+        self._publications = Publications(ros, topic_types, *offering)
         self._service_calls = ServiceCalls(
             interface_types,
             self._service_clients,
@@ -109,16 +117,21 @@ class Router:
         self._services = ClientServices(ros, interface_types, self._views.unlimited.rosapi.has)
         self._goals = Goals(ros, interface_types)
         self._actions = ClientActions(ros, interface_types)
-        self._transforms = TransformLookups(ros, topic_types)
+        self._listener = TfListener(ros, topic_types)
+        self._transforms = TransformLookups(self._listener)
+        self._republisher = TfRepublisher(ros, self._listener)
+        descriptions = Descriptions(topic_types, interface_types, types.definitions)
         self._introspection = Introspection(
-            ros, topic_types, interface_types, self._subscriptions, limits=limits, version=version
+            ros, descriptions, self._subscriptions, limits=limits, version=version
         )
         self._parts: tuple[SessionOwner, ...] = (
             self._calling,
             self._asking,
             self._looking,
             self._introspection,
+            self._events,
             self._transforms,
+            self._republisher,
             self._subscriptions,
             self._publications,
             self._services,
@@ -163,8 +176,13 @@ class Router:
         if session.deferred and not isinstance(operation, topics.Publish):
             self.end_turn(session)
         try:
-            if not session.is_restricted or may_carry_out(session, operation):
-                self._carry_out(session, operation)
+            work = self._republisher.work(session, operation)
+            is_of_tf = work is not None
+            if not session.is_restricted or may_carry_out(session, operation, is_of_tf=is_of_tf):
+                if work is None:
+                    self._carry_out(session, operation)
+                else:
+                    work()
         except FAILURES as error:
             refuse(session, operation, error)
 
@@ -201,6 +219,7 @@ class Router:
         for session in list(self._sessions):
             self.leave(session)
         self._transforms.close()
+        self._listener.close()
         self._goals.close()
         self._service_clients.close()
 
@@ -218,6 +237,10 @@ class Router:
         """Return the state of the command topics and of their guard."""
         return ControlState(self._commands.drives(), self._guard.is_ready, self._guard.losses)
 
+    def shared_names(self) -> Sequence[str]:
+        """Return the names that several nodes of the graph have."""
+        return self._ros.shared_names()
+
     def counts(self) -> dict[str, int]:
         """Count the open sessions and entities, for health reports."""
         return {
@@ -232,7 +255,7 @@ class Router:
             "calls": sum(map(len, (self._calling, self._asking, self._looking)))
             + self._services.pending,
             "goals": self._goals.under_way + self._actions.pending,
-            "transforms": self._transforms.periodic,
+            "transforms": self._transforms.periodic + self._republisher.arrays,
         }
 
     # as long as there are operations: one case each
@@ -270,17 +293,13 @@ class Router:
                 self._actions.feedback(session, operation)
             case actions.ActionResult():
                 self._actions.finish(session, operation)
-            case parameters.ListParameters():
-                work = partial(self._views.of(session).parameters.list, operation)
-                self._answer_later(session, operation, work, self._asking)
-            case parameters.GetParameters():
-                work = partial(self._views.of(session).parameters.get, operation)
-                self._answer_later(session, operation, work, self._asking)
-            case parameters.SetParameters():
-                work = partial(self._views.of(session).parameters.set, operation)
-                self._answer_later(session, operation, work, self._asking)
-            case parameters.DescribeParameters():
-                work = partial(self._views.of(session).parameters.describe, operation)
+            case (
+                parameters.ListParameters()
+                | parameters.GetParameters()
+                | parameters.SetParameters()
+                | parameters.DescribeParameters()
+            ):
+                work = partial(self._views.of(session).parameters.carry_out, operation)
                 self._answer_later(session, operation, work, self._asking)
             case transforms.LookupTransform(rate=None):
                 work = partial(self._transforms.lookup, operation)
@@ -301,10 +320,14 @@ class Router:
                 self._introspection.ping(session, operation)
             case gateway.Hello():
                 self._introspection.hello(session, operation)
+            case gateway.Help():
+                self._introspection.help(session, operation)
             case gateway.Describe():
                 self._introspection.describe(session, operation)
             case gateway.GraphRequest():
                 self._introspection.graph(session, operation)
+            case gateway.Events():
+                self._events.watch(session, operation)
             case gateway.SetLevel():
                 session.set_level(operation.level)
             case gateway.Auth():

@@ -1,8 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The takeover of a client's service or action by another client."""
+"""Services and actions that a client provides, and another client or a ROS node, too."""
 
+from collections.abc import Iterable, Sequence
+from typing import Final
+
+from gateway.ports import ServerInfo
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.session import Session
+
+MAX_NAMED: Final = 4  # nodes of one name; a text for people
 
 
 def check_takeover(
@@ -19,3 +25,21 @@ def check_takeover(
     if former is not successor and former_type != type_name:
         text = f"{name} is provided by another client, as {former_type}"
         raise ProtocolError("type_conflict", text)
+
+
+def nodes_of(name: str, servers: Iterable[ServerInfo]) -> Sequence[str]:
+    """Return the ROS nodes that provide a service or an action."""
+    return next((each.nodes for each in servers if each.name == name), ())
+
+
+def warn_of_others(
+    session: Session, subject: str, nodes: Sequence[str], op: str, request_id: str | int | None
+) -> None:
+    """Warn a client that ROS nodes provide the same: which of them answers is left to chance."""
+    if not nodes:
+        return
+    # whoever may not see a node gets no name of it
+    seen = [node for node in nodes if session.sees(node)][:MAX_NAMED]
+    who = " and ".join(seen) or "a ROS node"
+    text = f"{subject} is provided by {who}, too: two servers answer each call, choose another name"
+    session.warn(ProtocolError("already_provided", text), op, request_id)

@@ -30,10 +30,13 @@ Connect a rosbridge client (roslibjs, roslibpy, ROS#), Unity or wscat to
 
 and send, for example,
 
-    {{"op":"subscribe","topic":"/odom"}}
+    {{"op":"subscribe","topic":"/odom","throttle_rate":1000}}
+
+or help, which shows lines for what is there.
 
 The gateway's health is at /healthz, its metrics for Prometheus at /metrics.
 """
+_VERSION: Final = "13"  # Sec-WebSocket-Version
 _NOT_ALLOWED: Final = "only GET and HEAD\n"
 _FOREIGN_HOST: Final = (
     "this gateway has another name; the operator can allow this one by allowed_hosts\n"
@@ -140,7 +143,11 @@ class HttpFront:
         token_in(
             request.headers.get_all("Authorization"), offered_subprotocols(request.headers)
         )  # refuses contradictions while there is a response to do it by
-        return self._origin_refusal(protocol, request, host) or protocol.accept(request)
+        return (
+            self._origin_refusal(protocol, request, host)
+            or _version_refusal(protocol, request)
+            or protocol.accept(request)
+        )
 
     def _log_foreign(self, host: str) -> None:
         name = urlsplit(f"//{host}").hostname or ""
@@ -164,6 +171,18 @@ class HttpFront:
             403,
             f"pages from {shown} may not connect; the operator can allow them by allowed_origins\n",
         )
+
+
+def _version_refusal(protocol: ServerProtocol, request: Request) -> Response | None:
+    """Refuse drafts of the WebSocket protocol; RFC 6455 4.4 has the header of the answer."""
+    version = request.headers.get("Sec-WebSocket-Version", "")
+    if version in {"", _VERSION}:  # a request without is refused by `websockets`
+        return None
+    text = f"version {_VERSION} of the WebSocket protocol alone (RFC 6455)\n"
+    response = protocol.reject(HTTPStatus.UPGRADE_REQUIRED, text)
+    response.headers["Upgrade"] = "websocket"
+    response.headers["Sec-WebSocket-Version"] = _VERSION
+    return response
 
 
 def own_names() -> list[str]:

@@ -3,6 +3,7 @@
 
 import asyncio
 import contextlib
+import errno
 import ipaddress
 import itertools
 import logging
@@ -41,6 +42,7 @@ from gateway.server.health import FindFaults, Health, no_faults
 from gateway.server.http import Asker, HttpFront, own_names, page
 from gateway.server.scrapes import Scrapes
 from gateway.server.time_budget import Spending, TimeBudgets
+from gateway.server.tls_handshakes import log_failed_handshakes
 from gateway.server.url_options import image_format
 
 MakeAdmission = Callable[[RoomFor], Admission]
@@ -55,6 +57,9 @@ MAX_LEAVING: Final = 64
 # Pages of metrics that are waited for, or not taken yet: a few times as many as there are scrapers,
 # and 11 MB with 32 clients of 64 topics each.
 MAX_PAGES: Final = 8
+
+# what a machine without IPv6 says
+_NO_SUCH_ADDRESS: Final = frozenset({errno.EADDRNOTAVAIL, errno.EAFNOSUPPORT})
 
 MAX_GOODBYE_S: Final = 1.0  # of the 2 s for the whole shutdown
 
@@ -108,6 +113,8 @@ class Server:
         """
         loop = asyncio.get_running_loop()
         self._http.is_encrypted = tls is not None
+        if tls is not None:
+            log_failed_handshakes(tls)
         listeners: list[asyncio.Server] = []
         addresses: list[tuple[str, int]] = []
         for host in hosts:
@@ -122,7 +129,9 @@ class Server:
             except OSError as error:
                 if not listeners:
                     raise
-                logger.info("not listening on %s: %s", host, error.strerror or error)
+                lacks_it = error.errno in _NO_SUCH_ADDRESS
+                level = logging.DEBUG if lacks_it else logging.INFO
+                logger.log(level, "not listening on %s: %s", host, error.strerror or error)
                 continue
             listeners.append(listener)
             addresses += [sock.getsockname()[:2] for sock in listener.sockets]
@@ -193,6 +202,7 @@ class Server:
             entities=entities,
             max_ros_entities=self.limits.max_ros_entities,
             control=self._router.control(),
+            shared_names=tuple(self._router.shared_names()),
             handshakes_refused=counters.handshakes_refused.copy(),
             authentication_failures=self._admission.failures.copy(),
             ends=counters.ends.copy(),

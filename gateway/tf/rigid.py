@@ -64,6 +64,18 @@ class Rigid(NamedTuple):
             *_slerp(self, other, ratio),
         )
 
+    def distance(self, other: "Rigid") -> float:
+        """Return the metres between the two translations."""
+        return math.dist(self[:3], other[:3])
+
+    def angle(self, other: "Rigid") -> float:
+        """Return the radians, up to pi, of the rotation between the two."""
+        apart = math.dist(self[3:], other[3:])
+        # q and -q are the same rotation; the nearer one is the short way
+        opposite = math.hypot(*(a + b for a, b in zip(self[3:], other[3:], strict=True)))
+        # the arc cosine of their product would find no angle below 1e-8
+        return 4 * math.atan2(min(apart, opposite), max(apart, opposite))
+
     def normalized(self) -> "Rigid":
         """Return the transform with a quaternion of length 1.
 

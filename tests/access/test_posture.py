@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import pytest
 
-from gateway.access.posture import is_loopback, posture_of
+from gateway.access.posture import LOOPBACKS, is_loopback, posture_of
 from gateway.config.access import AccessConfig
 from gateway.config.model import Config
 from gateway.errors import ConfigError
@@ -12,7 +12,8 @@ EVERYWHERE = ("0.0.0.0", "::")  # noqa: S104  # compared, not bound
 @pytest.mark.parametrize(
     ("config", "access", "hosts", "is_open", "anonymous"),
     [
-        ({}, {}, ("127.0.0.1",), False, "admin"),
+        ({}, {}, LOOPBACKS, False, "admin"),
+        ({"host": "127.0.0.1"}, {}, ("127.0.0.1",), False, "admin"),
         ({"lan": True}, {}, EVERYWHERE, True, None),
         ({"lan": True}, {"authentication": "none"}, EVERYWHERE, True, "viewer"),
         (
@@ -29,9 +30,9 @@ EVERYWHERE = ("0.0.0.0", "::")  # noqa: S104  # compared, not bound
         ({"host": "robot", "lan": True}, {}, ("robot",), True, None),
         ({"host": "::1"}, {}, ("::1",), False, "admin"),
         ({"host": "localhost"}, {}, ("localhost",), False, "admin"),
-        ({}, {"authentication": "token"}, ("127.0.0.1",), False, None),
-        ({}, {"anonymous_role": "viewer"}, ("127.0.0.1",), False, "viewer"),
-        ({}, {"authentication": "none"}, ("127.0.0.1",), False, "admin"),
+        ({}, {"authentication": "token"}, LOOPBACKS, False, None),
+        ({}, {"anonymous_role": "viewer"}, LOOPBACKS, False, "viewer"),
+        ({}, {"authentication": "none"}, LOOPBACKS, False, "admin"),
     ],
 )
 def test_whatever_other_machines_reach_asks_for_tokens(config, access, hosts, is_open, anonymous):

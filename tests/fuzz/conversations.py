@@ -405,6 +405,10 @@ class Conversations(RuleBasedStateMachine):
         frames = BOMBS()
         self.say_wildly(frames[number % len(frames)].data)
 
+    @rule(operation=words.pick(words.ASKED_FOR_ARRAYS), request_id=words.pick([None, *words.IDS]))
+    def ask_for_arrays(self, operation: dict[str, Any], request_id: Any) -> None:
+        self.say_wildly({**operation, "id": request_id})
+
     def say_wildly(self, said: dict[str, Any] | str | bytes) -> None:
         """Send what may open anything, or nothing; it is answered by codes that are documented."""
         if self.wild is None:

@@ -8,9 +8,10 @@ from collections.abc import Awaitable, Callable, Iterator
 from concurrent.futures import Executor, Future
 from typing import Any
 
+from gateway.action_ports import SUCCEEDED, GoalRequest
 from gateway.config.control import ControlConfig
 from gateway.config.limits import Limits
-from gateway.ports import SUCCEEDED, GoalRequest, Request
+from gateway.ports import Request
 from gateway.router.router import Router
 from schemas.table import Table
 from tests.fuzz import types

@@ -10,7 +10,8 @@ from collections.abc import Callable, Coroutine, Iterator
 from concurrent.futures import Future
 from typing import Any, TypeVar
 
-from gateway.ports import SUCCEEDED, GoalRequest, Request
+from gateway.action_ports import SUCCEEDED, GoalRequest
+from gateway.ports import Request
 from tests.client import TIMEOUT_S
 from tests.e2e.test_rough_disconnects import at_rest, health, left_behind
 from tests.fuzz import types

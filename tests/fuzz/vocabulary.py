@@ -135,6 +135,7 @@ ASKED: list[tuple[dict[str, Any], str, frozenset[str]]] = [
         for value in (None, 1.5, 2**63, "x" * 900, [[{}]], 1e308)
     ),
     ({"op": "hello"}, "hello", frozenset()),
+    ({"op": "help"}, "help", frozenset()),
     *(
         ({"op": "describe", "type": name}, "describe", frozenset({"bad_type"}))
         for name in (1, 0, -7, 10**12, "std_msgs/String", "std_srvs/SetBool", "a/b", "", "x" * 500)
@@ -178,6 +179,25 @@ ASKED_OF_NODES: list[dict[str, Any]] = [
         {"op": "lookup_transform", "target_frame": a, "source_frame": b, "timeout": 0.01, **more}
         for a, b in (("a", "b"), ("", ""), ("x" * 257, "a"), ("a", "a\0"))
         for more in ({}, {"time": {"sec": 1}}, {"time": {"sec": -1}}, {"timeout": 1e9})
+    ),
+]
+# what clients ask tf2_web_republisher, in no order
+TF_NODE = "/tf2_web_republisher"
+ASKED_FOR_ARRAYS: list[dict[str, Any]] = [
+    *(
+        operation
+        for frames in ({}, {"rate": 200, "timeout": {"secs": 0, "nsecs": 1}}, {"rate": 1e-320})
+        for request in ({"source_frames": ["a", "/b", ""], "target_frame": "b", **frames},)
+        for operation in (
+            {"op": "send_action_goal", "action": TF_NODE, "feedback": True, "args": request},
+            {"op": "call_service", "service": "republish_tfs", "args": request},
+            {"op": "subscribe", "topic": f"{TF_NODE}/tf_repub_1", "fragment_size": 64},
+            {"op": "unsubscribe", "topic": f"{TF_NODE}/tf_repub_1"},
+            {"op": "publish", "topic": f"{TF_NODE}/goal", "msg": {"goal_id": {}, "goal": request}},
+            {"op": "subscribe", "topic": f"{TF_NODE}/feedback"},
+            {"op": "publish", "topic": f"{TF_NODE}/cancel", "msg": {}},
+            {"op": "unsubscribe", "topic": f"{TF_NODE}/feedback"},
+        )
     ),
 ]
 GARBAGE: list[str | bytes] = [

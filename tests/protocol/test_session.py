@@ -261,6 +261,14 @@ def test_what_stays_incomplete_is_answered_when_the_next_message_comes():
     assert answer["msg"] == "fragment: 1 of 2 pieces came within 60 s"
 
 
+@pytest.mark.parametrize("op", ["pong", "PING", "Ping"])
+def test_an_unknown_operation_is_answered_with_the_nearest_in_capitals_too(op):
+    client = Client()
+    client.send(op=op)
+    (answer,) = client.answers
+    assert answer["msg"] == f"op: {op!r} is unknown; did you mean ping?"
+
+
 @pytest.mark.parametrize(
     ("operation", "text"),
     [
@@ -287,6 +295,27 @@ def test_what_stays_incomplete_is_answered_when_the_next_message_comes():
         (
             {"op": "subscribe", "topic": "/a", "qos": {"x" * 300: 1}},
             f"qos.{'x' * 121}...: unknown",
+        ),
+        (
+            {"op": "subscribe", "topic": "/a", "qos": {"deadline": {"sec": 1}}},
+            "qos.deadline.sec: unknown",
+        ),
+        (
+            {"op": "subscribe", "topic": "/a", "qos": {"lifespan": {"secs": -1}}},
+            "qos.lifespan.secs: expected at least 0, got -1",
+        ),
+        (
+            {"op": "subscribe", "topic": "/a", "qos": {"deadline": [1]}},
+            "qos.deadline: expected a number or an object or 'infinite', got an array",
+        ),
+        (
+            {"op": "lookup_transform", "target_frame": "a", "source_frame": "b"}
+            | {"time": {"secs": 1, "nsec": 2}},
+            "time.nsec: unknown",
+        ),
+        (
+            {"op": "subscribe", "topic": "/a", "image": {"depth_range_m": [2, 1]}},
+            "image.depth_range_m: expected [nearest, farthest], in metres, the nearest first",
         ),
     ],
 )

@@ -36,7 +36,13 @@ async def test_a_value_is_json_in_a_string(rosapi: Rosapi, name: str) -> None:
 
 @pytest.mark.parametrize(
     ("default", "value"),
-    [("", "null"), ("5", "5"), ('{"a":[1]}', '{"a":[1]}'), ("plain text", '"plain text"')],
+    [
+        ("", "null"),
+        ("5", "5"),
+        ('{"a":[1]}', '{"a":[1]}'),
+        ("plain text", '"plain text"'),
+        ("NaN", '"NaN"'),
+    ],
 )
 async def test_the_default_stands_in_as_json(rosapi: Rosapi, default: str, value: str) -> None:
     answered = await answer(rosapi, "get_param", "/robot:sped", default)

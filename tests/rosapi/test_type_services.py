@@ -112,6 +112,7 @@ def test_what_an_action_sends_back_is_told(services: TypeServices) -> None:
     [
         ("", "'' is no message type"),
         ("Odometry", "'Odometry' is no message type"),
+        ("Odometry", "did you mean nav_msgs/msg/Odometry?"),
         ("nav_msgs/Odometri", "did you mean nav_msgs/msg/Odometry?"),
         ("std_srvs/srv/SetBool", "is no message type"),
     ],

@@ -4,6 +4,7 @@
 import asyncio
 import json
 import logging
+import re
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
@@ -25,6 +26,7 @@ IMAGE = "sensor_msgs/msg/Image"
 TYPES = Types(InstalledDefinitions())
 TABLE = Table.load()
 BEYOND_FLOAT = "@1e999"  # written without its quotes
+TOKENS = ["@NaN", "@Infinity", "@-Infinity"]  # likewise
 EXTREMES = [
     *(
         0,
@@ -44,7 +46,19 @@ EXTREMES = [
         10**30,
     ),
     *(-(2**63), -(10**30), 0.0, -0.0, 0.5, 1e-9, 1e-308, 1e-320, 5e-324, -5e-324),
-    *(999.999, 1e9, 1e9 + 1, 3_600_000.0, 3_600_001.0, 1e18, 1e19, 1e308, -1e308, BEYOND_FLOAT),
+    *(
+        999.999,
+        1e9,
+        1e9 + 1,
+        3_600_000.0,
+        3_600_001.0,
+        1e18,
+        1e19,
+        1e308,
+        -1e308,
+        BEYOND_FLOAT,
+        *TOKENS,
+    ),
 ]
 NUMBERS = st.sampled_from(EXTREMES)
 # of the members that an operation must have, so that its numbers are looked at
@@ -139,7 +153,7 @@ async def carry_out(text: str) -> list[Any]:
 
 
 def written(operation: dict[str, Any]) -> str:
-    return json.dumps(operation).replace(f'"{BEYOND_FLOAT}"', BEYOND_FLOAT[1:])
+    return re.sub(r'"@([^"]*)"', r"\1", json.dumps(operation))
 
 
 async def is_carried_out(members: dict[str, Any], op: str) -> bool:

@@ -123,7 +123,7 @@ async def test_the_graph_knows_the_rate_of_received_topics(bench: Bench):
         (b"nonsense", "bad_json"),
         (b'{"op":"hello"', "bad_json"),
         (b'\xff{"op":"hello"}', "bad_json"),
-        (b'{"op":"ping","value":NaN}', "bad_json"),
+        (b'{"op":"ping","value":nan}', "bad_json"),
         (b'{"op":"hello","op":"ping"}', "bad_json"),
         (b'{"op":"ping","value":' + b"[" * 40 + b"]" * 40 + b"}", "bad_json"),
         (b'{"op":"ping","value":[' + b"0," * 100_001 + b"0]}", "bad_json"),

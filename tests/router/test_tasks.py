@@ -28,7 +28,7 @@ async def test_who_waits_for_a_turn_to_ask_a_node_is_told_after_10_s(
 async def test_what_a_task_takes_is_spent_by_its_client_and_what_it_waits_is_not(bench: Bench):
     client = bench.client()
     spent_s: list[float] = []
-    client.session.spend = lambda seconds, now_s: spent_s.append(seconds)
+    client.session.spend = lambda seconds, now_s: spent_s.append(seconds) is None
     client.send(op="lookup_transform", id=1, target_frame="a", source_frame="b", timeout=0)
     await client.sees(1, "status")
     assert spent_s

@@ -614,6 +614,37 @@ async def test_a_foreign_name_is_logged_once_with_the_setting_that_allows_it(ser
     assert lines == [f"refused a request for host robot.lan; allow it by  {setting}"]
 
 
+async def test_all_addresses_but_the_first_may_be_taken(serve: Serve, caplog):
+    caplog.set_level("INFO")
+    async with serve() as served:
+        with socket.socket(socket.AF_INET) as other:
+            other.bind(("127.0.0.2", 0))
+            other.listen()
+            port = other.getsockname()[1]
+            hosts = ["127.0.0.3", "127.0.0.2", "192.0.2.1"]
+            async with served.server.listening(hosts, port) as addresses:
+                assert addresses == [("127.0.0.3", port)]
+            with pytest.raises(OSError, match=r"127\.0\.0\.2"):
+                async with served.server.listening(["127.0.0.2", "127.0.0.3"], port):
+                    pass
+    lines = [record.message for record in caplog.records if "not listening" in record.message]
+    assert [line.partition(":")[0] for line in lines] == ["not listening on 127.0.0.2"]
+
+
+@pytest.mark.parametrize("version", ["8", "12", "14", "13, 8", "x"])
+async def test_other_versions_of_the_protocol_learn_which_one_is_spoken(serve: Serve, version):
+    other = f"Sec-WebSocket-Version: {version}".encode()
+    request = upgrade("Host: localhost").replace(b"Sec-WebSocket-Version: 13", other)
+    async with serve() as served:
+        reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
+        writer.write(request)
+        response = await reader.read()
+        assert response.split()[1] == b"426"
+        assert b"\r\nUpgrade: websocket\r\n" in response
+        assert b"\r\nSec-WebSocket-Version: 13\r\n" in response
+        writer.close()
+
+
 @pytest.mark.parametrize("method", ["POST", "PUT", "DELETE", "PATCH", "OPTIONS", "TRACE"])
 @pytest.mark.parametrize("body", [b"", b"Content-Length: 2\r\n\r\nhi"])
 async def test_other_methods_get_405(serve: Serve, method, body):

@@ -12,6 +12,7 @@ from websockets.frames import Opcode
 
 from gateway.cli.certificate import make_certificate
 from gateway.config.access import TlsConfig
+from gateway.log_rate import BURST, LogRate
 from gateway.security import tls_context
 from tests.client import TIMEOUT_S, client, eventually
 from tests.server.conftest import Serve, Served
@@ -115,3 +116,50 @@ async def test_a_peer_that_vanishes_leaves_nothing_behind(serve: Serve, tls, tru
             speaker.socket.transport.abort()
         await eventually(lambda: not served.server._connections)
     assert "Traceback" not in caplog.text
+
+
+async def test_a_failed_handshake_is_one_line_of_the_log_with_its_reason(
+    serve: Serve, tls, trusting, caplog
+):
+    caplog.set_level("INFO", "gateway.server.tls_handshakes")
+    async with serve(tls=tls) as served, asyncio.timeout(TIMEOUT_S):
+        reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
+        writer.write(b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        with contextlib.suppress(ConnectionError):
+            await reader.read()
+        writer.close()
+        with pytest.raises(ssl.SSLCertVerificationError):
+            await asyncio.to_thread(distrust, served.port)
+        await eventually(lambda: len(lines(caplog)) == 2)
+        async with client(url(served), ssl=trusting) as speaker:
+            await speaker.sync()
+        assert lines(caplog) == [
+            "a TLS handshake failed: the client speaks without TLS, it needs wss:// or https://",
+            "a TLS handshake failed: the client does not trust the certificate",
+        ]
+
+
+async def test_a_flood_of_failed_handshakes_leaves_a_bounded_number_of_lines(
+    serve: Serve, tls, caplog
+):
+    caplog.set_level("INFO", "gateway.server.tls_handshakes")
+    async with serve(tls=tls) as served, asyncio.timeout(TIMEOUT_S):
+        for _ in range(2 * BURST):
+            reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
+            writer.write(b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n")
+            with contextlib.suppress(ConnectionError):
+                await reader.read()
+            writer.close()
+    assert len(lines(caplog)) == 2 * BURST
+    rate = LogRate()
+    assert sum(map(rate.filter, caplog.records)) == BURST
+
+
+def distrust(port: int) -> None:
+    """Connect as browsers do, which say why they leave; asyncio does not."""
+    with socket.create_connection(("127.0.0.1", port)) as sock:
+        ssl.create_default_context().wrap_socket(sock, server_hostname="localhost")
+
+
+def lines(caplog) -> list[str]:
+    return [each.message for each in caplog.records if "handshake" in each.message]

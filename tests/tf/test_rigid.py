@@ -96,3 +96,19 @@ def test_a_quaternion_of_any_length_becomes_one_of_length_1():
 def test_what_is_no_transform_is_refused(transform, reason):
     with pytest.raises(ValueError, match=reason):
         transform.normalized()
+
+
+@given(rigids(), rigids())
+def test_the_angle_between_two_is_that_of_the_rotation_from_one_to_the_other(one, other):
+    rotation = matrix(one.inverse().after(other))[:3, :3]
+    cosine = (np.trace(rotation) - 1) / 2
+    assert one.angle(other) == pytest.approx(math.acos(max(-1.0, min(1.0, cosine))), abs=1e-6)
+    negated = other._replace(qx=-other.qx, qy=-other.qy, qz=-other.qz, qw=-other.qw)
+    assert one.angle(negated) == pytest.approx(one.angle(other), abs=1e-9)
+    assert one.distance(other) == pytest.approx(math.dist(one[:3], other[:3]))
+
+
+@pytest.mark.parametrize("degrees", [1e-9, 1, 90, 179, 180])
+def test_an_angle_however_small_is_found(degrees):
+    assert turned(0).angle(turned(degrees)) == pytest.approx(math.radians(degrees), rel=1e-6)
+    assert turned(0).angle(turned(0)) == 0

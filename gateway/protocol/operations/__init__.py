@@ -46,9 +46,11 @@ ClientOperation = (
     | commands.Control
     | gateway.SetLevel
     | gateway.Hello
+    | gateway.Help
     | gateway.Ping
     | gateway.Describe
     | gateway.GraphRequest
+    | gateway.Events
     | gateway.Auth
 )
 """The operations that a router carries out; a `Fragment` is a part of one of these."""

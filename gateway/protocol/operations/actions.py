@@ -3,6 +3,7 @@
 
 from typing import Any
 
+from gateway.codec.nonfinite import NonFinite
 from gateway.protocol.operations.base import FragmentSize, Id, Operation
 
 
@@ -14,6 +15,7 @@ class SendActionGoal(Operation):
     action_type: str | None = None
     args: Any = None  # an object, or the values of the fields in order
     feedback: bool = False
+    nonfinite: NonFinite = "null"  # of feedback and result
     keep: bool = False  # do not cancel the goal when this client leaves
     fragment_size: FragmentSize = None
 

@@ -30,7 +30,8 @@ class OperationPart(BaseModel):
     keys that were never set. In a field of type `Any`, null is a value.
     """
 
-    model_config = ConfigDict(strict=True, frozen=True, extra="forbid")
+    # a number of an operation itself is finite; messages in fields of type `Any` may hold others
+    model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
     @model_validator(mode="before")
     @classmethod

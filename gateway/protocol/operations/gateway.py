@@ -19,6 +19,12 @@ class Hello(Operation):
     op = "hello"
 
 
+class Help(Operation):
+    """Ask for lines to try; the text ``help``, which is not JSON, asks for them, too."""
+
+    op = "help"
+
+
 class Ping(Operation):
     """Ask for the clocks; the answer repeats the value unchanged."""
 
@@ -27,7 +33,10 @@ class Ping(Operation):
 
 
 class Describe(Operation):
-    """Ask for the schema, the definition and the hash of a message, service or action type."""
+    """Ask for the schema, the definition, the hash and an example of a type.
+
+    *type* names a message, service or action type, or a topic, service or action that has one.
+    """
 
     op = "describe"
     type: str | int
@@ -41,6 +50,16 @@ class GraphRequest(Operation):
 
     op = "graph"
     watch: bool | None = None
+
+
+class Events(Operation):
+    """Ask for what happens on the topics that clients use: publishers gone, deadlines missed ...
+
+    With ``watch: false`` no more of it.
+    """
+
+    op = "events"
+    watch: bool = True
 
 
 class Auth(Operation):

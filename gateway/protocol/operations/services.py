@@ -3,6 +3,7 @@
 
 from typing import Any
 
+from gateway.codec.nonfinite import NonFinite
 from gateway.protocol.operations.base import FragmentSize, Operation, Seconds
 
 
@@ -13,6 +14,7 @@ class CallService(Operation):
     service: str
     args: Any = None  # an object, or the values of the fields in order
     type: str | None = None
+    nonfinite: NonFinite = "null"
     timeout: Seconds | None = None
     fragment_size: FragmentSize = None
 

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Final, Literal
 from pydantic import Field, GetPydanticSchema, model_validator
 from pydantic_core import core_schema
 
+from gateway.codec.nonfinite import NonFinite
 from gateway.codec.picture_formats import PICTURE_FORMATS
 from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.protocol.operations.base import (
@@ -52,7 +53,7 @@ ImageFormat = Annotated[
 
 
 class ImageRequest(OperationPart):
-    """The picture options of a subscription to ``sensor_msgs/msg/Image``."""
+    """The picture options of a subscription to ``sensor_msgs/msg/Image`` or ``CompressedImage``."""
 
     format: ImageFormat | None = None  # that of the connection
     quality: Annotated[int, Field(ge=1, le=100)] = 80
@@ -64,13 +65,20 @@ class ImageRequest(OperationPart):
         | None
     ) = None
 
+    @property
+    def asks_for_picture(self) -> bool:
+        """Return whether anything but a rate is asked for."""
+        return not self.model_fields_set <= {"max_fps"}
+
     @model_validator(mode="after")
     def _range_is_ordered(self) -> "ImageRequest":
         if (
             self.depth_range_m is not None
             and not 0 <= self.depth_range_m[0] < self.depth_range_m[1]
         ):
-            raise ValueError("depth_range_m: expected [nearest, farthest], in metres")
+            raise ValueError(
+                "image.depth_range_m: expected [nearest, farthest], in metres, the nearest first"
+            )
         return self
 
 
@@ -122,6 +130,7 @@ class Subscribe(Operation):
     )
     image: ImageRequest | None = None
     meta: bool = False
+    nonfinite: NonFinite | None = None
     # below, an ordinary hiccup of WiFi or of a busy robot would be told of
     stale_after_ms: Annotated[float, Field(ge=100, le=3_600_000)] | None = None
 

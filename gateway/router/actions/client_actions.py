@@ -1,20 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """Actions that clients provide: goals from ROS go to a client, its results go back."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from gateway.codec.errors import CodecError
-from gateway.codec.types import ActionType
-from gateway.ports import (
+from gateway.action_ports import (
     ABORTED,
     CANCELED,
     SUCCEEDED,
     ActionServer,
     GoalOutcome,
     GoalRequest,
-    Ros,
-    RosError,
 )
+from gateway.codec.errors import CodecError
+from gateway.codec.types import ActionType
+from gateway.ports import Ros, RosError
 from gateway.protocol import messages
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import ActionName, resolve_action
@@ -27,7 +27,7 @@ from gateway.protocol.operations.actions import (
 from gateway.protocol.session import Session
 from gateway.router.failure import failure
 from gateway.router.interface_types import InterfaceTypes
-from gateway.router.takeover import check_takeover
+from gateway.router.takeover import check_takeover, nodes_of, warn_of_others
 from gateway.service_clients import encode_values
 
 _OUTCOMES: dict[int, GoalOutcome] = {4: SUCCEEDED, 5: CANCELED, 6: ABORTED}
@@ -86,6 +86,7 @@ class ClientActions:
         if former is not None:
             check_takeover(session, former.session, action, action_type.name, former.type.name)
             self._close(action, former)
+        others = () if former else self._others(action)
         try:
             self._open(session, action, request.action, request.type, action_type)
         except RosError:
@@ -96,6 +97,7 @@ class ClientActions:
         if former is not None and former.session is not session:
             text = f"action {action} is provided by another client now"
             former.session.warn(ProtocolError("not_found", text), request.op, None)
+        warn_of_others(session, f"action {action}", others, request.op, request.id)
         session.inform(f"providing {action} ({action_type.name})", request.op, request.id)
 
     def unadvertise(self, session: Session, request: UnadvertiseAction) -> None:
@@ -157,6 +159,12 @@ class ClientActions:
         for action, provided in list(self._provided.items()):
             if provided.session is session:
                 self._close(action, provided)
+
+    def _others(self, action: ActionName) -> Sequence[str]:
+        """Return the ROS nodes that provide it."""
+        if not self._ros.action_types(action):  # which the graph is read for
+            return ()
+        return nodes_of(action, self._ros.graph().actions)
 
     def _own(self, session: Session, action: ActionName) -> ClientAction:
         provided = self._provided.get(action)

@@ -6,11 +6,13 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Final
 
+from gateway.action_ports import ActionClient, Goal
 from gateway.client_cache import ClientCache
 from gateway.codec.errors import CodecError
+from gateway.codec.nonfinite import named
 from gateway.codec.types import ActionType
 from gateway.deadline import Deadline
-from gateway.ports import ActionClient, Goal, Ros
+from gateway.ports import Ros
 from gateway.protocol import messages
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import ActionName, resolve_action
@@ -159,7 +161,7 @@ class Goals:
             status, cdr = await goal.result()
         request = sent.request
         try:
-            values = sent.type.result.decode(cdr)
+            values = named(sent.type.result.decode(cdr), request.nonfinite)
         except CodecError as error:
             raise ProtocolError("internal", f"result of {action}: {error}") from error
         frame = messages.action_result(
@@ -193,7 +195,7 @@ class _Feedback:
         """Return the frame, or `NOTHING` if the feedback cannot be decoded."""
         sent = self._goal
         try:
-            values = sent.type.feedback.decode(self._cdr)
+            values = named(sent.type.feedback.decode(self._cdr), sent.request.nonfinite)
         except CodecError:
             return NOTHING
         request = sent.request

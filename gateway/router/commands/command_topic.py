@@ -29,7 +29,7 @@ from gateway.drive.stop import LIFESPAN_NS
 from gateway.drive.twist_cdr import COMMAND_TYPES, TWIST_STAMPED, encode
 from gateway.drive.velocity import ZERO
 from gateway.metrics.state import DriveState
-from gateway.ports import Publisher, Qos, Ros, RosError
+from gateway.ports import Publisher, Qos, Ros, RosError, TopicEvent
 from gateway.protocol import messages
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import TopicName
@@ -38,6 +38,7 @@ from gateway.protocol.session import Session
 from gateway.router.commands.guard import Guard
 from gateway.router.commands.twist_values import TwistValues
 from gateway.router.topic_counts import TopicCounts
+from gateway.router.topic_events import warning
 
 # Reliable, as a zero must arrive; the newest only, and not when it is old; and never retained: a
 # base that restarts must not get the last command before it did.
@@ -68,17 +69,20 @@ class CommandTopic:
     stays so, also for a client that comes back on another connection.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913  # one argument for each part that it shares
         self,
         name: TopicName,
         rules: Rules,
         ros: Ros,
         guard: Guard,
         audit: Audit,
+        *,
         now_ns: Callable[[], int],
         counts: TopicCounts,
+        report: Callable[[TopicEvent], None],
     ) -> None:
         self.name = name
+        self._report = report
         self._counts = counts
         self._stops: Counter[str] = Counter()
         self.message_type: MessageType | None = None  # while it is open
@@ -115,8 +119,21 @@ class CommandTopic:
             RosError: ROS refuses it.
         """
         self.prepare(message_type.name)
-        self._publisher = self._ros.advertise(self.name, message_type.name, COMMAND_QOS)
+        self._publisher = self._ros.advertise(
+            self.name, message_type.name, COMMAND_QOS, self._on_event
+        )
         self.message_type = message_type
+
+    def _on_event(self, event: TopicEvent) -> None:
+        """Log a subscription that no command reaches, and warn whoever drives."""
+        if event.code != "type_conflict":
+            remedy = "let it ask for volatile, without a deadline and a lease"
+            reason = "what moves a robot is never kept for later"
+            event = event._replace(remedy=f"{reason}: {remedy}")
+        self._report(event)
+        logger.warning("%s", event.text, extra={"topic": self.name})
+        for session in list(self.drivers):
+            session.warn(warning(event, session), "advertise", None)
 
     def prepare(self, type_name: str) -> None:
         """Have the guard open its publisher of a type, unless it has."""

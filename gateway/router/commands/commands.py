@@ -4,6 +4,7 @@
 import asyncio
 import time
 from collections.abc import Iterator
+from functools import partial
 
 from gateway.access.audit import Audit
 from gateway.config.control import ControlConfig
@@ -21,6 +22,7 @@ from gateway.router.commands.guard import Guard
 from gateway.router.commands.twist_values import read
 from gateway.router.permission_checks import check_publish
 from gateway.router.topic_counts import CountsByTopic
+from gateway.router.topic_events import TopicEvents
 from gateway.router.topic_types import TopicTypes
 
 
@@ -39,6 +41,7 @@ class Commands:
         guard: Guard,
         audit: Audit,
         counts: CountsByTopic,
+        events: TopicEvents,
     ) -> None:
         self._types = types
         self._turn_ns: int | None = None
@@ -51,7 +54,14 @@ class Commands:
         )
         self._topics = {
             TopicName(name): CommandTopic(
-                TopicName(name), rules, ros, guard, audit, self._now_ns, counts.open(name)
+                TopicName(name),
+                rules,
+                ros,
+                guard,
+                audit,
+                now_ns=self._now_ns,
+                counts=counts.open(name),
+                report=partial(events.report, name),
             )
             for name in config.topics
         }

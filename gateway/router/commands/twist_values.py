@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The velocity in a client's Twist or TwistStamped."""
 
+import json
 import math
 import struct
 from collections.abc import Mapping
@@ -28,7 +29,7 @@ def read(message_type: MessageType, msg: object) -> TwistValues:
 
     Raises:
         ProtocolError: ``invalid_value``: it does not fit its type, or a number is not finite;
-            ``null``, which is NaN elsewhere, is refused as well.
+            ``null`` and names such as ``"NaN"``, which it is elsewhere, are refused as well.
     """
     try:
         cdr = message_type.encode(msg, 0)
@@ -39,10 +40,18 @@ def read(message_type: MessageType, msg: object) -> TwistValues:
     if not velocity.is_finite:
         number = next(n for n, value in enumerate(velocity) if not math.isfinite(value))
         root = "msg" if message_type.name == TWIST else "msg.twist"
-        raise ProtocolError(
-            "invalid_value", f"{root}.{_PARTS[number]}: expected a finite number, got null"
-        )
+        path = f"{root}.{_PARTS[number]}"
+        got = "null" if _is_null(msg, path) else json.dumps(velocity[number])
+        raise ProtocolError("invalid_value", f"{path}: expected a finite number, got {got}")
     return TwistValues(velocity, _frame_id(msg))
+
+
+def _is_null(msg: object, path: str) -> bool:
+    """Return whether a value of a message, which fits its type, is null; else it is NaN."""
+    _, *names = path.split(".")
+    for name in names:
+        msg = msg.get(name) if isinstance(msg, Mapping) else None
+    return msg is None
 
 
 def _frame_id(msg: object) -> str:

@@ -6,16 +6,14 @@ import time
 from gateway.config.limits import Limits
 from gateway.ports import Graph, Ros
 from gateway.protocol import messages
-from gateway.protocol.errors import ProtocolError
-from gateway.protocol.operations.gateway import Describe, GraphRequest, Hello, Ping
+from gateway.protocol.operations import OPERATIONS
+from gateway.protocol.operations.gateway import Describe, GraphRequest, Hello, Help, Ping
 from gateway.protocol.session import Session
-from gateway.router.interface_types import InterfaceTypes
 from gateway.router.introspection import graph_frames
-from gateway.router.topic_types import TopicTypes
+from gateway.router.introspection.descriptions import Descriptions
+from gateway.router.introspection.help import DOCS, frames_to_try
 from gateway.router.topics.subscriptions import Subscriptions
 from gateway.router.visible_graph import visible
-from schemas.definition import Definition
-from schemas.interface import Interface
 
 SERVER_NAME = "ros2-json-gateway"
 PROTOCOL = "rosbridge 2.0"
@@ -27,16 +25,14 @@ class Introspection:
     def __init__(
         self,
         ros: Ros,
-        topic_types: TopicTypes,
-        interface_types: InterfaceTypes,
+        descriptions: Descriptions,
         subscriptions: Subscriptions,
         *,
         limits: Limits,
         version: str,
     ) -> None:
         self._ros = ros
-        self._topic_types = topic_types
-        self._interface_types = interface_types
+        self._descriptions = descriptions
         self._subscriptions = subscriptions
         self._limits = limits
         self._version = version
@@ -66,27 +62,24 @@ class Introspection:
             limits=self._limits.for_hello(),
         )
 
+    def help(self, session: Session, request: Help) -> None:
+        """Answer `help` with frames that can be pasted as they are."""
+        frames = frames_to_try(_seen_by(session, self._ros.graph()), session.may)
+        text = "send one of these lines as it is"
+        operations = list(OPERATIONS)
+        session.send(
+            messages.help_answer(request.id, text, frames, docs=DOCS, operations=operations)
+        )
+
     def describe(self, session: Session, request: Describe) -> None:
-        """Answer `describe` with a type's schema, definition and hash.
+        """Answer `describe` with a type's schema, definition and hash, and a frame to paste.
 
         Raises:
-            ProtocolError: the name is not that of an installed type.
+            ProtocolError: the name is not that of an installed type, or of something that has one.
         """
-        try:
-            message_type = self._topic_types.named(request.type)
-        except ProtocolError:
-            found = self._interface_types.described(request.type)
-            if found is None:
-                raise
-            members: dict[str, object] = {"type": found.name, **_definition(found.definition)}
-            session.answer("describe", request.id, **members, schema=found.json_schema())
-        else:
-            members = {
-                "type": message_type.name,
-                "number": self._topic_types.number(message_type.name),
-                **_definition(message_type.definition),
-            }
-            session.answer("describe", request.id, **members, schema=message_type.json_schema())
+        graph = _seen_by(session, self._ros.graph())
+        example, members = self._descriptions.describe(session, request.type, graph)
+        session.send(messages.description(request.id, example, members))
 
     def graph(self, session: Session, request: GraphRequest) -> None:
         """Answer `graph` with a snapshot, and start or stop watching for changes."""
@@ -123,7 +116,3 @@ class Introspection:
 
 def _seen_by(session: Session, graph: Graph) -> Graph:
     return visible(graph, session.sees) if session.is_restricted else graph
-
-
-def _definition(definition: Definition | Interface) -> dict[str, str | None]:
-    return {"type_hash": definition.type_hash, "definition": definition.text}

@@ -22,6 +22,19 @@ class ParameterOperations:
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
 
+    async def carry_out(
+        self, request: ListParameters | GetParameters | SetParameters | DescribeParameters
+    ) -> dict[str, Any]:
+        """Return the members of the answer."""
+        match request:
+            case ListParameters():
+                return await self.list(request)
+            case GetParameters():
+                return await self.get(request)
+            case SetParameters():
+                return await self.set(request)
+        return await self.describe(request)
+
     async def list(self, request: ListParameters) -> dict[str, Any]:
         """List a node's parameters."""
         timeout_s = node_timeout_s(request.timeout)

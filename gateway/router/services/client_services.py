@@ -3,7 +3,7 @@
 
 import asyncio
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -21,7 +21,7 @@ from gateway.protocol.operations.services import (
 from gateway.protocol.session import Session
 from gateway.router.failure import failure
 from gateway.router.interface_types import InterfaceTypes
-from gateway.router.takeover import check_takeover
+from gateway.router.takeover import check_takeover, nodes_of, warn_of_others
 from gateway.service_clients import encode_values
 
 logger = logging.getLogger(__name__)
@@ -100,6 +100,7 @@ class ClientServices:
         if former is not None:
             check_takeover(session, former.session, service, service_type.name, former.type.name)
             self._close(service, former, "service was provided anew")
+        others = () if former else self._others(service)
         try:
             self._open(session, service, request.service, service_type)
         except RosError:
@@ -109,6 +110,7 @@ class ClientServices:
         if former is not None and former.session is not session:
             text = f"service {service} is provided by another client now"
             former.session.warn(ProtocolError("not_found", text), request.op, None)
+        warn_of_others(session, f"service {service}", others, request.op, request.id)
         session.inform(f"providing {service} ({service_type.name})", request.op, request.id)
 
     def unadvertise(self, session: Session, request: UnadvertiseService) -> None:
@@ -156,6 +158,12 @@ class ClientServices:
         for service, provided in list(self._provided.items()):
             if provided.session is session:
                 self._close(service, provided, "service's client has left")
+
+    def _others(self, service: ServiceName) -> Sequence[str]:
+        """Return the ROS nodes that provide it."""
+        if not self._ros.service_types(service):  # which the graph is read for
+            return ()
+        return nodes_of(service, self._ros.graph().services)
 
     def _own(self, session: Session, service: ServiceName) -> ClientService:
         provided = self._provided.get(service)

@@ -4,6 +4,7 @@
 from collections.abc import Callable
 from typing import Final
 
+from gateway.codec.nonfinite import named
 from gateway.codec.types import ServiceType
 from gateway.deadline import Deadline
 from gateway.protocol import messages
@@ -102,5 +103,6 @@ def _timeout_s(session: Session, request: CallService) -> float:
 
 
 def _respond(session: Session, request: CallService, values: dict[str, object]) -> None:
-    frame = messages.service_response(request.service, request.id, values, result=True)
+    named_values = named(values, request.nonfinite)
+    frame = messages.service_response(request.service, request.id, named_values, result=True)
     session.send(frame, request.fragment_size)

@@ -12,7 +12,8 @@ from concurrent.futures import Executor
 
 from gateway.codec import cbor
 from gateway.codec.errors import CodecError
-from gateway.codec.json import ascii_only, dumps
+from gateway.codec.json import ascii_only
+from gateway.codec.nonfinite import writer
 from gateway.codec.picture import cbor_picture_renderer, picture_renderer
 from gateway.codec.png import text_as_png
 from gateway.codec.types import MessageType
@@ -234,7 +235,8 @@ def _to_json(message_type: MessageType, key: EncodingKey) -> Encode:
     if key.image is not None:
         return picture_renderer(message_type, key.image)
     decode = message_type.decoder(key.fields)
-    return lambda cdr: dumps(decode(cdr))
+    write = writer(key.nonfinite)
+    return lambda cdr: write(decode(cdr))
 
 
 def _to_cbor(message_type: MessageType, key: EncodingKey) -> Encode:

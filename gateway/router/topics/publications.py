@@ -8,13 +8,14 @@ from functools import partial
 from gateway.codec.errors import CodecError
 from gateway.codec.types import MessageType
 from gateway.metrics.state import ClientPublication
-from gateway.ports import Publisher, Ros
+from gateway.ports import Publisher, Ros, TopicEvent
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import TopicName, resolve_topic
 from gateway.protocol.operations.topics import Advertise, Publish, Unadvertise
 from gateway.protocol.session import Session
 from gateway.router.commands.commands import Commands
 from gateway.router.topic_counts import CountsByTopic, TopicCounts
+from gateway.router.topic_events import TopicEvents, warning
 from gateway.router.topic_types import TopicTypes
 from gateway.router.topics.requested_qos import offered
 
@@ -39,9 +40,15 @@ class Publications:
     """
 
     def __init__(
-        self, ros: Ros, types: TopicTypes, commands: Commands, counts: CountsByTopic
+        self,
+        ros: Ros,
+        types: TopicTypes,
+        commands: Commands,
+        counts: CountsByTopic,
+        events: TopicEvents,
     ) -> None:
         self._ros = ros
+        self._events = events
         self._counts = counts
         self._types = types
         self._commands = commands
@@ -145,11 +152,20 @@ class Publications:
         if isinstance(request, Publish):
             request = Advertise(topic=request.topic, type=message_type.name, latch=request.latch)
         qos = offered(request)
-        publisher = self._ros.advertise(topic, message_type.name, qos)
+        publisher = self._ros.advertise(
+            topic, message_type.name, qos, partial(self._on_event, topic, session, request)
+        )
         keeps_newest = qos.depth == 1 and qos.history != "keep_all"
         known = Advertised(message_type, publisher, keeps_newest, self._counts.open(topic))
         self._advertised.setdefault(session, {})[topic] = known
         return known
+
+    def _on_event(
+        self, topic: TopicName, session: Session, request: Advertise, event: TopicEvent
+    ) -> None:
+        """Warn a client of what keeps its messages from others."""
+        self._events.report(topic, event)
+        session.warn(warning(event, session), request.op, request.id)
 
     def _send(self, known: Advertised, request: Publish) -> None:
         try:

@@ -4,7 +4,7 @@
 from dataclasses import replace
 
 from gateway.config.limits import MAX_QUEUE_DEPTH
-from gateway.ports import Qos
+from gateway.ports import BRIEF_LIFESPAN_NS, Qos
 from gateway.protocol.operations.topics import Advertise, Duration, QosRequest, SecsNsecs
 
 
@@ -28,14 +28,18 @@ def offered(request: Advertise) -> Qos:
         durability = asked.durability or "transient_local"
         return replace(asked, durability=durability, depth=asked.depth or 1)
     if request.queue_size and asked.depth is None:
-        return replace(asked, depth=min(request.queue_size, MAX_QUEUE_DEPTH))
+        asked = replace(asked, depth=min(request.queue_size, MAX_QUEUE_DEPTH))
+    lifespan_ns = asked.lifespan_ns or BRIEF_LIFESPAN_NS
+    if asked.durability is None and lifespan_ns <= BRIEF_LIFESPAN_NS:
+        # Subscribers that ask for transient local match it, too, and nothing old reaches them.
+        return replace(asked, durability="transient_local", lifespan_ns=lifespan_ns)
     return asked
 
 
 def _nanoseconds(duration: Duration) -> int | None:
     match duration:
-        case None | "infinite":
+        case None | "infinite" | 0:  # 0 is rmw's unspecified duration: no limit
             return None
         case SecsNsecs():
-            return duration.secs * 1_000_000_000 + duration.nsecs
+            return duration.secs * 1_000_000_000 + duration.nsecs or None
     return round(duration * 1e9)

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from gateway.codec.image import ImageOptions
+from gateway.codec.nonfinite import NonFinite
 from gateway.metrics.state import Delivery
 from gateway.ports import Qos
 from gateway.protocol.errors import ProtocolError
@@ -35,6 +36,7 @@ class EncodingKey(NamedTuple):
     fields: tuple[str, ...] | None
     image: ImageOptions | None  # None: a plain message
     compression: Compression = "none"
+    nonfinite: NonFinite = "null"  # of CBOR, and of pictures, always
 
 
 class Source(NamedTuple):

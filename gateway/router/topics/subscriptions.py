@@ -5,10 +5,12 @@ import difflib
 from collections.abc import Iterator, Mapping
 from concurrent.futures import Executor
 from dataclasses import replace
+from functools import partial
 
 from gateway.codec.error_text import truncate
 from gateway.codec.errors import FieldError
 from gateway.codec.image import ImageOptions
+from gateway.codec.picture import COMPRESSED_IMAGE, IMAGE
 from gateway.codec.types import MessageType
 from gateway.metrics.state import ClientTopic, Delivery
 from gateway.ports import Graph, Ros, RosError
@@ -19,6 +21,7 @@ from gateway.protocol.session import Session
 from gateway.protocol.subscription_options import SubscriptionOptions, compression
 from gateway.protocol.websocket_frames import Compression
 from gateway.router.topic_counts import CountsByTopic
+from gateway.router.topic_events import TopicEvents
 from gateway.router.topic_types import TopicTypes
 from gateway.router.topics.requested_qos import requested
 from gateway.router.topics.silence_watch import SilenceWatch
@@ -35,12 +38,18 @@ class Subscriptions:
     """
 
     def __init__(
-        self, ros: Ros, types: TopicTypes, workers: Executor, counts: CountsByTopic
+        self,
+        ros: Ros,
+        types: TopicTypes,
+        workers: Executor,
+        counts: CountsByTopic,
+        events: TopicEvents,
     ) -> None:
         self._ros = ros
         self._types = types
         self._workers = workers
         self._counts = counts
+        self._events = events
         self._topics: dict[TopicKey, Topic] = {}
         self._subscriptions: dict[Session, dict[str, Subscription]] = {}  # by requested name
         self._silence_watch = SilenceWatch(self._heard_ns)
@@ -186,9 +195,11 @@ class Subscriptions:
             return None
         _check_fields(message_type, options.fields, options.compression)
         image = _image_options(message_type, options, session.image_format)
+        is_json = options.compression in {"none", "png"} and image is None
+        nonfinite = options.nonfinite if is_json else "null"
         return Source(
             TopicKey(name, message_type.name, requested(options.qos)),
-            EncodingKey(requested_name, options.fields, image, options.compression),
+            EncodingKey(requested_name, options.fields, image, options.compression, nonfinite),
         )
 
     def _reapply(
@@ -252,7 +263,10 @@ class Subscriptions:
             message_type = self._types.get(key.type_name)
             counts = self._counts.open(key.name)
             try:
-                self._topics[key] = Topic(key, message_type, self._ros, self._workers, counts)
+                report = partial(self._events.report, key.name)
+                self._topics[key] = Topic(
+                    key, message_type, self._ros, self._workers, counts, report
+                )
             except RosError:
                 self._counts.close(key.name)
                 raise
@@ -309,9 +323,12 @@ def _image_options(
     """Return how pictures are encoded; ``None`` for plain messages."""
     image = options.image
     image_format = image.format or default_format
-    if message_type.name != "sensor_msgs/msg/Image" or options.fields or image_format == "raw":
+    if message_type.name == COMPRESSED_IMAGE:
+        # it is a picture already, and stays as it is unless another one is asked for
+        image_format = image.format or ("jpeg" if image.asks_for_picture else "raw")
+    elif message_type.name != IMAGE:
         return None
-    if options.compression == "cbor-raw":
+    if options.fields or image_format == "raw" or options.compression == "cbor-raw":
         return None
     asked = ImageOptions(image_format, image.quality, image.max_width, image.max_height)
     if image.depth_range_m is None:

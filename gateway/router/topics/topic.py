@@ -3,16 +3,17 @@
 
 import time
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from functools import partial
 from typing import Final
 
 from gateway.codec.errors import CodecError
 from gateway.codec.types import MessageType
-from gateway.ports import Mismatch, Ros, RosError, Sample
+from gateway.ports import Ros, RosError, Sample, TopicEvent
 from gateway.protocol.errors import ProtocolError
 from gateway.router.topic_counts import TopicCounts
+from gateway.router.topic_events import warning
 from gateway.router.topics.encoding import (
     Encoding,
     PerClientFrame,
@@ -41,8 +42,9 @@ class Topic:
         ros: Ros,
         workers: Executor,
         counts: TopicCounts,
+        report: Callable[[TopicEvent], None],
     ) -> None:
-        """Open the ROS subscription.
+        """Open the ROS subscription; *report* hears of what happens on it.
 
         Raises:
             RosError: ROS refuses it.
@@ -52,6 +54,7 @@ class Topic:
         self._ros = ros
         self._workers = workers
         self._counts = counts
+        self._report = report
         self._encodings: dict[EncodingKey, Encoding] = {}
         self._seq = 0
         self._received: deque[tuple[int, int]] = deque(maxlen=RATE_BATCHES)  # times and numbers
@@ -59,7 +62,7 @@ class Topic:
         self._faults: dict[EncodingKey, SampleFaults] = {}  # of a picture, or of the message
         self._timed_ns = 0  # when the next batch is timed
         self._ros_subscription = ros.subscribe(
-            key.name, key.type_name, key.qos, self._on_samples, self._on_incompatible
+            key.name, key.type_name, key.qos, self._on_samples, self._on_event
         )
 
     @property
@@ -103,7 +106,7 @@ class Topic:
         Before the first sample has come, the topic itself is a late joiner.
         """
         for mismatch in self._ros_subscription.incompatible:
-            subscription.warn(ProtocolError(mismatch.code, mismatch.text))
+            subscription.warn(warning(mismatch, subscription.session))
         self._faults[key].forget()
         if self._seq and self._ros_subscription.qos.durability == "transient_local":
             self._join_late(subscription)
@@ -202,9 +205,12 @@ class Topic:
         self._late_joins.pop(subscription).close()
         subscription.set_late(is_late=False)
 
-    def _on_incompatible(self, mismatch: Mismatch) -> None:
-        """Warn the clients of a publisher that cannot be matched."""
-        self._warn_all(ProtocolError(mismatch.code, mismatch.text))
+    def _on_event(self, event: TopicEvent) -> None:
+        """Warn the clients of what keeps messages from them."""
+        self._report(event)
+        for encoding in list(self._encodings.values()):
+            for subscription in list(encoding.subscriptions):
+                subscription.warn(warning(event, subscription.session))
 
     def _on_codec_error(self, key: EncodingKey, error: CodecError) -> None:
         """Warn those who get no sample, as it cannot be encoded for them; within bounds."""
@@ -213,10 +219,6 @@ class Topic:
         text = self._faults[key].note(f"{self.key.name}: {error}", time.monotonic_ns())
         if text is not None:
             self._warn(key, ProtocolError("invalid_value", text))
-
-    def _warn_all(self, error: ProtocolError) -> None:
-        for key in list(self._encodings):
-            self._warn(key, error)
 
     def _warn(self, key: EncodingKey, error: ProtocolError) -> None:
         for subscription in list(self._encodings[key].subscriptions):

@@ -7,15 +7,13 @@ from typing import Any, Final, NamedTuple
 
 import orjson
 
-from gateway.codec.error_text import truncate
 from gateway.codec.json import dumps
-from gateway.ports import Ros
-from gateway.protocol import messages
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.operations.transforms import CancelTransform, LookupTransform
 from gateway.protocol.outbox import Queue
 from gateway.protocol.session import Session
-from gateway.router.topic_types import TopicTypes
+from gateway.router.transforms.answers import refusal, transform_stamped
+from gateway.router.transforms.pace import Pace
 from gateway.router.transforms.tf_listener import RETRY_S, TfListener
 from gateway.tf.buffer import Buffer, Found
 from gateway.tf.errors import ExtrapolationError, TransformError
@@ -29,8 +27,9 @@ class TransformLookups:
     Runs on the event loop's thread.
     """
 
-    def __init__(self, ros: Ros, types: TopicTypes) -> None:
-        self._listener = TfListener(ros, types, self._on_change)
+    def __init__(self, listener: TfListener) -> None:
+        self._listener = listener
+        listener.follow(self._on_change)
         self._periodic: dict[Session, dict[str | int | None, _PeriodicLookup]] = {}
         self._shared: dict[_Pair, _SharedLookup] = {}
 
@@ -57,7 +56,7 @@ class TransformLookups:
                 except TransformError as error:
                     is_lost = isinstance(error, ExtrapolationError) and error.is_early
                     if is_lost or not await listener.news(deadline):
-                        raise _refusal(error) from error
+                        raise refusal(error) from error
         finally:
             listener.release()
 
@@ -103,10 +102,9 @@ class TransformLookups:
             self._end(session, request_id)
 
     def close(self) -> None:
-        """End all lookups and the ROS subscriptions."""
+        """End all lookups."""
         for session in list(self._periodic):
             self.leave(session)
-        self._listener.close()
 
     def _end(self, session: Session, request_id: str | int | None) -> None:
         own = self._periodic[session]
@@ -179,10 +177,7 @@ class _SharedLookup:
         self._lookups: list[_PeriodicLookup] = []
         self._sent: Found | None = None
         self._body = b""  # of the last frame sent, as JSON
-        self._loop = asyncio.get_running_loop()
-        self._due = 0.0
-        self._timer: asyncio.TimerHandle | None = None
-        self.wake()
+        self._pace = Pace(pair.rate, self._turn)
 
     def join(self, periodic: _PeriodicLookup) -> None:
         """Add a lookup, and send it the current transform at once."""
@@ -196,25 +191,19 @@ class _SharedLookup:
         """Remove a lookup; return whether none is left."""
         self._lookups.remove(periodic)
         periodic.stop_waiting()
-        if not self._lookups and self._timer is not None:
-            self._timer.cancel()
+        if not self._lookups:
+            self._pace.stop()
         return not self._lookups
 
     def wake(self) -> None:
         """Look again when the rate allows it: the buffer has changed."""
-        if self._timer is None:
-            self._due = max(self._due, self._loop.time())
-            self._timer = self._loop.call_at(self._due, self._turn)
+        self._pace.wake()
 
     def _turn(self) -> None:
-        self._timer = None
-        now = self._loop.time()
-        # keep the period; begin a new one if the loop has been busy for longer than that
-        self._due = max(self._due + 1 / self._pair.rate, now)
         try:
             found = self._buffer.lookup(self._pair.target, self._pair.source)
         except TransformError:
-            self._due = min(self._due, now + RETRY_S)  # nothing is sent, so this is not too often
+            self._pace.hasten(RETRY_S)  # nothing is sent, so this is not too often
             self._sent = None
             for periodic in self._lookups:
                 self._miss(periodic)
@@ -222,7 +211,7 @@ class _SharedLookup:
         if found == self._sent:
             return
         self._sent = found
-        self._body = dumps(_transform_stamped(self._pair.target, self._pair.source, found))
+        self._body = dumps(transform_stamped(self._pair.target, self._pair.source, found))
         for periodic in list(self._lookups):
             self._put(periodic)
 
@@ -237,15 +226,16 @@ class _SharedLookup:
     def _miss(self, periodic: _PeriodicLookup) -> None:
         if periodic.warning_timer is None:
             timeout_s = _timeout_s(periodic.request)
-            periodic.warning_timer = self._loop.call_later(timeout_s, self._warn, periodic)
+            loop = asyncio.get_running_loop()
+            periodic.warning_timer = loop.call_later(timeout_s, self._warn, periodic)
 
     def _warn(self, periodic: _PeriodicLookup) -> None:
         """Warn a client of a missing transform, once until the transform is there again."""
         try:
             self._buffer.lookup(self._pair.target, self._pair.source)
         except TransformError as error:
-            refusal = _refusal(error)
-            waiting = ProtocolError(refusal.code, f"{refusal}; waiting for it")
+            reason = refusal(error)
+            waiting = ProtocolError(reason.code, f"{reason}; waiting for it")
             periodic.session.warn(waiting, periodic.request.op, periodic.request.id)
 
 
@@ -257,22 +247,4 @@ def _look(buffer: Buffer, request: LookupTransform) -> dict[str, Any]:
     target, source, asked = request.target_frame, request.source_frame, request.time
     # a zero time is the newest one, as in tf2
     stamp_ns = None if asked is None else asked.sec * 1_000_000_000 + asked.nanosec or None
-    return _transform_stamped(target, source, buffer.lookup(target, source, stamp_ns))
-
-
-def _refusal(error: TransformError) -> ProtocolError:
-    is_late = isinstance(error, ExtrapolationError)
-    return ProtocolError("timeout" if is_late else "not_found", truncate(str(error)))
-
-
-def _transform_stamped(target: str, source: str, found: Found) -> dict[str, Any]:
-    """Return geometry_msgs/msg/TransformStamped: *source* in *target*, names as requested."""
-    x, y, z, qx, qy, qz, qw = found.transform
-    return {
-        "header": {"stamp": messages.time(found.stamp_ns), "frame_id": target},
-        "child_frame_id": source,
-        "transform": {
-            "translation": {"x": x, "y": y, "z": z},
-            "rotation": {"x": qx, "y": qy, "z": qz, "w": qw},
-        },
-    }
+    return transform_stamped(target, source, buffer.lookup(target, source, stamp_ns))

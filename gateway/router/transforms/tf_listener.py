@@ -11,7 +11,7 @@ from typing import Any, Final
 from gateway.codec.error_text import truncate
 from gateway.codec.errors import CodecError
 from gateway.codec.types import MessageType
-from gateway.ports import Mismatch, Qos, Ros, RosError, RosSubscription, Sample, Watch
+from gateway.ports import Qos, Ros, RosError, RosSubscription, Sample, TopicEvent, Watch
 from gateway.protocol.errors import ProtocolError
 from gateway.router.topic_types import TopicTypes
 from gateway.tf import TF_MESSAGE
@@ -31,20 +31,22 @@ class TfListener:
     """The two ROS subscriptions while they are needed, and the buffer that they fill.
 
     As in tf2, what moves is forgotten when simulated time jumps back.
-
-    *on_change* is called when an answer of the buffer may have changed.
     """
 
-    def __init__(self, ros: Ros, types: TopicTypes, on_change: Callable[[], None]) -> None:
+    def __init__(self, ros: Ros, types: TopicTypes) -> None:
         self.buffer = Buffer()
         self._ros = ros
         self._types = types
-        self._on_change = on_change
+        self._followers: list[Callable[[], None]] = []
         self._open: list[RosSubscription | Watch] = []
         self._users = 0
         self._end: asyncio.TimerHandle | None = None
         self._news: asyncio.Event | None = None  # while somebody waits for it
         self._warned: dict[str, set[str]] = {}  # by kind of fault, the subjects warned about
+
+    def follow(self, on_change: Callable[[], None]) -> None:
+        """Call *on_change* whenever an answer of the buffer may have changed."""
+        self._followers.append(on_change)
 
     def acquire(self) -> None:
         """Listen until released, and for a while after.
@@ -102,7 +104,7 @@ class TfListener:
         ):
             take = partial(self._on_samples, message_type, is_static)
             try:
-                opened = self._ros.subscribe(topic, TF_MESSAGE, qos, take, self._on_incompatible)
+                opened = self._ros.subscribe(topic, TF_MESSAGE, qos, take, self._on_event)
             except RosError:
                 self.close()
                 raise
@@ -127,11 +129,15 @@ class TfListener:
         if self._news is not None:
             self._news.set()
             self._news = None
-        self._on_change()
+        self._report_change()
 
     def _on_jump_back(self) -> None:
         self.buffer.clear()
-        self._on_change()
+        self._report_change()
+
+    def _report_change(self) -> None:
+        for follower in self._followers:
+            follower()
 
     def _insert(self, stamped: Mapping[str, Any], heard_ns: int, is_static: bool) -> None:
         header, child = stamped["header"], stamped["child_frame_id"]
@@ -153,8 +159,9 @@ class TfListener:
             text = f"frame {child!r}: it is said to be fixed and to move, so it moves"
             self._warn("contradiction", child, text)
 
-    def _on_incompatible(self, mismatch: Mismatch) -> None:
-        self._warn("incompatible", mismatch.text, mismatch.text)
+    def _on_event(self, event: TopicEvent) -> None:
+        if event.code in {"type_conflict", "qos_incompatible"}:
+            self._warn("incompatible", event.text, event.text)
 
     def _warn(self, fault: str, about: str, text: str) -> None:
         """Log a *fault*, one of a few kinds, once for each subject that it is *about*."""

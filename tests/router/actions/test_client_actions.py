@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from gateway.ports import ABORTED, CANCELED, SUCCEEDED
+from gateway.action_ports import ABORTED, CANCELED, SUCCEEDED
 from tests.client import Frame, eventually
 from tests.ros.fake_actions import FakeGoal
 from tests.router.conftest import LIMITS, Bench, Socketless
@@ -219,3 +219,20 @@ async def test_a_goal_that_was_to_be_cancelled_ends_so_without_a_word(bench: Ben
     client.send(**end, values={"sequence": [1]}, result=True)
     assert await person.result(goal) == (CANCELED, [1])
     assert client.statuses == []
+
+
+async def test_an_action_that_a_node_provides_gets_a_warning_and_is_provided(bench: Bench) -> None:
+    bench.ros.add_action_server(
+        "/fib", FIBONACCI, lambda goal: None, lambda goal: None, node="/robot"
+    )
+    client = bench.client()
+    client.send(op="advertise_action", action="fib", type=FIBONACCI)
+    ((code, text),) = client.statuses
+    assert code == "already_provided"
+    assert text.startswith("action /fib is provided by /robot, too: ")
+    assert bench.router.counts()["action_servers"] == 1
+
+
+async def test_an_action_that_is_taken_over_gets_no_such_warning(bench: Bench) -> None:
+    provider(bench)
+    provider(bench)

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from gateway.ports import ABORTED, CANCELED, SUCCEEDED, GoalRequest
+from gateway.action_ports import ABORTED, CANCELED, SUCCEEDED, GoalRequest
 from tests.client import eventually
 from tests.clock import StoppedClock
 from tests.router.conftest import LIMITS, Bench

@@ -3,12 +3,14 @@
 
 import asyncio
 import json
+import math
 import time
 
 import pytest
 
 from gateway.access.permissions import Identity, Policy
 from gateway.config.access import AccessConfig, OperatorConfig
+from gateway.ports import Qos
 from gateway.router.commands.command_topic import COMMAND_QOS
 from tests.client import eventually
 from tests.router.commands.conftest import STAMPED, TWIST, Build, Scene, push, speeds
@@ -25,6 +27,23 @@ async def test_a_command_reaches_the_robot_and_its_end_stops_it(scene: Scene):
     assert client.frames == []
     assert scene.guard.verbs[0] == "open"
     assert scene.guard.verbs[-1] == "rest"
+
+
+async def test_who_drives_hears_of_a_robot_that_no_command_reaches(scene: Scene):
+    client = scene.client()
+    client.send(op="advertise", topic="/cmd_vel", type=TWIST)
+    latched = Qos("reliable", "transient_local")
+    scene.ros.add_subscription("/cmd_vel", TWIST, lambda _: None, latched)
+    await eventually(lambda: bool(client.statuses))
+    [(code, text)] = client.statuses
+    assert code == "qos_incompatible"
+    assert "/outside asks for durability transient_local, published is with durability" in text
+    assert "what moves a robot is never kept for later" in text
+    scene.ros.add_subscription("/cmd_vel", "std_msgs/msg/String", lambda _: None, node="/other")
+    await eventually(lambda: len(client.statuses) > 1)
+    code, text = client.statuses[-1]
+    assert code == "type_conflict"
+    assert text.endswith("publish std_msgs/msg/String")
 
 
 async def test_the_guard_hears_of_a_command_before_it_goes_out(scene: Scene):
@@ -107,9 +126,18 @@ async def test_the_publisher_is_reliable_and_keeps_one_command_for_a_moment(scen
 
 
 @pytest.mark.parametrize(
-    ("linear", "where"), [({"x": None}, "linear.x"), ({"z": None}, "linear.z")]
+    ("linear", "where", "got"),
+    [
+        ({"x": None}, "linear.x", "null"),
+        ({"z": None}, "linear.z", "null"),
+        ({"x": "NaN"}, "linear.x", "NaN"),
+        ({"y": "-Infinity"}, "linear.y", "-Infinity"),
+        ({"x": math.inf}, "linear.x", "Infinity"),
+    ],
 )
-async def test_null_is_no_speed_and_stops_a_robot_that_moves(scene: Scene, linear, where: str):
+async def test_what_is_not_finite_is_no_speed_and_stops_a_robot_that_moves(
+    scene: Scene, linear, where: str, got: str
+):
     heard = scene.listen()
     client = scene.client()
     push(client)
@@ -117,7 +145,7 @@ async def test_null_is_no_speed_and_stops_a_robot_that_moves(scene: Scene, linea
     client.send(op="publish", topic="/cmd_vel", msg={"linear": linear})
     code, text = client.statuses[-1]
     assert code == "invalid_value"
-    assert text == f"msg.{where}: expected a finite number, got null"
+    assert text == f"msg.{where}: expected a finite number, got {got}"
     await eventually(lambda: speeds(heard)[1:] == [0.0] * 5)
 
 

@@ -6,6 +6,8 @@ from typing import Any
 
 import pytest
 
+from gateway.access.permissions import Identity, Policy
+from gateway.config.access import AccessConfig, OperatorConfig
 from gateway.ports import RosError
 from tests.client import TIMEOUT_S, eventually
 from tests.clock import StoppedClock
@@ -295,3 +297,40 @@ async def test_what_the_gateway_answers_itself_cannot_be_provided(bench: Bench) 
         )
     ]
     assert bench.ros.services == []
+
+
+async def test_a_service_that_a_node_provides_gets_a_warning_and_is_provided(bench: Bench) -> None:
+    bench.ros.add_service("/arm", SET_BOOL, lambda request: None, node="/robot")
+    client = bench.client()
+    client.send(op="advertise_service", id=1, service="arm", type=SET_BOOL)
+    (warning,) = client.frames
+    assert (warning["level"], warning["code"], warning["id"]) == ("warning", "already_provided", 1)
+    assert warning["msg"].startswith("service /arm is provided by /robot, too: ")
+    assert bench.router.counts()["services"] == 1
+
+
+async def test_a_service_that_is_taken_over_or_provided_again_gets_no_such_warning(
+    bench: Bench,
+) -> None:
+    former, client = provider(bench), provider(bench)
+    client.send(op="unadvertise_service", service="arm")
+    client.send(op="advertise_service", service="arm", type=SET_BOOL)
+    client.send(op="advertise_service", service="arm", type=SET_BOOL)
+    assert client.statuses == []
+    assert [code for code, _ in former.statuses] == ["not_found"]
+
+
+async def test_a_warning_names_few_nodes_and_none_that_is_hidden(bench: Bench) -> None:
+    for number in range(9):
+        bench.ros.add_service("/arm", SET_BOOL, lambda request: None, node=f"/robot{number}")
+        bench.ros.add_service("/leg", SET_BOOL, lambda request: None, node="/secret")
+    hiding = OperatorConfig(
+        deny_subscribe=("/secret",), deny_publish=("/secret",), deny_call=("/secret",)
+    )
+    operator = Policy(AccessConfig(operator=hiding)).of("operator")
+    client = bench.client(identity=Identity("tablet", operator))
+    for service in ("arm", "leg"):
+        client.send(op="advertise_service", service=service, type=SET_BOOL)
+    arm, leg = (text for _, text in client.statuses)
+    assert "provided by /robot0 and /robot1 and /robot2 and /robot3, too" in arm
+    assert "provided by a ROS node, too" in leg

@@ -91,6 +91,7 @@ async def test_a_wrong_type_is_a_warning_for_rosbridge_does_not_look_at_it(
     [
         ({"service": "/amr"}, "service /amr does not exist; did you mean /arm?"),
         ({"service": "/a b"}, "is no service name"),
+        ({"service": "/arm#c1"}, "is no service name"),
         ({"service": "/arm", "args": {"data": "yes"}}, "args.data: expected true or false, got"),
         ({"service": "/arm", "args": {"dta": True}}, "args.dta: unknown field"),
         ({"service": "/arm", "args": [True, False]}, "args"),

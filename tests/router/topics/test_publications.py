@@ -109,9 +109,10 @@ async def test_publishers_go_with_their_client(bench: Bench):
 @pytest.mark.parametrize(
     ("extra", "durability", "depth"),
     [
-        ({}, "volatile", 10),
-        ({"queue_size": 3}, "volatile", 3),
-        ({"queue_size": 10**6}, "volatile", 1024),
+        ({}, "transient_local", 10),
+        ({"queue_size": 3}, "transient_local", 3),
+        ({"queue_size": 10**6}, "transient_local", 1024),
+        ({"qos": {"durability": "volatile"}}, "volatile", 10),
         ({"latch": True, "queue_size": 100}, "transient_local", 1),
         ({"qos": {"durability": "transient_local", "depth": 7}}, "transient_local", 7),
     ],
@@ -127,6 +128,25 @@ async def test_advertisements_are_limited_per_client(bench: Bench):
     for number in range(4):
         client.send(op="advertise", topic=f"/t{number}", type=STRING)
     assert client.statuses == [("limit_exceeded", "at most 3 advertisements per client")]
+
+
+@pytest.mark.parametrize(
+    ("stamp", "relayed"),
+    [
+        ({}, {"sec": 0, "nanosec": 0}),
+        ({"sec": 0, "nanosec": 0}, {"sec": 0, "nanosec": 0}),
+        ({"secs": 0, "nsecs": 0}, {"sec": 0, "nanosec": 0}),
+        ({"sec": -1, "nanosec": 10**9}, {"sec": -1, "nanosec": 10**9}),
+        ({"sec": 1, "nanosec": 2**32 - 1}, {"sec": 1, "nanosec": 2**32 - 1}),
+    ],
+)
+async def test_a_stamp_is_relayed_as_it_is(bench: Bench, stamp, relayed):
+    heard = listen(bench, "/t", "std_msgs/msg/Header")
+    client = bench.client()
+    client.send(op="publish", topic="/t", msg={"stamp": stamp, "frame_id": "a"})
+    await eventually(lambda: len(heard) == 1)
+    assert heard[0]["stamp"] == relayed
+    assert client.frames == []
 
 
 async def test_now_is_the_time_of_ros(bench: Bench):

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 import pytest
 
-from gateway.protocol.operations.topics import Advertise
-from gateway.router.topics.requested_qos import offered
+from gateway.protocol.operations.topics import Advertise, QosRequest
+from gateway.router.topics.requested_qos import offered, requested
 
 
 @pytest.mark.parametrize(("queue_size", "depth"), [(0, None), (1, 1), (1024, 1024), (1025, 1024)])
@@ -10,5 +10,37 @@ def test_a_queue_size_asks_for_as_many_samples_up_to_1024(queue_size, depth):
     assert offered(Advertise(topic="/t", type="x", queue_size=queue_size)).depth == depth
 
 
+@pytest.mark.parametrize(
+    ("qos", "durability", "lifespan_ns"),
+    [
+        (None, "transient_local", 1_000_000_000),
+        ({}, "transient_local", 1_000_000_000),
+        ({"durability": "best_available"}, "transient_local", 1_000_000_000),
+        ({"lifespan": 0.25}, "transient_local", 250_000_000),
+        ({"lifespan": 1.001}, None, 1_001_000_000),  # volatile, or what is old would come
+        ({"durability": "volatile"}, "volatile", None),
+        ({"durability": "transient_local"}, "transient_local", None),
+    ],
+)
+def test_who_says_nothing_matches_late_subscribers_too_and_keeps_nothing_old(
+    qos, durability, lifespan_ns
+):
+    request = Advertise(topic="/t", type="x", qos=qos and QosRequest(**qos))
+    offer = offered(request)
+    assert (offer.durability, offer.lifespan_ns) == (durability, lifespan_ns)
+
+
+@pytest.mark.parametrize("nothing", [0, 0.0, {"secs": 0, "nsecs": 0}, {}, "infinite", None])
+def test_a_duration_of_zero_is_no_limit_as_in_ros(nothing):
+    asked = requested(QosRequest(deadline=nothing, lifespan=nothing))
+    assert (asked.deadline_ns, asked.lifespan_ns) == (None, None)
+
+
+@pytest.mark.parametrize("short", [1e-9, {"nsecs": 1}])
+def test_the_shortest_duration_is_a_limit(short):
+    assert requested(QosRequest(deadline=short)).deadline_ns == 1
+
+
 def test_a_latched_topic_keeps_the_last_message():
-    assert offered(Advertise(topic="/t", type="x", latch=True, queue_size=9)).depth == 1
+    offer = offered(Advertise(topic="/t", type="x", latch=True, queue_size=9))
+    assert (offer.depth, offer.durability, offer.lifespan_ns) == (1, "transient_local", None)

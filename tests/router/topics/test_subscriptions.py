@@ -454,6 +454,35 @@ async def test_raw_pixels_and_single_fields_of_an_image_come_when_asked_for(benc
     assert (await fields.sees(1))[0]["msg"] == {"width": 64}
 
 
+async def test_a_compressed_image_is_coded_anew_only_for_who_asks(bench: Bench):
+    kind = "sensor_msgs/msg/CompressedImage"
+    bench.ros.add_publisher("/camera", kind)
+    done, png = cv2.imencode(".png", np.zeros((48, 64, 3), np.uint8))
+    assert done
+    plain, slower, raw, smaller = (bench.client() for _ in range(4))
+    plain.send(op="subscribe", topic="/camera")
+    slower.send(op="subscribe", topic="/camera", image={"max_fps": 30})
+    raw.send(op="subscribe", topic="/camera", image={"format": "raw", "max_width": 32})
+    smaller.send(op="subscribe", topic="/camera", image={"max_width": 32})
+    data = base64.b64encode(png.tobytes()).decode()
+    bench.ros.publish("/camera", bench.cdr(kind, format="rgb8; png", data=data))
+    for client in (plain, slower, raw):
+        message = (await client.sees(1))[0]["msg"]
+        assert (message["format"], message["data"]) == ("rgb8; png", data)
+    message = (await smaller.sees(1))[0]["msg"]
+    assert (message["format"], message["width"], message["height"]) == ("jpeg", 32, 24)
+
+
+async def test_what_is_no_picture_is_told_to_who_asks_for_one(bench: Bench):
+    kind = "sensor_msgs/msg/CompressedImage"
+    bench.ros.add_publisher("/camera", kind)
+    client = bench.client()
+    client.send(op="subscribe", topic="/camera", image={"max_width": 32})
+    bench.ros.publish("/camera", bench.cdr(kind, format="tiff", data=[1, 2, 3]))
+    await client.sees(1, "status")
+    assert client.statuses == [("invalid_value", "/camera: data is neither JPEG nor PNG")]
+
+
 async def test_who_asks_for_no_format_gets_that_of_its_connection(bench: Bench):
     bench.ros.add_publisher("/camera", "sensor_msgs/msg/Image")
     usual, asking = bench.client(), bench.client()

@@ -50,8 +50,11 @@ def topic(ros: FakeRos, workers: Executor) -> Topic:
     return open_topic(ros, workers)
 
 
-def open_topic(ros: FakeRos, workers: Executor, qos: Qos | None = None) -> Topic:
-    return Topic(TopicKey(NAME, STRING, qos or Qos()), string_type(), ros, workers, TopicCounts())
+def open_topic(
+    ros: FakeRos, workers: Executor, qos: Qos | None = None, type_name: str = STRING
+) -> Topic:
+    key = TopicKey(NAME, type_name, qos or Qos())
+    return Topic(key, string_type(), ros, workers, TopicCounts(), lambda _: None)
 
 
 def string_type() -> MessageType:
@@ -118,9 +121,7 @@ def test_a_subscription_that_was_removed_gets_nothing(topic: Topic):
 
 def test_what_ros_refuses_is_no_topic(ros: FakeRos, workers: Executor):
     with pytest.raises(RosError):
-        Topic(
-            TopicKey(NAME, "none_msgs/msg/None", Qos()), string_type(), ros, workers, TopicCounts()
-        )
+        open_topic(ros, workers, type_name="none_msgs/msg/None")
 
 
 LATCHED = Qos(durability="transient_local", depth=2)

@@ -7,83 +7,25 @@ from typing import Any
 import pytest
 
 from gateway.codec.types import Types
-from gateway.ports import Qos
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.operations.transforms import LookupTransform
 from gateway.router.topic_types import TopicTypes
 from gateway.router.transforms import tf_listener
 from gateway.router.transforms.lookups import TransformLookups
-from gateway.tf import TF_MESSAGE, buffer
-from gateway.tf.buffer import Buffer, Found
+from gateway.tf import buffer
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table
 from tests import interfaces
 from tests.client import eventually
 from tests.clock import StoppedClock
-from tests.ros.fake import FakePublisher
 from tests.router.conftest import LIMITS, Bench, Socketless
+from tests.router.transforms.conftest import Robot
 
 pytestmark = pytest.mark.skipif(
     not InstalledDefinitions().names(["tf2_msgs"]), reason=interfaces.HOW
 )
 
 SECOND = 1_000_000_000
-LATCHED = Qos(durability="transient_local")
-
-
-class Robot:
-    """What publishes the frames."""
-
-    def __init__(self, bench: Bench) -> None:
-        self.bench = bench
-        self.moving = bench.ros.add_publisher("/tf", TF_MESSAGE)
-        self.fixed = bench.ros.add_publisher("/tf_static", TF_MESSAGE, LATCHED)
-        self.say(self.fixed, "laser", "base_link", 0, 1.0)
-
-    def say(
-        self, publisher: FakePublisher, child: str, parent: str, sec: int, x: float, **other: Any
-    ) -> None:
-        stamped = {
-            "header": {"stamp": {"sec": sec, "nanosec": 0}, "frame_id": parent},
-            "child_frame_id": child,
-            "transform": {"translation": {"x": x}, **other},
-        }
-        publisher.publish(self.bench.cdr(TF_MESSAGE, transforms=[stamped]))
-
-    def drive(self, sec: int, x: float) -> None:
-        self.say(self.moving, "base_link", "odom", sec, x)
-
-    @property
-    def warnings(self) -> list[str]:
-        return [text for _, text in self.bench.ros.logged if text.startswith("tf: ")]
-
-    @property
-    def subscriptions(self) -> list[str]:
-        return [subscription.topic for subscription in self.bench.ros.subscriptions]
-
-
-@pytest.fixture
-def robot(bench: Bench) -> Robot:
-    return Robot(bench)
-
-
-@pytest.fixture
-def client(bench: Bench) -> Socketless:
-    return bench.client()
-
-
-@pytest.fixture
-def looks(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, str]]:
-    """Return what is looked up from now on."""
-    looks = []
-    lookup = Buffer.lookup
-
-    def noted(buffer: Buffer, target: str, source: str, stamp_ns: int | None = None) -> Found:
-        looks.append((target, source))
-        return lookup(buffer, target, source, stamp_ns)
-
-    monkeypatch.setattr(Buffer, "lookup", noted)
-    return looks
 
 
 def ask(client: Socketless, **more: Any) -> None:
@@ -183,7 +125,8 @@ async def test_without_tf2_msgs_a_lookup_is_refused(bench: Bench):
                 name = "no_msgs/msg/Such"
             return super()._read(name)
 
-    transforms = TransformLookups(bench.ros, TopicTypes(bench.ros, Types(NoTf()), Table.load()))
+    types = TopicTypes(bench.ros, Types(NoTf()), Table.load())
+    transforms = TransformLookups(tf_listener.TfListener(bench.ros, types))
     with pytest.raises(ProtocolError, match="transforms need package tf2_msgs") as caught:
         await transforms.lookup(LookupTransform(target_frame="a", source_frame="b"))
     assert caught.value.code == "bad_type"
