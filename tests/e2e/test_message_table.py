@@ -16,6 +16,7 @@ from gateway.codec.types import Types
 from schemas.installed import InstalledDefinitions
 from schemas.table import Row, Table
 from tests.client import Client, client, eventually
+from tests.e2e.discovery import until_discovered
 from tests.gateway_process import gateway_process
 from tests.messages import Plain, RandomMessages, from_ros, ros_class, to_json, to_ros
 from tests.ros.outside import Outside
@@ -79,18 +80,10 @@ async def test_what_a_client_publishes_reaches_a_robot(row: Row, speaker: Client
     topic = f"/in/t{row.number}"
     subscription = outside.node.create_subscription(ros_class(row.name), topic, heard.append, 10)
     # ROS loses what is published before the subscription is discovered
-    await until_the_gateway_knows_the_subscriber(speaker, topic)
+    await until_discovered(speaker, "subscribers", topic)
     await speaker.send(op="publish", topic=topic, type=row.number, msg=to_json(plain))
     assert await speaker.sync() == []
     await eventually(lambda: len(heard) == 1)
     assert from_ros(DEFINITIONS.get(row.name), DEFINITIONS, heard[0]) == plain
     await speaker.send(op="unadvertise", topic=topic)
     outside.node.destroy_subscription(subscription)
-
-
-async def until_the_gateway_knows_the_subscriber(speaker: Client, topic: str) -> None:
-    subscribers: list[str] = []
-    while not subscribers:
-        await speaker.send(op="call_service", service="/rosapi/subscribers", args=[topic])
-        frame = await speaker.receive(lambda frame: frame["op"] == "service_response")
-        subscribers = frame["values"]["subscribers"]

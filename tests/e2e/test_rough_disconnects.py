@@ -14,8 +14,10 @@ from typing import Any
 import pytest
 from websockets.asyncio.client import connect
 
-from gateway.ports import CANCELED, GoalRequest, Request
-from tests.client import TIMEOUT_S, Client, client, eventually
+from gateway.action_ports import CANCELED, GoalRequest
+from gateway.ports import Request
+from tests.client import TIMEOUT_S, client, eventually
+from tests.e2e.discovery import until_discovered
 from tests.gateway_process import GatewayProcess, gateway_process
 from tests.ros.outside import Outside
 
@@ -143,19 +145,9 @@ async def test_a_gateway_that_is_stopped_cancels_its_clients_goals(outside: Outs
     cancelled: list[GoalRequest] = []
     outside.add_action_server("/slow", FIBONACCI, goals.append, cancelled.append)
     async with gateway_process("serve") as gateway, client(gateway.url) as driver:
-        await until_known(driver, "/slow")
+        await until_discovered(driver, "action_type", "/slow")
         for number in range(3):
             await driver.send(op="send_action_goal", action="/slow", id=number, args=[9])
         await eventually(lambda: len(goals) == 3)
         assert await gateway.stop(signal.SIGTERM) == 0
         await eventually(lambda: len(cancelled) == 3)
-
-
-async def until_known(client: Client, action: str) -> None:
-    """Wait until the gateway has discovered an action."""
-    known = ""
-    while not known:
-        await asyncio.sleep(0.02)
-        await client.send(op="call_service", service="/rosapi/action_type", args=[action])
-        frame = await client.receive(lambda frame: frame["op"] == "service_response")
-        known = frame["values"]["type"]

@@ -5,7 +5,6 @@ import asyncio
 import re
 import sys
 from collections.abc import AsyncIterator, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import CodeType, FrameType
 from typing import Any
@@ -15,12 +14,9 @@ import pytest
 import gateway
 from gateway.codec.types import Types
 from gateway.config.limits import Limits
-from gateway.ros import open_ros
-from gateway.router.router import Router
-from gateway.server.server import Server
 from schemas.installed import InstalledDefinitions
-from schemas.table import Table
 from tests.client import client
+from tests.gateway_here import gateway_here
 from tests.ros.outside import Outside
 
 SCAN = "sensor_msgs/msg/LaserScan"
@@ -62,15 +58,8 @@ def outside() -> Iterator[Outside]:
 
 @pytest.fixture
 async def url() -> AsyncIterator[str]:
-    limits = Limits(max_clients=2, max_clients_per_address=2)
-    async with open_ros() as ros:
-        with ThreadPoolExecutor(1) as workers:
-            types = Types(InstalledDefinitions())
-            router = Router(ros, types, Table.load(), limits=limits, workers=workers, version="t")
-            server = Server(router, limits=limits)
-            async with server.listening(["127.0.0.1"], 0) as ((_, port),):
-                yield f"ws://127.0.0.1:{port}/"
-            router.close()
+    async with gateway_here(Limits(max_clients=2, max_clients_per_address=2)) as url:
+        yield url
 
 
 def documented() -> list[str]:
