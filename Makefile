@@ -35,11 +35,11 @@ demo: $(READY) ## start the simulated robot and the gateway (make demo ARGS='--p
 serve: $(READY) ## start the gateway alone (make serve ARGS='--domain-id 7')
 	@$(BIN)/ros2-gateway serve $(ARGS)
 
-test: lint $(CLIENTS) ## check and test everything, some 5 minutes (make test ARGS='tests/cli/test_main.py -x -n0')
+test: lint $(CLIENTS) ## check and test everything, some 8 minutes (make test ARGS='tests/cli/test_main.py -x -n0')
 	$(BIN)/python -m schemas.generate --check
 	@$(BIN)/python -m tests.interfaces
 	@sh tools/make-mono.sh
-	@$(if $(PYTEST_ARGS),:,echo "testing takes about five minutes on two quiet cores, the first time seven ...")
+	@$(if $(PYTEST_ARGS),:,echo "testing takes about eight minutes on two cores, the first time ten ...")
 	$(BIN)/python -m pytest $(WORKERS) $(PYTEST_ARGS)
 
 lint: $(READY_FOR_TESTS) ## check style, types and layers
@@ -82,9 +82,11 @@ clean: ## remove .venv and all caches
 	find gateway gateway_sim schemas tests benchmarks -name __pycache__ -type d -prune -exec rm -rf {} +
 
 $(BIN)/python:
+	@sh tools/check-writable.sh $(VENV)
 	@sh tools/make-venv.sh $(VENV)
 
 $(READY): pyproject.toml | $(BIN)/python
+	@sh tools/check-writable.sh $(VENV)
 	@echo "installing into $(VENV), the first time some 150 MB, about a minute ..."
 	@$(PIP) install --upgrade 'pip>=25.1'
 	@$(PIP) install --editable '.[ros,fast]'

@@ -12,7 +12,7 @@ from typing import Any, Final
 
 from gateway.codec.cdr.bounds import MAX_FIELDS, count_fields
 from gateway.codec.cdr.layout import flatten
-from gateway.codec.json import LARGE_BYTES, MAX_CONTAINERS, MAX_ITEMS
+from gateway.codec.json import LARGE_BYTES, MAX_CONTAINERS, MAX_ITEMS, MAX_TOKENS
 from gateway.config.limits import Limits
 from schemas.definition import FLOATS, INTEGER_RANGES, STRINGS, Definition, FieldType
 from schemas.installed import InstalledDefinitions
@@ -25,6 +25,7 @@ _SPARE: Final = 20  # containers and items of the frame around the array
 _SPARE_FIELDS: Final = 1000  # of the messages around an array within arrays
 _IMAGE: Final = "sensor_msgs/msg/Image"
 _SCAN: Final = "sensor_msgs/msg/LaserScan"
+_JOY: Final = "sensor_msgs/msg/Joy"
 _STRING: Final = "std_msgs/msg/String"
 
 
@@ -90,12 +91,25 @@ def plain_frames() -> Iterator[HostileFrame]:
     most, containers = MAX_ITEMS - _SPARE, MAX_CONTAINERS - _SPARE
     room = MAX_MESSAGE_BYTES - 1000
     floats, nulls = ",".join(["0.1"] * most), ",".join(["null"] * most)
+    few = (LARGE_BYTES - 1000) // 4 * 4  # of the characters of these numbers
+    names, ones = ",".join(['"Infinity"'] * most), ",".join(["1.0"] * most)
     members = ",".join(f'"k{number}":"v"' for number in range(most // 2))
     for name, data in {
         "ranges: numbers": publish(_SCAN, f'{{"ranges":[{floats}]}}'),
         "ranges: nulls": publish(_SCAN, f'{{"ranges":[{nulls}]}}'),
         "ranges: numbers, then null": publish(_SCAN, f'{{"ranges":[{floats[:-3]}null]}}'),
         "ranges: numbers, then text": publish(_SCAN, f'{{"ranges":[{floats[:-3]}""]}}'),
+        "ranges: names": publish(_SCAN, f'{{"ranges":[{names}]}}'),
+        "ranges: names, then text": publish(_SCAN, f'{{"ranges":[{names},""]}}'),
+        "tokens: numbers, then NaN": publish(_SCAN, f'{{"ranges":[{floats[:few]}NaN]}}'),
+        **{
+            f"tokens: {text}": publish(_SCAN, f'{{"ranges":[{_filled(text)}NaN]}}')
+            for text in ("NaN", "-Infinity", '"NaN"', '"",NaN')
+        },
+        "tokens: NaN for integers": publish(_JOY, f'{{"buttons":[{_filled("NaN")}NaN]}}'),
+        "tokens: objects with NaN": b"[" + _filled('{"a":NaN}').encode() + b"NaN]",
+        "integers as floats": publish(_JOY, f'{{"buttons":[{ones}]}}'),
+        "octets as floats, the last too large": publish(_IMAGE, f'{{"data":[{ones},256]}}'),
         "octets as integers": publish(_IMAGE, f'{{"data":[{",".join(["255"] * most)}]}}'),
         "octets, the last too large": publish(
             _IMAGE, f'{{"data":[{",".join(["255"] * (most - 1))},256]}}'
@@ -129,6 +143,13 @@ def plain_frames() -> Iterator[HostileFrame]:
         "a long topic": b'{"op":"subscribe","topic":"/' + b"s" * room + b'"}',
     }.items():
         yield HostileFrame(name, data)
+
+
+def _filled(element: str) -> str:
+    """Return elements, each with its comma, as many as may stand beside a NaN."""
+    tokens = element.count("NaN") + element.count("Infinity") + element.count('"') // 2
+    most = min((MAX_TOKENS - _SPARE) // tokens, (LARGE_BYTES - 1000) // (len(element) + 1))
+    return f"{element}," * (min(most, MAX_CONTAINERS - _SPARE) if "{" in element else most)
 
 
 def _operation(op: str, members: str) -> bytes:

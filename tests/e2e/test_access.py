@@ -7,11 +7,13 @@ import os
 import pty
 import re
 import signal
+import socket
 import ssl
 import stat
 import subprocess
 import sys
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import pytest
 
@@ -203,6 +205,22 @@ async def test_a_closed_terminal_ends_the_gateway_as_ever(log_format: str, *, ha
             seen += (await asyncio.to_thread(os.read, terminal, 4096)).decode()
         os.close(terminal)
         assert await gateway.wait() == 0
+
+
+async def test_whatever_localhost_means_to_a_client_it_is_listened_on():
+    with socket.socket(socket.AF_INET6) as probe:
+        try:
+            probe.bind(("::1", 0))
+        except OSError as error:
+            pytest.skip(f"no IPv6 here: {error}")
+    async with gateway_process("serve") as gateway:
+        port = urlsplit(gateway.url).port
+        for host in ("127.0.0.1", "[::1]", "localhost"):
+            async with client(f"ws://{host}:{port}/") as caller:
+                assert await caller.sync() == []
+        assert [line for line in gateway.output if "listening" in line] == [
+            f"listening on ws://127.0.0.1:{port}/\n"
+        ]
 
 
 async def test_a_certificate_of_this_machine_encrypts_and_is_verified(tokens: Path):

@@ -2,7 +2,6 @@
 """The gateway's own /diagnostics, as another process of ROS hears it."""
 
 import contextlib
-import json
 from collections.abc import Iterator
 from typing import Any
 
@@ -18,7 +17,15 @@ from tests.ros.outside import Outside
 ARRAY = "diagnostic_msgs/msg/DiagnosticArray"
 TWIST = "geometry_msgs/msg/Twist"
 FORWARD = {"linear": {"x": 1}}
-COMPONENTS = ["event loop", "clients", "delivery", "ROS entities", "guard", "drive /cmd_vel"]
+COMPONENTS = [
+    "event loop",
+    "clients",
+    "delivery",
+    "ROS entities",
+    "ROS graph",
+    "guard",
+    "drive /cmd_vel",
+]
 
 
 class Monitor:
@@ -75,17 +82,26 @@ async def test_ros_tools_see_each_component_and_when_something_is_wrong(outside:
 async def test_a_client_hears_of_the_gateway_as_of_any_node_and_no_entity_is_counted():
     async with gateway_process("serve") as gateway, client(gateway.url) as listener:
         await listener.send(op="subscribe", topic="/diagnostics", type=ARRAY)
-        message = await listener.message("/diagnostics")
-        values = {status["name"]: status["values"] for status in message["status"]}
-        counted = {each["key"]: each["value"] for each in values["ros2_gateway: ROS entities"]}
-        assert counted["ros_entities"] == "1"  # that of this subscription
+        entities = ""
+        while entities != "1":  # that of this subscription; one that has just ended may be heard
+            message = await listener.message("/diagnostics")
+            values = {status["name"]: status["values"] for status in message["status"]}
+            counted = {each["key"]: each["value"] for each in values["ros2_gateway: ROS entities"]}
+            entities = counted["ros_entities"]
 
 
 async def test_no_diagnostics_are_published_if_the_setting_says_so():
+    quiet = ("--set", "ros.diagnostics=false", "--set", "ros.node_prefix=quiet")
     async with (
-        gateway_process("serve", "--set", "ros.diagnostics=false") as quiet,
-        client(quiet.url) as one,
+        gateway_process("serve", *quiet) as gateway,
+        gateway_process("serve", "--set", "ros.node_prefix=later") as later,
+        client(gateway.url) as one,
     ):
-        await one.send(op="graph", id=1)
-        graph = await one.receive(lambda frame: frame["op"] == "graph")
-        assert "/diagnostics" not in json.dumps(graph)
+        assert later.url
+        publishers: list[str] = []
+        while "/later_debug" not in publishers:
+            await one.send(op="graph", id=1)
+            graph = await one.receive(lambda frame: frame["op"] == "graph")
+            found = (each for each in graph["topics"] if each["name"] == "/diagnostics")
+            publishers = [node for each in found for node in each["publishers"]]
+        assert "/quiet_debug" not in publishers

@@ -272,10 +272,50 @@ async def test_an_explicit_offer_is_the_one_that_ros_sees(
     assert offered.lifespan == Duration(seconds=2.5)
 
 
-async def test_an_offer_without_wishes_is_that_of_ros(speaker: Client, robot: Robot, topic: str):
+async def test_an_offer_without_wishes_is_that_of_rosbridge(
+    speaker: Client, robot: Robot, topic: str
+):
     await speaker.send(op="advertise", topic=topic, type=STRING)
     offered = await robot.offered()
-    assert (offered.reliability, offered.durability) == (RELIABLE, VOLATILE)
+    assert (offered.reliability, offered.durability) == (RELIABLE, LATCHED)
+    assert offered.lifespan == Duration(seconds=1)
+
+
+async def test_a_node_that_insists_on_transient_local_hears_a_client(
+    speaker: Client, robot: Robot, topic: str
+):
+    heard = robot.listen(QoSProfile(depth=1, durability=LATCHED))
+    async with asyncio.timeout(TIMEOUT_S):
+        while not heard:
+            await speaker.send(op="publish", topic=topic, type=STRING, msg={"data": "x"})
+            await asyncio.sleep(0.05)
+
+
+async def test_who_listens_before_a_client_begins_to_publish_gets_each_message_once(
+    gateway: GatewayProcess, speaker: Client, topic: str
+):
+    async with client(gateway.url) as listener:
+        await listener.send(op="subscribe", topic=topic, type=STRING)
+        await listener.sync()
+        for number in range(20):  # a subscription that adopted anything would do so meanwhile
+            text = str(number)
+            await speaker.send(op="publish", topic=topic, type=STRING, msg={"data": text})
+            assert await texts(listener, topic, 1) == [text]
+            await asyncio.sleep(0.02)
+
+
+async def test_who_publishes_what_a_node_does_not_match_is_told(
+    speaker: Client, robot: Robot, topic: str
+):
+    qos = {"durability": "volatile"}
+    await speaker.send(op="advertise", id=8, topic=topic, type=STRING, qos=qos)
+    robot.listen(QoSProfile(depth=1, durability=LATCHED))
+    status = await speaker.receive(is_complaint)
+    assert (status["level"], status["id"], status["request"]) == ("warning", 8, "advertise")
+    assert status["msg"] == (
+        f"topic {topic}: /outside asks for durability transient_local, published is with durability"
+        " volatile; offer transient_local or leave the durability open"
+    )
 
 
 async def test_a_latched_topic_keeps_its_last_message_for_later(

@@ -6,13 +6,14 @@ import base64
 import json
 import signal
 from collections.abc import AsyncIterator
+from contextlib import suppress
 
 import cv2
 import numpy as np
 import pytest
 import pytest_asyncio
 
-from tests.client import TIMEOUT_S, Client, client, eventually
+from tests.client import TIMEOUT_S, Client, Frame, client, eventually
 from tests.demonstration import until_it_can_be_driven
 from tests.gateway_process import GatewayProcess, gateway_process
 
@@ -44,7 +45,7 @@ async def speed(speaker: Client) -> float:
 async def test_the_demonstration_prints_an_address_and_lines_to_paste(demo: GatewayProcess):
     await eventually(lambda: "Ctrl-C" in "".join(demo.output))
     printed = "".join(demo.output)
-    assert '{"op":"subscribe","topic":"/odom"}' in printed
+    assert '{"op":"subscribe","topic":"/odom",' in printed
     assert '"topic":"/cmd_vel"' in printed
 
 
@@ -60,11 +61,19 @@ async def test_one_pasted_command_moves_the_robot_and_silence_stops_it(speaker: 
 async def test_a_command_beyond_the_robots_limits_is_dismissed_by_it(speaker: Client):
     await speaker.send(op="subscribe", topic="/odom")
     await speaker.send(op="subscribe", topic="/rosout", throttle_rate=0)
-    await speaker.send(op="publish", topic="/cmd_vel", type=TWIST, msg={"linear": {"x": 5}})
-    log = await speaker.receive(
-        lambda frame: frame.get("topic") == "/rosout" and "cmd_vel" in frame["msg"]["msg"]
-    )
-    assert "5" in log["msg"]["msg"]
+
+    def is_of_command(frame: Frame) -> bool:
+        return frame.get("topic") == "/rosout" and "cmd_vel" in frame["msg"]["msg"]
+
+    logged: Frame = {}
+    async with asyncio.timeout(TIMEOUT_S):
+        while not logged:  # the gateway discovers /rosout of the robot when it can
+            await speaker.send(op="publish", topic="/cmd_vel", type=TWIST, msg={})
+            await asyncio.sleep(0.3)  # resets what an earlier stop may have set
+            await speaker.send(op="publish", topic="/cmd_vel", type=TWIST, msg={"linear": {"x": 5}})
+            with suppress(TimeoutError):
+                logged = await speaker.receive(is_of_command, within_s=2)
+    assert "5" in logged["msg"]["msg"]
     assert abs(await speed(speaker)) < 0.001
 
 

@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Each difference from rosbridge that docs/protocol.md lists has a test."""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).parents[1]
+PAGE = REPOSITORY / "docs" / "protocol.md"
+SECTION = "## Differences from rosbridge_suite"
+
+SUBSCRIPTIONS = "router/topics/test_subscriptions.py"
+CLIENT_SERVICES = "router/services/test_client_services.py"
+CALLS = "router/services/test_service_calls.py"
+PUBLICATIONS = "router/topics/test_publications.py"
+CLIENT_ACTIONS = "router/actions/test_client_actions.py"
+GOALS = "router/actions/test_goals.py"
+FRAGMENTS = "protocol/test_rosbridge_fragments.py"
+OPERATIONS = "protocol/test_operations.py"
+PERMISSIONS = "router/test_permission_checks.py"
+DRIVE = "drive/test_drive.py"
+BAD_INPUT = "router/test_bad_input.py"
+
+# how each row of the page begins, and the tests that fail without what it says
+TESTS = {
+    "Every refusal is answered": [
+        f"{BAD_INPUT}::test_every_operation_that_is_refused_is_answered_with_its_id",
+        f"{CALLS}::test_a_call_that_fails_is_answered_with_the_reason",
+        f"{CALLS}::test_a_call_whose_server_dies_is_answered",
+        f"{CALLS}::test_a_call_that_nobody_answers_times_out",
+        f"{GOALS}::test_a_goal_whose_server_dies_is_answered",
+    ],
+    "Calls and goals never hold up": [
+        f"{CALLS}::test_calls_do_not_wait_for_each_other",
+        "clients/test_services.py::test_a_slow_service_holds_up_nothing_else",
+        "clients/test_actions.py::test_several_goals_at_once_keep_apart",
+    ],
+    "Types are checked": [
+        f"{PUBLICATIONS}::test_a_message_that_does_not_fit_its_type_is_refused_with_its_path",
+    ],
+    "A duplicate key in JSON is refused": [
+        "codec/test_json.py::test_a_duplicate_key_raises_json_error_naming_it",
+    ],
+    "NaN and infinities are `null`": [
+        "codec/cdr/test_decoder.py::test_non_finite_floats_are_kept_and_written_as_null",
+        "codec/test_types.py::test_null_reaches_ros_as_nan",
+    ],
+    "The `nanosec` of a time is relayed": [
+        f"{PUBLICATIONS}::test_a_stamp_is_relayed_as_it_is",
+        "codec/test_types.py::test_a_time_is_the_same_on_both_sides_whatever_its_nanoseconds",
+        "e2e/test_message_table.py::test_what_a_robot_publishes_reaches_a_client",
+        "e2e/test_message_table.py::test_what_a_client_publishes_reaches_a_robot",
+        f"{OPERATIONS}::test_the_last_value_within_a_bound_is_taken_and_the_first_beyond_it_refused",
+    ],
+    "The last sample of a throttled topic": [
+        f"{SUBSCRIPTIONS}::test_a_throttled_topic_delivers_the_last_sample_too",
+    ],
+    "Queues drop the oldest message": [
+        "protocol/test_outbox.py::test_a_full_queue_drops_its_oldest_entry_and_counts_it",
+        f"{SUBSCRIPTIONS}::test_meta_numbers_samples_and_counts_what_was_dropped",
+    ],
+    "A subscription is transient local only": [
+        "ros/test_qos.py::test_reliable_and_transient_local_only_if_all_are",
+    ],
+    "`sensor_msgs/msg/Image` comes as JPEG": [
+        f"{SUBSCRIPTIONS}::test_an_image_comes_as_jpeg_in_the_shape_of_compressed_image",
+        f"{SUBSCRIPTIONS}::test_raw_pixels_and_single_fields_of_an_image_come_when_asked_for",
+        f"{SUBSCRIPTIONS}::test_who_asks_for_no_format_gets_that_of_its_connection",
+    ],
+    "When a client leaves, everything": [
+        "clients/test_many.py::test_a_client_that_is_killed_leaves_nothing",
+        f"{CLIENT_SERVICES}::test_a_client_that_leaves_lets_its_calls_fail",
+        f"{GOALS}::test_a_client_that_leaves_cancels_its_goals",
+        f"{PUBLICATIONS}::test_publishers_go_with_their_client",
+    ],
+    '`"result":false` without `values`': [
+        f"{CLIENT_SERVICES}::test_a_failure_without_values_reaches_the_caller_as_one",
+        f"{CLIENT_SERVICES}::test_a_failure_with_values_passes_them_on_with_a_warning",
+    ],
+    "`action_result` without `status`": [
+        f"{CLIENT_ACTIONS}::test_a_result_may_leave_out_what_old_clients_leave_out",
+    ],
+    "`fragment_size` is for the subscription": [
+        "protocol/test_session.py::test_an_answer_is_cut_only_where_that_is_asked_for",
+        "protocol/test_session.py::test_a_malformed_fragment_is_answered_with_its_id",
+        f"{FRAGMENTS}::test_pieces_of_several_messages_come_in_any_order_and_twice",
+    ],
+    "In CBOR, short and empty arrays": [
+        "codec/cdr/test_to_cbor.py::test_arrays_of_numbers_are_typed_short_and_empty_ones_too",
+    ],
+    "`auth` takes a `token`": [
+        f"{PERMISSIONS}::test_auth_goes_to_who_knows_the_tokens_and_is_ignored_where_nobody_does",
+        "schemas/test_message.py::test_the_seq_of_a_header_is_ignored",
+    ],
+    "A `fragment_size` below 64": [
+        f"{OPERATIONS}::test_the_last_value_within_a_bound_is_taken_and_the_first_beyond_it_refused",
+        f"{CALLS}::test_a_call_that_fails_is_answered_with_the_reason",
+    ],
+    "A node that is killed stays in the ROS graph": [
+        f"{GOALS}::test_a_goal_whose_server_dies_is_answered",
+    ],
+    "A robot is stopped when commands": [
+        f"{DRIVE}::test_after_the_deadline_five_zeros_come_within_250_ms_and_then_nothing",
+        f"{DRIVE}::test_a_client_that_drives_keeps_others_out_until_it_is_silent_for_the_lease",
+    ],
+}
+
+
+def rows():
+    """Return the rows of the page, each on one line."""
+    section = PAGE.read_text(encoding="utf-8").partition(SECTION)[2].partition("\n## ")[0]
+    found = re.findall(r"^- (.*(?:\n {2}.*)*)", section, re.MULTILINE)
+    return [" ".join(row.split()) for row in found]
+
+
+def functions_in(path):
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    return {
+        node.name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+    }
+
+
+@pytest.mark.parametrize("row", rows())
+def test_every_difference_has_tests(row):
+    begun = [beginning for beginning in TESTS if row.startswith(beginning)]
+    assert len(begun) == 1, f"name the tests of this row in TESTS: {row}"
+
+
+def test_the_tests_are_those_of_rows_that_are_there():
+    assert len(rows()) == len(TESTS) > 15
+    for beginning, names in TESTS.items():
+        assert any(row.startswith(beginning) for row in rows()), beginning
+        assert names, beginning
+
+
+@pytest.mark.parametrize("name", sorted({name for names in TESTS.values() for name in names}))
+def test_each_named_test_is_there(name):
+    path, _, function = name.partition("::")
+    assert function in functions_in(REPOSITORY / "tests" / path)
