@@ -10,6 +10,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Final
 
+from gateway.codec import cbor
+from gateway.codec.cbor_reader import MAX_SINGLE_ITEMS
 from gateway.codec.cdr.bounds import MAX_FIELDS, count_fields
 from gateway.codec.cdr.layout import flatten
 from gateway.codec.json import LARGE_BYTES, MAX_CONTAINERS, MAX_ITEMS, MAX_TOKENS
@@ -143,6 +145,51 @@ def plain_frames() -> Iterator[HostileFrame]:
         "a long topic": b'{"op":"subscribe","topic":"/' + b"s" * room + b'"}',
     }.items():
         yield HostileFrame(name, data)
+    yield from _cbor_frames()
+
+
+def _cbor_frames() -> Iterator[HostileFrame]:
+    """Return frames in CBOR: as many items as may be, of each kind, and what ends in a refusal."""
+    most, room = MAX_SINGLE_ITEMS - _SPARE, MAX_MESSAGE_BYTES - 1000
+    numbers = MAX_ITEMS - _SPARE
+    kinds = {
+        "integers": (b"\x01", most),
+        "floats": (b"\xfb" + bytes(8), most),
+        "texts": (b"\x61a", most),
+        "octets": (b"\x41a", most),
+        "arrays": (b"\x80", most),
+        "maps": (b"\xa0", most),
+        "arrays of one": (b"\x81\x80", most // 2),
+        "maps of one": (b"\xa1\x61a\xa0", most // 3),
+        "typed arrays": (b"\xd8\x55\x40", most // 5),
+    }
+    for name, (item, count) in kinds.items():
+        yield HostileFrame(
+            f"CBOR: {name}", _cbor(_STRING, "data", _cbor_array(item * count, count))
+        )
+    floats = cbor.head(cbor.OCTETS, 4 * numbers) + b"\0\0\0?" * numbers
+    for name, type_name, field, value in (
+        ("ranges as float32", _SCAN, "ranges", b"\xd8\x55" + floats),
+        ("ranges as integers", _SCAN, "ranges", b"\xd8\x4e" + floats),
+        ("integers as float32", _JOY, "buttons", b"\xd8\x55" + floats),
+        ("octets", _IMAGE, "data", cbor.head(cbor.OCTETS, room) + bytes(room)),
+        ("a long text", _STRING, "data", cbor.text("ü" * (room // 2))),
+        ("text for octets", _IMAGE, "data", cbor.text("A" * (room // 4 * 4))),
+    ):
+        yield HostileFrame(f"CBOR: {name}", _cbor(type_name, field, value))
+    keys = b"".join(cbor.text(f"k{number}") + b"\1" for number in range(most // 2))
+    yield HostileFrame("CBOR: unknown fields", cbor.head(cbor.MAP, most // 2) + keys)
+
+
+def _cbor_array(items: bytes, count: int) -> bytes:
+    return cbor.head(cbor.ARRAY, count) + items
+
+
+def _cbor(type_name: str, field: str, value: bytes) -> bytes:
+    """Return a frame that publishes a message with one field, given as CBOR."""
+    start = cbor.dumps({"op": "publish", "topic": "/hostile/cbor/" + field, "type": type_name})
+    four = cbor.head(cbor.MAP, 4) + start[1:]
+    return four + cbor.text("msg") + cbor.head(cbor.MAP, 1) + cbor.text(field) + value
 
 
 def _filled(element: str) -> str:

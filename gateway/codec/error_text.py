@@ -23,7 +23,7 @@ EXPECTED: Final = {
 
 
 def kind(value: object) -> str:
-    """Name the kind of a JSON value; of numbers and booleans, the value."""
+    """Name the kind of a value of JSON or CBOR; of numbers and booleans, the value."""
     match value:
         case None:
             return "null"
@@ -33,6 +33,8 @@ def kind(value: object) -> str:
             return truncate(json.dumps(value))
         case str():
             return "a string"
+        case bytes():
+            return "a byte string"
         case list() | tuple():
             return "an array"
         case Mapping():

@@ -15,6 +15,7 @@ from typing import Any, Final
 
 import numpy as np
 import orjson
+import pybase64
 
 from gateway.codec.error_text import MAX_ECHO
 from gateway.codec.errors import CodecError
@@ -51,11 +52,19 @@ class JsonError(CodecError):
     """A client sent something else than the JSON it may send; the text says where and why."""
 
 
-# Bound rather than wrapped: it is called for every message.
-dumps: Final[Callable[[object], bytes]] = partial(orjson.dumps, option=orjson.OPT_SERIALIZE_NUMPY)
-"""Write values as UTF-8 JSON: numpy arrays as arrays, NaN and infinities as null.
+def _base64(value: object) -> str:
+    if isinstance(value, bytes):
+        return pybase64.b64encode_as_string(value)
+    raise TypeError(f"no JSON for {type(value).__name__}")
 
-RFC 8259 has neither, and orjson sends null for them.
+
+# Bound rather than wrapped: it is called for every message.
+dumps: Final[Callable[[object], bytes]] = partial(
+    orjson.dumps, option=orjson.OPT_SERIALIZE_NUMPY, default=_base64
+)
+"""Write values as UTF-8 JSON: numpy arrays as arrays, bytes as base64, NaN and infinities as null.
+
+RFC 8259 has none of these, and orjson sends null for the last two.
 """
 
 

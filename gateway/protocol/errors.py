@@ -4,7 +4,7 @@
 from typing import Literal
 
 StatusCode = Literal[
-    "bad_json",  # not UTF-8, not JSON, too deep, duplicate keys
+    "bad_json",  # not UTF-8, neither JSON nor CBOR, too deep, duplicate keys
     "bad_request",  # JSON, but not an operation: a field is missing or of another kind
     "unknown_op",
     "bad_name",

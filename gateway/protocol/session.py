@@ -9,6 +9,7 @@ from typing import Final, NamedTuple
 from pydantic import ValidationError
 
 from gateway.access.permissions import UNLIMITED, Action, Identity
+from gateway.codec import cbor_reader
 from gateway.codec.error_text import truncate
 from gateway.codec.json import JsonError, ascii_only, loads
 from gateway.config.limits import Limits
@@ -250,19 +251,28 @@ class _Asked(NamedTuple):
 
 
 def _object(data: bytes, max_depth: int, max_items: int) -> dict[str, object]:
+    read = cbor_reader.loads if cbor_reader.is_cbor(data) else loads
     try:
-        values = loads(data, max_depth=max_depth, max_items=max_items)
+        values = read(data, max_depth=max_depth, max_items=max_items)
+    except cbor_reader.CborError as error:
+        raise ProtocolError("bad_json", str(error)) from error
     except JsonError as error:
         if _asks_for_help(data):
             return {"op": Help.op}
-        hint = "" if data[:64].lstrip()[:1] in {b"{", b"["} else "; send help for lines to try"
-        raise ProtocolError("bad_json", f"{error}{hint}") from error
+        raise ProtocolError("bad_json", f"{error}{_hint(data)}") from error
     if not isinstance(values, dict):
         if _asks_for_help(data):
             return {"op": Help.op}
         example = '{"op":"subscribe","topic":"/odom"}'
         raise ProtocolError("bad_request", f"expected a JSON object such as {example}, or help")
     return values
+
+
+def _hint(data: bytes) -> str:
+    """Return what else to do about a frame that is no JSON."""
+    if data[:1] >= b"\x80":
+        return "; what is CBOR begins with a map"
+    return "" if data[:64].lstrip()[:1] in {b"{", b"["} else "; send help for lines to try"
 
 
 def _asks_for_help(data: bytes) -> bool:

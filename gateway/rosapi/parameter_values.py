@@ -7,10 +7,9 @@ from contextlib import suppress
 from enum import IntEnum
 from typing import Any, Final
 
-import pybase64
-
 from gateway.codec.error_text import kind
 from schemas.definition import INTEGER_RANGES
+from schemas.json_forms import OctetsError, octets
 
 
 class ParameterType(IntEnum):
@@ -86,6 +85,8 @@ def _own_type(value: object) -> ParameterType:
             return ParameterType.DOUBLE
         case str():
             return ParameterType.STRING
+        case bytes():  # in CBOR
+            return ParameterType.BYTE_ARRAY
     raise ParameterValueError(
         f"expected a boolean, a number, a string or an array of one of these, got {kind(value)}"
     )
@@ -155,11 +156,8 @@ def _text(value: object) -> str | None:
 
 
 def _bytes(value: object) -> bytes:
-    with suppress(ValueError):
-        if isinstance(value, str):
-            return pybase64.b64decode(value, validate=True)
-        if isinstance(value, list) and set(map(type, value)) <= {int}:
-            return bytes(value)
+    with suppress(OctetsError):
+        return octets(value)
     raise ParameterValueError("expected bytes: base64 or an array of integers from 0 to 255")
 
 

@@ -5,6 +5,7 @@ import pytest
 
 from benchmarks.hostile_frames import Bomb, bombs, plain_frames
 from gateway.codec.cdr.bounds import TooManyFieldsError
+from gateway.codec import cbor_reader
 from gateway.codec.json import JsonError, loads
 from gateway.codec.types import Types
 from gateway.config.limits import Limits
@@ -48,6 +49,6 @@ def test_no_frame_is_longer_than_a_client_may_send():
     for frame in plain_frames():
         assert len(frame.data) <= Limits().max_message_bytes
         try:
-            loads(frame.data)
+            (cbor_reader.loads if frame.name.startswith("CBOR") else loads)(frame.data)
         except JsonError:
             assert frame.name in {"unfinished arrays", "a duplicate among many"}

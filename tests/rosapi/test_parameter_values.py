@@ -39,8 +39,13 @@ def test_a_value_comes_back_as_it_went(value: Any) -> None:
     assert (list(got) if isinstance(value, list) else got) == value
 
 
+@pytest.mark.parametrize("wanted", [ParameterType.NOT_SET, ParameterType.BYTE_ARRAY])
+def test_octets_are_a_value_too(wanted: ParameterType) -> None:
+    assert travelled(message_of(b"\1\2", wanted)) == "AQI="
+
+
 JSON = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text(),
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text() | st.binary(),
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(), inner, max_size=3),
     max_leaves=5,
 )

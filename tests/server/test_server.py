@@ -6,6 +6,7 @@ import socket
 import urllib.request
 from functools import partial
 
+import cbor2
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.frames import Frame, Opcode
@@ -70,6 +71,12 @@ async def test_binary_and_fragmented_frames_are_json_too(serve: Serve):
         await speaker.socket.send([b'{"op":', b'"ping","id', b'":2}'])
         await speaker.socket.send(['{"op":"ping",', '"id":3}'])
         assert [(await speaker.receive())["id"] for _ in range(3)] == [1, 2, 3]
+
+
+async def test_a_binary_frame_may_be_cbor(serve: Serve):
+    async with serve() as served, client(served.url) as speaker:
+        await speaker.socket.send(cbor2.dumps({"op": "ping", "id": 1, "value": b"\1"}))
+        assert (await speaker.receive())["value"] == "AQ=="
 
 
 async def test_operations_of_one_client_are_carried_out_in_order(serve: Serve):

@@ -2,8 +2,11 @@
 """What two clients send: operations, in JSON that is right, nearly right, or none."""
 
 import json
+import struct
 from collections import Counter
 from typing import Any, get_args
+
+import cbor2
 
 from gateway.codec.errors import CodecError
 from gateway.codec.json import loads
@@ -18,6 +21,7 @@ from tests.wire import unpacked
 
 CODES = frozenset(get_args(StatusCode)) - {"internal"}
 OTHER_CLIENT = b"~"  # a line that begins with it is the other client's
+CBOR = b"^"  # and what then begins with this is sent as CBOR
 MAX_LINES = 24
 ANSWERED_ONCE = {"call_service": "service_response", "send_action_goal": "action_result"}
 
@@ -42,9 +46,11 @@ class Client:
                 self.frames += unpacked(wire)
         self.is_flushing = False
 
-    def send(self, data: bytes) -> None:
+    def send(self, data: bytes, *, is_cbor: bool) -> None:
         refused, count = self.session.refused, len(self.frames)
         operation = read(data)
+        if is_cbor and operation:
+            data = cbor2.dumps(in_cbor(operation))
         op, request_id = operation.get("op"), operation.get("id")
         if isinstance(op, str) and is_id(request_id):
             self.asked[ANSWERED_ONCE.get(op, op), request_id] += 1
@@ -90,6 +96,22 @@ def read(data: bytes) -> dict[str, Any]:
     return value if isinstance(value, dict) else {}
 
 
+def in_cbor(value: Any) -> Any:
+    """Return JSON as a client may say it in CBOR: with octets, and with numbers in typed arrays."""
+    match value:
+        case dict():
+            return {name: in_cbor(item) for name, item in value.items()}
+        case [float(), *_] if all(type(item) is float for item in value):
+            return cbor2.CBORTag(86, struct.pack(f"<{len(value)}d", *value))
+        case [int(), *_] if all(type(item) is int and 0 <= item < 2**32 for item in value):
+            return cbor2.CBORTag(70, struct.pack(f"<{len(value)}I", *value))
+        case list():
+            return list(map(in_cbor, value))
+        case str() if value.startswith("\0"):
+            return value.encode(errors="replace")
+    return value
+
+
 def is_id(value: object) -> bool:
     return type(value) is int or (isinstance(value, str) and len(value) <= MAX_ID_CHARACTERS)
 
@@ -101,7 +123,8 @@ def run(data: bytes) -> None:
         clients = [Client(world.router), Client(world.router)]
         for line in data.split(b"\n")[:MAX_LINES]:
             is_other = line.startswith(OTHER_CLIENT)
-            clients[is_other].send(line.removeprefix(OTHER_CLIENT))
+            text = line.removeprefix(OTHER_CLIENT)
+            clients[is_other].send(text.removeprefix(CBOR), is_cbor=text.startswith(CBOR))
             world.publish()
             await turns()
         for client in clients:
@@ -134,6 +157,13 @@ def corpus() -> list[bytes]:
         [
             frame("send_action_goal", action="/fib", id="g", args={"order": 3}, feedback=True),
             frame("cancel_action_goal", action="/fib", id="g"),
+        ],
+        [
+            CBOR
+            + frame("publish", topic="/s", type="sensor_msgs/LaserScan", msg={"ranges": [0.5]}),
+            CBOR + frame("publish", topic="/p", type="std_msgs/String", msg={"data": "\0octets"}),
+            CBOR + frame("ping", value=["\0octets", [1, 2]], id=1),
+            CBOR + frame("call_service", service="/arm", id=2, args="\0octets"),
         ],
     ]
     return [b"\n".join(lines) for lines in [*seeds.conversations(), *several]]

@@ -22,7 +22,7 @@ from typing import Final
 from websockets.client import ClientProtocol
 from websockets.uri import parse_uri
 
-from benchmarks.actors.frames import PING, TEXT, client_frame
+from benchmarks.actors.frames import BINARY, PING, TEXT, client_frame
 from benchmarks.actors.orders import obey, reply
 from benchmarks.hostile_frames import plain_frames
 from tests.soak.load import TOPICS, subscribe
@@ -144,7 +144,7 @@ class Abuser:
             self._next_frames, len(self._frames) if is_first else _FRAMES
         ):
             with contextlib.suppress(OSError), self._open() as connection:
-                connection.sendall(client_frame(TEXT, frame))
+                connection.sendall(client_frame(BINARY, frame))
                 connection.sendall(client_frame(TEXT, b'{"op":"ping","id":"done"}'))
                 seen = b""
                 while b'"done"' not in seen:

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+"""CBOR from a client: read as another reader does, or refused with words."""
+
+import json
+from typing import Any
+
+import cbor2
+
+from gateway.codec import cbor
+from gateway.codec.cbor_reader import MAX_SINGLE_ITEMS, loads
+from gateway.codec.errors import CodecError
+from gateway.codec.json import MAX_DEPTH
+from tests.fuzz import seeds
+from tests.fuzz.target import Target, check
+
+
+def run(data: bytes) -> None:
+    try:
+        value = loads(data)
+    except CodecError as error:
+        check(str(error).startswith("frame "), "refused without words")
+        check(not is_plain(data), "refused", str(error))
+        return
+    check(repr(value) == repr(plain(cbor2.loads(data))), "another value")
+    if data.count(b"\xf7") + data.count(b"\xf6") == 0:  # null is nothing that the gateway sends
+        check(repr(loads(cbor.dumps(value))) == repr(value), "does not come back")
+
+
+def plain(value: Any) -> Any:
+    """Return what cbor2 has read with typed arrays, which are tags to it, and without undefined."""
+    match value:
+        case dict():
+            return {name: plain(item) for name, item in value.items()}
+        case list():
+            return list(map(plain, value))
+        case cbor2.CBORTag():
+            return loads(cbor2.dumps(value))
+    return None if value is cbor2.undefined else value
+
+
+def is_plain(data: bytes) -> bool:
+    """Return whether it is what cbor2 writes for values of JSON, far from every limit."""
+    try:
+        value = cbor2.loads(data)
+        text = json.dumps(value)
+        is_same = cbor2.dumps(json.loads(text)) == data
+    except (ValueError, TypeError, RecursionError, cbor2.CBORDecodeError, OverflowError):
+        return False
+    is_shallow = text.count("[") + text.count("{") <= MAX_DEPTH
+    has_big = any(data.find(tag) >= 0 for tag in (b"\xc2", b"\xc3", b"\x3b"))  # integers
+    return is_same and is_shallow and not has_big and len(data) < MAX_SINGLE_ITEMS
+
+
+def corpus() -> list[bytes]:
+    return [
+        *(cbor2.dumps(json.loads(each)) for each in seeds.frames() if is_json(each)),
+        cbor2.dumps({"a": cbor2.CBORTag(85, b"\0" * 8), "b": cbor2.CBORTag(64, b"\1\2")}),
+        cbor2.dumps([1.5, -1, 2**64 - 1, -(2**63), None, True, b"octets", "\u00fc", {}]),
+        b"\xf9\x3e\x00",
+        b"\x81" * 40 + b"\x01",
+        b"\xbf\x61a\x5f\x41b\xff\xff",
+    ]
+
+
+def is_json(data: bytes) -> bool:
+    try:
+        json.loads(data)
+    except ValueError:
+        return False
+    return True
+
+
+TARGET = Target("CBOR is read as another reader does, or refused with words", run, corpus)
