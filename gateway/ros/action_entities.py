@@ -42,6 +42,11 @@ class Actions:
             return self._provided[action].type_name
         return next((c.type_name for c in self._clients if c.name == action), None)
 
+    def provided(self, action: str) -> tuple[str, ...]:
+        """Return the type of an action that is provided here: DDS may have to find that yet."""
+        server = self._provided.get(action)
+        return () if server is None else (server.type_name,)
+
     def client(self, action: str, type_name: str) -> RclpyActionClient:
         """Open a client; see `gateway.ports.Ros.action_client`."""
         check_action(action)

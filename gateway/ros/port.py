@@ -199,14 +199,14 @@ class RclpyRos:
         if self._service_types is None or service not in self._service_types:
             found = self._without_ended("service", read_all_services(self._debug))
             self._service_types = {each.name: each.types for each in found}
-        return self._service_types.get(service, ())
+        return self._service_types.get(service) or self._services.provided(service)
 
     def action_types(self, action: str) -> tuple[str, ...]:
         """Return the types of an action; see `service_types`."""
         if self._action_types is None or action not in self._action_types:
             found = self._without_ended("action", read_actions(self._debug))
             self._action_types = {each.name: each.types for each in found}
-        return self._action_types.get(action, ())
+        return self._action_types.get(action) or self._actions.provided(action)
 
     def graph(self) -> Graph:
         """Return the graph as it is known now; kept until it changes."""

@@ -36,6 +36,11 @@ class Services:
             return self._provided[service].type_name
         return next((c.type_name for c in self._clients if c.name == service), None)
 
+    def provided(self, service: str) -> tuple[str, ...]:
+        """Return the type of a service that is provided here: DDS may have to find that yet."""
+        server = self._provided.get(service)
+        return () if server is None else (server.type_name,)
+
     def client(self, service: str, type_name: str) -> "RclpyClient":
         """Open a client; see `gateway.ports.Ros.client`."""
         check_service(service)

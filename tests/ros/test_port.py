@@ -221,6 +221,20 @@ async def test_topics_that_do_not_exist_are_not_remembered(outside: Outside) -> 
         assert set(ros._types) == {"/count"}  # type: ignore[attr-defined]  # its memory
 
 
+async def test_what_is_provided_here_is_known_before_dds_has_found_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for read in ("read_all_services", "read_actions"):
+        monkeypatch.setattr(f"gateway.ros.port.{read}", lambda _: ())
+    async with open_ros() as ros:
+        service = ros.serve("/s", SET_BOOL, ignore)
+        action = ros.serve_action("/a", FIBONACCI, ignore, ignore)
+        assert (ros.service_types("/s"), ros.action_types("/a")) == ((SET_BOOL,), (FIBONACCI,))
+        service.close()
+        action.close()
+        assert (ros.service_types("/s"), ros.action_types("/a")) == ((), ())
+
+
 async def test_a_remapped_topic_is_refused_by_name() -> None:
     options = RosOptions(arguments=("--ros-args", "-r", "/cmd_vel:=/other"))
     async with open_ros(options) as ros:
