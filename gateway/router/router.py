@@ -48,6 +48,7 @@ from gateway.router.topic_counts import CountsByTopic
 from gateway.router.topic_events import TopicEvents
 from gateway.router.topic_types import TopicTypes
 from gateway.router.topics.publications import Publications
+from gateway.router.topics.published_pictures import PublishedPictures
 from gateway.router.topics.subscriptions import Subscriptions
 from gateway.router.transforms.lookups import TransformLookups
 from gateway.router.transforms.republisher import TfRepublisher
@@ -101,12 +102,11 @@ class Router:
         self._service_clients = ServiceClients(ros)
         self._views = RoleViews(ros, types, self._service_clients)
         self._subscriptions = Subscriptions(ros, topic_types, workers, self._counts, self._events)
-        control = control or ControlConfig()
-        self._commands = Commands(
-            ros, topic_types, control, self._guard, self._audit, self._counts, self._events
-        )
+        watched = (self._guard, self._audit, self._counts, self._events)
+        self._commands = Commands(ros, topic_types, control or ControlConfig(), *watched)
         offering = (self._commands, self._counts, self._events)
-        self._publications = Publications(ros, topic_types, *offering)
+        pictures = PublishedPictures(ros, topic_types, workers)
+        self._publications = Publications(ros, topic_types, *offering, pictures)
         self._service_calls = ServiceCalls(
             interface_types,
             self._service_clients,

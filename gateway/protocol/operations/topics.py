@@ -82,15 +82,27 @@ class ImageRequest(OperationPart):
         return self
 
 
+class PublishedImage(OperationPart):
+    """The form in which a client publishes a ``sensor_msgs/msg/Image``."""
+
+    format: ImageFormat
+
+
 class Advertise(Operation):
     """Announce that messages will be published on a topic."""
 
     op = "advertise"
     topic: str
     type: str | int
+    image: PublishedImage | None = None
     latch: bool | None = None
     queue_size: Annotated[int, Field(ge=0)] | None = None
     qos: QosRequest | None = None
+
+    @property
+    def has_pictures(self) -> bool:
+        """Return whether the messages are compressed pictures, which ROS gets as pixels."""
+        return self.image is not None and self.image.format != "raw"
 
 
 class Unadvertise(Operation):

@@ -17,6 +17,7 @@ from gateway.router.commands.commands import Commands
 from gateway.router.topic_counts import CountsByTopic, TopicCounts
 from gateway.router.topic_events import TopicEvents, warning
 from gateway.router.topic_types import TopicTypes
+from gateway.router.topics.published_pictures import PublishedPictures
 from gateway.router.topics.requested_qos import offered
 
 
@@ -27,10 +28,17 @@ class Advertised:
     message_type: MessageType
     publisher: Publisher
     keeps_newest: bool  # its depth is 1: the newest message is all that counts
+    has_pictures: bool  # compressed, which ROS gets as pixels
     counts: TopicCounts
     messages: int = 0  # that were published
     size: int = 0  # of them, in bytes
     ids: set[str | int | None] = field(default_factory=set)
+
+    def send(self, cdr: bytes) -> None:
+        """Publish a message into ROS."""
+        self.publisher.publish(cdr)
+        self.messages += 1
+        self.size += len(cdr)
 
 
 class Publications:
@@ -46,8 +54,10 @@ class Publications:
         commands: Commands,
         counts: CountsByTopic,
         events: TopicEvents,
+        pictures: PublishedPictures,
     ) -> None:
         self._ros = ros
+        self._pictures = pictures
         self._events = events
         self._counts = counts
         self._types = types
@@ -87,6 +97,9 @@ class Publications:
             session.inform(text, request.op, request.id)
         else:
             self._check_type(topic, known, request.type)
+            if request.has_pictures != known.has_pictures:
+                form = "pictures" if known.has_pictures else "plain messages"
+                raise ProtocolError("type_conflict", f"topic {topic} is advertised for {form}")
         known.ids.add(request.id)
 
     def unadvertise(self, session: Session, request: Unadvertise) -> None:
@@ -106,6 +119,7 @@ class Publications:
             raise ProtocolError("not_found", f"not advertised: {topic}{with_id}")
         known.ids.discard(request.id)
         if request.id is None or not known.ids:
+            self._pictures.forget(session, topic)
             self._close(topic, known)
             del own[topic]
             if not own:
@@ -129,12 +143,13 @@ class Publications:
         elif request.type is not None:
             self._check_type(topic, known, request.type)
         if known.keeps_newest and session.is_behind:
-            session.defer(topic, request, partial(self._send, known, request))
+            session.defer(topic, request, partial(self._send, session, topic, known, request))
         else:
-            self._send(known, request)
+            self._send(session, topic, known, request)
 
     def leave(self, session: Session) -> None:
         """Close all advertisements of a client."""
+        self._pictures.leave(session)
         for topic, known in self._advertised.pop(session, {}).items():
             self._close(topic, known)
 
@@ -151,12 +166,15 @@ class Publications:
             )
         if isinstance(request, Publish):
             request = Advertise(topic=request.topic, type=message_type.name, latch=request.latch)
+        if request.has_pictures:
+            self._pictures.check(message_type)
         qos = offered(request)
         publisher = self._ros.advertise(
             topic, message_type.name, qos, partial(self._on_event, topic, session, request)
         )
         keeps_newest = qos.depth == 1 and qos.history != "keep_all"
-        known = Advertised(message_type, publisher, keeps_newest, self._counts.open(topic))
+        counts = self._counts.open(topic)
+        known = Advertised(message_type, publisher, keeps_newest, request.has_pictures, counts)
         self._advertised.setdefault(session, {})[topic] = known
         return known
 
@@ -167,14 +185,25 @@ class Publications:
         self._events.report(topic, event)
         session.warn(warning(event, session), request.op, request.id)
 
-    def _send(self, known: Advertised, request: Publish) -> None:
+    def _send(
+        self, session: Session, topic: TopicName, known: Advertised, request: Publish
+    ) -> None:
+        if known.has_pictures:
+            send = partial(self._send_later, session, topic, known)
+            self._pictures.publish(session, topic, request, send)
+            return
         try:
             cdr = known.message_type.encode(request.msg, self._ros.now_ns)
         except CodecError as error:
             raise ProtocolError("invalid_value", str(error)) from error
-        known.publisher.publish(cdr)
-        known.messages += 1
-        known.size += len(cdr)
+        known.send(cdr)
+
+    def _send_later(
+        self, session: Session, topic: TopicName, known: Advertised, cdr: bytes
+    ) -> None:
+        """Send what has taken some time, unless the advertisement has ended meanwhile."""
+        if self._advertised.get(session, {}).get(topic) is known:
+            known.send(cdr)
 
     def _close(self, topic: TopicName, known: Advertised) -> None:
         known.publisher.close()

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures that clients publish as sensor_msgs/msg/Image: worker threads turn them into pixels."""
+
+import asyncio
+import time
+from collections.abc import Callable
+from concurrent.futures import Executor
+from functools import partial
+from typing import Final, NamedTuple
+
+from gateway.codec.errors import CodecError
+from gateway.codec.picture import COMPRESSED_IMAGE, IMAGE, pixel_maker
+from gateway.codec.types import MessageType
+from gateway.ports import Ros
+from gateway.protocol.errors import ProtocolError
+from gateway.protocol.names import TopicName
+from gateway.protocol.operations.topics import Publish
+from gateway.protocol.session import Session
+from gateway.router.tasks import answered
+from gateway.router.topic_types import TopicTypes
+
+# of pictures as the gateway sends them, beside the fields of CompressedImage; pixels need neither
+_OF_PICTURES: Final = frozenset({"width", "height", "depth_range_m"})
+
+
+class PublishedPictures:
+    """Has one picture of each client decoded at a time, so that none takes all workers.
+
+    Meanwhile the newest picture of each topic waits; what it replaces is counted with the client's
+    other messages that were replaced by newer ones.
+    """
+
+    def __init__(self, ros: Ros, types: TopicTypes, workers: Executor) -> None:
+        self._ros = ros
+        self._types = types
+        self._workers = workers
+        self._waiting: dict[Session, dict[TopicName, _Picture]] = {}
+        self._working: dict[Session, asyncio.Task[None]] = {}
+
+    def check(self, message_type: MessageType) -> None:
+        """Check that a topic of this type may be given pictures.
+
+        Raises:
+            ProtocolError: it is not of images.
+        """
+        if message_type.name != IMAGE:
+            text = f"image: {message_type.name} takes no pictures, only {IMAGE} does"
+            raise ProtocolError("bad_request", text)
+
+    def publish(
+        self, session: Session, topic: TopicName, request: Publish, send: Callable[[bytes], None]
+    ) -> None:
+        """Call *send* with the CDR of the Image, as soon as there is one.
+
+        Raises:
+            ProtocolError: the message is no CompressedImage.
+        """
+        compressed_type = self._types.get(COMPRESSED_IMAGE)
+        msg = request.msg
+        if isinstance(msg, dict):
+            msg = {name: value for name, value in msg.items() if name not in _OF_PICTURES}
+        try:
+            cdr = compressed_type.encode(msg, self._ros.now_ns)
+        except CodecError as error:
+            raise ProtocolError("invalid_value", str(error)) from error
+        waiting = self._waiting.setdefault(session, {})
+        session.replaced += topic in waiting
+        waiting[topic] = _Picture(request, cdr, send)
+        if session not in self._working:
+            self._working[session] = asyncio.create_task(self._work(session, waiting))
+
+    def forget(self, session: Session, topic: TopicName) -> None:
+        """Drop the picture that waits for a topic."""
+        self._waiting.get(session, {}).pop(topic, None)
+
+    def leave(self, session: Session) -> None:
+        """Drop all pictures of a client."""
+        self._waiting.pop(session, None)
+        working = self._working.pop(session, None)
+        if working is not None:
+            working.cancel()
+
+    async def _work(self, session: Session, waiting: "dict[TopicName, _Picture]") -> None:
+        make = pixel_maker(self._types.get(COMPRESSED_IMAGE), self._types.get(IMAGE))
+        while waiting:
+            picture = waiting.pop(next(iter(waiting)))
+            work = partial(self._deliver, session, make, picture)
+            await answered(session, picture.request, work)
+        del self._working[session]
+
+    async def _deliver(
+        self, session: Session, make: Callable[[bytes], bytes], picture: "_Picture"
+    ) -> None:
+        loop = asyncio.get_running_loop()
+        try:
+            cdr = await loop.run_in_executor(self._workers, make, picture.cdr)
+        except CodecError as error:
+            raise ProtocolError("invalid_value", f"msg.data: {error}") from error
+        start_s = time.monotonic()
+        picture.send(cdr)
+        now_s = time.monotonic()
+        session.spend(now_s - start_s, now_s)
+
+
+class _Picture(NamedTuple):
+    request: Publish
+    cdr: bytes  # of the CompressedImage
+    send: Callable[[bytes], None]

@@ -1,0 +1,222 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures that clients publish, and the pixels that ROS gets of them."""
+
+import asyncio
+import base64
+import threading
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import cbor2
+import cv2
+import numpy as np
+import pytest
+
+from gateway.codec.picture import pixel_maker
+from gateway.ports import Sample
+from gateway.router.topics import published_pictures
+from tests.client import eventually
+from tests.router.conftest import Bench, Socketless
+
+IMAGE = "sensor_msgs/msg/Image"
+TOPIC = "/screen"
+COLOURS = np.random.default_rng(1).integers(0, 256, (6, 8, 3), np.uint8)
+
+
+def coded(pixels: np.ndarray, extension: str = ".png") -> bytes:
+    done, data = cv2.imencode(extension, pixels)
+    assert done
+    return data.tobytes()
+
+
+def message(pixels: np.ndarray = COLOURS, **more: Any) -> dict[str, Any]:
+    return {"format": "png", "data": base64.b64encode(coded(pixels)).decode(), **more}
+
+
+def listen(bench: Bench, topic: str = TOPIC) -> list[dict[str, Any]]:
+    heard: list[dict[str, Any]] = []
+    decode = bench.types.get(IMAGE).decoder(octets="raw")
+
+    def note(samples: Sequence[Sample]) -> None:
+        heard.extend(decode(sample.cdr) for sample in samples)
+
+    bench.ros.add_subscription(topic, IMAGE, note)
+    return heard
+
+
+def advertising(bench: Bench, topic: str = TOPIC) -> Socketless:
+    client = bench.client()
+    client.send(op="advertise", topic=topic, type=IMAGE, image={"format": "png"})
+    return client
+
+
+def publish(client: Socketless, msg: object, topic: str = TOPIC, **more: object) -> None:
+    client.send(op="publish", topic=topic, msg=msg, **more)
+
+
+@pytest.fixture
+def held(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[threading.Event]]:
+    """Let each picture wait in its worker for an event of its own; return the events in order."""
+    events: list[threading.Event] = []
+
+    def make(*types: Any) -> Any:
+        decode = pixel_maker(*types)
+
+        def wait(cdr: bytes) -> bytes:
+            events.append(threading.Event())
+            assert events[-1].wait(60)
+            return decode(cdr)
+
+        return wait
+
+    monkeypatch.setattr(published_pictures, "pixel_maker", make)
+    yield events
+    for event in events:
+        event.set()
+
+
+@pytest.mark.parametrize(
+    ("pixels", "encoding"),
+    [
+        (COLOURS, "bgr8"),
+        (COLOURS[:, :, 0], "mono8"),
+        (COLOURS[:, :, 0].astype(np.uint16) * 257, "mono16"),
+        (np.dstack((COLOURS, COLOURS[:, :, 0])), "bgra8"),
+    ],
+)
+async def test_ros_gets_the_pixels_of_a_png(bench: Bench, pixels, encoding):
+    heard = listen(bench)
+    client = advertising(bench)
+    header = {"stamp": {"sec": 7, "nanosec": 8}, "frame_id": "eye"}
+    publish(client, message(np.ascontiguousarray(pixels), header=header))
+    await eventually(lambda: len(heard) == 1)
+    (image,) = heard
+    assert image["header"] == header
+    assert (image["height"], image["width"], image["encoding"]) == (6, 8, encoding)
+    assert (image["is_bigendian"], image["step"]) == (0, pixels.nbytes // 6)
+    assert bytes(image["data"]) == pixels.tobytes()
+    assert client.frames == []
+
+
+async def test_a_jpeg_in_cbor_needs_no_base64_and_is_stamped_now(bench: Bench):
+    heard = listen(bench)
+    client = advertising(bench)
+    smooth = np.full((6, 8, 3), (10, 100, 200), np.uint8)
+    msg = {"header": {}, "format": "jpeg", "data": coded(smooth, ".jpg")}
+    client.send_raw(cbor2.dumps({"op": "publish", "topic": TOPIC, "msg": msg}))
+    await eventually(lambda: len(heard) == 1)
+    pixels = np.frombuffer(heard[0]["data"], np.uint8).reshape(6, 8, 3)
+    assert np.abs(pixels.astype(int) - smooth).max() <= 3
+    assert heard[0]["header"]["stamp"]["sec"] == 1_700_000_000
+
+
+async def test_what_the_gateway_sends_can_be_sent_back(bench: Bench):
+    heard = listen(bench)
+    client = advertising(bench)
+    client.send(op="subscribe", topic="/camera", type=IMAGE, image={"format": "png"})
+    camera = bench.ros.add_publisher("/camera", IMAGE)
+    fields = {"height": 6, "width": 8, "encoding": "bgr8", "step": 24}
+    camera.publish(bench.cdr(IMAGE, **fields, data=base64.b64encode(COLOURS.tobytes()).decode()))
+    (picture,) = await client.sees(1)
+    publish(client, picture["msg"])
+    await eventually(lambda: len(heard) == 1)
+    assert bytes(heard[0]["data"]) == COLOURS.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("msg", "words"),
+    [
+        ({"data": "AAAA"}, "msg.data: data is neither JPEG nor PNG"),
+        (message(np.zeros((4096, 3072, 3), np.uint8)), "has 37748736 bytes of pixels, at most"),
+        ({"data": "?"}, "msg.data: text is no valid base64"),
+        ({"data": "", "encoding": "rgb8"}, "msg.encoding: unknown field of sensor_msgs/msg/Comp"),
+        (5, "msg: expected an object, got 5"),
+    ],
+)
+async def test_what_is_no_picture_is_refused_in_words(bench: Bench, msg, words):
+    heard = listen(bench)
+    client = advertising(bench)
+    publish(client, msg, id="p")
+    await client.sees(1, "status")
+    (status,) = client.of("status")
+    assert (status["code"], status["id"], status["request"]) == ("invalid_value", "p", "publish")
+    assert words in status["msg"]
+    publish(client, message())
+    await eventually(lambda: len(heard) == 1)
+
+
+async def test_only_images_are_made_of_pictures(bench: Bench):
+    client = bench.client()
+    client.send(op="advertise", topic="/a", type="std_msgs/String", image={"format": "jpeg"})
+    client.send(op="advertise", topic="/b", type=IMAGE, image={"format": "gif"})
+    client.send(op="advertise", topic="/b", type=IMAGE, image={})
+    text = "image: std_msgs/msg/String takes no pictures, only sensor_msgs/msg/Image does"
+    assert client.statuses == [
+        ("bad_request", text),
+        ("bad_request", "image.format: expected 'jpeg', 'png' or 'raw', got 'gif'"),
+        ("bad_request", "image.format: missing"),
+    ]
+    assert bench.ros.publishers == []
+
+
+async def test_an_advertisement_takes_one_or_the_other(bench: Bench):
+    client = advertising(bench)
+    client.send(op="advertise", topic=TOPIC, type=IMAGE)
+    assert client.statuses == [("type_conflict", f"topic {TOPIC} is advertised for pictures")]
+    heard = listen(bench, "/raw")
+    client.send(op="advertise", topic="/raw", type=IMAGE, image={"format": "raw"})
+    client.send(op="advertise", topic="/raw", type=IMAGE)
+    publish(client, {"width": 3}, "/raw")
+    await eventually(lambda: len(heard) == 1)
+    client.send(op="advertise", topic="/raw", type=IMAGE, image={"format": "jpeg"})
+    assert client.statuses[1:] == [("type_conflict", "topic /raw is advertised for plain messages")]
+
+
+async def test_while_one_is_decoded_the_newest_waits(bench: Bench, held: list[threading.Event]):
+    heard = listen(bench)
+    client = advertising(bench)
+    for number in range(5):
+        publish(client, message(header={"frame_id": str(number)}))
+        if number == 0:
+            await eventually(lambda: len(held) == 1)
+    assert client.session.replaced == 3
+    held[0].set()
+    await eventually(lambda: len(held) == 2)
+    held[1].set()
+    await eventually(lambda: len(heard) == 2)
+    assert [image["header"]["frame_id"] for image in heard] == ["0", "4"]
+
+
+async def test_a_client_has_one_worker_for_all_its_topics_and_another_has_its_own(
+    bench: Bench, held: list[threading.Event]
+):
+    first, second = advertising(bench), advertising(bench, "/other")
+    first.send(op="advertise", topic="/third", type=IMAGE, image={"format": "png"})
+    publish(first, message())
+    publish(first, message(), "/third")
+    await eventually(lambda: len(held) == 1)
+    heard = listen(bench, "/other")
+    publish(second, message(), "/other")
+    await eventually(lambda: len(held) == 2)
+    held[1].set()
+    await eventually(lambda: len(heard) == 1)
+    assert len(held) == 2
+
+
+@pytest.mark.parametrize("ends", ["unadvertise", "leave"])
+async def test_pictures_that_are_ready_too_late_are_not_published(
+    bench: Bench, held: list[threading.Event], ends: str
+):
+    heard = listen(bench)
+    client = advertising(bench)
+    publish(client, message())
+    await eventually(lambda: len(held) == 1)
+    publish(client, message())  # waits
+    if ends == "leave":
+        bench.router.leave(client.session)
+    else:
+        client.send(op="unadvertise", topic=TOPIC)
+    held[0].set()
+    await asyncio.sleep(0.05)  # what should not come has its chance
+    assert len(held) == 1
+    assert (heard, client.frames) == ([], [])
