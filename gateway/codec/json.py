@@ -184,7 +184,9 @@ def _refusal(error: json.JSONDecodeError, data: bytes, max_depth: int) -> JsonEr
     # orjson's own depth limit, or its allocation for a document that opens and never closes
     if "depth" in error.msg or "allocate" in error.msg:
         return _too_deep(max_depth)
-    what = error.msg[:1].lower() + error.msg[1:].partition(": ")[0]
+    what = error.msg.partition(": ")[0]
+    if what[1:2].islower():  # else it begins with an abbreviation
+        what = what[:1].lower() + what[1:]
     return JsonError(
         f"frame is not JSON: {what} at line {error.lineno}, column {error.colno}",
         offset=len(text[: error.pos].encode()),

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Final, TypeVar
 from pydantic import ConfigDict, Field, ValidationError, field_validator
 
 from gateway.codec.error_text import kind
+from gateway.log_fields import counted
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.explain import explain
 from gateway.protocol.operations.base import MAX_ID_CHARACTERS, MIN_RATE_HZ, OperationPart
@@ -85,7 +86,8 @@ def parse(model: type[T], values: object, where: str) -> T:
     if values is None:
         values = {}
     if not isinstance(values, dict):
-        text = f"{where}: expected an object, or up to {len(fields)} values, got {kind(values)}"
+        most = counted(len(fields), "value")
+        text = f"{where}: expected an object, or up to {most}, got {kind(values)}"
         raise ProtocolError("invalid_value", text)
     try:
         return model.model_validate(values)

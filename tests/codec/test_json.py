@@ -49,7 +49,11 @@ def test_json_is_read(text):
     ("data", "reason"),
     [
         (b"", r"frame is not JSON: .* at line 1, column 1$"),
-        (b"hello", r"frame is not JSON: .* at line 1, column 1$"),
+        (b"hello", r"frame is not JSON: unexpected .* at line 1, column 1$"),
+        (
+            b"\xef\xbb\xbf{}",
+            r"frame is not JSON: UTF-8 byte order mark \(BOM\) is not supported at ",
+        ),
         (b"[1e999]", r"frame is not JSON: .* at line 1, column 2$"),
         (b"[1,]", r"frame is not JSON: "),
         (b"{'a':1}", r"frame is not JSON: "),

@@ -74,7 +74,7 @@ def test_null_is_as_left_out():
         (RepublishRequest, {**FRAMES, "rate": -1}, "args.rate: expected at least 0, got -1"),
         (ActionGoal, {"goal": {}}, "args.goal_id: missing"),
         (GoalId, {"id": "x" * 257}, "args.id: expected at most 256 characters, got a string"),
-        (GoalId, "x", "args: expected an object, or up to 1 values, got a string"),
+        (GoalId, "x", "args: expected an object, or up to 1 value, got a string"),
     ],
 )
 def test_what_does_not_fit_is_refused_with_its_place(
