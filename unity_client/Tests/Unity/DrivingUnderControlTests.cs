@@ -248,7 +248,7 @@ namespace Ros2Gateway.Unity.Tests
                 "to drive",
                 () =>
                 {
-                    if (driver.State == DriveState.Failed)
+                    if (driver.State == DriveState.Failed || driver.State == DriveState.Idle)
                     {
                         driver.SetTarget(Vector3.left); // a machine that is busy with other things took too long
                     }
