@@ -66,13 +66,14 @@ class _Reader:
         self._depth = 0
         self._max_depth = max_depth
         self._max_items = max_items
+        self._max_singles = min(max_items, MAX_SINGLE_ITEMS)
         self._singles = 0
         self._numbers = 0  # in typed arrays
 
     def item(self) -> object:
         self._singles += 1
-        if self._singles > MAX_SINGLE_ITEMS:
-            limit = f"over {MAX_SINGLE_ITEMS} items; send numbers as typed arrays (RFC 8746)"
+        if self._singles > self._max_singles:
+            limit = f"over {self._max_singles} items; send numbers as typed arrays (RFC 8746)"
             raise CborError(f"frame has {limit}")
         self._start = self._at
         try:
@@ -175,8 +176,8 @@ class _Reader:
         if len(octets) % dtype.itemsize:
             self._refuse(f"a typed array of {len(octets)} bytes for numbers of {dtype.itemsize}")
         self._numbers += len(octets) // dtype.itemsize
-        if self._numbers > self._max_items:
-            raise CborError(f"frame has over {self._max_items} numbers in typed arrays")
+        if self._numbers + self._singles > self._max_items:
+            raise CborError(f"frame has over {self._max_items} items and numbers in typed arrays")
         return np.frombuffer(octets, dtype).tolist()
 
     def _enter(self) -> None:

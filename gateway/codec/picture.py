@@ -11,7 +11,7 @@ from gateway.codec import cbor
 from gateway.codec.cdr.bounds import MAX_CDR_BYTES
 from gateway.codec.compressed_images import decompress
 from gateway.codec.image import ImageOptions, compress
-from gateway.codec.image_encodings import ImageError, RawImage
+from gateway.codec.image_encodings import RawImage
 from gateway.codec.json import dumps
 from gateway.codec.types import MessageType
 
@@ -71,13 +71,7 @@ def pixel_maker(compressed_type: MessageType, image_type: MessageType) -> Callab
 
     def make(cdr: bytes) -> bytes:
         values = cast("dict[str, Any]", decode(cdr))
-        image = decompress(values["format"], values["data"])
-        size = len(image.data)
-        if size > MAX_CDR_BYTES:
-            raise ImageError(
-                f"a picture of {image.width}x{image.height} px has {size} bytes of pixels,"
-                f" at most {MAX_CDR_BYTES} go into a message"
-            )
+        image = decompress(values["format"], values["data"], MAX_CDR_BYTES)
         without_pixels = encode(
             {
                 "header": values["header"],
@@ -89,7 +83,7 @@ def pixel_maker(compressed_type: MessageType, image_type: MessageType) -> Callab
             0,
         )
         # `data` is the last field: its count is the last four bytes. One copy instead of three.
-        return b"".join((without_pixels[:-4], pack("<I", size), image.data))
+        return b"".join((without_pixels[:-4], pack("<I", len(image.data)), image.data))
 
     return make
 

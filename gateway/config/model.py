@@ -107,7 +107,8 @@ class ImagesConfig(Section):
     )
     workers: Annotated[int, Field(ge=1, le=64)] = Field(
         2,
-        description="threads that encode, beside the event loop; OpenCV lets them run in parallel",
+        description="threads that encode and decode, beside the event loop; OpenCV lets them run in"
+        " parallel",
     )
 
 

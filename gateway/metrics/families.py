@@ -144,7 +144,8 @@ FAMILIES: Final[tuple[Family, ...]] = (
     Family(
         "operations_replaced",
         "counter",
-        "Messages to publish that a newer one replaced, as the client was behind.",
+        "Messages to publish that a newer one replaced, as the client was behind,"
+        " or a picture was being decoded.",
         _one(lambda state: state.totals.replaced),
     ),
     Family(

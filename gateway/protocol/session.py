@@ -270,7 +270,7 @@ def _object(data: bytes, max_depth: int, max_items: int) -> dict[str, object]:
 
 def _hint(data: bytes) -> str:
     """Return what else to do about a frame that is no JSON."""
-    if data[:1] >= b"\x80":
+    if b"\x80" <= data[:1] < b"\xa0":  # as no UTF-8 does, but an array of CBOR
         return "; what is CBOR begins with a map"
     return "" if data[:64].lstrip()[:1] in {b"{", b"["} else "; send help for lines to try"
 

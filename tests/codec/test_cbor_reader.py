@@ -133,9 +133,17 @@ def test_small_typed_arrays_count_as_the_items_whose_time_they_take():
 
 def test_numbers_in_typed_arrays_are_bounded_together():
     data = cbor2.dumps([typed(np.zeros(50, "<f4"))] * 2)
-    assert loads(data, max_items=100) == [[0.0] * 50] * 2
-    with pytest.raises(CborError, match="over 99 numbers in typed arrays"):
-        loads(data, max_items=99)
+    others = 11  # the array, and five for each of those within
+    assert loads(data, max_items=100 + others) == [[0.0] * 50] * 2
+    with pytest.raises(CborError, match="over 110 items and numbers in typed arrays"):
+        loads(data, max_items=99 + others)
+
+
+def test_the_operators_bound_on_items_is_kept():
+    data = cbor2.dumps([0] * 9)
+    assert loads(data, max_items=10) == [0] * 9
+    with pytest.raises(CborError, match="over 9 items"):
+        loads(data, max_items=9)
 
 
 @pytest.mark.parametrize("name", [row.name for row in Table.load().rows])

@@ -88,6 +88,8 @@ class Publications:
         """
         topic = resolve_topic(request.topic, session.limits.max_name_characters)
         if topic in self._commands:
+            if request.has_pictures:
+                self._pictures.check(self._types.named(request.type))
             self._commands.advertise(session, topic, request)
             return
         known = self._advertised.get(session, {}).get(topic)

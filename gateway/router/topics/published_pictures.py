@@ -24,16 +24,18 @@ _OF_PICTURES: Final = frozenset({"width", "height", "depth_range_m"})
 
 
 class PublishedPictures:
-    """Has one picture of each client decoded at a time, so that none takes all workers.
+    """Has one picture decoded at a time, of the clients in turn: subscribers need the workers, too.
 
-    Meanwhile the newest picture of each topic waits; what it replaces is counted with the client's
-    other messages that were replaced by newer ones.
+    Meanwhile the newest picture of each topic waits, as long as those of a client are no longer
+    than one message may be; what is dropped is counted with the client's other messages that were
+    replaced by newer ones.
     """
 
     def __init__(self, ros: Ros, types: TopicTypes, workers: Executor) -> None:
         self._ros = ros
         self._types = types
         self._workers = workers
+        self._turn = asyncio.Semaphore()
         self._waiting: dict[Session, dict[TopicName, _Picture]] = {}
         self._working: dict[Session, asyncio.Task[None]] = {}
 
@@ -64,8 +66,13 @@ class PublishedPictures:
         except CodecError as error:
             raise ProtocolError("invalid_value", str(error)) from error
         waiting = self._waiting.setdefault(session, {})
-        session.replaced += topic in waiting
-        waiting[topic] = _Picture(request, cdr, send)
+        replaced = waiting.pop(topic, None)
+        session.replaced += replaced is not None
+        # without the message: it is as long as its CDR
+        waiting[topic] = _Picture(request.model_copy(update={"msg": None}), cdr, send)
+        while sum(len(each.cdr) for each in waiting.values()) > session.limits.max_message_bytes:
+            del waiting[next(iter(waiting))]
+            session.replaced += 1
         if session not in self._working:
             self._working[session] = asyncio.create_task(self._work(session, waiting))
 
@@ -92,10 +99,11 @@ class PublishedPictures:
         self, session: Session, make: Callable[[bytes], bytes], picture: "_Picture"
     ) -> None:
         loop = asyncio.get_running_loop()
-        try:
-            cdr = await loop.run_in_executor(self._workers, make, picture.cdr)
-        except CodecError as error:
-            raise ProtocolError("invalid_value", f"msg.data: {error}") from error
+        async with self._turn:
+            try:
+                cdr = await loop.run_in_executor(self._workers, make, picture.cdr)
+            except CodecError as error:
+                raise ProtocolError("invalid_value", f"msg.data: {error}") from error
         start_s = time.monotonic()
         picture.send(cdr)
         now_s = time.monotonic()

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pictures that clients publish, and the pixels that ROS gets of them."""
 
-import asyncio
 import base64
 import threading
 from collections.abc import Iterator, Sequence
@@ -16,9 +15,10 @@ from gateway.codec.picture import pixel_maker
 from gateway.ports import Sample
 from gateway.router.topics import published_pictures
 from tests.client import eventually
-from tests.router.conftest import Bench, Socketless
+from tests.router.conftest import LIMITS, Bench, Socketless
 
 IMAGE = "sensor_msgs/msg/Image"
+TWIST = "geometry_msgs/msg/Twist"
 TOPIC = "/screen"
 COLOURS = np.random.default_rng(1).integers(0, 256, (6, 8, 3), np.uint8)
 
@@ -54,25 +54,39 @@ def publish(client: Socketless, msg: object, topic: str = TOPIC, **more: object)
     client.send(op="publish", topic=topic, msg=msg, **more)
 
 
-@pytest.fixture
-def held(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[threading.Event]]:
-    """Let each picture wait in its worker for an event of its own; return the events in order."""
-    events: list[threading.Event] = []
+class Held:
+    """Pictures that wait in their worker until they may go on."""
 
-    def make(*types: Any) -> Any:
+    def __init__(self) -> None:
+        self.begun: list[str] = []  # their formats
+        self.done: list[str] = []
+        self._may_go_on = threading.Semaphore(0)
+
+    def release(self, count: int = 1) -> None:
+        self._may_go_on.release(count)
+
+    def make(self, *types: Any) -> Any:
         decode = pixel_maker(*types)
+        format_of = types[0].decoder(("format",))
 
         def wait(cdr: bytes) -> bytes:
-            events.append(threading.Event())
-            assert events[-1].wait(60)
-            return decode(cdr)
+            name = format_of(cdr)["format"]
+            self.begun.append(name)
+            assert self._may_go_on.acquire(timeout=60)
+            try:
+                return decode(cdr)
+            finally:
+                self.done.append(name)
 
         return wait
 
-    monkeypatch.setattr(published_pictures, "pixel_maker", make)
-    yield events
-    for event in events:
-        event.set()
+
+@pytest.fixture
+def held(monkeypatch: pytest.MonkeyPatch) -> Iterator[Held]:
+    held = Held()
+    monkeypatch.setattr(published_pictures, "pixel_maker", held.make)
+    yield held
+    held.release(100)
 
 
 @pytest.mark.parametrize(
@@ -147,6 +161,11 @@ async def test_what_is_no_picture_is_refused_in_words(bench: Bench, msg, words):
 
 async def test_only_images_are_made_of_pictures(bench: Bench):
     client = bench.client()
+    client.send(op="advertise", topic="/cmd_vel", type=TWIST, image={"format": "jpeg"})
+    assert client.statuses == [
+        ("bad_request", f"image: {TWIST} takes no pictures, only {IMAGE} does")
+    ]
+    client = bench.client()
     client.send(op="advertise", topic="/a", type="std_msgs/String", image={"format": "jpeg"})
     client.send(op="advertise", topic="/b", type=IMAGE, image={"format": "gif"})
     client.send(op="advertise", topic="/b", type=IMAGE, image={})
@@ -172,51 +191,73 @@ async def test_an_advertisement_takes_one_or_the_other(bench: Bench):
     assert client.statuses[1:] == [("type_conflict", "topic /raw is advertised for plain messages")]
 
 
-async def test_while_one_is_decoded_the_newest_waits(bench: Bench, held: list[threading.Event]):
+def named(name: str) -> dict[str, Any]:
+    return message() | {"format": name}
+
+
+async def test_while_one_is_decoded_the_newest_waits(bench: Bench, held: Held):
     heard = listen(bench)
     client = advertising(bench)
-    for number in range(5):
-        publish(client, message(header={"frame_id": str(number)}))
-        if number == 0:
-            await eventually(lambda: len(held) == 1)
+    publish(client, named("0"))
+    await eventually(lambda: held.begun == ["0"])
+    for number in range(1, 5):
+        publish(client, named(str(number)))
     assert client.session.replaced == 3
-    held[0].set()
-    await eventually(lambda: len(held) == 2)
-    held[1].set()
+    held.release(2)
     await eventually(lambda: len(heard) == 2)
-    assert [image["header"]["frame_id"] for image in heard] == ["0", "4"]
+    assert held.begun == ["0", "4"]
 
 
-async def test_a_client_has_one_worker_for_all_its_topics_and_another_has_its_own(
-    bench: Bench, held: list[threading.Event]
-):
+async def test_clients_take_turns_and_one_worker_is_left_for_others(bench: Bench, held: Held):
     first, second = advertising(bench), advertising(bench, "/other")
     first.send(op="advertise", topic="/third", type=IMAGE, image={"format": "png"})
-    publish(first, message())
-    publish(first, message(), "/third")
-    await eventually(lambda: len(held) == 1)
-    heard = listen(bench, "/other")
-    publish(second, message(), "/other")
-    await eventually(lambda: len(held) == 2)
-    held[1].set()
-    await eventually(lambda: len(heard) == 1)
-    assert len(held) == 2
+    publish(first, named("first"))
+    await eventually(lambda: held.begun == ["first"])
+    publish(first, named("again"))
+    publish(first, named("third"), "/third")
+    publish(second, named("second"), "/other")
+    await bench.settle()
+    assert held.begun == ["first"]
+    for count in range(1, 4):
+        held.release()
+        await eventually(lambda count=count: len(held.begun) == count + 1)
+    assert held.begun == ["first", "second", "again", "third"]
+
+
+async def test_what_waits_of_a_client_is_no_longer_than_a_message_may_be(bench: Bench, held: Held):
+    client = advertising(bench)
+    publish(client, named("first"))
+    await eventually(lambda: held.begun == ["first"])
+    half = LIMITS.max_message_bytes // 2
+    long = {"format": "long", "data": base64.b64encode(bytes(half)).decode()}
+    for topic in ("/a", "/b"):
+        client.send(op="advertise", topic=topic, type=IMAGE, image={"format": "png"})
+        publish(client, long, topic)
+    waiting = bench.router._publications._pictures._waiting[client.session]
+    assert client.statuses == []
+    assert list(waiting) == ["/b"]
+    assert waiting["/b"].request.msg is None  # nor is it kept twice
+    assert client.session.replaced == 1
 
 
 @pytest.mark.parametrize("ends", ["unadvertise", "leave"])
 async def test_pictures_that_are_ready_too_late_are_not_published(
-    bench: Bench, held: list[threading.Event], ends: str
+    bench: Bench, held: Held, ends: str
 ):
     heard = listen(bench)
     client = advertising(bench)
-    publish(client, message())
-    await eventually(lambda: len(held) == 1)
-    publish(client, message())  # waits
+    publish(client, named("late"))
+    await eventually(lambda: held.begun == ["late"])
+    publish(client, named("waits"))
     if ends == "leave":
         bench.router.leave(client.session)
     else:
         client.send(op="unadvertise", topic=TOPIC)
-    held[0].set()
-    await asyncio.sleep(0.05)  # what should not come has its chance
-    assert len(held) == 1
+    held.release(2)
+    await eventually(lambda: held.done == ["late"])
+    other, others = advertising(bench, "/other"), listen(bench, "/other")
+    held.release()
+    publish(other, named("other"), "/other")  # has its turn when nothing of the first waits
+    await eventually(lambda: len(others) == 1)
+    assert held.begun == ["late", "other"]
     assert (heard, client.frames) == ([], [])
