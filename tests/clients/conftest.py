@@ -57,12 +57,14 @@ async def client(
 ) -> AsyncIterator[Connection]:
     """A connection of each library in turn, which has nothing to complain about.
 
-    It ends before the robot: roslibpy complains of a status that a publisher is gone.
+    It ends before the robot, as roslib shows the status that a publisher is gone.
     """
     del robot
     connection = library.connection()
     await connection.connect(gateway)
     yield connection
     await connection.close()
-    assert library.take("warning") == []
+    # roslibpy knows no status, and may hear one even when it has begun to close
+    complaints = (str(each) for each in library.take("warning"))
+    assert [each for each in complaints if 'operation "status"' not in each] == []
     library.events.clear()

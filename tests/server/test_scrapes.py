@@ -2,6 +2,7 @@
 """The metrics, asked for as Prometheus does."""
 
 import asyncio
+import socket
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
@@ -54,7 +55,12 @@ METRICS = b"GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n"
 
 async def ask(served: Served) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
     """Ask for a page, and read nothing yet."""
-    reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
+    connection = socket.socket()
+    # else the kernel may take a whole page of 8 MB
+    connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 64 * 1024)
+    connection.setblocking(False)
+    await asyncio.get_running_loop().sock_connect(connection, ("127.0.0.1", served.port))
+    reader, writer = await asyncio.open_connection(sock=connection)
     writer.write(METRICS)
     return reader, writer
 
