@@ -9,12 +9,14 @@ import json
 import os
 import re
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Final, Literal, get_args
 
 from schemas.definition import Definition, DefinitionError, parse_definition
+from schemas.folders import find_definitions
 from schemas.guess import MAX_GUESSED, guess, guess_text
 from schemas.idl import parse_idl_interface, parse_idl_message
 from schemas.interface import ROLES, Interface, InterfaceKind, Role, parse_interface, part_name
@@ -30,6 +32,7 @@ _EXPECTED: Final = {
     "action": "action type name: expected pkg/action/Name",
 }
 _IDL: Final = "idl"
+MAX_DEFINITION_BYTES: Final = 256 * 1024  # the largest in use have 10 kB
 
 
 class UnknownTypeError(LookupError):
@@ -62,11 +65,17 @@ class InstalledDefinitions:
     """The definitions below some prefixes, read on first use and then kept.
 
     An earlier prefix hides a later one, like an overlay in ROS. A package may have its definitions
-    as `.idl` files alone.
+    as `.idl` files alone. What no prefix has may be in one of *folders*, which are searched at
+    once; see `schemas.folders.find_definitions` for that, and for what it raises.
     """
 
-    def __init__(self, prefixes: Sequence[Path] | None = None) -> None:
+    def __init__(
+        self, prefixes: Sequence[Path] | None = None, folders: Iterable[Path] = ()
+    ) -> None:
         self._prefixes = installed_prefixes() if prefixes is None else tuple(prefixes)
+        self._in_folders: dict[tuple[str, str, str], Path] = {}
+        for found in chain.from_iterable(map(find_definitions, folders)):
+            self._in_folders.setdefault(found[:3], found.path)
         self._known: dict[str, Definition] = {}
         self._interfaces: dict[str, Interface] = {}
         self._listed: dict[Kind, Mapping[str, Sequence[str]]] = {}
@@ -166,6 +175,9 @@ class InstalledDefinitions:
                 for path in prefix.glob(f"share/*/{kind}/*.*"):
                     if path.suffix[1:] in {kind, _IDL}:
                         found.setdefault(path.parts[-3], set()).add(path.stem)
+            for package, its_kind, short_name in self._in_folders:
+                if its_kind == kind:
+                    found.setdefault(package, set()).add(short_name)
             listed = {package: sorted(found[package]) for package in sorted(found)}
             self._listed[kind] = listed
         return listed
@@ -184,21 +196,30 @@ class InstalledDefinitions:
 
     def _find(self, name: str) -> "_Found":
         """Read the file of ``pkg/KIND/Name``, and the hashes beside it."""
+        try:
+            for path in self._places(name):
+                if path.is_file():
+                    if path.stat().st_size > MAX_DEFINITION_BYTES:
+                        reason = f"the definition of {name} has over {MAX_DEFINITION_BYTES} bytes"
+                        raise UnknownTypeError(name, reason)
+                    # invalid UTF-8 is in comments, where it is harmless
+                    text = path.read_text(encoding="utf-8", errors="replace")
+                    hashes = _type_hashes(path.with_suffix(".json"))
+                    return _Found(text, path.suffix[1:] == _IDL, hashes)
+        except OSError as error:  # a name longer than any file's, a file that is not ours
+            reason = f"no definition of {name} can be read: {error.strerror}"
+            raise UnknownTypeError(name, reason) from error
+        raise UnknownTypeError(name, f"no definition of {name} is installed")
+
+    def _places(self, name: str) -> Iterator[Path]:
         package, kind, short_name = name.split("/")
         for prefix in self._prefixes:
             # rosidl writes IDL beside each .msg file, which has the comments as they were written
             for suffix in (kind, _IDL):
-                path = prefix / "share" / package / kind / f"{short_name}.{suffix}"
-                try:
-                    if path.is_file():
-                        # invalid UTF-8 is in comments, where it is harmless
-                        text = path.read_text(encoding="utf-8", errors="replace")
-                        hashes = _type_hashes(path.with_suffix(".json"))
-                        return _Found(text, suffix == _IDL, hashes)
-                except OSError as error:  # a name longer than any file's, a file that is not ours
-                    reason = f"no definition of {name} can be read: {error.strerror}"
-                    raise UnknownTypeError(name, reason) from error
-        raise UnknownTypeError(name, f"no definition of {name} is installed")
+                yield prefix / "share" / package / kind / f"{short_name}.{suffix}"
+        known = self._in_folders.get((package, kind, short_name))
+        if known is not None:
+            yield known
 
 
 def _roles_of(interface: str, kind: InterfaceKind | None = None) -> tuple[Role, ...]:

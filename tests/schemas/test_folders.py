@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: Apache-2.0
+from pathlib import Path
+
+import pytest
+
+from schemas import folders
+from schemas.folders import SHIPPED, TooManyFoldersError, find_definitions
+from schemas.installed import (
+    MAX_DEFINITION_BYTES,
+    InstalledDefinitions,
+    UnknownTypeError,
+    installed_prefixes,
+)
+from schemas.type_hash import type_hash
+from tests import interfaces
+
+NAME = "my_msgs/msg/Lamp"
+HASHES = {  # as `ros2 topic info -v` shows them at robots
+    "tf2_msgs/msg/TFMessage": (
+        "RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087"
+    )
+}
+
+
+def write(path: Path, text: str = "bool on\n") -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text)
+
+
+def names(folder: Path) -> list[str]:
+    return [f"{each.package}/{each.kind}/{each.name}" for each in find_definitions(folder)]
+
+
+@pytest.mark.parametrize(
+    "place",
+    [
+        "src/robot/my_msgs/msg",  # of a workspace
+        "install/my_msgs/share/my_msgs/msg",  # colcon's, each package for itself
+        "install/share/my_msgs/msg",  # and merged
+        "my_msgs/msg",
+        "msg",
+    ],
+)
+def test_definitions_are_found_at_any_depth(tmp_path: Path, place: str):
+    folder = tmp_path / "my_msgs"
+    write(folder / place / "Lamp.msg")
+    assert names(folder) == [NAME]
+
+
+def test_the_package_is_named_by_its_file(tmp_path: Path):
+    write(tmp_path / "lamps-2.0/package.xml", "<package><name> my_msgs </name></package>")
+    write(tmp_path / "lamps-2.0/msg/Lamp.msg")
+    write(tmp_path / "other-1.0/msg/Lamp.msg")  # has none, and the folder's name is not one
+    assert names(tmp_path) == [NAME]
+
+
+def test_each_kind_has_its_files_and_plain_ones_come_before_idl(tmp_path: Path):
+    for file in ("msg/Lamp.idl", "msg/Lamp.msg", "msg/Lamp.json", "msg/lamp.msg", "msg/A.srv"):
+        write(tmp_path / "my_msgs" / file)
+    for file in ("srv/Set.srv", "action/Dim.action", "action/Dim_2.action", "other/B.msg"):
+        write(tmp_path / "my_msgs" / file)
+    found = [each.path.relative_to(tmp_path / "my_msgs") for each in find_definitions(tmp_path)]
+    assert list(map(str, found)) == [
+        "action/Dim.action",
+        "msg/Lamp.msg",
+        "msg/Lamp.idl",
+        "srv/Set.srv",
+    ]
+
+
+def test_what_is_hidden_or_ignored_is_left_out(tmp_path: Path):
+    write(tmp_path / "COLCON_IGNORE")  # of the folder that was named: it is meant
+    for place in (".git", "build", "log"):
+        write(tmp_path / place / "my_msgs/msg/Lamp.msg")
+    for mark in ("build/COLCON_IGNORE", "log/AMENT_IGNORE"):
+        write(tmp_path / mark)
+    assert names(tmp_path) == []
+
+
+def test_links_are_followed_and_end(tmp_path: Path):
+    write(tmp_path / "elsewhere/my_msgs/msg/Lamp.msg")
+    (tmp_path / "src").mkdir()
+    (tmp_path / "src/linked").symlink_to(tmp_path / "elsewhere")
+    (tmp_path / "src/circle").symlink_to(tmp_path / "src")
+    assert names(tmp_path / "src") == [NAME]
+
+
+def test_a_folder_with_too_much_below_it_is_refused(tmp_path: Path, monkeypatch):
+    monkeypatch.setattr(folders, "MAX_FOLDERS", 3)
+    write(tmp_path / "my_msgs/msg/Lamp.msg")
+    assert names(tmp_path) == [NAME]
+    write(tmp_path / "other/file")
+    with pytest.raises(TooManyFoldersError, match="over 3 folders below it"):
+        names(tmp_path)
+
+
+@pytest.mark.parametrize("path", ["nowhere", "file"])
+def test_what_is_no_folder_raises(tmp_path: Path, path: str):
+    write(tmp_path / "file")
+    with pytest.raises(OSError, match=r"No such file|Not a directory"):
+        names(tmp_path / path)
+
+
+def test_definitions_of_folders_are_used_where_no_prefix_has_the_type(tmp_path: Path):
+    write(tmp_path / "prefix/share/my_msgs/msg/Lamp.msg", "bool on\n")
+    write(tmp_path / "first/my_msgs/msg/Lamp.msg", "bool other\n")
+    write(tmp_path / "first/my_msgs/msg/Bulb.msg", "my_msgs/Lamp lamp\n")
+    write(tmp_path / "second/my_msgs/msg/Bulb.msg", "bool other\n")
+    write(tmp_path / "second/my_msgs/srv/Set.srv", "bool on\n---\n")
+    definitions = InstalledDefinitions(
+        [tmp_path / "prefix"], [tmp_path / "first", tmp_path / "second"]
+    )
+    assert [field.name for field in definitions.get(NAME).fields] == ["on"]
+    assert [field.name for field in definitions.get("my_msgs/msg/Bulb").fields] == ["lamp"]
+    assert definitions.all_names() == ["my_msgs/msg/Bulb", NAME, "my_msgs/srv/Set"]
+    assert definitions.nearest("my_msgs/msg/Bulp") == "my_msgs/msg/Bulb"
+    with pytest.raises(UnknownTypeError):
+        definitions.get("my_msgs/msg/Other")
+
+
+def test_a_definition_that_is_too_long_is_not_read(tmp_path: Path):
+    write(tmp_path / "my_msgs/msg/Lamp.msg", "#" * (MAX_DEFINITION_BYTES - 8) + "\nbool on")
+    write(tmp_path / "my_msgs/msg/Bulb.msg", "#" * (MAX_DEFINITION_BYTES - 7) + "\nbool on")
+    definitions = InstalledDefinitions([], [tmp_path])
+    assert [field.name for field in definitions.get(NAME).fields] == ["on"]
+    with pytest.raises(UnknownTypeError, match="Bulb has over 262144 bytes"):
+        definitions.get("my_msgs/msg/Bulb")
+
+
+def test_sources_have_the_hash_of_what_is_built_of_them():
+    built = InstalledDefinitions()
+    if not built.names(["tf2_msgs", "idl_msgs"]):
+        pytest.skip(interfaces.HOW)
+    installed = [path for path in built._prefixes if "interfaces" not in str(path)]
+    sources = InstalledDefinitions(installed, [interfaces.FOLDER])
+    for name in built.names(["tf2_msgs", "idl_msgs"]):
+        assert sources.get(name).type_hash is None
+        assert type_hash(sources.get(name), sources) == built.get(name).type_hash
+
+
+def test_what_is_shipped_has_the_hash_of_what_robots_have():
+    shipped = InstalledDefinitions(installed_prefixes()[-1:], [SHIPPED])
+    names = [f"{each.package}/{each.kind}/{each.name}" for each in find_definitions(SHIPPED)]
+    assert names == ["tf2_msgs/msg/TFMessage"]
+    for name in names:
+        assert type_hash(shipped.get(name), shipped) == HASHES[name]
