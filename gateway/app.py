@@ -14,6 +14,7 @@ from contextlib import AsyncExitStack, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from importlib.metadata import version
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final
 
@@ -34,6 +35,7 @@ from gateway.router.router import Router
 from gateway.security import Security, open_security
 from gateway.server.admission import Admission
 from gateway.server.server import Server
+from schemas.folders import SHIPPED
 from schemas.installed import InstalledDefinitions, installed_prefixes
 from schemas.table import Table
 
@@ -102,11 +104,12 @@ async def _serve(
     async with AsyncExitStack() as stack:
         end_by_force = stack.enter_context(_forced_end())
         security = stack.enter_context(open_security(config))
-        ros = await _open_ros(stack, config)
+        definitions = _definitions(config)
+        ros = await _open_ros(stack, config, definitions)
         stack.enter_context(_logging_to(ros))
         workers = stack.enter_context(_workers(config.images.workers))
         guard = await stack.enter_async_context(_guard(config))
-        types = Types(InstalledDefinitions([*installed_prefixes(), interfaces_prefix()]))
+        types = Types(definitions)
         router = Router(
             ros,
             types,
@@ -156,9 +159,24 @@ async def _serve(
     return 0
 
 
-async def _open_ros(stack: AsyncExitStack, config: Config) -> Ros:
+def _definitions(config: Config) -> InstalledDefinitions:
+    prefixes = [*installed_prefixes(), interfaces_prefix()]
+    folders = [*(Path(path).expanduser() for path in config.types.paths), SHIPPED]
     try:
-        return await stack.enter_async_context(open_ros(_ros_options(config)))
+        return InstalledDefinitions(prefixes, folders)
+    except OSError as error:
+        place = f"{error.filename}: " if error.filename else ""
+        raise ConfigError(f"types.paths: {place}{(error.strerror or '').lower()}") from error
+
+
+async def _open_ros(
+    stack: AsyncExitStack, config: Config, definitions: InstalledDefinitions
+) -> Ros:
+    has_tf = find_spec("tf2_msgs") is not None  # else what is shipped is of use
+    makes_types = bool(config.types.paths) or not has_tf
+    try:
+        opening = open_ros(_ros_options(config), definitions, makes_types=makes_types)
+        return await stack.enter_async_context(opening)
     except RosError as error:
         text = str(error).strip()
         is_peer = "resolve peer" in text  # as Fast DDS says it

@@ -7,7 +7,7 @@ the type and of all nested types; defaults, constants and comments do not change
 
 import hashlib
 import json
-from typing import Final
+from typing import Any, Final
 
 from schemas.definition import Definition, Field, FieldType
 from schemas.installed import InstalledDefinitions
@@ -58,16 +58,26 @@ def computed_type_hash(definition: Definition, definitions: InstalledDefinitions
     Raises:
         UnknownTypeError: a type that it nests is not installed.
     """
+    # The hashed text is part of the standard, separators included.
+    text = json.dumps(type_description(definition, definitions), separators=(", ", ": "))
+    return f"RIHS01_{hashlib.sha256(text.encode()).hexdigest()}"
+
+
+def type_description(definition: Definition, definitions: InstalledDefinitions) -> dict[str, Any]:
+    """Return what a node says of a type: a type_description_interfaces/msg/TypeDescription.
+
+    It has no default values, which do not change the hash.
+
+    Raises:
+        UnknownTypeError: a type that it nests is not installed.
+    """
     nested = definitions.closure(definition.nested())
-    description = {
+    return {
         "type_description": _description(definition),
         "referenced_type_descriptions": [
             _description(other) for other in sorted(nested, key=lambda other: other.name)
         ],
     }
-    # The hashed text is part of the standard, separators included.
-    text = json.dumps(description, separators=(", ", ": "))
-    return f"RIHS01_{hashlib.sha256(text.encode()).hexdigest()}"
 
 
 def _description(definition: Definition) -> dict[str, object]:

@@ -112,6 +112,17 @@ class ImagesConfig(Section):
     )
 
 
+class TypesConfig(Section):
+    """The types of messages beside those of installed packages."""
+
+    paths: tuple[str, ...] = Field(
+        (),
+        description="folders with definitions of packages that are not installed here, such as a"
+        " workspace's `src` or `install`; topics of their types can be used all the same",
+        json_schema_extra={"expected": "folders such as ~/ws/src"},
+    )
+
+
 class Config(Section):
     """The whole configuration; with the defaults the gateway serves this machine alone."""
 
@@ -159,3 +170,4 @@ class Config(Section):
     limits: Limits = Limits()
     control: ControlConfig = ControlConfig()
     images: ImagesConfig = ImagesConfig()
+    types: TypesConfig = TypesConfig()

@@ -6,6 +6,7 @@ Importing this needs no rclpy, opening does.
 The map is docs/architecture.md.
 """
 
+import asyncio
 import contextlib
 from collections.abc import AsyncIterator
 
@@ -13,13 +14,23 @@ from gateway.errors import RosMissingError
 from gateway.ports import Ros
 from gateway.ros.options import RosOptions
 from gateway.ros.shared_memory import check_room, remove_abandoned_segments
+from schemas.installed import InstalledDefinitions
 
 __all__ = ["RosOptions", "open_ros"]
 
 
 @contextlib.asynccontextmanager
-async def open_ros(options: RosOptions | None = None) -> AsyncIterator[Ros]:
+async def open_ros(
+    options: RosOptions | None = None,
+    definitions: InstalledDefinitions | None = None,
+    *,
+    makes_types: bool = False,
+) -> AsyncIterator[Ros]:
     """Take part in ROS on the running loop, until the context ends, however it ends.
+
+    With *definitions*, publishers and subscribers that have another definition of a type are told
+    of. If it *makes_types*, topics of types that are defined and not installed can be used;
+    whether this ROS allows it is tried first, for a second.
 
     Several at once and one after another are fine. Starting blocks the loop for some tenths of a
     second, ending for some hundredths: DDS opens and closes its sockets and threads.
@@ -34,10 +45,17 @@ async def open_ros(options: RosOptions | None = None) -> AsyncIterator[Ros]:
         import rclpy  # noqa: F401
     except ImportError as error:
         raise RosMissingError(str(error)) from error
+    from gateway.ros.message_classes import MessageClasses, why_types_cannot_be_made
     from gateway.ros.port import RclpyRos
 
-    ros = RclpyRos(RosOptions() if options is None else options)
-    try:
+    classes = MessageClasses(definitions)
+    # DDS opens its sockets while the other process tries
+    trying = asyncio.ensure_future(why_types_cannot_be_made()) if makes_types else None
+    with contextlib.ExitStack() as undo:
+        if trying is not None:
+            undo.callback(trying.cancel)
+        ros = RclpyRos(RosOptions() if options is None else options, classes)
+        undo.callback(ros.close)
+        if trying is not None:
+            classes.make_types(await trying)
         yield ros
-    finally:
-        ros.close()

@@ -33,6 +33,7 @@ from gateway.ros.graph import (
     read_nodes,
     read_types,
 )
+from gateway.ros.message_classes import MessageClasses
 from gateway.ros.options import RosOptions, Taking, check_room
 from gateway.ros.publishers import Publishers, RclpyPublisher
 from gateway.ros.qos_events import QosEvents
@@ -61,7 +62,7 @@ class RclpyRos:
     has closed its connections.
     """
 
-    def __init__(self, options: RosOptions) -> None:
+    def __init__(self, options: RosOptions, classes: MessageClasses | None = None) -> None:
         """Start.
 
         Raises:
@@ -69,6 +70,7 @@ class RclpyRos:
         """
         loop = asyncio.get_running_loop()
         self._options = options
+        self._classes = classes or MessageClasses()
         # read from the graph, kept until it changes
         self._graph: Graph | None = None
         self._types: dict[str, tuple[str, ...]] = {}
@@ -97,7 +99,7 @@ class RclpyRos:
             samples = _open_samples(ready_events, subscribing, loop, undo)
             events = QosEvents(loop)
             self._subscriptions = RawSubscriptions(
-                subscribing, samples, events, loop, self._topics_changed
+                subscribing, samples, events, loop, self._topics_changed, self._classes
             )
             undo.callback(self._subscriptions.close)
             self._deferred = DeferredDestruction(loop)
@@ -266,7 +268,9 @@ class RclpyRos:
     def _open_publishers(
         self, node: Node, events: QosEvents, undo: contextlib.ExitStack
     ) -> Publishers:
-        publishers = Publishers(node, self._deferred, self._topics_changed, self._own_nodes, events)
+        publishers = Publishers(
+            node, self._deferred, self._topics_changed, self._own_nodes, events, self._classes
+        )
         undo.callback(publishers.close)
         return publishers
 

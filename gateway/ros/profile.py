@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Conversion between the port's quality of service and rclpy's."""
 
+from typing import Final
+
 from rclpy.duration import Duration
 from rclpy.qos import (
     DurabilityPolicy,
@@ -33,6 +35,9 @@ def to_profile(qos: Qos) -> QoSProfile:
     )
 
 
+_HASHED: Final = "RIHS"  # REP-2011: how a hash begins, of any version
+
+
 def to_endpoint(info: TopicEndpointInfo) -> Endpoint:
     """Convert what discovery knows of a publisher or a subscription.
 
@@ -53,7 +58,13 @@ def to_endpoint(info: TopicEndpointInfo) -> Endpoint:
         lifespan_ns=_nanoseconds(profile.lifespan),
         lease_ns=_nanoseconds(profile.liveliness_lease_duration),
         is_manual=profile.liveliness == LivelinessPolicy.MANUAL_BY_TOPIC,
+        type_hash=_type_hash(info),
     )
+
+
+def _type_hash(info: TopicEndpointInfo) -> str | None:
+    text = str(info.topic_type_hash)
+    return text if text.startswith(_HASHED) else None  # else it is INVALID
 
 
 def endpoint_node(endpoint: TopicEndpointInfo) -> str:

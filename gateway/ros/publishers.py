@@ -18,11 +18,12 @@ from gateway.ros.deferred_destruction import Deferred, DeferredDestruction
 from gateway.ros.errors import REFUSALS, refused, remapped
 from gateway.ros.graph import read_requests
 from gateway.ros.groups import group_of_one
-from gateway.ros.interfaces import message_class
+from gateway.ros.message_classes import MessageClasses
 from gateway.ros.name_checks import check_topic
 from gateway.ros.profile import to_profile
 from gateway.ros.qos import Endpoint, complete_offer, retains, unmatched_subscribers
 from gateway.ros.qos_events import QosEvents, QosWatch
+from gateway.ros.type_versions import other_versions
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,8 +53,10 @@ class Publishers:
         on_change: Callable[[], None],
         own_nodes: Container[str],
         events: QosEvents,
+        classes: MessageClasses,
     ) -> None:
         self._node = node
+        self._classes = classes
         self._own_nodes = own_nodes
         self._events = events
         self._loop = asyncio.get_running_loop()
@@ -124,6 +127,10 @@ class Publishers:
             for handle in handles:
                 handle.report(subscribers)
 
+    def hash_of(self, type_name: str) -> str | None:
+        """Return the hash of a type, see `MessageClasses.hash_of`."""
+        return self._classes.hash_of(type_name)
+
     def is_open(self, handle: "RclpyPublisher") -> bool:
         """Return whether a handle is not released yet."""
         return handle in self._handles
@@ -161,7 +168,7 @@ class Publishers:
             handle.close()
 
     def _create(self, key: _Key) -> Any:
-        found = message_class(key.type_name)
+        found = self._classes.get(key.type_name)
         try:
             publisher = self._node.create_publisher(
                 found,
@@ -201,7 +208,10 @@ class RclpyPublisher:
         """Report each subscription that gets nothing, once for as long as that lasts."""
         key = self.key
         known = self._reported
-        self._reported = unmatched_subscribers(key.topic, key.type_name, key.qos, subscribers)
+        unmatched = unmatched_subscribers(key.topic, key.type_name, key.qos, subscribers)
+        own_hash = self._publishers.hash_of(key.type_name)
+        others = other_versions(key.topic, key.type_name, own_hash, subscribers)
+        self._reported = [*unmatched, *others]
         for reason in self._reported:
             if reason not in known and self._publishers.is_open(self):  # a callback may close it
                 self.on_event(reason)

@@ -48,6 +48,7 @@ class Endpoint:
     lifespan_ns: int | None = None
     lease_ns: int | None = None
     is_manual: bool = False  # of liveliness: MANUAL_BY_TOPIC
+    type_hash: str | None = None  # REP-2011; None: not reported, as before Iron
 
 
 def adopt(asked: Qos, offers: Sequence[Endpoint], current: Qos | None = None) -> Qos:
@@ -121,7 +122,7 @@ def unmatched_publishers(
     """Describe the publishers that a subscription gets nothing from, each reason once."""
 
     def reasons() -> Iterator[TopicEvent]:
-        for publisher in _introduced(publishers):
+        for publisher in introduced(publishers):
             node = publisher.node
             if publisher.type_name != type_name:  # the policies of another type do not matter
                 published = publisher.type_name
@@ -143,7 +144,7 @@ def unmatched_subscribers(
     """Describe the subscriptions that get nothing from a publisher, each reason once."""
 
     def reasons() -> Iterator[TopicEvent]:
-        for subscriber in _introduced(subscribers):
+        for subscriber in introduced(subscribers):
             node = subscriber.node
             if subscriber.type_name != type_name:
                 wanted = subscriber.type_name
@@ -158,7 +159,7 @@ def unmatched_subscribers(
     return list(dict.fromkeys(reasons()))
 
 
-def _introduced(endpoints: Iterable[Endpoint]) -> Iterable[Endpoint]:
+def introduced(endpoints: Iterable[Endpoint]) -> Iterable[Endpoint]:
     """Leave out those whose node is not known yet: its name follows within milliseconds."""
     return (endpoint for endpoint in endpoints if endpoint.node != UNKNOWN_NODE)
 
@@ -246,7 +247,7 @@ def _period(nanoseconds: int | None) -> int | None:
 
 def gone(topic: str, before: Iterable[Endpoint], now: Sequence[Endpoint]) -> list[TopicEvent]:
     """Describe the nodes that have published before and do not now."""
-    left = Counter(each.node for each in _introduced(before))
+    left = Counter(each.node for each in introduced(before))
     left.subtract(each.node for each in now)
     events = []
     for node, number in left.items():

@@ -9,12 +9,13 @@ from rclpy.node import Node
 from gateway.ports import Qos, RosError, Sample, TopicEvent
 from gateway.ros.errors import REFUSALS, refused, remapped
 from gateway.ros.graph import read_offers
-from gateway.ros.interfaces import message_class
+from gateway.ros.message_classes import MessageClasses
 from gateway.ros.name_checks import check_topic
 from gateway.ros.profile import to_profile
 from gateway.ros.qos import Endpoint, adopt, gone, is_same_request, unmatched_publishers
 from gateway.ros.qos_events import QosEvents, QosWatch
 from gateway.ros.samples import Reader, Samples
+from gateway.ros.type_versions import other_versions
 
 
 class RawSubscriptions:
@@ -27,9 +28,11 @@ class RawSubscriptions:
         events: QosEvents,
         loop: asyncio.AbstractEventLoop,
         on_change: Callable[[], None],
+        classes: MessageClasses,
     ) -> None:
         self._node = node
         self.events = events
+        self.classes = classes
         self._on_change = on_change
         self._samples = samples
         self._loop = loop
@@ -124,7 +127,8 @@ class RawSubscription:
         self.topic = topic
         self.type_name = type_name
         self._subscriptions = subscriptions
-        self._message_class = message_class(type_name)
+        self._message_class = subscriptions.classes.get(type_name)
+        self._type_hash = subscriptions.classes.hash_of(type_name)
         self._asked = asked
         self._on_samples = on_samples
         self._on_event = on_event
@@ -178,8 +182,10 @@ class RawSubscription:
     def report(self) -> None:
         """Report each publisher that cannot be matched, once for as long as that lasts."""
         known = self._reported
-        unmatched = unmatched_publishers(self.topic, self.type_name, self.qos, self._offers)
-        self._reported = [*self._refusals, *unmatched]
+        topic, type_name, offers = self.topic, self.type_name, self._offers
+        unmatched = unmatched_publishers(topic, type_name, self.qos, offers)
+        others = other_versions(topic, type_name, self._type_hash, offers)
+        self._reported = [*self._refusals, *unmatched, *others]
         for reason in self._reported:
             if reason not in known and self._reader is not None:  # a callback may close this
                 self._on_event(reason)

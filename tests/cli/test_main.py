@@ -69,6 +69,19 @@ def running(*arguments: str, until: str) -> Iterator[tuple[subprocess.Popen[str]
 
 
 @pytest.mark.parametrize(
+    ("path", "words"),
+    [
+        ("/nowhere", "no such file or directory"),
+        (__file__, "not a directory"),
+        ("/", "over 20000 folders below it"),
+    ],
+)
+def test_a_folder_that_is_none_of_definitions_is_one_sentence(path, words):
+    sentence = f"types.paths: {path}: {words}"
+    assert refusal("serve", "--set", f"types.paths={path}") == (2, sentence)
+
+
+@pytest.mark.parametrize(
     "command", ["serve", "demo", "sim", "mock", "schema", "check-config", "token", "cert"]
 )
 def test_every_command_has_help_with_examples(command):

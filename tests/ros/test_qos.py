@@ -17,6 +17,7 @@ from gateway.ros.qos import (
     unmatched_publishers,
     unmatched_subscribers,
 )
+from gateway.ros.type_versions import other_versions
 from gateway.router.topics.requested_qos import offered
 
 TYPE = "std_msgs/msg/String"
@@ -202,3 +203,18 @@ def test_the_same_reason_is_told_once() -> None:
 def test_a_publisher_whose_node_is_not_known_yet_is_not_told_of() -> None:
     offer = Endpoint(UNKNOWN_NODE, TYPE, "best_effort")
     assert unmatched_publishers("/t", TYPE, Qos("reliable"), [offer]) == []
+
+
+def test_another_definition_of_a_type_is_told_of_once_for_each_node():
+    others = [
+        replace(BEST_EFFORT, node=node, type_hash=hashed)
+        for node, hashed in (("/old", "RIHS01_1"), ("/old", "RIHS01_1"), ("/same", "RIHS01_2"))
+    ]
+    silent = replace(BEST_EFFORT, node="/iron", type_hash=None)
+    of_another_type = replace(others[0], type_name="std_msgs/msg/Empty")
+    unknown = replace(others[0], node=UNKNOWN_NODE)
+    found = other_versions("/t", TYPE, "RIHS01_2", [*others, silent, of_another_type, unknown])
+    (event,) = found
+    assert (event.code, event.node) == ("type_conflict", "/old")
+    assert event.text.startswith(f"topic /t: /old has another definition of {TYPE} than this")
+    assert other_versions("/t", TYPE, None, others) == []

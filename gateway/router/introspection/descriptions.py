@@ -21,6 +21,7 @@ from gateway.router.topic_types import TopicTypes
 from schemas.definition import Definition
 from schemas.installed import InstalledDefinitions
 from schemas.interface import Interface
+from schemas.type_hash import type_hash
 
 Type = MessageType | ServiceType | ActionType
 
@@ -98,7 +99,7 @@ class Descriptions:
         members["type"] = found.name
         if isinstance(found, MessageType):
             members["number"] = self._topic_types.number(found.name)
-        members |= _definition(found.definition) | {"schema": found.json_schema()}
+        members |= self._definition(found.definition) | {"schema": found.json_schema()}
         return Description(self._example(session, found, name, graph), members)
 
     def _example(
@@ -115,6 +116,12 @@ class Descriptions:
             case ActionType():
                 name = name or _provided(session, graph.actions, found.name)
                 return None if name is None else goal_frame(name, found, self._definitions)
+
+    def _definition(self, definition: Definition | Interface) -> dict[str, str | None]:
+        known = definition.type_hash
+        if known is None and isinstance(definition, Definition):
+            known = type_hash(definition, self._definitions)
+        return {"type_hash": known, "definition": definition.text}
 
     def _unknown_name(self, requested: str, graph: Graph) -> ProtocolError:
         name = truncate(requested)
@@ -139,7 +146,3 @@ def _provided(session: Session, servers: Sequence[ServerInfo], type_name: str) -
     """Return the name of a server of a type that the client may call."""
     names = (each.name for each in servers if each.types == (type_name,))
     return next((name for name in names if session.may("call", name)), None)
-
-
-def _definition(definition: Definition | Interface) -> dict[str, str | None]:
-    return {"type_hash": definition.type_hash, "definition": definition.text}

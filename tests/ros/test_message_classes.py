@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Classes for types that are not installed; tests/e2e/test_types_not_installed.py uses them."""
+
+import asyncio
+import os
+from pathlib import Path
+
+import pytest
+from std_msgs.msg import String
+
+from gateway.ports import RosError
+from gateway.ros import made_types, message_classes
+from gateway.ros.message_classes import MessageClasses, why_types_cannot_be_made
+from schemas.installed import InstalledDefinitions
+from schemas.type_hash import type_hash
+from tests.client import eventually
+
+LAMP = "my_msgs/msg/Lamp"
+NOT_INSTALLED = "no ROS package my_msgs is installed here (my_msgs/msg/Lamp)"
+
+
+@pytest.fixture
+def definitions(tmp_path: Path) -> InstalledDefinitions:
+    folder = tmp_path / "my_msgs" / "msg"
+    folder.mkdir(parents=True)
+    for name, text in {"Lamp": "bool on\n", "Bulb": "Lamp lamp\n", "Odd": "Nobody x\n"}.items():
+        (folder / f"{name}.msg").write_text(text)
+    return InstalledDefinitions(None, [tmp_path])
+
+
+def making(definitions: InstalledDefinitions, why_not: str | None = None) -> MessageClasses:
+    classes = MessageClasses(definitions)
+    classes.make_types(why_not)
+    return classes
+
+
+def test_the_class_of_an_installed_package_comes_first(definitions: InstalledDefinitions):
+    assert making(definitions).get("std_msgs/msg/String") is String
+
+
+def test_a_class_is_made_once_for_each_type(definitions: InstalledDefinitions):
+    classes = making(definitions)
+    lamp, bulb = classes.get(LAMP), classes.get("my_msgs/msg/Bulb")
+    assert (lamp.__name__, lamp.__module__) == ("Lamp", "my_msgs.msg")
+    assert classes.get(LAMP) is lamp is not bulb
+
+
+@pytest.mark.parametrize("name", [LAMP, "my_msgs/msg/Unknown"])
+def test_unless_types_are_made_they_are_not_installed(name: str, definitions: InstalledDefinitions):
+    for classes in (MessageClasses(), MessageClasses(definitions)):
+        with pytest.raises(RosError, match="no ROS package my_msgs is installed here"):
+            classes.get(name)
+
+
+def test_the_hash_of_a_type_is_that_of_its_definition(definitions: InstalledDefinitions):
+    installed = definitions.get("std_msgs/msg/String").type_hash
+    classes = MessageClasses(definitions)
+    assert classes.hash_of("std_msgs/msg/String") == installed is not None
+    assert classes.hash_of(LAMP) == type_hash(definitions.get(LAMP), definitions)
+    assert classes.hash_of("my_msgs/msg/Odd") is classes.hash_of("my_msgs/msg/Unknown") is None
+    assert MessageClasses().hash_of(LAMP) is None
+
+
+def test_a_type_that_nests_an_unknown_one_is_not_installed(definitions: InstalledDefinitions):
+    with pytest.raises(RosError, match="no ROS package my_msgs is installed here"):
+        making(definitions).get("my_msgs/msg/Odd")
+
+
+def test_where_none_can_be_made_the_reason_is_said(definitions: InstalledDefinitions):
+    classes = making(definitions, "none can be made here")
+    with pytest.raises(RosError) as caught:
+        classes.get(LAMP)
+    text = f"{NOT_INSTALLED}, and none can be made here"
+    assert (caught.value.code, str(caught.value)) == ("bad_type", text)
+
+
+def test_what_is_made_is_bounded(definitions: InstalledDefinitions, monkeypatch):
+    monkeypatch.setattr(made_types, "MAX_MADE", 1)
+    classes = making(definitions)
+    classes.get(LAMP)
+    with pytest.raises(RosError, match="at most 1 types that are not installed") as caught:
+        classes.get("my_msgs/msg/Bulb")
+    assert caught.value.code == "limit_exceeded"
+    assert classes.get(LAMP)
+
+
+def test_another_middleware_is_refused_by_name(monkeypatch):
+    monkeypatch.setattr(made_types, "get_rmw_implementation_identifier", lambda: "rmw_other")
+    with pytest.raises(RosError, match="need rmw_fastrtps_cpp, this is rmw_other"):
+        made_types.check_middleware()
+
+
+async def test_this_ros_takes_made_types():
+    assert await why_types_cannot_be_made() is None
+
+
+@pytest.mark.parametrize(
+    ("script", "words"),
+    [
+        ("print('no, and why'); raise SystemExit(1)", "no, and why"),
+        (
+            "import os; os.kill(os.getpid(), 11)",
+            "a test whether others can be made ended with -11",
+        ),
+        ("raise SystemExit(3)", "a test whether others can be made ended with 3"),
+        ("import time; time.sleep(600)", "a test whether others can be made took over 1 s"),
+    ],
+)
+async def test_a_process_that_fails_or_crashes_is_told_of(monkeypatch, script: str, words: str):
+    monkeypatch.setattr(message_classes, "_CHECK", ("-c", script))
+    monkeypatch.setattr(message_classes, "_CHECK_S", 1 if "sleep" in script else 60)
+    assert await why_types_cannot_be_made() == words
+
+
+async def test_a_start_that_is_given_up_leaves_no_process(monkeypatch, tmp_path: Path):
+    file = tmp_path / "pid"
+    script = (
+        "import os, sys, time",
+        f"with open({str(file)!r}, 'w') as file: print(os.getpid(), file=file)",
+        "time.sleep(600)",
+    )
+    monkeypatch.setattr(message_classes, "_CHECK", ("-c", "\n".join(script)))
+    trying = asyncio.ensure_future(why_types_cannot_be_made())
+    await eventually(lambda: file.exists() and file.read_text().endswith("\n"))
+    trying.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await trying
+    with pytest.raises(ProcessLookupError):
+        os.kill(int(file.read_text()), 0)
