@@ -64,8 +64,8 @@ from gateway.ros.port import RclpyRos
 
 start = RclpyRos.__init__
 
-def __init__(self, options):
-    start(self, options)
+def __init__(self, *arguments):
+    start(self, *arguments)
     signal.signal(signal.SIGUSR1, lambda *_: self._debug.context.try_shutdown())
 
 RclpyRos.__init__ = __init__
