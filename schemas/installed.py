@@ -32,6 +32,9 @@ _EXPECTED: Final = {
     "action": "action type name: expected pkg/action/Name",
 }
 _IDL: Final = "idl"
+# In each message, by arrays of fixed length: a line can state any number, and each gets its room.
+MAX_VALUES: Final = 50_000
+_OCTETS_PER_VALUE: Final = 200  # so 10 MB, as a client may send
 MAX_DEFINITION_BYTES: Final = 256 * 1024  # the largest in use have 10 kB
 
 
@@ -133,9 +136,11 @@ class InstalledDefinitions:
         """Return the definitions of *names* and of all nested types, nested ones first.
 
         Raises:
-            UnknownTypeError, DefinitionError: as for `get`; also for a type that nests itself.
+            UnknownTypeError, DefinitionError: as for `get`; also for a type that nests itself, or
+                one of which each message has more than `MAX_VALUES`.
         """
         ordered: dict[str, Definition] = {}
+        values: dict[str, int] = {}
 
         def visit(name: str, within: tuple[str, ...]) -> None:
             if name in within:
@@ -144,6 +149,10 @@ class InstalledDefinitions:
                 definition = self.get(name)
                 for nested in definition.nested():
                     visit(nested, (*within, name))
+                values[name] = _values_of(definition, values)
+                if values[name] > MAX_VALUES:
+                    text = f"{name}: each message has over {MAX_VALUES} values, by its fixed arrays"
+                    raise DefinitionError(text)
                 ordered[name] = definition
 
         for name in names:
@@ -220,6 +229,20 @@ class InstalledDefinitions:
         known = self._in_folders.get((package, kind, short_name))
         if known is not None:
             yield known
+
+
+def _values_of(definition: Definition, nested: Mapping[str, int]) -> int:
+    """Count the values that each message of a type has at least."""
+    count = 0
+    for field in definition.fields:
+        length = 1 if field.type.length is None else field.type.length
+        if field.type.is_octets:
+            count += length // _OCTETS_PER_VALUE
+        elif field.type.is_sequence and field.type.length is None:
+            count += 1
+        else:
+            count += length * nested.get(field.type.base, 1)
+    return count
 
 
 def _roles_of(interface: str, kind: InterfaceKind | None = None) -> tuple[Role, ...]:

@@ -4,6 +4,7 @@ from pathlib import Path
 import pytest
 
 from schemas import folders
+from schemas.definition import DefinitionError
 from schemas.folders import SHIPPED, TooManyFoldersError, find_definitions
 from schemas.installed import (
     MAX_DEFINITION_BYTES,
@@ -125,6 +126,30 @@ def test_a_definition_that_is_too_long_is_not_read(tmp_path: Path):
     assert [field.name for field in definitions.get(NAME).fields] == ["on"]
     with pytest.raises(UnknownTypeError, match="Bulb has over 262144 bytes"):
         definitions.get("my_msgs/msg/Bulb")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "float64[50000] a\n",
+        "Lamp[100] a\n",
+        "Lamp[] a\n",
+        "uint8[10000000] a\n",
+        "float64[<=1000000000] a\n",
+    ],
+)
+def test_arrays_of_fixed_length_are_bounded_by_their_values(tmp_path: Path, text: str):
+    write(tmp_path / "my_msgs/msg/Lamp.msg", "float64[500] on\n")
+    write(tmp_path / "my_msgs/msg/Fits.msg", text)
+    write(tmp_path / "my_msgs/msg/Not.msg", f"Fits[2] a\n{text}")
+    definitions = InstalledDefinitions([], [tmp_path])
+    assert definitions.closure(["my_msgs/msg/Fits"])[-1].name == "my_msgs/msg/Fits"
+    if "[]" in text or "<=" in text:
+        assert definitions.closure(["my_msgs/msg/Not"])
+        return
+    reason = "my_msgs/msg/Not: each message has over 50000 values, by its fixed arrays"
+    with pytest.raises(DefinitionError, match=reason):
+        definitions.closure(["my_msgs/msg/Not"])
 
 
 def test_sources_have_the_hash_of_what_is_built_of_them():
