@@ -9,7 +9,7 @@ line, ``#`` comments, arrays ``T[]``, ``T[N]`` and ``T[<=N]``, bounded strings `
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 INTEGER_RANGES: Final = {
     "int8": (-(2**7), 2**7 - 1),
@@ -163,10 +163,11 @@ def parse_definition(
     *first_line* is the number of its first line in the file.
 
     Raises:
-        DefinitionError: a line is neither a comment, a field nor a constant.
+        DefinitionError: a line is neither a comment, a field nor a constant, or one has the name of
+            another.
     """
-    fields: list[Field] = []
-    constants: list[Constant] = []
+    fields: dict[str, Field] = {}
+    constants: dict[str, Constant] = {}
     message_comment: list[str] | None = None
     for line_number, above, declaration, beside in _declarations(text, first_line):
         if message_comment is None:
@@ -184,12 +185,14 @@ def parse_definition(
             member = _parse_member(name.split("/")[0], declaration, comment)
         except ValueError as error:
             raise DefinitionError(f"{name}, line {line_number}: {error}") from error
-        if isinstance(member, Field):
-            fields.append(member)
-        else:
-            constants.append(member)
+        members: dict[str, Any] = fields if isinstance(member, Field) else constants
+        if member.name in members:
+            problem = f"the second member {member.name}; rename it"
+            raise DefinitionError(f"{name}, line {line_number}: {problem}")
+        members[member.name] = member
     comment = "\n".join(message_comment or []).strip()
-    return Definition(name, tuple(fields), tuple(constants), comment, text, type_hash)
+    all_fields, all_constants = tuple(fields.values()), tuple(constants.values())
+    return Definition(name, all_fields, all_constants, comment, text, type_hash)
 
 
 def _declarations(text: str, first_line: int) -> Iterator[tuple[int, list[list[str]], str, str]]:

@@ -74,8 +74,9 @@ def _in(place: Path, files: list[str]) -> Iterator[Found]:
         return
     for file in files:
         name, _, extension = file.rpartition(".")
-        if extension in {kind, "idl"} and _TYPE.fullmatch(name):
-            yield Found(package, kind, name, place / file)
+        path = place / file
+        if extension in {kind, "idl"} and _TYPE.fullmatch(name) and path.is_file():
+            yield Found(package, kind, name, path)
 
 
 def _package(folder: Path) -> str | None:

@@ -9,7 +9,7 @@ import json
 import os
 import re
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
@@ -34,6 +34,8 @@ _EXPECTED: Final = {
 _IDL: Final = "idl"
 # In each message, by arrays of fixed length: a line can state any number, and each gets its room.
 MAX_VALUES: Final = 50_000
+# Of types within types: Python's parser and stack have their ends. ROS' own have 6 at most.
+MAX_NESTING: Final = 64
 _OCTETS_PER_VALUE: Final = 200  # so 10 MB, as a client may send
 MAX_DEFINITION_BYTES: Final = 256 * 1024  # the largest in use have 10 kB
 
@@ -137,7 +139,8 @@ class InstalledDefinitions:
 
         Raises:
             UnknownTypeError, DefinitionError: as for `get`; also for a type that nests itself, or
-                one of which each message has more than `MAX_VALUES`.
+                nests others deeper than `MAX_NESTING`, or of which each message has more than
+                `MAX_VALUES`.
         """
         ordered: dict[str, Definition] = {}
         values: dict[str, int] = {}
@@ -145,6 +148,8 @@ class InstalledDefinitions:
         def visit(name: str, within: tuple[str, ...]) -> None:
             if name in within:
                 raise DefinitionError(f"{name} nests itself")
+            if len(within) > MAX_NESTING:
+                raise DefinitionError(f"{within[0]} nests types deeper than {MAX_NESTING} levels")
             if name not in ordered:
                 definition = self.get(name)
                 for nested in definition.nested():
@@ -206,40 +211,45 @@ class InstalledDefinitions:
     def _find(self, name: str) -> "_Found":
         """Read the file of ``pkg/KIND/Name``, and the hashes beside it."""
         try:
-            for path in self._places(name):
-                if path.is_file():
-                    if path.stat().st_size > MAX_DEFINITION_BYTES:
-                        reason = f"the definition of {name} has over {MAX_DEFINITION_BYTES} bytes"
-                        raise UnknownTypeError(name, reason)
-                    # invalid UTF-8 is in comments, where it is harmless
-                    text = path.read_text(encoding="utf-8", errors="replace")
-                    hashes = _type_hashes(path.with_suffix(".json"))
-                    return _Found(text, path.suffix[1:] == _IDL, hashes)
+            path, is_installed = self._place(name)
+            if path.stat().st_size > MAX_DEFINITION_BYTES:
+                reason = f"the definition of {name} has over {MAX_DEFINITION_BYTES} bytes"
+                raise UnknownTypeError(name, reason)
+            # invalid UTF-8 is in comments, where it is harmless
+            text = path.read_text(encoding="utf-8", errors="replace")
+            # of what somebody may edit, the hash is computed
+            hashes = _type_hashes(path.with_suffix(".json")) if is_installed else {}
+            return _Found(text, path.suffix[1:] == _IDL, hashes)
         except OSError as error:  # a name longer than any file's, a file that is not ours
             reason = f"no definition of {name} can be read: {error.strerror}"
             raise UnknownTypeError(name, reason) from error
-        raise UnknownTypeError(name, f"no definition of {name} is installed")
 
-    def _places(self, name: str) -> Iterator[Path]:
+    def _place(self, name: str) -> tuple[Path, bool]:
+        """Return the file of ``pkg/KIND/Name``, and whether it is installed."""
         package, kind, short_name = name.split("/")
         for prefix in self._prefixes:
             # rosidl writes IDL beside each .msg file, which has the comments as they were written
             for suffix in (kind, _IDL):
-                yield prefix / "share" / package / kind / f"{short_name}.{suffix}"
+                path = prefix / "share" / package / kind / f"{short_name}.{suffix}"
+                if path.is_file():
+                    return path, True
         known = self._in_folders.get((package, kind, short_name))
-        if known is not None:
-            yield known
+        if known is None:
+            raise UnknownTypeError(name, f"no definition of {name} is installed")
+        return known, False
 
 
 def _values_of(definition: Definition, nested: Mapping[str, int]) -> int:
     """Count the values that each message of a type has at least."""
     count = 0
     for field in definition.fields:
-        length = 1 if field.type.length is None else field.type.length
-        if field.type.is_octets:
-            count += length // _OCTETS_PER_VALUE
-        elif field.type.is_sequence and field.type.length is None:
+        length = field.type.length
+        if field.type.is_sequence:
             count += 1
+        elif length is None:
+            count += nested.get(field.type.base, 1)
+        elif field.type.is_octets:
+            count += length // _OCTETS_PER_VALUE
         else:
             count += length * nested.get(field.type.base, 1)
     return count

@@ -87,6 +87,7 @@ class _Reader:
         return self._READERS[major](self, info if info < _ONE_BYTE else self._argument(info))
 
     def expect_end(self) -> None:
+        self._check_total()  # of single items there are not many more since the last typed array
         if self._at != len(self._data):
             self._start = self._at
             self._refuse("it goes on behind its end")
@@ -176,9 +177,12 @@ class _Reader:
         if len(octets) % dtype.itemsize:
             self._refuse(f"a typed array of {len(octets)} bytes for numbers of {dtype.itemsize}")
         self._numbers += len(octets) // dtype.itemsize
-        if self._numbers + self._singles > self._max_items:
-            raise CborError(f"frame has over {self._max_items} items and numbers in typed arrays")
+        self._check_total()
         return np.frombuffer(octets, dtype).tolist()
+
+    def _check_total(self) -> None:
+        if self._singles + self._numbers > self._max_items:
+            raise CborError(f"frame has over {self._max_items} items and numbers in typed arrays")
 
     def _enter(self) -> None:
         self._depth += 1

@@ -71,14 +71,18 @@ async def why_types_cannot_be_made() -> str | None:
     """
     environment = os.environ | {"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}  # nobody else hears of it
     environment.pop("ROS_LOCALHOST_ONLY", None)  # it would take precedence
-    process = await asyncio.create_subprocess_exec(
-        sys.executable,
-        *_CHECK,
-        env=environment,
-        stdin=asyncio.subprocess.DEVNULL,
-        stdout=asyncio.subprocess.PIPE,
-        stderr=asyncio.subprocess.DEVNULL,
-    )
+    try:
+        process = await asyncio.create_subprocess_exec(
+            sys.executable,
+            *_CHECK,
+            env=environment,
+            stdin=asyncio.subprocess.DEVNULL,
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.DEVNULL,
+        )
+    except OSError as error:
+        reason = (error.strerror or type(error).__name__).lower()
+        return f"a test whether others can be made did not start: {reason}"
     try:
         async with asyncio.timeout(_CHECK_S):
             said, _ = await process.communicate()

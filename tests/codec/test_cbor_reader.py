@@ -139,6 +139,13 @@ def test_numbers_in_typed_arrays_are_bounded_together():
         loads(data, max_items=99 + others)
 
 
+def test_what_follows_a_typed_array_counts_as_well():
+    data = cbor2.dumps([typed(np.zeros(50, "<f4")), *[0] * 40])
+    assert loads(data, max_items=96)[-1] == 0
+    with pytest.raises(CborError, match="over 95 items and numbers in typed arrays"):
+        loads(data, max_items=95)
+
+
 def test_the_operators_bound_on_items_is_kept():
     data = cbor2.dumps([0] * 9)
     assert loads(data, max_items=10) == [0] * 9

@@ -3,6 +3,7 @@
 
 import asyncio
 import os
+import sys
 from pathlib import Path
 
 import pytest
@@ -109,6 +110,12 @@ async def test_this_ros_takes_made_types():
 async def test_a_process_that_fails_or_crashes_is_told_of(monkeypatch, script: str, words: str):
     monkeypatch.setattr(message_classes, "_CHECK", ("-c", script))
     monkeypatch.setattr(message_classes, "_CHECK_S", 1 if "sleep" in script else 60)
+    assert await why_types_cannot_be_made() == words
+
+
+async def test_a_process_that_cannot_start_is_told_of(monkeypatch):
+    monkeypatch.setattr(sys, "executable", "/nowhere/python")
+    words = "a test whether others can be made did not start: no such file or directory"
     assert await why_types_cannot_be_made() == words
 
 

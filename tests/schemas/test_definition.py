@@ -179,3 +179,9 @@ def test_nested_types_are_named_once_in_order():
 def test_a_line_that_declares_nothing_raises_definition_error_with_its_number(line):
     with pytest.raises(DefinitionError, match="some_msgs/msg/Thing, line 2: "):
         parse(f"int8 ok\n{line}")
+
+
+@pytest.mark.parametrize("text", ["int32 a\nbool a\n", "int32 X=1\nint32 X=1\n"])
+def test_two_members_of_one_name_are_refused(text):
+    with pytest.raises(DefinitionError, match=r"a_msgs/msg/A, line 2: the second member [aX]; re"):
+        parse_definition("a_msgs/msg/A", text)

@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
+import json
+import os
+import re
 from pathlib import Path
 
 import pytest
 
+from gateway.codec.types import Types
 from schemas import folders
 from schemas.definition import DefinitionError
 from schemas.folders import SHIPPED, TooManyFoldersError, find_definitions
@@ -141,7 +145,7 @@ def test_a_definition_that_is_too_long_is_not_read(tmp_path: Path):
 def test_arrays_of_fixed_length_are_bounded_by_their_values(tmp_path: Path, text: str):
     write(tmp_path / "my_msgs/msg/Lamp.msg", "float64[500] on\n")
     write(tmp_path / "my_msgs/msg/Fits.msg", text)
-    write(tmp_path / "my_msgs/msg/Not.msg", f"Fits[2] a\n{text}")
+    write(tmp_path / "my_msgs/msg/Not.msg", f"Fits[2] b\n{text}")
     definitions = InstalledDefinitions([], [tmp_path])
     assert definitions.closure(["my_msgs/msg/Fits"])[-1].name == "my_msgs/msg/Fits"
     if "[]" in text or "<=" in text:
@@ -150,6 +154,32 @@ def test_arrays_of_fixed_length_are_bounded_by_their_values(tmp_path: Path, text
     reason = "my_msgs/msg/Not: each message has over 50000 values, by its fixed arrays"
     with pytest.raises(DefinitionError, match=reason):
         definitions.closure(["my_msgs/msg/Not"])
+
+
+def test_types_nest_64_levels_at_most(tmp_path: Path):
+    write(tmp_path / "my_msgs/msg/A0.msg")
+    for level in range(1, 66):
+        write(tmp_path / f"my_msgs/msg/A{level}.msg", f"A{level - 1} a\n")
+    definitions = InstalledDefinitions([], [tmp_path])
+    assert Types(definitions).get("my_msgs/msg/A64").encode({}, 0)  # what is made of it works
+    with pytest.raises(DefinitionError, match="my_msgs/msg/A65 nests types deeper than 64 levels"):
+        definitions.closure(["my_msgs/msg/A65"])
+
+
+def test_what_is_no_file_is_no_definition(tmp_path: Path):
+    (tmp_path / "my_msgs/msg/Folder.msg").mkdir(parents=True)
+    (tmp_path / "my_msgs/msg/Dangling.msg").symlink_to(tmp_path / "nowhere")
+    os.mkfifo(tmp_path / "my_msgs/msg/Fifo.msg")
+    assert names(tmp_path) == []
+
+
+def test_a_hash_beside_a_definition_in_a_folder_is_not_believed(tmp_path: Path):
+    write(tmp_path / "my_msgs/msg/Lamp.msg")
+    hashes = [{"type_name": NAME, "hash_string": "RIHS01_nonsense"}]
+    write(tmp_path / "my_msgs/msg/Lamp.json", json.dumps({"type_hashes": hashes}))
+    definitions = InstalledDefinitions([], [tmp_path])
+    assert definitions.get(NAME).type_hash is None
+    assert re.fullmatch("RIHS01_[0-9a-f]{64}", type_hash(definitions.get(NAME), definitions))
 
 
 def test_sources_have_the_hash_of_what_is_built_of_them():

@@ -88,16 +88,13 @@ class PublishedPictures:
             working.cancel()
 
     async def _work(self, session: Session, waiting: "dict[TopicName, _Picture]") -> None:
-        make = pixel_maker(self._types.get(COMPRESSED_IMAGE), self._types.get(IMAGE))
         while waiting:
             picture = waiting.pop(next(iter(waiting)))
-            work = partial(self._deliver, session, make, picture)
-            await answered(session, picture.request, work)
+            await answered(session, picture.request, partial(self._deliver, session, picture))
         del self._working[session]
 
-    async def _deliver(
-        self, session: Session, make: Callable[[bytes], bytes], picture: "_Picture"
-    ) -> None:
+    async def _deliver(self, session: Session, picture: "_Picture") -> None:
+        make = pixel_maker(self._types.get(COMPRESSED_IMAGE), self._types.get(IMAGE))
         loop = asyncio.get_running_loop()
         async with self._turn:
             try:

@@ -1,13 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
 """A topic that ROS does not have: the gateway sends it to one client alone."""
 
+from typing import Final
+
 from gateway.protocol import messages
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.operations.topics import Subscribe, Unsubscribe
 from gateway.protocol.session import Session
 
 # options of `subscribe` for which there is nothing here, beside `compression`
-_UNAVAILABLE = ("throttle_rate", "fields", "image", "meta", "qos", "stale_after_ms")
+_UNAVAILABLE: Final = (
+    "throttle_rate",
+    "queue_length",
+    "fields",
+    "image",
+    "meta",
+    "qos",
+    "stale_after_ms",
+)
 
 
 class VirtualTopic:
