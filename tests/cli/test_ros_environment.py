@@ -2,10 +2,14 @@
 """Variables of ROS that are wrong, as the command line reports them."""
 
 import signal
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
 from tests.cli.test_main import TIMEOUT_S, refusal, ros2_gateway, running
+from tests.namespaces import needs_namespaces
 
 NOT_LOADED = (
     "which ROS cannot load here, expected rmw_fastrtps_cpp; unset it for the default, or install"
@@ -78,3 +82,18 @@ def test_a_peer_that_nobody_knows_is_one_sentence_with_what_to_do():
     assert (finished.returncode, finished.stdout) == (2, "")
     sentence = finished.stderr.splitlines()[-1]  # first, it may tidy up after killed programs
     assert sentence.endswith("nobody.invalid; mend its name in ROS_STATIC_PEERS, or take it out")
+
+
+@needs_namespaces
+def test_a_default_middleware_that_is_missing_is_told_of_with_what_to_do(monkeypatch):
+    monkeypatch.delenv("RMW_IMPLEMENTATION", raising=False)
+    middleware = Path(sys.prefix) / "lib/librmw_fastrtps_cpp.so"
+    if not middleware.exists():
+        pytest.skip("rclpy is not from the wheels")
+    gateway = f"{sys.executable} -m gateway serve --port 0"
+    script = f"mount --bind /dev/null {middleware}; {gateway}"
+    command = ["unshare", "--mount", "sh", "-c", script]
+    finished = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert finished.returncode == 3
+    assert finished.stderr.startswith(f"ros2-gateway: rclpy cannot be imported ({middleware}")
+    assert "source /opt/ros/jazzy/setup.bash" in finished.stderr

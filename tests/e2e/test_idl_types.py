@@ -7,15 +7,14 @@ from typing import Any
 import pytest
 import pytest_asyncio
 from rclpy.action import ActionServer, GoalResponse
-from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from gateway.codec.types import Types
 from schemas.installed import InstalledDefinitions
 from tests import interfaces
 from tests.client import Client, Frame, client, eventually
+from tests.e2e.both_ways import BothWays
 from tests.e2e.discovery import until_discovered
 from tests.gateway_process import gateway_process
-from tests.messages import RandomMessages, from_ros, ros_class, to_json, to_ros
+from tests.messages import ros_class
 from tests.ros.outside import Outside
 from tests.ros.outside_services import until_known
 
@@ -23,7 +22,6 @@ DEFINITIONS = InstalledDefinitions()
 TRACK = "idl_msgs/msg/Track"
 MEASURE = "idl_msgs/srv/Measure"
 SWEEP = "idl_msgs/action/Sweep"
-LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 pytestmark = [
     pytest.mark.asyncio(loop_scope="module"),
@@ -52,33 +50,14 @@ async def answer(speaker: Client, op: str) -> Frame:
 async def test_what_a_robot_publishes_reaches_a_client(
     seed: int, speaker: Client, outside: Outside
 ):
-    plain = RandomMessages(DEFINITIONS, seed).message(TRACK)
-    publisher = outside.node.create_publisher(ros_class(TRACK), f"/out/t{seed}", LATCHED)
-    publisher.publish(to_ros(DEFINITIONS.get(TRACK), DEFINITIONS, plain))
-    await speaker.send(op="subscribe", topic=f"/out/t{seed}")
-    heard = await speaker.message(f"/out/t{seed}")
-    track = Types(DEFINITIONS).get(TRACK)  # as bytes: a float32 is written as short as it may be
-    assert track.encode(heard, 0) == track.encode(to_json(plain), 0)
-    assert heard.keys() == plain.keys()
-    await speaker.send(op="unsubscribe", topic=f"/out/t{seed}")
-    outside.node.destroy_publisher(publisher)
+    await BothWays(TRACK, speaker, outside).to_a_client(seed)
 
 
 @pytest.mark.parametrize("seed", range(5))
 async def test_what_a_client_publishes_reaches_a_robot(
     seed: int, speaker: Client, outside: Outside
 ):
-    plain = RandomMessages(DEFINITIONS, seed).message(TRACK)
-    heard: list[Any] = []
-    topic = f"/in/t{seed}"
-    subscription = outside.node.create_subscription(ros_class(TRACK), topic, heard.append, 10)
-    await until_discovered(speaker, "subscribers", topic)
-    await speaker.send(op="publish", topic=topic, type=TRACK, msg=to_json(plain))
-    assert await speaker.sync() == []
-    await eventually(lambda: len(heard) == 1)
-    assert from_ros(DEFINITIONS.get(TRACK), DEFINITIONS, heard[0]) == plain
-    await speaker.send(op="unadvertise", topic=topic)
-    outside.node.destroy_subscription(subscription)
+    await BothWays(TRACK, speaker, outside).to_a_robot(seed)
 
 
 async def test_what_a_client_leaves_out_takes_the_default_of_the_file(

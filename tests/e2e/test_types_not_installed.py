@@ -4,24 +4,21 @@
 import shutil
 from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 import pytest_asyncio
-from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from gateway.codec.types import Types
 from schemas.installed import InstalledDefinitions
 from tests import interfaces
-from tests.client import Client, client, eventually
-from tests.e2e.discovery import until_discovered
+from tests.client import Client, client
+from tests.e2e.both_ways import LATCHED, BothWays
 from tests.gateway_process import gateway_process
-from tests.messages import RandomMessages, from_ros, ros_class, to_json, to_ros
+from tests.messages import ros_class
 from tests.ros.outside import Outside
 
 DEFINITIONS = InstalledDefinitions()
 TRACK = "idl_msgs/msg/Track"
-LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 TF = "tf2_msgs/msg/TFMessage"
 WITHOUT_PACKAGES = ("env", "-u", "PYTHONPATH", "-u", "AMENT_PREFIX_PATH")
 
@@ -52,35 +49,14 @@ def outside() -> Iterator[Outside]:
 async def test_what_a_robot_publishes_reaches_a_client(
     seed: int, speaker: Client, outside: Outside
 ):
-    plain = RandomMessages(DEFINITIONS, seed).message(TRACK)
-    publisher = outside.node.create_publisher(ros_class(TRACK), f"/out/t{seed}", LATCHED)
-    publisher.publish(to_ros(DEFINITIONS.get(TRACK), DEFINITIONS, plain))
-    await speaker.send(op="subscribe", topic=f"/out/t{seed}")
-    heard = await speaker.message(f"/out/t{seed}")
-    track = Types(DEFINITIONS).get(TRACK)
-    assert track.encode(heard, 0) == track.encode(to_json(plain), 0)
-    await speaker.send(op="unsubscribe", topic=f"/out/t{seed}")
-    outside.node.destroy_publisher(publisher)
+    await BothWays(TRACK, speaker, outside).to_a_client(seed)
 
 
 @pytest.mark.parametrize("seed", range(3))
 async def test_what_a_client_publishes_reaches_a_robot(
     seed: int, speaker: Client, outside: Outside
 ):
-    plain = RandomMessages(DEFINITIONS, seed).message(TRACK)
-    heard: list[Any] = []
-    topic = f"/in/t{seed}"
-    subscription = outside.node.create_subscription(ros_class(TRACK), topic, heard.append, 10)
-    await until_discovered(speaker, "subscribers", topic)
-    await speaker.send(op="publish", topic=topic, type=TRACK, msg=to_json(plain))
-    assert await speaker.sync() == []
-    await eventually(lambda: len(heard) == 1)
-    assert from_ros(DEFINITIONS.get(TRACK), DEFINITIONS, heard[0]) == plain
-    (publisher,) = outside.node.get_publishers_info_by_topic(topic)
-    assert publisher.topic_type == TRACK
-    assert str(publisher.topic_type_hash) == DEFINITIONS.get(TRACK).type_hash
-    await speaker.send(op="unadvertise", topic=topic)
-    outside.node.destroy_subscription(subscription)
+    await BothWays(TRACK, speaker, outside).to_a_robot(seed)
 
 
 async def test_transforms_are_heard_without_their_package(outside: Outside):

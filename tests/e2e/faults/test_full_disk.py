@@ -19,6 +19,7 @@ from gateway.access.token_file import read
 from tests.client import client, eventually
 from tests.e2e.faults import scene
 from tests.gateway_process import GatewayProcess, gateway_process
+from tests.namespaces import needs_namespaces
 
 STRING = "std_msgs/msg/String"
 PAGE = 4096
@@ -26,19 +27,6 @@ TEXT = b"\0\1\0\0\5\0\0\0text\0"
 
 # What follows the folder $1 runs with a small disk there. The test reaches it by /proc/PID/root.
 _MOUNT = 'mount -t tmpfs -o size=64k,mode=755 tmpfs "$1" && shift && exec "$@"'
-
-
-def has_namespaces() -> bool:
-    command = ["unshare", "--mount", "sh", "-c", "mount -t tmpfs tmpfs /mnt"]
-    try:
-        return subprocess.run(command, capture_output=True, check=False).returncode == 0
-    except FileNotFoundError:
-        return False
-
-
-needs_namespaces = pytest.mark.skipif(
-    not has_namespaces(), reason="mounting a file system takes root, or CAP_SYS_ADMIN"
-)
 
 
 @pytest.fixture
