@@ -103,5 +103,5 @@ $(READY_FOR_FUZZING): pyproject.toml $(READY_FOR_TESTS)
 	@touch $@
 
 $(CLIENTS): tools/make-clients.sh $(wildcard tests/clients/*/package-lock.json) | $(READY_FOR_TESTS)
-	@echo "installing the clients that the tests drive, some 90 MB ..."
+	@echo "installing the clients that the tests drive, some 110 MB ..."
 	@sh tools/make-clients.sh $(VENV)

@@ -22,6 +22,7 @@ from gateway.access.posture import Posture
 from gateway.codec.image import confine_to_calling_thread
 from gateway.codec.types import Types
 from gateway.config.model import Config
+from gateway.definitions import known_definitions
 from gateway.diagnostics import publishing
 from gateway.errors import BindError, ConfigError, system_reason
 from gateway.guard.supervisor import GuardProcess
@@ -30,13 +31,11 @@ from gateway.log_rate import LogRate
 from gateway.memory import exempt_from_collection, keep_large_blocks, returning_free_memory
 from gateway.ports import LogLevel, Ros, RosError
 from gateway.ros import RosOptions, open_ros
-from gateway.rosapi import interfaces_prefix
 from gateway.router.router import Router
 from gateway.security import Security, open_security
 from gateway.server.admission import Admission
 from gateway.server.server import Server
-from schemas.folders import SHIPPED
-from schemas.installed import InstalledDefinitions, installed_prefixes
+from schemas.installed import InstalledDefinitions
 from schemas.table import Table
 
 logger = logging.getLogger("gateway")
@@ -104,7 +103,7 @@ async def _serve(
     async with AsyncExitStack() as stack:
         end_by_force = stack.enter_context(_forced_end())
         security = stack.enter_context(open_security(config))
-        definitions = _definitions(config)
+        definitions = known_definitions(config.types.paths, "types.paths")
         ros = await _open_ros(stack, config, definitions)
         stack.enter_context(_logging_to(ros))
         workers = stack.enter_context(_workers(config.images.workers))
@@ -121,6 +120,7 @@ async def _serve(
             control=config.control,
             guard=guard,
             image_format=config.images.default_format,
+            asks_nodes=config.types.ask_nodes,
         )
         stack.callback(router.close)
         server = Server(
@@ -159,21 +159,12 @@ async def _serve(
     return 0
 
 
-def _definitions(config: Config) -> InstalledDefinitions:
-    prefixes = [*installed_prefixes(), interfaces_prefix()]
-    folders = [*(Path(path).expanduser() for path in config.types.paths), SHIPPED]
-    try:
-        return InstalledDefinitions(prefixes, folders)
-    except OSError as error:
-        place = f"{error.filename}: " if error.filename else ""
-        raise ConfigError(f"types.paths: {place}{(error.strerror or '').lower()}") from error
-
-
 async def _open_ros(
     stack: AsyncExitStack, config: Config, definitions: InstalledDefinitions
 ) -> Ros:
-    has_tf = find_spec("tf2_msgs") is not None  # else what is shipped is of use
-    makes_types = bool(config.types.paths) or not has_tf
+    # trying whether ROS takes such types costs a third of a second, in vain if all are installed
+    packages = definitions.packages_in_folders()
+    makes_types = any(find_spec(package) is None for package in packages)
     try:
         opening = open_ros(_ros_options(config), definitions, makes_types=makes_types)
         return await stack.enter_async_context(opening)

@@ -5,7 +5,7 @@
 called on the event loop's thread and returns without blocking. Callbacks run on that thread.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal, NamedTuple, Protocol
 
@@ -100,6 +100,13 @@ class TopicEvent(NamedTuple):
             return self
         # no name has a blank in it, so this is the node
         return self._replace(problem=self.problem.replace(f" {self.node} ", " a node ", 1), node="")
+
+
+class TypeHolder(NamedTuple):
+    """A node that has a type, and the hash of its definition (REP-2011)."""
+
+    node: str  # empty for some milliseconds, until it has introduced itself
+    type_hash: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -252,6 +259,21 @@ class RosGraph(Protocol):
 
 class Ros(RosGraph, Protocol):
     """ROS 2 as the gateway uses it."""
+
+    def topics(self) -> Mapping[str, Sequence[str]]:
+        """Return the types of all topics; far cheaper than `graph`."""
+
+    def type_holders(self, topic: str, type_name: str) -> Sequence[TypeHolder]:
+        """Return the other nodes that publish a type on a topic, then those that subscribe to it.
+
+        Nodes that do not show a hash are left out.
+        """
+
+    async def make_types(self) -> None:
+        """Find out whether topics of types that are not installed can be used here.
+
+        Before it has been called they cannot. It takes a second, the first time.
+        """
 
     def subscribe(
         self,

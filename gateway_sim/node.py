@@ -13,23 +13,26 @@ import cv2
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Pose as PoseMessage
-from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Twist
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Twist, TwistStamped
 from nav_msgs.msg import OccupancyGrid, Odometry
 from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import BatteryState, Imu, JointState, LaserScan
-from std_msgs.msg import Header
+from std_msgs.msg import Header, String
 from std_srvs.srv import SetBool, Trigger
 
 from gateway.errors import ConfigError
 from gateway_sim import lidar, robot_messages
+from gateway_sim.any_types import AnyTypes
 from gateway_sim.battery import Battery
 from gateway_sim.camera_topics import CameraTopics
 from gateway_sim.loop import Loop, ros_context, stopped_by_signals
-from gateway_sim.robot import MAX_LINEAR, DismissedError, Event, Robot
-from gateway_sim.robot_frames import RobotFrames
+from gateway_sim.navigator import NAVIGATE, Navigator
+from gateway_sim.robot import MAX_LINEAR, SILENCE_NS, DismissedError, Event, Robot
+from gateway_sim.robot_description import urdf
+from gateway_sim.robot_frames import TF_MESSAGE, RobotFrames
 from gateway_sim.world import Pose, furnished_room
 
 _STATE_NS: Final = 1_000_000_000 // 30  # odometry, transforms, inertia and joints: 30 Hz
@@ -39,7 +42,7 @@ _COMMAND_DEPTH: Final = 10  # a third of a second of commands at 30 Hz
 _SERIES_NS: Final = 10_000_000_000  # commands dismissed closer together are logged once
 _MAX_CAMERA_HZ: Final = 60.0  # at 3 ms per picture a fifth of a core
 _NAMESPACE: Final = re.compile(r"(/?[A-Za-z]\w*(/[A-Za-z]\w*)*)?", re.ASCII)
-_WARNINGS: Final = frozenset({Event.HIT, Event.GOAL_BLOCKED, Event.SILENCE})
+_WARNINGS: Final = frozenset({Event.HIT, Event.GOAL_BLOCKED, Event.GOAL_POWERLESS, Event.SILENCE})
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +57,7 @@ class SimOptions:
     camera: bool = True
     camera_hz: float = 30.0
     seed: int | None = None  # of slip and noise; None: another one each time
+    twist_stamped: bool = False  # cmd_vel is geometry_msgs/msg/TwistStamped, else Twist
 
     def __post_init__(self) -> None:
         if not _NAMESPACE.fullmatch(self.namespace):
@@ -81,7 +85,8 @@ def run(options: SimOptions) -> int:
 class SimulatedRobot:
     """The node ``simulated_robot``; everything happens on the thread that runs ``loop``.
 
-    It builds messages and draws pictures only for topics with subscribers.
+    It builds messages and draws pictures only for topics with subscribers. Where a package of its
+    types is not installed, its transforms and its action come a second after the start.
     """
 
     def __init__(self, context: Context, options: SimOptions) -> None:
@@ -95,7 +100,9 @@ class SimulatedRobot:
         self._node = Node("simulated_robot", context=context, namespace=options.namespace or None)
         self._frames = f"{options.namespace.strip('/')}/" if options.namespace else ""
         self._dismissed_ns: int | None = None  # None after a command was obeyed
+        self._types: AnyTypes | None = AnyTypes([TF_MESSAGE, NAVIGATE])
         self.loop = Loop(context)
+        self._navigator = Navigator(context, self._node, self._robot, self._in_map)
         self._advertise()
         self._listen()
         self.loop.add_node(self._node)
@@ -110,6 +117,9 @@ class SimulatedRobot:
 
     def close(self) -> None:
         """Take the node off the graph."""
+        if self._types is not None:
+            self._types.close()
+        self._navigator.close()
         self.loop.close()
         self._node.destroy_node()
 
@@ -127,11 +137,16 @@ class SimulatedRobot:
         latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self._map = self._node.create_publisher(OccupancyGrid, "map", latched)
         self._map.publish(robot_messages.occupancy_grid(self._header("map"), self._world))
+        self._description = self._node.create_publisher(String, "robot_description", latched)
+        self._description.publish(String(data=urdf()))
         self._transforms = RobotFrames(self._node, self._frames)
 
     def _listen(self) -> None:
         node = self._node
-        node.create_subscription(Twist, "cmd_vel", self._on_command, _COMMAND_DEPTH)
+        if self._options.twist_stamped:
+            node.create_subscription(TwistStamped, "cmd_vel", self._on_stamped, _COMMAND_DEPTH)
+        else:
+            node.create_subscription(Twist, "cmd_vel", self._on_command, _COMMAND_DEPTH)
         node.create_subscription(
             PoseWithCovarianceStamped, "initialpose", self._on_initial_pose, _COMMAND_DEPTH
         )
@@ -139,9 +154,13 @@ class SimulatedRobot:
         node.create_service(Trigger, "reset", self._on_reset)
         node.create_service(SetBool, "motor_power", self._on_motor_power)
 
-    def _on_command(self, message: Twist) -> None:
+    def _on_stamped(self, message: TwistStamped) -> None:
+        self._on_command(message.twist, message.header.stamp)
+
+    def _on_command(self, message: Twist, stamp: Time | None = None) -> None:
         self._step()
         try:
+            self._require_fresh(stamp)
             self._robot.command(message.linear.x, message.angular.z)
         except DismissedError as error:
             now_ns = time.monotonic_ns()
@@ -150,6 +169,15 @@ class SimulatedRobot:
             self._dismissed_ns = now_ns
         else:
             self._dismissed_ns = None
+
+    def _require_fresh(self, stamp: Time | None) -> None:
+        """Dismiss a command that is older than it would hold; one without a stamp is new."""
+        if stamp is None or (stamp.sec, stamp.nanosec) == (0, 0):
+            return
+        now_ns = self._node.get_clock().now().nanoseconds
+        age_ns = now_ns - (stamp.sec * 1_000_000_000 + stamp.nanosec)
+        if age_ns > SILENCE_NS:
+            raise DismissedError(f"its stamp is {age_ns / 1e9:.1f} s old")
 
     def _on_initial_pose(self, message: PoseWithCovarianceStamped) -> None:
         self._obey("initialpose", message.header, message.pose.pose, self._robot.place)
@@ -200,6 +228,11 @@ class SimulatedRobot:
 
     def _publish_state(self) -> None:
         self._step()
+        if self._types is not None and self._types.poll():
+            self._transforms.open(self._types, self._stamp())
+            self._navigator.open(self._types)
+            self._types = None
+        self._navigator.poll(f"{self._frames}map")
         robot, stamp = self._robot, self._stamp()
         child = f"{self._frames}base_footprint"
         odom = self._header("odom", stamp)

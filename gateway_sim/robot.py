@@ -4,13 +4,15 @@
 Pure: time is an argument, in nanoseconds of any clock that does not jump.
 """
 
+import itertools
 import math
 import random
 from collections import deque
 from enum import Enum
 from typing import Final
 
-from gateway_sim.world import START, Pose, World
+from gateway_sim.planner import Planner
+from gateway_sim.world import START, Point, Pose, World
 
 MAX_LINEAR: Final = 0.26  # m/s, a TurtleBot3 Waffle Pi's
 MAX_ANGULAR: Final = 1.82  # rad/s
@@ -34,6 +36,10 @@ _HEADING_NOISE: Final = 0.002  # rad after a metre, growing with its root: slip
 _GOAL_DISTANCE: Final = 0.02  # m
 _GOAL_HEADING: Final = 0.02  # rad
 _GOAL_LOOKAHEAD: Final = 0.10  # m of free floor ahead, three times the braking distance
+GOAL_SPEED: Final = 0.22  # m/s, what leaves room to correct the course
+_CORNER: Final = (
+    0.05  # m before a corner of the way, the next leg begins: twice the braking distance
+)
 
 
 class Event(Enum):
@@ -42,6 +48,11 @@ class Event(Enum):
     HIT = "hit an obstacle"
     GOAL_REACHED = "goal reached"
     GOAL_BLOCKED = "goal given up, an obstacle is in the way"
+    GOAL_CANCELED = "goal given up, as asked for"
+    GOAL_COMMANDED = "goal given up, a command takes over"
+    GOAL_PLACED = "goal given up, the robot was put elsewhere"
+    GOAL_POWERLESS = "goal given up, the motors are off"
+    GOAL_REPLACED = "goal given up for a newer one"
     SILENCE = "stopping, cmd_vel is silent for 0.5 s"
     PARKED = "parked in the bay"
 
@@ -65,6 +76,9 @@ class Robot:
         self._commanded_ns: int | None = None
         self._goal: Pose | None = None
         self._goal_near = False
+        self._goal_end: Event | None = None
+        self._way: deque[Point] = deque()  # the corners between here and the goal
+        self._planner = Planner(world, RADIUS)
         self._touching = False
         self._parked = False
         self._events: deque[Event] = deque(maxlen=16)  # a second of the worst; older ones are stale
@@ -81,6 +95,19 @@ class Robot:
     def goal(self) -> Pose | None:
         """The pose that the robot drives to by itself, in truth's frame, or ``None``."""
         return self._goal
+
+    @property
+    def goal_end(self) -> Event | None:
+        """The event that ended the last goal; ``None`` before, and while there is a goal."""
+        return self._goal_end
+
+    @property
+    def distance_left(self) -> float:
+        """Metres of the way to the goal, 0 without one."""
+        if self._goal is None:
+            return 0.0
+        points = [self.pose[:2], *self._way, self._goal[:2]]
+        return sum(math.dist(start, end) for start, end in itertools.pairwise(points))
 
     @property
     def parked(self) -> bool:
@@ -117,22 +144,33 @@ class Robot:
             raise DismissedError(f"angular.z {angular:g} is beyond ±{MAX_ANGULAR} rad/s")
         if not self.motors_on:
             raise DismissedError("the motors are off")
-        self._goal = None
+        self._end_goal(Event.GOAL_COMMANDED)
         self._command = (linear, angular)
         self._commanded_ns = self._now_ns
 
     def drive_to(self, goal: Pose) -> None:
-        """Turn towards *goal*, drive there, turn to its heading; stop before an obstacle.
+        """Drive to *goal* around what is in the way, turn to its heading.
 
         Raises:
-            DismissedError: the robot does not fit there, or its motors are off.
+            DismissedError: the robot does not fit there, no way leads there, or its motors are off;
+                a goal that there was stays.
         """
         self._require_room(goal)
         if not self.motors_on:
             raise DismissedError("the motors are off")
+        way = self._planner.plan(self.pose[:2], goal[:2])
+        if way is None:
+            raise DismissedError(f"no way leads to x {goal.x:.2f}, y {goal.y:.2f} m")
+        self._end_goal(Event.GOAL_REPLACED)
         self._commanded_ns = None
         self._goal = goal
+        self._goal_end = None
         self._goal_near = False
+        self._way = deque(way[:-1])
+
+    def cancel_goal(self) -> None:
+        """Brake, and drive to the goal no longer. Without a goal it does nothing."""
+        self._end_goal(Event.GOAL_CANCELED)
 
     def place(self, pose: Pose) -> None:
         """Lift the robot to *pose*, at rest; the odometry starts anew from there, without drift.
@@ -142,7 +180,7 @@ class Robot:
         """
         self._require_room(pose)
         self.pose = self.odometry = pose
-        self._halt()
+        self._halt(Event.GOAL_PLACED)
         self._touching = False
 
     def reset(self) -> None:
@@ -154,7 +192,7 @@ class Robot:
         """Switch the motors; without them the robot stands and dismisses commands."""
         self.motors_on = on
         if not on:
-            self._halt()
+            self._halt(Event.GOAL_POWERLESS)
 
     def step(self, now_ns: int) -> None:
         """Move from the last step's time to this one's."""
@@ -167,8 +205,8 @@ class Robot:
             self._events.append(Event.PARKED)
         self._parked = parked
 
-    def _halt(self) -> None:
-        self._goal = None
+    def _halt(self, why: Event) -> None:
+        self._end_goal(why)
         self._commanded_ns = None
         self.linear = self.angular = self.acceleration = 0.0
 
@@ -203,18 +241,26 @@ class Robot:
         return 0.0, 0.0
 
     def _towards_goal(self, goal: Pose) -> tuple[float, float]:
-        """Turn, drive, turn: proportional to the error, slow enough to brake in time."""
-        distance = math.hypot(goal.x - self.pose.x, goal.y - self.pose.y)
+        """Drive from corner to corner, then turn to the goal's heading."""
+        if self._way and math.dist(self.pose[:2], self._way[0]) < _CORNER:
+            self._way.popleft()
+        if self._way:
+            return self._towards_point(*self._way[0])
+        distance = math.dist(self.pose[:2], goal[:2])
         # Near the goal, the direction to it means little: only the heading is left.
         self._goal_near = distance < (3 if self._goal_near else 1) * _GOAL_DISTANCE
         if self._goal_near:
             turn = math.remainder(goal.heading - self.pose.heading, math.tau)
             if abs(turn) < _GOAL_HEADING and self.linear == 0.0:
-                self._goal = None
-                self._events.append(Event.GOAL_REACHED)
+                self._end_goal(Event.GOAL_REACHED)
                 return 0.0, 0.0
             return 0.0, _within(2.5 * turn, 1.2)
-        bearing = math.atan2(goal.y - self.pose.y, goal.x - self.pose.x)
+        return self._towards_point(goal.x, goal.y)
+
+    def _towards_point(self, x: float, y: float) -> tuple[float, float]:
+        """Turn, then drive: proportional to the error, slow enough to brake in time."""
+        distance = math.dist(self.pose[:2], (x, y))
+        bearing = math.atan2(y - self.pose.y, x - self.pose.x)
         turn = math.remainder(bearing - self.pose.heading, math.tau)
         if abs(turn) > 0.3 or (self.linear == 0.0 and abs(turn) > _GOAL_HEADING):
             return 0.0, _within(2.5 * turn, 1.2)
@@ -226,13 +272,18 @@ class Robot:
             and distance > _GOAL_LOOKAHEAD
             and ahead < self._world.clearance(self.pose.x, self.pose.y)
         ):
-            self._give_up_goal()
+            self._end_goal(Event.GOAL_BLOCKED)
             return 0.0, 0.0
-        return _within(max(1.5 * distance, 0.03), 0.22), _within(2.5 * turn, 0.8)
+        speed = max(1.5 * self.distance_left, 0.03)
+        return _within(speed, GOAL_SPEED), _within(2.5 * turn, 0.8)
 
-    def _give_up_goal(self) -> None:
+    def _end_goal(self, event: Event) -> None:
+        if self._goal is None:
+            return
         self._goal = None
-        self._events.append(Event.GOAL_BLOCKED)
+        self._goal_end = event
+        self._way.clear()
+        self._events.append(event)
 
     def _advance(self, distance: float, turn: float) -> None:
         """Drive an arc as far as the world allows, and add it to the odometry."""
@@ -242,8 +293,7 @@ class Robot:
         if clearance < RADIUS and clearance < self._world.clearance(self.pose.x, self.pose.y):
             if not self._touching:
                 self._events.append(Event.HIT)
-            if self._goal is not None:  # the last step to a goal may graze a corner
-                self._give_up_goal()
+            self._end_goal(Event.GOAL_BLOCKED)  # the last step to a goal may graze a corner
             self._touching = True
             self.linear = distance = 0.0
             pose = _moved(self.pose, 0.0, turn)

@@ -109,7 +109,7 @@ class World:
 
     def clearance(self, x: float, y: float) -> float:
         """Return the distance from a place to the nearest surface; negative if it is not free."""
-        nearest = float(self._distances(np.array([[x, y]]))[0])
+        nearest = float(self.distances(np.array([[x, y]]))[0])
         return nearest if self._is_free(x, y) else -nearest
 
     def occupancy(self, resolution: float) -> NDArray[np.int8]:
@@ -120,12 +120,15 @@ class World:
         xs = np.arange(self.x_min - resolution / 2, self.x_max + resolution, resolution)
         ys = np.arange(self.y_min - resolution / 2, self.y_max + resolution, resolution)
         centres = np.stack(np.meshgrid(xs, ys), axis=-1).reshape(-1, 2)
-        taken = self._distances(centres) < resolution * 0.75
+        taken = self.distances(centres) < resolution * 0.75
         taken |= np.array([not self._is_free(x, y) for x, y in centres])
         return np.where(taken, 100, 0).astype(np.int8).reshape(len(ys), len(xs))
 
-    def _distances(self, points: FloatArray) -> FloatArray:
-        """Return for each point, shape (n, 2), the distance to the nearest surface."""
+    def distances(self, points: FloatArray) -> FloatArray:
+        """Return for each point, shape (n, 2), the distance to the nearest surface.
+
+        Unlike `clearance` it is positive also for what is not free.
+        """
         offsets = points[:, None, :] - self.starts
         shares = np.einsum("ijk,jk->ij", offsets, self._edges) / self._squared_lengths
         feet = np.clip(shares, 0, 1)[:, :, None] * self._edges

@@ -6,6 +6,7 @@ from typing import Any, Self
 
 from schemas import message as ros
 from schemas.definition import Definition
+from schemas.derived import hashed
 from schemas.generate.json_schemas import Schema, interface_schema, schema_of
 from schemas.generate.python_models import class_names, class_source
 from schemas.installed import InstalledDefinitions
@@ -56,7 +57,7 @@ class Models:
         definition = self._definitions.get_any(name)
         if isinstance(definition, Interface):
             parts = {role: self.json_schema(part.name) for role, part in definition.parts.items()}
-            return interface_schema(definition, parts)
+            return interface_schema(hashed(definition, self._definitions), parts)
         nested = self._definitions.closure(definition.nested())
         return schema_of(definition, nested, type_hash(definition, self._definitions))
 
@@ -85,16 +86,26 @@ def json_schema(name: str, definitions: InstalledDefinitions) -> Schema:
     return Models(definitions).json_schema(name)
 
 
+def checked_in_hash(name: str) -> str | None:
+    """Return the hash of the checked-in model of ``pkg/msg/Name``, or of a part; None if absent."""
+    package, _, short_name = name.split("/")
+    model = _model_in_tree(package, short_name)
+    return model.ros_type_hash if model is not None and model.ros_type == name else None
+
+
 def _checked_in(definition: Definition, expected_hash: str) -> type[Message] | None:
-    module_name = f"schemas.models.{definition.package}"
+    model = _model_in_tree(definition.package, definition.short_name)
+    # The hash covers the full name, so a class imported from another package never fits.
+    return model if model is not None and model.ros_type_hash == expected_hash else None
+
+
+def _model_in_tree(package: str, short_name: str) -> type[Message] | None:
+    module_name = f"schemas.models.{package}"
     try:
         module = importlib.import_module(module_name)
     except ModuleNotFoundError as error:
         if error.name != module_name:
             raise
         return None
-    model = getattr(module, definition.short_name, None)
-    if not (isinstance(model, type) and issubclass(model, Message)):
-        return None
-    # The hash covers the full name, so a class imported from another package never fits.
-    return model if model.ros_type_hash == expected_hash else None
+    model = getattr(module, short_name, None)
+    return model if isinstance(model, type) and issubclass(model, Message) else None

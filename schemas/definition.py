@@ -32,6 +32,12 @@ STRINGS: Final = frozenset({"string", "wstring"})
 PRIMITIVES: Final = frozenset(INTEGER_RANGES) | FLOATS | STRINGS | {"bool"}
 OCTETS: Final = frozenset({"uint8", "byte", "char"})
 
+# the encoding of a string type, and the bytes and the name of the units that its bound counts
+_UNITS: Final = {
+    "string": ("utf-8", 1, "bytes of UTF-8"),
+    "wstring": ("utf-16-le", 2, "code units of UTF-16"),
+}
+
 Scalar = bool | int | float | str
 Value = Scalar | tuple[Scalar, ...]
 
@@ -265,6 +271,7 @@ def _parse_member(package: str, declaration: str, comment: str) -> Field | Const
         raise ValueError(f"{field!r} is no field name")
     default = default.strip()
     value_or_none = _parse_value(field_type, default) if default else None
+    _check_sizes(field_type, value_or_none)
     return Field(field, field_type, value_or_none, comment)
 
 
@@ -283,13 +290,16 @@ def parse_field_type(text: str, package: str) -> FieldType:
     elif match["string_bound"] and base not in STRINGS:
         raise ValueError(f"{base} takes no length")
     size = int(match["size"]) if match["size"] else None
+    string_bound = int(match["string_bound"]) if match["string_bound"] else None
+    if 0 in {size, string_bound}:
+        raise ValueError(f"{text}: a length is at least 1")
     is_sequence = match["array"] is not None and (size is None or match["at_most"] is not None)
     return FieldType(
         base,
         is_sequence,
         length=None if is_sequence else size,
         bound=size if is_sequence else None,
-        string_bound=int(match["string_bound"]) if match["string_bound"] else None,
+        string_bound=string_bound,
     )
 
 
@@ -316,6 +326,35 @@ def _parse_value(field_type: FieldType, text: str) -> Value:
         return _parse_strings(text[1:-1].strip())
     items = [item.strip() for item in text[1:-1].split(",")]
     return tuple(_parse_scalar(field_type.base, item) for item in items if item)
+
+
+def text_misfit(text: str, kind: FieldType) -> str | None:
+    """Return in words why a text is no value of a string type, ``None`` if it is one."""
+    if "\0" in text:
+        return "a string cannot hold U+0000"
+    encoding, unit, units = _UNITS[kind.base]
+    try:
+        size = len(text.encode(encoding)) // unit
+    except UnicodeEncodeError:
+        return "a string cannot hold a lone surrogate"
+    if kind.string_bound is not None and size > kind.string_bound:
+        return f"text has {size} {units}, at most {kind.string_bound} fit"
+    return None
+
+
+def _check_sizes(field_type: FieldType, default: Value | None) -> None:
+    """Refuse a default of which no message can be made, as rosidl does."""
+    values = default if isinstance(default, tuple) else (default,)
+    count = len(values)
+    if isinstance(default, tuple):
+        if field_type.length is not None and count != field_type.length:
+            raise ValueError(f"the default has {count} values, expected {field_type.length}")
+        if field_type.bound is not None and count > field_type.bound:
+            raise ValueError(f"the default has {count} values, at most {field_type.bound}")
+    for value in values:
+        misfit = text_misfit(value, field_type) if isinstance(value, str) else None
+        if misfit:
+            raise ValueError(f"the default cannot be: {misfit}")
 
 
 def _parse_strings(text: str) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
 Listed = Mapping[str, Sequence[str]]
-"""The short names of the installed types of one kind, by package."""
+"""The short names of the known types of one kind, by package; an earlier package is preferred."""
 
 # Of names that differ by a typing error; difflib's own 0.6 takes two to three times as long.
 _LIKENESS: Final = 0.75
@@ -59,7 +59,7 @@ def _short_name(meant: str, names: Sequence[str]) -> str | None:
 def _owner(short_name: str, listed: Listed) -> tuple[str, str] | None:
     """Find a package that has a type of this name."""
     plain = _plain(short_name)
-    for package in sorted(listed, key=lambda each: (each in _DOUBLES, each)):
+    for package in sorted(listed, key=lambda each: each in _DOUBLES):
         for name in listed[package]:
             if _plain(name) == plain:
                 return package, name

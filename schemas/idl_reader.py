@@ -3,7 +3,15 @@
 
 from typing import Final
 
-from schemas.definition import FLOATS, INTEGER_RANGES, STRINGS, FieldType, Scalar, Value
+from schemas.definition import (
+    FLOATS,
+    INTEGER_RANGES,
+    STRINGS,
+    FieldType,
+    Scalar,
+    Value,
+    text_misfit,
+)
 from schemas.idl_tokens import PlaceError, Token, items, number, shortened, string, tokens
 
 MAX_SIZE: Final = 2**32 - 1  # of an array, a sequence or a string: CDR counts in 32 bits
@@ -172,6 +180,9 @@ def fitting(kind: FieldType, token: Token, value: Scalar) -> Scalar:
     if kind.base == "bool" and isinstance(value, bool):
         return value
     if kind.base in STRINGS and isinstance(value, str):
+        misfit = text_misfit(value, kind)
+        if misfit:
+            raise PlaceError(token.offset, misfit)
         return value
     if kind.base in FLOATS and isinstance(value, float):
         return value

@@ -5,6 +5,7 @@ A service or an action is a file of several messages, which have rosidl's names:
 ``std_srvs/srv/SetBool_Request``, ``test_msgs/action/Fibonacci_Feedback``.
 """
 
+import copy
 import json
 import os
 import re
@@ -37,18 +38,26 @@ MAX_VALUES: Final = 50_000
 # Of types within types: Python's parser and stack have their ends. ROS' own have 6 at most.
 MAX_NESTING: Final = 64
 _OCTETS_PER_VALUE: Final = 200  # so 10 MB, as a client may send
+MAX_TOLD: Final = 1024  # definitions, as many as types that are made
 MAX_DEFINITION_BYTES: Final = 256 * 1024  # the largest in use have 10 kB
 
 
 class UnknownTypeError(LookupError):
     """No definition of *name* is installed, or it is not a type name; the text says which.
 
-    *name* may be a type that the requested one nests.
+    *name* may be a type that the requested one nests. It *is_missing* if a file would mend that.
     """
 
-    def __init__(self, name: str, reason: str) -> None:
+    def __init__(self, name: str, reason: str, *, is_missing: bool = False) -> None:
         super().__init__(reason)
         self.name = name
+        self.is_missing = is_missing
+
+
+def is_message_name(name: str) -> bool:
+    """Return whether *name* is of the form ``pkg/msg/Name``."""
+    match = _TYPE_NAME.fullmatch(name)
+    return match is not None and match["kind"] == "msg" and match["file"] == name
 
 
 def installed_prefixes() -> tuple[Path, ...]:
@@ -81,6 +90,10 @@ class InstalledDefinitions:
         self._in_folders: dict[tuple[str, str, str], Path] = {}
         for found in chain.from_iterable(map(find_definitions, folders)):
             self._in_folders.setdefault(found[:3], found.path)
+        self.revision = 0
+        self._installed: set[str] = set()  # as far as that was asked for
+        self._told: dict[str, Definition] = {}
+        self._untold: dict[str, str] = {}  # why a definition was not told, by type
         self._known: dict[str, Definition] = {}
         self._interfaces: dict[str, Interface] = {}
         self._listed: dict[Kind, Mapping[str, Sequence[str]]] = {}
@@ -96,6 +109,39 @@ class InstalledDefinitions:
         if known is None:
             known = self._known[name] = self._read(name)
         return known
+
+    def is_installed(self, name: str) -> bool:
+        """Return whether an installed package has the definition of ``pkg/msg/Name``."""
+        if name not in self._installed and is_message_name(name) and self._installed_place(name):
+            self._installed.add(name)
+        return name in self._installed
+
+    def with_told(self, told: Mapping[str, Definition]) -> "InstalledDefinitions":
+        """Return a copy that has these definitions, too."""
+        other = copy.copy(self)
+        other._told = {**self._told, **told}  # noqa: SLF001  # its own
+        other._known = {name: each for name, each in self._known.items() if name not in told}  # noqa: SLF001
+        return other
+
+    def tell(self, told: Mapping[str, Definition]) -> None:
+        """Use these definitions from now on."""
+        self._told.update(told)
+        for name in told:
+            self._known.pop(name, None)
+            self._untold.pop(name, None)
+        self._listed.clear()
+        self.revision += 1
+
+    def note_untold(self, name: str, why: str) -> None:
+        """Have the error about a type that is unknown say why no node has told it."""
+        if len(self._untold) >= MAX_TOLD:
+            self._untold.pop(next(iter(self._untold)))
+        self._untold[name] = why
+
+    @property
+    def told(self) -> Mapping[str, Definition]:
+        """The definitions that nodes have told."""
+        return self._told
 
     def interface(self, name: str, kind: InterfaceKind | None = None) -> Interface:
         """Return the definition of ``pkg/srv/Name`` or ``pkg/action/Name``; *kind* admits only one.
@@ -121,6 +167,10 @@ class InstalledDefinitions:
             for short_name in short_names
         )
         return sorted(found)
+
+    def packages_in_folders(self) -> set[str]:
+        """Return the packages that *folders* have types of, installed or not."""
+        return {package for package, _, _ in self._in_folders}
 
     def all_names(self) -> list[str]:
         """List all installed types: messages, then services, then actions."""
@@ -181,7 +231,10 @@ class InstalledDefinitions:
         return _joined(guess_text(text, self._list(kind)), kind)
 
     def _list(self, kind: Kind) -> Mapping[str, Sequence[str]]:
-        """Return the installed types by package; reading the directories takes milliseconds."""
+        """Return the known types by package; reading the directories takes milliseconds.
+
+        Packages of which nothing is installed are the last.
+        """
         listed = self._listed.get(kind)
         if listed is None:
             found: dict[str, set[str]] = {}
@@ -189,19 +242,24 @@ class InstalledDefinitions:
                 for path in prefix.glob(f"share/*/{kind}/*.*"):
                     if path.suffix[1:] in {kind, _IDL}:
                         found.setdefault(path.parts[-3], set()).add(path.stem)
-            for package, its_kind, short_name in self._in_folders:
+            installed = frozenset(found)
+            told = (tuple(name.split("/")) for name in self._told)
+            for package, its_kind, short_name in (*self._in_folders, *told):
                 if its_kind == kind:
                     found.setdefault(package, set()).add(short_name)
-            listed = {package: sorted(found[package]) for package in sorted(found)}
+            order = sorted(found, key=lambda package: (package not in installed, package))
+            listed = {package: sorted(found[package]) for package in order}
             self._listed[kind] = listed
         return listed
 
     def _read(self, name: str) -> Definition:
-        match = _TYPE_NAME.fullmatch(name)
-        if match is not None and match["kind"] == "msg" and match["file"] == name:
+        if name in self._told:
+            return self._told[name]
+        if is_message_name(name):
             found = self._find(name)
             parse = parse_idl_message if found.is_idl else parse_definition
             return parse(name, found.text, found.hashes.get(name))
+        match = _TYPE_NAME.fullmatch(name)
         if match is not None:
             for role in ROLES.get(match["kind"], ()):
                 if part_name(match["file"], role) == name:
@@ -226,17 +284,26 @@ class InstalledDefinitions:
 
     def _place(self, name: str) -> tuple[Path, bool]:
         """Return the file of ``pkg/KIND/Name``, and whether it is installed."""
+        installed = self._installed_place(name)
+        if installed is not None:
+            return installed, True
+        package, kind, short_name = name.split("/")
+        known = self._in_folders.get((package, kind, short_name))
+        if known is None:
+            why = self._untold.get(name)
+            reason = f"no definition of {name} is installed{f', and {why}' if why else ''}"
+            raise UnknownTypeError(name, reason, is_missing=True)
+        return known, False
+
+    def _installed_place(self, name: str) -> Path | None:
         package, kind, short_name = name.split("/")
         for prefix in self._prefixes:
             # rosidl writes IDL beside each .msg file, which has the comments as they were written
             for suffix in (kind, _IDL):
                 path = prefix / "share" / package / kind / f"{short_name}.{suffix}"
                 if path.is_file():
-                    return path, True
-        known = self._in_folders.get((package, kind, short_name))
-        if known is None:
-            raise UnknownTypeError(name, f"no definition of {name} is installed")
-        return known, False
+                    return path
+        return None
 
 
 def _values_of(definition: Definition, nested: Mapping[str, int]) -> int:
@@ -251,7 +318,7 @@ def _values_of(definition: Definition, nested: Mapping[str, int]) -> int:
         elif field.type.is_octets:
             count += length // _OCTETS_PER_VALUE
         else:
-            count += length * nested.get(field.type.base, 1)
+            count += length * max(1, nested.get(field.type.base, 1))  # also of an empty type
     return count
 
 

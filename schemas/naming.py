@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The names of ROS fields and constants as Python attributes."""
+"""The names of ROS types, packages, fields and constants in Python."""
 
 import keyword
 from typing import Final
@@ -28,6 +28,19 @@ _OF_GENERATED_CLASSES: Final = frozenset(
     {"bool", "bytes", "float", "int", "list", "ros", "ros_type", "ros_type_hash", "str"}
 )
 _TAKEN: Final = frozenset(keyword.kwlist) | _BASE_MODEL | _OF_GENERATED_CLASSES
+
+
+def class_name(short_name: str) -> str:
+    """Return the class of a message type: mostly its own name.
+
+    Python has the capitalized keywords ``None``, ``True`` and ``False``; these get an underscore.
+    """
+    return f"{short_name}_" if keyword.iskeyword(short_name) else short_name
+
+
+def module_name(package: str) -> str:
+    """Return the module of a package: mostly its own name; keywords get an underscore."""
+    return f"{package}_" if keyword.iskeyword(package) else package
 
 
 def attribute(field_name: str) -> str:

@@ -7,10 +7,10 @@ the type and of all nested types; defaults, constants and comments do not change
 
 import hashlib
 import json
-from typing import Any, Final
+from collections.abc import Iterable, Mapping
+from typing import Any, Final, Protocol
 
 from schemas.definition import Definition, Field, FieldType
-from schemas.installed import InstalledDefinitions
 
 # type_description_interfaces/msg/FieldType: the id of a single value ...
 _NESTED: Final = 1
@@ -37,11 +37,22 @@ _FIXED_ARRAY: Final = 48
 _BOUNDED_SEQUENCE: Final = 96
 _SEQUENCE: Final = 144
 
+# `char` is left out: its number is that of uint8.
+_NAMES: Final = {number: name for name, number in _IDS.items() if name != "char"}
+_NAMES_OF_BOUNDED: Final = {number: name for name, number in _BOUNDED_STRINGS.items()}
+
 # IDL has no empty structure, so a message without fields gets this one.
-_PLACEHOLDER: Final = Field("structure_needs_at_least_one_member", FieldType("uint8"))
+PLACEHOLDER: Final = Field("structure_needs_at_least_one_member", FieldType("uint8"))
 
 
-def type_hash(definition: Definition, definitions: InstalledDefinitions) -> str:
+class Definitions(Protocol):
+    """Whatever knows the types that a definition nests."""
+
+    def closure(self, names: Iterable[str]) -> list[Definition]:
+        """Return the definitions of *names* and of all nested types."""
+
+
+def type_hash(definition: Definition, definitions: Definitions) -> str:
     """Return the hash installed with *definition*, or compute it.
 
     Raises:
@@ -52,7 +63,7 @@ def type_hash(definition: Definition, definitions: InstalledDefinitions) -> str:
     return computed_type_hash(definition, definitions)
 
 
-def computed_type_hash(definition: Definition, definitions: InstalledDefinitions) -> str:
+def computed_type_hash(definition: Definition, definitions: Definitions) -> str:
     """Compute the hash of *definition* (REP-2011, version 1: SHA-256 of its description).
 
     Raises:
@@ -63,7 +74,7 @@ def computed_type_hash(definition: Definition, definitions: InstalledDefinitions
     return f"RIHS01_{hashlib.sha256(text.encode()).hexdigest()}"
 
 
-def type_description(definition: Definition, definitions: InstalledDefinitions) -> dict[str, Any]:
+def type_description(definition: Definition, definitions: Definitions) -> dict[str, Any]:
     """Return what a node says of a type: a type_description_interfaces/msg/TypeDescription.
 
     It has no default values, which do not change the hash.
@@ -73,14 +84,38 @@ def type_description(definition: Definition, definitions: InstalledDefinitions) 
     """
     nested = definitions.closure(definition.nested())
     return {
-        "type_description": _description(definition),
+        "type_description": individual_description(definition),
         "referenced_type_descriptions": [
-            _description(other) for other in sorted(nested, key=lambda other: other.name)
+            individual_description(other) for other in sorted(nested, key=lambda other: other.name)
         ],
     }
 
 
-def _description(definition: Definition) -> dict[str, object]:
+def field_type_of(described: Mapping[str, Any]) -> FieldType:
+    """Return the type that a type_description_interfaces/msg/FieldType describes.
+
+    Raises:
+        LookupError: no type of ROS messages has its number.
+    """
+    number = described["type_id"] % _FIXED_ARRAY
+    capacity = described["capacity"]
+    forms: dict[int, dict[str, Any]] = {
+        0: {},
+        _FIXED_ARRAY: {"length": capacity},
+        _BOUNDED_SEQUENCE: {"is_sequence": True, "bound": capacity},
+        _SEQUENCE: {"is_sequence": True},
+    }
+    form = forms[described["type_id"] - number]
+    if number == _NESTED:
+        return FieldType(described["nested_type_name"], **form)
+    if number in _NAMES_OF_BOUNDED:
+        bound = described["string_capacity"]
+        return FieldType(_NAMES_OF_BOUNDED[number], string_bound=bound, **form)
+    return FieldType(_NAMES[number], **form)
+
+
+def individual_description(definition: Definition) -> dict[str, Any]:
+    """Return a type_description_interfaces/msg/IndividualTypeDescription of one type."""
     return {
         "type_name": definition.name,
         "fields": [
@@ -93,7 +128,7 @@ def _description(definition: Definition) -> dict[str, object]:
                     "nested_type_name": "" if field.type.is_primitive else field.type.base,
                 },
             }
-            for field in definition.fields or (_PLACEHOLDER,)
+            for field in definition.fields or (PLACEHOLDER,)
         ],
     }
 

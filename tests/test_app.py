@@ -9,7 +9,9 @@ import re
 import signal
 import socket
 import threading
+from pathlib import Path
 from threading import Timer
+from typing import Any
 
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
@@ -18,8 +20,10 @@ from gateway import app
 from gateway.config.control import ControlConfig
 from gateway.config.limits import Limits
 from gateway.config.model import Config, RosConfig
+from gateway.definitions import known_definitions
 from gateway.log_rate import BURST
 from gateway.ros import RosOptions
+from schemas.installed import InstalledDefinitions
 from tests.client import TIMEOUT_S, client
 from tests.gateway_process import gateway_process
 from tests.ros.fake import FakeRos
@@ -39,6 +43,7 @@ ROS_OPTIONS = RosOptions(
     reserved_entities=1308,
     reserved_topics=("/wheels",),
 )
+NAV2 = ("SpeedLimit", "Particle")
 NOT_CONFIGURED = {
     "arguments",
     "taking",
@@ -71,6 +76,38 @@ async def test_no_traceback_if_the_server_closed_before_asyncio_accepts_again(
         assert "Traceback" in caplog.text
     finally:
         loop.close()
+
+
+def test_what_is_configured_goes_before_what_is_shipped(tmp_path: Path):
+    place = tmp_path / "nav2_msgs" / "msg"
+    place.mkdir(parents=True)
+    (place / "SpeedLimit.msg").write_text("bool other\n")
+    definitions = known_definitions([tmp_path], "types.paths")
+    limit, particle = (definitions.get(f"nav2_msgs/msg/{name}") for name in NAV2)
+    assert [field.name for field in limit.fields] == ["other"]
+    assert [field.name for field in particle.fields] == ["pose", "weight"]
+
+
+@pytest.mark.parametrize(
+    ("packages", "is_made"), [(["std_msgs"], False), (["std_msgs", "my_msgs"], True)]
+)
+async def test_types_are_made_where_one_is_not_installed(
+    packages: list[str], is_made: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    for package in packages:
+        place = tmp_path / package / "msg"
+        place.mkdir(parents=True)
+        (place / "Lamp.msg").write_text("bool on\n")
+    asked = []
+
+    def opened(options: object, definitions: object, *, makes_types: bool) -> Any:
+        asked.append(makes_types)
+        return contextlib.nullcontext()
+
+    monkeypatch.setattr(app, "open_ros", opened)
+    async with contextlib.AsyncExitStack() as stack:
+        await app._open_ros(stack, CONFIG, InstalledDefinitions(folders=[tmp_path]))
+    assert asked == [is_made]
 
 
 async def test_rosout_gets_client_and_topic_and_no_flood():

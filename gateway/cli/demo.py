@@ -21,9 +21,10 @@ from gateway.errors import RobotDiedError
 STOP_TIMEOUT_S: Final = 1.0  # with the gateway's own second, the 2 s of a shutdown
 
 
-def robot_command() -> list[str]:
+def robot_command(*, twist_stamped: bool = False) -> list[str]:
     """Return the command that runs the simulated robot for as long as we hold its stdin open."""
-    return [sys.executable, "-m", "gateway", "sim", "--until-stdin-closes"]
+    command = [sys.executable, "-m", "gateway", "sim", "--until-stdin-closes"]
+    return [*command, "--twist-stamped"] if twist_stamped else command
 
 
 def run(serve: Callable[[], int], robot: Sequence[str]) -> int:

@@ -11,9 +11,8 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, NoReturn
 
@@ -32,14 +31,22 @@ if TYPE_CHECKING:
     from gateway.cli.foreign_output import OwnOutput
     from gateway.config.settings import Given, Loaded
     from schemas.installed import InstalledDefinitions
-    from schemas.table import TypeNameError
 
 _DEMO_HINT: Final = """\
 in another terminal, connect with  WSCAT  and paste:
   {"op":"subscribe","topic":"/odom","fields":["pose.pose.position"],"throttle_rate":1000}
-  {"op":"publish","topic":"/cmd_vel","type":"geometry_msgs/msg/Twist","msg":{"linear":{"x":0.2}}}
+  DRIVE
+  {"op":"lookup_transform","target_frame":"map","source_frame":"base_scan","timeout":10}
+  {"op":"send_action_goal","id":"go","action":"/navigate_to_pose",\
+"args":{"pose":{"pose":{"position":{"x":2.5,"y":1.5}}}},"feedback":true}
+  {"op":"cancel_action_goal","id":"go","action":"/navigate_to_pose"}
   help
 Ctrl-C ends the gateway and the robot"""
+_DRIVE: Final = """\
+{"op":"publish","topic":"/cmd_vel","type":"geometry_msgs/msg/Twist","msg":{"linear":{"x":0.2}}}"""
+_DRIVE_STAMPED: Final = """\
+{"op":"publish","topic":"/cmd_vel","type":"geometry_msgs/msg/TwistStamped",\
+"msg":{"twist":{"linear":{"x":0.2}}}}"""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -82,24 +89,18 @@ def _wanted_format(argv: Sequence[str]) -> str:
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    match arguments.command:
-        case "serve":
-            return _serve(arguments)
-        case "demo":
-            return _demo(arguments)
-        case "sim":
-            return _sim(arguments)
-        case "mock":
-            return _mock(arguments)
-        case "schema":
-            return _schema(arguments)
-        case "check-config":
-            return _check_config(arguments)
-        case "token":
-            return _token(arguments)
-        case "cert":
-            return _cert(arguments)
-    raise AssertionError(arguments.command)
+    commands: dict[str, Callable[[argparse.Namespace], int]] = {
+        "serve": _serve,
+        "demo": _demo,
+        "sim": _sim,
+        "mock": _mock,
+        "schema": _schema,
+        "generate": _generate,
+        "check-config": _check_config,
+        "token": _token,
+        "cert": _cert,
+    }
+    return commands[arguments.command](arguments)
 
 
 def _configuration(arguments: argparse.Namespace) -> "Loaded":
@@ -219,9 +220,12 @@ def _demo(arguments: argparse.Namespace) -> int:
     # the robot on this desk is nobody else's business; read when the middleware starts
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
 
+    is_stamped = arguments.twist_stamped
+    hint = _DEMO_HINT.replace("DRIVE", _DRIVE_STAMPED if is_stamped else _DRIVE)
     with _log_output(loaded) as own:
         return demo.run(
-            lambda: _run_gateway(arguments, loaded, own, _DEMO_HINT), demo.robot_command()
+            lambda: _run_gateway(arguments, loaded, own, hint),
+            demo.robot_command(twist_stamped=is_stamped),
         )
 
 
@@ -239,6 +243,7 @@ def _sim(arguments: argparse.Namespace) -> int:
             camera=not arguments.no_camera,
             camera_hz=arguments.camera_hz,
             seed=arguments.seed,
+            twist_stamped=arguments.twist_stamped,
         )
     )
 
@@ -259,45 +264,37 @@ def _mock(arguments: argparse.Namespace) -> int:
 
 
 def _schema(arguments: argparse.Namespace) -> int:
+    from gateway.cli.type_names import TypeNames
+    from gateway.definitions import known_definitions
     from schemas.definition import DefinitionError
-    from schemas.installed import InstalledDefinitions, UnknownTypeError
-    from schemas.table import Table, TypeNameError, resolve_any
+    from schemas.installed import UnknownTypeError
 
-    table = Table.load()
-    definitions = InstalledDefinitions()
-    known = {*table.by_name, *(row.name for row in table.interfaces), *definitions.all_names()}
+    definitions = known_definitions((), "")
+    names = TypeNames(definitions)
+    name = names.resolve(arguments.type)
     try:
-        name = resolve_any(arguments.type, table, known)
         if arguments.definition:
             text = definitions.get_any(name).text.rstrip()
         else:
             text = _schema_text(name, definitions)
     except UnknownTypeError as error:
-        # of a known name, something is missing that no other name mends
-        close = [] if name in known else get_close_matches(name, known, n=1)
-        near = close[0] if close else definitions.nearest(name)
-        hint = ""
-        if near and name not in known:
-            hint = f", did you mean {near}"
-        elif arguments.definition:
-            hint = ", --definition needs the message package installed"
-        raise UsageError(f"{error}{hint}") from error
-    except TypeNameError as error:
-        raise UsageError(f"{error}{_type_hint(error, definitions)}") from error
+        near = names.nearest(name)
+        hint = ", --definition needs the message package installed" * arguments.definition
+        raise UsageError(f"{error}, did you mean {near}" if near else f"{error}{hint}") from error
     except DefinitionError as error:
         raise UsageError(str(error)) from error
     print(text)
     return EXIT_OK
 
 
-def _type_hint(error: "TypeNameError", definitions: "InstalledDefinitions") -> str:
-    near = error.requested and definitions.meant(error.requested, error.kind)
-    if near:
-        return f", did you mean {near}"
-    if error.requested.startswith("/"):  # a topic, a service or an action
-        frame = f'{{"op":"describe","type":"{error.requested}"}}'
-        return f"; a running gateway knows the types of names, send it {frame}"
-    return ""
+def _generate(arguments: argparse.Namespace) -> int:
+    from gateway.cli.generate import generate
+
+    generated = generate(arguments, os.environ)
+    for note in generated.notes:
+        print(f"ros2-gateway: {note}", file=sys.stderr)
+    sys.stdout.write(generated.text)
+    return EXIT_OK
 
 
 def _schema_text(name: str, definitions: "InstalledDefinitions") -> str:

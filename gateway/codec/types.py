@@ -23,9 +23,10 @@ from gateway.codec.error_text import truncate
 from gateway.codec.errors import CodecError
 from gateway.codec.validation import InvalidValueError, explain_misfit
 from schemas.build import json_schema
-from schemas.definition import Definition
+from schemas.definition import Definition, DefinitionError
+from schemas.derived import hashed
 from schemas.generate.json_schemas import Schema, interface_schema
-from schemas.installed import InstalledDefinitions
+from schemas.installed import InstalledDefinitions, UnknownTypeError
 from schemas.interface import Interface, InterfaceKind
 from schemas.json_forms import Clock
 
@@ -38,9 +39,10 @@ MAX_DECODERS: Final = 32
 class MessageType:
     """One message type, or one part of a service or an action: definition and codecs."""
 
-    def __init__(self, definition: Definition, types: "Types") -> None:
+    def __init__(self, closure: Sequence[Definition], types: "Types") -> None:
+        self.closure = closure  # itself last, after all that it nests
+        self.definition = definition = closure[-1]
         self.name = definition.name
-        self.definition = definition
         self._definitions = types.definitions
         self._types = types
         self._decoders: _Compiled[Decoder] = _Compiled()
@@ -179,10 +181,15 @@ class ActionType:
 
 
 class Types:
-    """The types that some definitions describe. Not safe across threads."""
+    """The types that some definitions describe. Not safe across threads.
+
+    A type whose definition has changed, or that of one that it nests, is another object from then
+    on; who holds the former one still reads messages as they were.
+    """
 
     def __init__(self, definitions: InstalledDefinitions) -> None:
         self.definitions = definitions
+        self._revision = definitions.revision
         self._messages: dict[str, MessageType] = {}
         self._services: dict[str, ServiceType] = {}
         self._actions: dict[str, ActionType] = {}
@@ -195,11 +202,11 @@ class Types:
                 installed.
             DefinitionError: a definition cannot be parsed, or nests itself.
         """
+        self._follow()
         known = self._messages.get(name)
         if known is None:
             # Read nested types now: where the codecs are compiled, nobody expects an error.
-            definition = self.definitions.closure([name])[-1]
-            known = MessageType(definition, self)
+            known = MessageType(self.definitions.closure([name]), self)
             self._messages[name] = known
         return known
 
@@ -217,6 +224,7 @@ class Types:
         Raises:
             UnknownTypeError, DefinitionError: as for `get`.
         """
+        self._follow()
         known = self._services.get(name)
         if known is None:
             definition, parts = self._interface(name, "srv")
@@ -229,14 +237,30 @@ class Types:
         Raises:
             UnknownTypeError, DefinitionError: as for `get`.
         """
+        self._follow()
         known = self._actions.get(name)
         if known is None:
             definition, parts = self._interface(name, "action")
             known = self._actions[name] = ActionType(definition, *parts)
         return known
 
+    def _follow(self) -> None:
+        """Forget the types whose definitions have changed."""
+        if self._revision == self.definitions.revision:
+            return
+        self._revision = self.definitions.revision
+        self._services.clear()
+        self._actions.clear()
+        for name, known in list(self._messages.items()):
+            try:
+                is_same = self.definitions.closure([name]) == known.closure
+            except (UnknownTypeError, DefinitionError):
+                is_same = False
+            if not is_same:
+                del self._messages[name]
+
     def _interface(self, name: str, kind: InterfaceKind) -> tuple[Interface, list[MessageType]]:
-        definition = self.definitions.interface(name, kind)
+        definition = hashed(self.definitions.interface(name, kind), self.definitions)
         return definition, [self.get(part.name) for part in definition.parts.values()]
 
 

@@ -21,6 +21,7 @@ from schemas.definition import (
     STRINGS,
     Definition,
     FieldType,
+    text_misfit,
 )
 from schemas.installed import InstalledDefinitions
 from schemas.json_forms import (
@@ -54,11 +55,6 @@ _RANGES: Final[Mapping[str, tuple[float, float]]] = {
     **INTEGER_RANGES,
     "float32": (-_FLOAT32_LIMIT, _FLOAT32_LIMIT),
     "float64": (-math.inf, math.inf),
-}
-# the encoding of a string type, and the bytes and the name of the units that its bound counts
-_UNITS: Final = {
-    "string": ("utf-8", 1, "bytes of UTF-8"),
-    "wstring": ("utf-16-le", 2, "code units of UTF-16"),
 }
 
 
@@ -227,7 +223,7 @@ def _misfit(value: object, kind: FieldType) -> str | None:
     if type(plain) not in _KINDS[kind.base]:
         return f"expected {_EXPECTED.get(kind.base, _number(kind))}, got {kind_of(value)}"
     if kind.base in STRINGS:
-        return _text_misfit(plain, kind)
+        return text_misfit(plain, kind)
     if kind.base == "bool":
         return None
     low, high = _RANGES[kind.base]
@@ -239,19 +235,6 @@ def _misfit(value: object, kind: FieldType) -> str | None:
 
 def _number(kind: FieldType) -> str:
     return "a number" if kind.base in FLOATS else "an integer"
-
-
-def _text_misfit(text: str, kind: FieldType) -> str | None:
-    if "\0" in text:
-        return "a string cannot hold U+0000"
-    encoding, unit, units = _UNITS[kind.base]
-    try:
-        size = len(text.encode(encoding)) // unit
-    except UnicodeEncodeError:
-        return "a string cannot hold a lone surrogate"
-    if kind.string_bound is not None and size > kind.string_bound:
-        return f"text has {size} {units}, at most {kind.string_bound} fit"
-    return None
 
 
 def _wrong_length(count: int, kind: FieldType) -> str | None:

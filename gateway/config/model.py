@@ -118,8 +118,14 @@ class TypesConfig(Section):
     paths: tuple[str, ...] = Field(
         (),
         description="folders with definitions of packages that are not installed here, such as a"
-        " workspace's `src` or `install`; topics of their types can be used all the same",
+        " workspace's `src` or `install`; topics, services and actions of their types can be"
+        " used all the same",
         json_schema_extra={"expected": "folders such as ~/ws/src"},
+    )
+    ask_nodes: bool = Field(
+        True,
+        description="whether to ask the robot's nodes for the definitions of types that are not"
+        " installed here",
     )
 
 

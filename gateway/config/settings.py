@@ -24,6 +24,8 @@ from gateway.errors import ConfigError, system_reason
 
 PREFIX: Final = "ROS2_GATEWAY_"
 FILE_VARIABLE: Final = "ROS2_GATEWAY_CONFIG"
+# of clients: `ros2-gateway generate --from` shows it to a gateway
+TOKEN_VARIABLE: Final = "ROS2_GATEWAY_TOKEN"  # noqa: S105  # a name
 
 # keys of former versions, and what takes their place
 _REPLACED: Final = {
@@ -225,7 +227,7 @@ def _from_environment(
     for variable, value in sorted(environment.items()):
         if variable in by_variable:
             yield Given(by_variable[variable].key, value, variable)
-        elif variable.startswith(PREFIX) and variable != FILE_VARIABLE:
+        elif variable.startswith(PREFIX) and variable not in {FILE_VARIABLE, TOKEN_VARIABLE}:
             hint = _hint(variable, [*by_variable, FILE_VARIABLE])
             problems.append(f"unknown environment variable {variable}{hint}")
 

@@ -11,6 +11,7 @@ from schemas.table import TypeNameError
 
 # It has the place in a file of this machine, what was expected there and a way out.
 MAX_DEFINITION_ERROR: Final = 512
+_MISSING: Final = "; install its package, or name a folder that has the definition in types.paths"
 
 
 def bad_type(
@@ -26,6 +27,9 @@ def bad_type(
         case _:
             near = None
     hint = f"; did you mean {near}?" if near else ""
-    is_of_file = isinstance(error, DefinitionError)
-    text = str(error)[:MAX_DEFINITION_ERROR] if is_of_file else truncate(str(error))
+    is_missing = isinstance(error, UnknownTypeError) and error.is_missing
+    if is_missing and not hint:
+        hint = _MISSING
+    is_own_text = isinstance(error, DefinitionError) or is_missing
+    text = str(error)[:MAX_DEFINITION_ERROR] if is_own_text else truncate(str(error))
     return ProtocolError("bad_type", f"type: {text}{hint}")

@@ -29,8 +29,8 @@ async def open_ros(
     """Take part in ROS on the running loop, until the context ends, however it ends.
 
     With *definitions*, publishers and subscribers that have another definition of a type are told
-    of. If it *makes_types*, topics of types that are defined and not installed can be used;
-    whether this ROS allows it is tried first, for a second.
+    of, and servers that have one are not called. If it *makes_types*, types that are defined and
+    not installed can be used at once, see `gateway.ports.Ros.make_types`.
 
     Several at once and one after another are fine. Starting blocks the loop for some tenths of a
     second, ending for some hundredths: DDS opens and closes its sockets and threads.
@@ -45,17 +45,16 @@ async def open_ros(
         import rclpy  # noqa: F401
     except ImportError as error:
         raise RosMissingError(str(error)) from error
-    from gateway.ros.message_classes import MessageClasses, why_types_cannot_be_made
+    from gateway.ros.message_classes import MessageClasses
     from gateway.ros.port import RclpyRos
 
     classes = MessageClasses(definitions)
-    # DDS opens its sockets while the other process tries
-    trying = asyncio.ensure_future(why_types_cannot_be_made()) if makes_types else None
-    with contextlib.ExitStack() as undo:
-        if trying is not None:
-            undo.callback(trying.cancel)
+    async with contextlib.AsyncExitStack() as undo:
+        undo.push_async_callback(classes.close)
+        # DDS opens its sockets while the other process tries
+        trying = asyncio.create_task(classes.make_types()) if makes_types else None
         ros = RclpyRos(RosOptions() if options is None else options, classes)
         undo.callback(ros.close)
         if trying is not None:
-            classes.make_types(await trying)
+            await trying
         yield ros

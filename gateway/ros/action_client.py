@@ -11,15 +11,15 @@ from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 from rclpy.qos import QoSProfile
-from rclpy.serialization import deserialize_message, serialize_message
 
 from gateway.action_ports import ABORTED, CANCELED, SUCCEEDED, GoalResult
 from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.ports import RosError, Sample
-from gateway.ros.endpoints import Endpoints, Requester
+from gateway.ros.action_forms import ActionForm
+from gateway.ros.endpoints import Endpoints, FindConflict, Requester
 from gateway.ros.errors import refusals, remapped
-from gateway.ros.goal_ids import goal_id_of, with_goal_id, without_goal_id
-from gateway.ros.interfaces import action_class, service_class
+from gateway.ros.goal_ids import goal_id_of, without_goal_id
+from gateway.ros.interfaces import service_class
 from gateway.ros.samples import Samples
 
 # One reader gets the feedback of all goals of an action, and the loop may be busy meanwhile.
@@ -42,13 +42,14 @@ class RclpyActionClient:
         endpoints: Endpoints,
         samples: Samples,
         name: str,
-        type_name: str,
+        form: ActionForm,
         on_close: Callable[["RclpyActionClient"], None],
         *,
         is_paced: Callable[[], bool],
+        find_conflict: FindConflict,
     ) -> None:
         self.name = name
-        self.type_name = type_name
+        self.type_name = form.type_name
         self._on_close = on_close
         self._node = endpoints.node
         self._loop = endpoints.loop
@@ -60,9 +61,7 @@ class RclpyActionClient:
         self._is_closed = False
         self._cancel_class = service_class("action_msgs/srv/CancelGoal")
         self._feedback_topic = f"{name}/_action/feedback"
-        parts = action_class(type_name).Impl
-        self._goal_class = parts.SendGoalService
-        self._result_class = parts.GetResultService
+        self._form = form
         with contextlib.ExitStack() as undo:
 
             def requester(part_class: Any, part: str, **options: Any) -> Requester:
@@ -78,7 +77,7 @@ class RclpyActionClient:
             # be lost otherwise.
             with refusals(self._subject):
                 self._feedback = samples.read(
-                    parts.FeedbackMessage,
+                    form.feedback,
                     self._feedback_topic,
                     _READER_PROFILE,
                     self._deliver_feedback,
@@ -87,10 +86,14 @@ class RclpyActionClient:
             if self._feedback.topic_name != self._feedback_topic:
                 raise remapped(self._subject, self._feedback.topic_name)
             # Not paced: these are under way as long as their goals, and sent as those are accepted.
-            self._results = requester(parts.GetResultService, "get_result", is_paced=lambda: False)
+            self._results = requester(form.get_result, "get_result", is_paced=lambda: False)
             self._cancels = requester(self._cancel_class, "cancel_goal", is_paced=is_paced)
             self._goals = requester(
-                parts.SendGoalService, "send_goal", is_ready=self._is_rest_ready, is_paced=is_paced
+                form.send_goal,
+                "send_goal",
+                is_ready=self._is_rest_ready,
+                is_paced=is_paced,
+                find_conflict=find_conflict,
             )
             self._undo = undo.pop_all()
 
@@ -100,12 +103,12 @@ class RclpyActionClient:
             raise RosError("not_found", f"the client of {self._subject} is closed")
         goal_id = uuid.uuid4().bytes
         with refusals(self._subject):
-            request = deserialize_message(with_goal_id(goal_id, goal), self._goal_class.Request)
+            request = self._form.to_goal_request(goal_id, goal)
         self._feedback_callbacks[goal_id] = on_feedback  # feedback may come before the answer
         answer = self._goals.send(request)
         is_accepted = False
         try:
-            is_accepted = (await asyncio.shield(answer)).accepted
+            is_accepted = self._form.is_accepted(await asyncio.shield(answer))
         except asyncio.CancelledError:
             self._abandon(goal_id, answer)
             raise
@@ -133,11 +136,13 @@ class RclpyActionClient:
         """Convert the response to a request for the result of a goal.
 
         Raises:
-            RosError: ``not_found``: the server does not know the goal.
+            RosError: ``not_found``: the server does not know the goal; ``internal``: the response
+                cannot be read.
         """
-        for status in (SUCCEEDED, CANCELED, ABORTED):
-            if response.status == status:
-                return GoalResult(status, serialize_message(response.result))
+        status, result = self._form.read_result_response(response)
+        for known in (SUCCEEDED, CANCELED, ABORTED):
+            if status == known:
+                return GoalResult(known, result)
         text = f"{self._subject} does not know the goal: it has forgotten it, or was provided anew"
         raise RosError("not_found", text)
 
@@ -179,9 +184,7 @@ class RclpyActionClient:
         )
 
     def _ask_result(self, goal_id: bytes) -> "asyncio.Future[Any]":
-        request = self._result_class.Request()
-        request.goal_id.uuid = list(goal_id)
-        result = self._results.send(request, waits=False)
+        result = self._results.send(self._form.to_result_request(goal_id), waits=False)
         result.add_done_callback(lambda _: self._end(goal_id, result))
         return result
 
@@ -211,7 +214,7 @@ class RclpyActionClient:
     async def _cancel_if_accepted(self, goal_id: bytes, answer: "asyncio.Future[Any]") -> None:
         with contextlib.suppress(TimeoutError, RosError):  # errors of the server; nobody waits
             async with asyncio.timeout(_ABANDONED_S):
-                if (await answer).accepted:  # it would be executed for nobody
+                if self._form.is_accepted(await answer):  # it would be executed for nobody
                     self.cancel_goal(goal_id)
 
     def _deliver_feedback(self, samples: Sequence[Sample]) -> None:

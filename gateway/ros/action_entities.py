@@ -9,8 +9,10 @@ from gateway.ros.action_client import RclpyActionClient
 from gateway.ros.action_server import RclpyActionServer
 from gateway.ros.deferred_destruction import DeferredDestruction
 from gateway.ros.endpoints import Endpoints
+from gateway.ros.message_classes import MessageClasses
 from gateway.ros.name_checks import check_action
 from gateway.ros.samples import Samples
+from gateway.ros.service_versions import Versions, of_action
 
 
 class Actions:
@@ -23,14 +25,17 @@ class Actions:
         deferred: DeferredDestruction,
         now_ns: Callable[[], int],
         on_change: Callable[[], None],
+        classes: MessageClasses,
     ) -> None:
         self._endpoints = endpoints
         self._on_change = on_change
+        self._classes = classes
         self._samples = samples
         self._deferred = deferred
         self._now_ns = now_ns
         self._clients: set[RclpyActionClient] = set()
         self._provided: dict[str, RclpyActionServer] = {}
+        self._versions: dict[str, Versions] = {}  # of what is provided
 
     def __len__(self) -> int:
         """Count what is open."""
@@ -54,10 +59,11 @@ class Actions:
             self._endpoints,
             self._samples,
             action,
-            type_name,
+            self._classes.action(type_name),
             self._clients.discard,
             # an action provided here keeps more, and this loop itself takes its requests
             is_paced=lambda: action not in self._provided,
+            find_conflict=self._find_versions(action, type_name).conflict,
         )
         self._clients.add(client)
         return client
@@ -75,16 +81,25 @@ class Actions:
             raise RosError("limit_exceeded", f"action {action} is provided here already")
         self._deferred.destroy_now(f"action {action}")
         server = RclpyActionServer(
-            self._endpoints, self._now_ns, action, type_name, on_goal, on_cancel, self._forget
+            self._endpoints,
+            self._now_ns,
+            action,
+            self._classes.action(type_name),
+            on_goal,
+            on_cancel,
+            self._forget,
         )
         self._provided[action] = server
+        self._versions[action] = self._find_versions(action, type_name)
         self._on_change()
         return server
 
     def follow_graph(self) -> None:
-        """Let every client follow servers that have come or gone."""
+        """Let every client follow servers that have come or gone, and report odd clients."""
         for client in list(self._clients):
             client.follow_graph()
+        for versions in self._versions.values():
+            versions.look_at_clients()
 
     def close(self) -> None:
         """Close what is still open without waiting for answers."""
@@ -95,7 +110,7 @@ class Actions:
             server.close()
 
     def _forget(self, server: RclpyActionServer) -> None:
-        del self._provided[server.name]
+        del self._provided[server.name], self._versions[server.name]
 
         def destroy() -> None:
             server.destroy()
@@ -106,3 +121,7 @@ class Actions:
             self._on_change()
         else:
             destroy()
+
+    def _find_versions(self, action: str, type_name: str) -> Versions:
+        subject = f"action {action}"
+        return of_action(self._endpoints.node, subject, action, type_name, self._classes.hash_of)

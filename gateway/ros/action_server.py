@@ -11,15 +11,15 @@ from typing import Any, Final
 
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.qos import QoSProfile, qos_profile_action_status_default
-from rclpy.serialization import deserialize_message, serialize_message
 
 from gateway.action_ports import ABORTED, CANCELED, GoalOutcome, GoalRequest
 from gateway.ros import rclpy_private
+from gateway.ros.action_forms import ActionForm
 from gateway.ros.endpoints import Endpoints, OnRequest, Replier, Reply
 from gateway.ros.errors import refusals, remapped
 from gateway.ros.goal_ids import with_goal_id
 from gateway.ros.groups import group_of_one
-from gateway.ros.interfaces import action_class, message_class, service_class
+from gateway.ros.interfaces import message_class, service_class
 
 # A person with a headset supervises a few; more, as of a client that floods, are rejected.
 MAX_GOALS: Final = 64
@@ -33,6 +33,7 @@ MAX_WAITING: Final = 16
 _FEEDBACK_PROFILE: Final = QoSProfile(depth=10)  # of rcl_action: reliable, volatile
 
 # action_msgs/msg/GoalStatus
+_UNKNOWN: Final = 0
 _EXECUTING: Final = 2
 _CANCELING: Final = 3
 
@@ -94,13 +95,13 @@ class RclpyActionServer:
         endpoints: Endpoints,
         now_ns: Callable[[], int],
         name: str,
-        type_name: str,
+        form: ActionForm,
         on_goal: Callable[[GoalRequest], None],
         on_cancel: Callable[[GoalRequest], None],
         on_close: Callable[["RclpyActionServer"], None],
     ) -> None:
         self.name = name
-        self.type_name = type_name
+        self.type_name = form.type_name
         self._loop = endpoints.loop
         self._now_ns = now_ns
         self._on_goal = on_goal
@@ -110,11 +111,7 @@ class RclpyActionServer:
         self._is_closing = False
         self._goals: dict[bytes, RclpyGoalRequest] = {}
         self._ended: dict[bytes, RclpyGoalRequest] = {}  # those of them, the oldest first
-        found = action_class(type_name)
-        parts = found.Impl
-        self._goal_response = parts.SendGoalService.Response
-        self._result_class = found.Result
-        self._result_response = parts.GetResultService.Response
+        self._form = form
         cancel_class = service_class("action_msgs/srv/CancelGoal")
         self._cancel_response = cancel_class.Response
         self._statuses = message_class("action_msgs/msg/GoalStatusArray")
@@ -128,16 +125,16 @@ class RclpyActionServer:
                 undo.callback(endpoints.node.destroy_publisher, opened)
                 return opened
 
-            feedback = publisher("feedback", parts.FeedbackMessage, _FEEDBACK_PROFILE)
+            feedback = publisher("feedback", form.feedback, _FEEDBACK_PROFILE)
             self._publish_feedback = rclpy_private.raw_publisher(feedback)
             self._status_topic = publisher(
                 "status", self._statuses, qos_profile_action_status_default
             )
             # The service that clients use first is created last: whoever sees it finds the rest.
             services: list[tuple[str, Any, OnRequest]] = [
-                ("get_result", parts.GetResultService, self._answer_result),
+                ("get_result", form.get_result, self._answer_result),
                 ("cancel_goal", cancel_class, self._cancel),
-                ("send_goal", parts.SendGoalService, self._accept),
+                ("send_goal", form.send_goal, self._accept),
             ]
             self._repliers: list[Replier] = []
             for part, part_class, on_request in services:
@@ -157,8 +154,10 @@ class RclpyActionServer:
     def finish(self, goal: RclpyGoalRequest, status: int, result: bytes) -> None:
         """End a goal that has not ended."""
         with refusals(self._subject):
-            message = deserialize_message(result, self._result_class)
-        self._end(goal, status, message)
+            response = self._form.to_result_response(status, result)
+        self._settle(goal, status, response)
+        self._publish_status()
+        goal.answer_waiting()
 
     def close(self) -> None:
         """Abort what has not ended and withdraw the action. Closing twice is harmless."""
@@ -168,7 +167,7 @@ class RclpyActionServer:
         try:
             unfinished = [goal for goal in self._goals.values() if goal.is_open]
             for goal in unfinished:
-                self._settle(goal, ABORTED, self._result_class())
+                self._settle(goal, ABORTED, self._form.to_result_response(ABORTED))
             if unfinished:
                 self._publish_status()  # once: it holds all goals
             for goal in unfinished:
@@ -191,21 +190,19 @@ class RclpyActionServer:
         self._undo.close()
 
     def _accept(self, message: Any, reply: Reply) -> None:
-        goal_id = bytes(message.goal_id.uuid)
-        response = self._goal_response()
+        goal_id, cdr = self._form.read_goal_request(message)
+        is_malformed = len(goal_id) != len(_NO_ID)
         running = len(self._goals) - len(self._ended)
-        if self._is_closing or goal_id in self._goals or running >= MAX_GOALS:
-            reply(response)  # as created, it rejects the goal
+        if self._is_closing or is_malformed or goal_id in self._goals or running >= MAX_GOALS:
+            reply(self._form.to_goal_response(None))
             return
         now_ns = self._now_ns()
         info = self._info()
-        info.goal_id = message.goal_id
+        info.goal_id.uuid = list(goal_id)
         info.stamp.sec, info.stamp.nanosec = divmod(now_ns, 10**9)
-        response.accepted = True
-        response.stamp = info.stamp
-        reply(response)
+        reply(self._form.to_goal_response(now_ns))
         status = self._status(goal_info=info, status=_EXECUTING)
-        goal = RclpyGoalRequest(self, status, now_ns, serialize_message(message.goal))
+        goal = RclpyGoalRequest(self, status, now_ns, cdr)
         self._goals[goal_id] = goal
         self._publish_status()
         self._on_goal(goal)
@@ -249,26 +246,21 @@ class RclpyActionServer:
         ]
 
     def _answer_result(self, message: Any, reply: Reply) -> None:
-        goal = self._goals.get(bytes(message.goal_id.uuid))
+        goal = self._goals.get(self._form.read_result_request(message))
         if goal is None:
-            reply(self._result_response())  # as created, its status is "unknown"
+            reply(self._form.to_result_response(_UNKNOWN))
         elif not goal.is_open:
             reply(goal.response)
         elif len(goal.waiting) < MAX_WAITING:
             goal.waiting.append(reply)
         else:
-            reply(self._result_response())  # those who have waited longer keep their places
+            reply(
+                self._form.to_result_response(_UNKNOWN)
+            )  # those who have waited longer keep their places
 
-    def _end(self, goal: RclpyGoalRequest, status: int, result: Any) -> None:
-        self._settle(goal, status, result)
-        self._publish_status()
-        goal.answer_waiting()
-
-    def _settle(self, goal: RclpyGoalRequest, status: int, result: Any) -> None:
+    def _settle(self, goal: RclpyGoalRequest, status: int, response: Any) -> None:
         goal.status.status = status
-        goal.response = self._result_response()
-        goal.response.status = status
-        goal.response.result = result
+        goal.response = response
         self._ended[goal.goal_id] = goal
         goal.expiry = self._loop.call_later(RESULT_KEPT_S, self._forget, goal)
         if len(self._ended) > MAX_RESULTS_KEPT:

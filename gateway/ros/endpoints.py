@@ -42,6 +42,8 @@ _logger = logging.getLogger(__name__)
 # Sends the response, unless the server is closed. A response to a client that has gone is lost.
 Reply = Callable[[Any], None]
 OnRequest = Callable[[Any, Reply], None]
+# Servers by their DDS readers; see `gateway.ros.service_versions`.
+FindConflict = Callable[[frozenset[bytes]], RosError | None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,11 +72,13 @@ class Requester:
         subject: str,
         is_ready: Callable[[], bool] = lambda: True,
         is_paced: Callable[[], bool] = lambda: True,
+        find_conflict: FindConflict = lambda _: None,
     ) -> None:
         """Create it; the text of its errors begins with *subject*, such as ``service /reset``.
 
         Requests wait while *is_ready* returns false, even if there is a server. While *is_paced*
-        returns true, requests beyond `MAX_IN_FLIGHT` wait as well.
+        returns true, requests beyond `MAX_IN_FLIGHT` wait as well. *find_conflict* gets the servers
+        that there are, and may return the error with which requests fail.
 
         Raises:
             RosError: ROS refuses it, or gives it another name.
@@ -86,6 +90,7 @@ class Requester:
         self._subject = subject
         self._is_other_ready = is_ready
         self._is_paced = is_paced
+        self._find_conflict = find_conflict
         self._response_class = service_class.Response
         self._waiting: dict[asyncio.Future[Any], Any] = {}
         self._under_way: dict[int, _UnderWay] = {}
@@ -205,13 +210,18 @@ class Requester:
                 self._send(request, response)
 
     def _send(self, request: Any, response: "asyncio.Future[Any]") -> None:
+        # Looked up each time: a change of the graph is reported later than a server is ready.
+        servers = self._find_servers()
+        conflict = self._find_conflict(servers)
+        if conflict is not None:
+            self._fail(response, conflict)
+            return
         try:
             number = self._send_request(request)
         except REFUSALS as error:
             self._fail(response, refused(self._subject, error))
             return
-        # Looked up each time: a change of the graph is reported later than a server is ready.
-        self._under_way[number] = _UnderWay(response, self._find_servers())
+        self._under_way[number] = _UnderWay(response, servers)
         self._in_flight[number] = None
         if self._pacing is None:
             self._restart_pacing()

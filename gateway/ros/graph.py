@@ -18,10 +18,10 @@ from typing import Any, Final
 from rclpy.action.graph import get_action_server_names_and_types_by_node
 from rclpy.node import Node
 
-from gateway.ports import Graph, ServerInfo, TopicInfo
+from gateway.ports import Graph, ServerInfo, TopicInfo, TypeHolder
 from gateway.ros.errors import REFUSALS
 from gateway.ros.profile import endpoint_node, full_name, to_endpoint
-from gateway.ros.qos import Endpoint
+from gateway.ros.qos import UNKNOWN_NODE, Endpoint
 from gateway.ros.rclpy_private import GraphWaitSet
 
 # A new node causes dozens of changes within a few milliseconds: look once they are over. Far below
@@ -109,6 +109,20 @@ def read_offers(node: Node, topic: str) -> list[Endpoint]:
 def read_requests(node: Node, topic: str) -> list[Endpoint]:
     """Return what the subscriptions to a topic ask for, of any type."""
     return [to_endpoint(each) for each in node.get_subscriptions_info_by_topic(topic)]
+
+
+def read_holders(
+    node: Node, topic: str, type_name: str, own_nodes: Container[str]
+) -> tuple[TypeHolder, ...]:
+    """Return the nodes that have a type; see `gateway.ports.RosGraph.type_holders`."""
+    endpoints = [*read_offers(node, topic), *read_requests(node, topic)]
+    return tuple(
+        dict.fromkeys(
+            TypeHolder("" if each.node == UNKNOWN_NODE else each.node, each.type_hash)
+            for each in endpoints
+            if each.type_name == type_name and each.type_hash and each.node not in own_nodes
+        )
+    )
 
 
 class GraphChanges:

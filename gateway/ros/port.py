@@ -9,14 +9,21 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Final, assert_never
 
-from rclpy.context import Context
 from rclpy.node import Node
-from rclpy.parameter import Parameter
 
 from gateway.action_ports import GoalRequest
-from gateway.config.domain_id import MAX_DOMAIN_ID
 from gateway.faults import Fault
-from gateway.ports import Graph, LogLevel, Qos, Request, RosError, Sample, ServerInfo, TopicEvent
+from gateway.ports import (
+    Graph,
+    LogLevel,
+    Qos,
+    Request,
+    RosError,
+    Sample,
+    ServerInfo,
+    TopicEvent,
+    TypeHolder,
+)
 from gateway.ros import fast_dds, rclpy_private
 from gateway.ros.action_client import RclpyActionClient
 from gateway.ros.action_entities import Actions
@@ -30,10 +37,12 @@ from gateway.ros.graph import (
     read_actions,
     read_all_services,
     read_graph,
+    read_holders,
     read_nodes,
     read_types,
 )
 from gateway.ros.message_classes import MessageClasses
+from gateway.ros.nodes import open_context, open_node
 from gateway.ros.options import RosOptions, Taking, check_room
 from gateway.ros.publishers import Publishers, RclpyPublisher
 from gateway.ros.qos_events import QosEvents
@@ -79,11 +88,11 @@ class RclpyRos:
         with contextlib.ExitStack() as undo:
             try:
                 with fast_dds.profile(_PROFILE):
-                    context = _open_context(options, undo)
-                    subscribing = _open_node(context, options, "subscriptions", undo)
-                    publishing = _open_node(context, options, "publishers", undo)
-                    serving = _open_node(context, options, "services", undo)
-                    self._debug = _open_node(context, options, "debug", undo)
+                    context = open_context(options, undo)
+                    subscribing = open_node(context, options, "subscriptions", undo)
+                    publishing = open_node(context, options, "publishers", undo)
+                    serving = open_node(context, options, "services", undo)
+                    self._debug = open_node(context, options, "debug", undo)
             except REFUSALS as error:
                 raise refused("starting ROS", error) from error
             # ROS time in nanoseconds
@@ -108,10 +117,17 @@ class RclpyRos:
                 self._open_publishers(node, events, undo) for node in (publishing, self._debug)
             )
             endpoints = Endpoints(serving, ready_events, loop)
-            self._services = Services(endpoints, self._deferred, self._services_changed)
+            self._services = Services(
+                endpoints, self._deferred, self._services_changed, self._classes
+            )
             undo.callback(self._services.close)
             self._actions = Actions(
-                endpoints, samples, self._deferred, self.now_ns, self._actions_changed
+                endpoints,
+                samples,
+                self._deferred,
+                self.now_ns,
+                self._actions_changed,
+                self._classes,
             )
             undo.callback(self._actions.close)
             self._watches = self._open_watches(loop, undo)
@@ -185,6 +201,19 @@ class RclpyRos:
         """Provide an action by its fully resolved name; see the port."""
         self._check_action(action, type_name)
         return self._actions.serve(action, type_name, on_goal, on_cancel)
+
+    async def make_types(self) -> None:
+        """Find out whether types can be made here; see the port."""
+        await self._classes.make_types()
+
+    def topics(self) -> dict[str, list[str]]:
+        """Return the types of all topics; see the port."""
+        return dict(self._debug.get_topic_names_and_types())
+
+    def type_holders(self, topic: str, type_name: str) -> tuple[TypeHolder, ...]:
+        """Return the nodes that have a type; see the port."""
+        own = self._own_nodes | {self._options.guard_node}
+        return read_holders(self._debug, topic, type_name, own)
 
     def topic_types(self, topic: str) -> tuple[str, ...]:
         """Return the types of a topic; see the port. Kept until the graph changes."""
@@ -341,45 +370,6 @@ class RclpyRos:
         self._services.follow_graph()
         self._actions.follow_graph()
         self._watches.notify()
-
-
-def _open_context(options: RosOptions, undo: contextlib.ExitStack) -> Context:
-    # Not rclpy.init(): that would install signal handlers, and take our own command line.
-    context = Context()
-    # The gateway writes its log to the terminal, or to files, by other ways.
-    quiet = ("--disable-stdout-logs", "--disable-external-lib-logs")
-    arguments = ["--ros-args", *quiet, "--", *options.arguments]
-    context.init(args=arguments, domain_id=options.domain_id)
-    undo.callback(_close_context, context)
-    domain_id = context.get_domain_id()
-    if domain_id > MAX_DOMAIN_ID:  # Fast DDS would end the process
-        raise RosError("internal", f"domain id {domain_id}, at most {MAX_DOMAIN_ID}")
-    return context
-
-
-def _close_context(context: Context) -> None:
-    context.try_shutdown()
-    context.destroy()
-
-
-def _open_node(
-    context: Context, options: RosOptions, purpose: str, undo: contextlib.ExitStack
-) -> Node:
-    is_spun = purpose == "debug"
-    node = Node(
-        f"{options.node_prefix}_{purpose}",
-        context=context,
-        namespace=options.namespace,
-        enable_rosout=is_spun,
-        # On a node that is not spun nothing would answer these services.
-        start_parameter_services=is_spun,
-        parameter_overrides=[
-            Parameter("use_sim_time", value=is_spun and options.use_sim_time),
-            Parameter("start_type_description_service", value=is_spun),
-        ],
-    )
-    undo.callback(node.destroy_node)
-    return node
 
 
 def _open_ready_events(taking: Taking, loop: asyncio.AbstractEventLoop) -> ReadyEvents:

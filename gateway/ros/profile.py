@@ -58,11 +58,12 @@ def to_endpoint(info: TopicEndpointInfo) -> Endpoint:
         lifespan_ns=_nanoseconds(profile.lifespan),
         lease_ns=_nanoseconds(profile.liveliness_lease_duration),
         is_manual=profile.liveliness == LivelinessPolicy.MANUAL_BY_TOPIC,
-        type_hash=_type_hash(info),
+        type_hash=type_hash(info),
     )
 
 
-def _type_hash(info: TopicEndpointInfo) -> str | None:
+def type_hash(info: TopicEndpointInfo) -> str | None:
+    """Return the hash of an endpoint's type; ``None`` if it reports none, as before Iron."""
     text = str(info.topic_type_hash)
     return text if text.startswith(_HASHED) else None  # else it is INVALID
 

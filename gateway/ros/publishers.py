@@ -30,6 +30,7 @@ from gateway.ros.type_versions import other_versions
 class _Key:
     topic: str
     type_name: str
+    type_hash: str | None
     qos: Qos
     owner: int | None = None
 
@@ -87,7 +88,8 @@ class Publishers:
         check_topic(topic)
         offer = complete_offer(qos)
         # Late subscribers get the last samples of each publisher, so latched ones are not shared.
-        key = _Key(topic, type_name, offer, next(self._owners) if retains(offer) else None)
+        owner = next(self._owners) if retains(offer) else None
+        key = _Key(topic, type_name, self._classes.hash_of(type_name), offer, owner)
         shared = self._shared.get(key)
         if shared is None:
             created = self._create(key)
@@ -126,10 +128,6 @@ class Publishers:
             subscribers = [each for each in found if each.node not in self._own_nodes]
             for handle in handles:
                 handle.report(subscribers)
-
-    def hash_of(self, type_name: str) -> str | None:
-        """Return the hash of a type, see `MessageClasses.hash_of`."""
-        return self._classes.hash_of(type_name)
 
     def is_open(self, handle: "RclpyPublisher") -> bool:
         """Return whether a handle is not released yet."""
@@ -209,8 +207,7 @@ class RclpyPublisher:
         key = self.key
         known = self._reported
         unmatched = unmatched_subscribers(key.topic, key.type_name, key.qos, subscribers)
-        own_hash = self._publishers.hash_of(key.type_name)
-        others = other_versions(key.topic, key.type_name, own_hash, subscribers)
+        others = other_versions(key.topic, key.type_name, key.type_hash, subscribers)
         self._reported = [*unmatched, *others]
         for reason in self._reported:
             if reason not in known and self._publishers.is_open(self):  # a callback may close it

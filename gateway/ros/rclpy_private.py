@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The one place that uses rclpy and rcl beyond their documented API, `made_types` beside.
+"""The one place that uses rclpy and rcl beyond their documented API, beside that of made types.
 
 A change of rclpy that breaks the gateway most likely breaks something in this list.
 ``tests/ros/test_rclpy_private.py`` checks each item against the rclpy that is installed and runs

@@ -4,27 +4,33 @@
 from collections.abc import Callable
 from typing import Any
 
-from rclpy.serialization import deserialize_message, serialize_message
-
 from gateway.ports import Request, RosError
 from gateway.ros.deferred_destruction import DeferredDestruction
-from gateway.ros.endpoints import Endpoints, Replier, Reply, Requester
+from gateway.ros.endpoints import Endpoints, FindConflict, Replier, Reply, Requester
 from gateway.ros.errors import refusals
-from gateway.ros.interfaces import service_class
+from gateway.ros.message_classes import MessageClasses
 from gateway.ros.name_checks import check_service
+from gateway.ros.service_forms import ServiceForm
+from gateway.ros.service_versions import Versions, of_service
 
 
 class Services:
     """The clients and the servers of one node."""
 
     def __init__(
-        self, endpoints: Endpoints, deferred: DeferredDestruction, on_change: Callable[[], None]
+        self,
+        endpoints: Endpoints,
+        deferred: DeferredDestruction,
+        on_change: Callable[[], None],
+        classes: MessageClasses,
     ) -> None:
         self._endpoints = endpoints
+        self._classes = classes
         self._deferred = deferred
         self._on_change = on_change
         self._clients: set[RclpyClient] = set()
         self._provided: dict[str, RclpyService] = {}
+        self._versions: dict[str, Versions] = {}  # of what is provided
 
     def __len__(self) -> int:
         """Count what is open."""
@@ -47,10 +53,11 @@ class Services:
         client = RclpyClient(
             self._endpoints,
             service,
-            type_name,
+            self._classes.service(type_name),
             self._clients.discard,
             # a service provided here keeps more, and this loop itself takes its requests
             is_paced=lambda: service not in self._provided,
+            find_conflict=self._find_versions(service, type_name).conflict,
         )
         self._clients.add(client)
         return client
@@ -63,15 +70,19 @@ class Services:
         if service in self._provided:
             raise RosError("limit_exceeded", f"service {service} is provided here already")
         self._deferred.destroy_now(f"service {service}")
-        server = RclpyService(self._endpoints, service, type_name, on_request, self._forget)
+        form = self._classes.service(type_name)
+        server = RclpyService(self._endpoints, service, form, on_request, self._forget)
         self._provided[service] = server
+        self._versions[service] = self._find_versions(service, type_name)
         self._on_change()
         return server
 
     def follow_graph(self) -> None:
-        """Let every client follow servers that have come or gone."""
+        """Let every client follow servers that have come or gone, and report odd callers."""
         for client in list(self._clients):
             client.follow_graph()
+        for versions in self._versions.values():
+            versions.look_at_clients()
 
     def close(self) -> None:
         """Close what is still open."""
@@ -81,7 +92,7 @@ class Services:
             service.close()
 
     def _forget(self, service: "RclpyService") -> None:
-        del self._provided[service.name]
+        del self._provided[service.name], self._versions[service.name]
 
         def destroy() -> None:
             service.destroy()
@@ -93,6 +104,10 @@ class Services:
         else:
             destroy()
 
+    def _find_versions(self, service: str, type_name: str) -> Versions:
+        subject = f"service {service}"
+        return of_service(self._endpoints.node, subject, service, type_name, self._classes.hash_of)
+
 
 class RclpyClient:
     """A client of a service."""
@@ -101,26 +116,31 @@ class RclpyClient:
         self,
         endpoints: Endpoints,
         name: str,
-        type_name: str,
+        form: ServiceForm,
         on_close: Callable[["RclpyClient"], None],
         *,
         is_paced: Callable[[], bool],
+        find_conflict: FindConflict,
     ) -> None:
         self.name = name
-        self.type_name = type_name
+        self.type_name = form.type_name
         self._on_close = on_close
         self._subject = f"service {name}"
-        found = service_class(type_name)
-        self._request_class = found.Request
+        self._form = form
         self._requester = Requester(
-            endpoints, found, name, subject=self._subject, is_paced=is_paced
+            endpoints,
+            form.service_class,
+            name,
+            subject=self._subject,
+            is_paced=is_paced,
+            find_conflict=find_conflict,
         )
 
     async def call(self, request: bytes) -> bytes:
         """Wait for a server, send the request, wait for the response; see the port."""
         with refusals(self._subject):
-            message = deserialize_message(request, self._request_class)
-        return serialize_message(await self._requester.send(message))
+            message = self._form.to_request(request)
+        return self._form.to_cdr(await self._requester.send(message))
 
     def follow_graph(self) -> None:
         """Follow servers that have come or gone."""
@@ -135,16 +155,16 @@ class RclpyClient:
 class RclpyRequest:
     """A request that waits for its response."""
 
-    def __init__(self, subject: str, response_class: Any, message: Any, reply: Reply) -> None:
+    def __init__(self, subject: str, form: ServiceForm, message: Any, reply: Reply) -> None:
         self._subject = subject
-        self._response_class = response_class
+        self._form = form
         self._reply: Reply | None = reply
-        self.cdr = serialize_message(message)
+        self.cdr = form.to_cdr(message)
 
     def answer(self, response: bytes) -> None:
         """Send the response, once. Do nothing if the service is closed."""
         with refusals(self._subject):
-            message = deserialize_message(response, self._response_class)
+            message = self._form.to_response(response)
         reply, self._reply = self._reply, None
         if reply is not None:
             reply(message)
@@ -157,19 +177,20 @@ class RclpyService:
         self,
         endpoints: Endpoints,
         name: str,
-        type_name: str,
+        form: ServiceForm,
         on_request: Callable[[Request], None],
         on_close: Callable[["RclpyService"], None],
     ) -> None:
         self.name = name
-        self.type_name = type_name
+        self.type_name = form.type_name
         self._on_request = on_request
         self._on_close = on_close
         self._is_closed = False
         self._subject = f"service {name}"
-        found = service_class(type_name)
-        self._response_class = found.Response
-        self._replier = Replier(endpoints, found, name, self._arrive, subject=self._subject)
+        self._form = form
+        self._replier = Replier(
+            endpoints, form.service_class, name, self._arrive, subject=self._subject
+        )
 
     @property
     def has_answered(self) -> bool:
@@ -190,4 +211,4 @@ class RclpyService:
         self._replier.close()
 
     def _arrive(self, message: Any, reply: Reply) -> None:
-        self._on_request(RclpyRequest(self._subject, self._response_class, message, reply))
+        self._on_request(RclpyRequest(self._subject, self._form, message, reply))

@@ -10,7 +10,7 @@ from typing import Final
 from gateway.ports import TopicEvent
 from gateway.ros.qos import Endpoint, introduced
 
-_REMEDY: Final = "bring its package, or the folder in types.paths, to the same version everywhere"
+REMEDY: Final = "bring its package, or the folder in types.paths, to the same version everywhere"
 
 
 def other_versions(
@@ -26,6 +26,6 @@ def other_versions(
     )
     problem = f"has another definition of {type_name} than this gateway, so messages are misread"
     return [
-        TopicEvent("type_conflict", f"topic {topic}: {node} {problem}", _REMEDY, node)
+        TopicEvent("type_conflict", f"topic {topic}: {node} {problem}", REMEDY, node)
         for node in nodes
     ]

@@ -39,6 +39,7 @@ from gateway.router.entity_shares import EntityShares
 from gateway.router.interface_types import InterfaceTypes
 from gateway.router.introspection.descriptions import Descriptions
 from gateway.router.introspection.introspection import Introspection
+from gateway.router.learned_types import LearnedTypes
 from gateway.router.permission_checks import may_carry_out
 from gateway.router.role_views import RoleViews
 from gateway.router.services.client_services import ClientServices
@@ -84,8 +85,13 @@ class Router:
         control: ControlConfig | None = None,
         guard: Guard | None = None,
         image_format: ImageFormat = "jpeg",
+        asks_nodes: bool = True,
     ) -> None:
-        topic_types = TopicTypes(ros, types, table)
+        self._service_clients = ServiceClients(ros)
+        self._learned = LearnedTypes(
+            ros, types, self._service_clients, self._on_types_learned, asks_nodes=asks_nodes
+        )
+        topic_types = TopicTypes(ros, types, table, self._learned.ask)
         interface_types = InterfaceTypes(ros, types)
         self._ros = ros
         self._limits = limits
@@ -99,7 +105,6 @@ class Router:
         # with separate limits: a call may take an hour, a lookup a minute
         self._asking = Tasks()
         self._looking = Tasks()
-        self._service_clients = ServiceClients(ros)
         self._views = RoleViews(ros, types, self._service_clients)
         self._subscriptions = Subscriptions(ros, topic_types, workers, self._counts, self._events)
         watched = (self._guard, self._audit, self._counts, self._events)
@@ -123,21 +128,6 @@ class Router:
         descriptions = Descriptions(topic_types, interface_types, types.definitions)
         self._introspection = Introspection(
             ros, descriptions, self._subscriptions, limits=limits, version=version
-        )
-        self._parts: tuple[SessionOwner, ...] = (
-            self._calling,
-            self._asking,
-            self._looking,
-            self._introspection,
-            self._events,
-            self._transforms,
-            self._republisher,
-            self._subscriptions,
-            self._publications,
-            self._services,
-            self._goals,
-            self._actions,
-            self._commands,  # the last one leaves first
         )
         using = (
             self._subscriptions,
@@ -200,7 +190,7 @@ class Router:
         self._sessions.discard(session)
         self._shares.leave(session)
         with contextlib.ExitStack() as parts:  # each leaves, whatever another raises
-            for part in self._parts:
+            for part in self._parts():
                 parts.callback(part.leave, session)
 
     def revoke(self, session: Session) -> None:
@@ -221,6 +211,7 @@ class Router:
         self._transforms.close()
         self._listener.close()
         self._goals.close()
+        self._learned.close()
         self._service_clients.close()
 
     def traffic(self) -> Traffic:
@@ -336,6 +327,23 @@ class Router:
             case _:
                 assert_never(operation)
 
+    def _parts(self) -> tuple[SessionOwner, ...]:
+        return (
+            self._calling,
+            self._asking,
+            self._looking,
+            self._introspection,
+            self._events,
+            self._transforms,
+            self._republisher,
+            self._subscriptions,
+            self._publications,
+            self._services,
+            self._goals,
+            self._actions,
+            self._commands,  # the last one leaves first
+        )
+
     def _record_forbidden(
         self, session: Session, error: ProtocolError, operation: Operation
     ) -> None:
@@ -362,7 +370,12 @@ class Router:
 
         tasks.start(session, operation, answer, Deadline.within(ASKING_S))
 
+    def _on_types_learned(self) -> None:
+        self._subscriptions.refresh()
+        self._publications.refresh()
+
     def _on_graph_change(self) -> None:
+        self._learned.on_graph_change()
         self._subscriptions.refresh()
         self._commands.on_graph_change()
         self._introspection.on_graph_change()

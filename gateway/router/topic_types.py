@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Message types by name, by number, or as the ROS graph has them."""
 
+from collections.abc import Callable
+
 from gateway.codec.types import MessageType, Types
 from gateway.ports import Ros
 from gateway.protocol.bad_type import bad_type
@@ -11,11 +13,30 @@ from schemas.installed import UnknownTypeError
 from schemas.table import Table, TypeNameError, resolve_type
 
 
-class TopicTypes:
-    """Finds the message type that a client asks for, or that a topic has."""
+class TypeAskedError(ProtocolError):
+    """The definition of a type is not known, and is being asked for."""
 
-    def __init__(self, ros: Ros, types: Types, table: Table) -> None:
+    def __init__(self, type_name: str) -> None:
+        self.question = f"a node is being asked for the definition of {type_name}"
+        super().__init__("bad_type", f"type: {self.question}; try again in a moment")
+
+
+class TopicTypes:
+    """Finds the message type that a client asks for, or that a topic has.
+
+    *ask* gets a topic and its type, has it learned if it is not known, and returns whether that is
+    under way.
+    """
+
+    def __init__(
+        self,
+        ros: Ros,
+        types: Types,
+        table: Table,
+        ask: Callable[[str, str], bool] = lambda *_: False,
+    ) -> None:
         self._ros = ros
+        self._ask = ask
         self._types = types
         self._table = table
 
@@ -50,8 +71,12 @@ class TopicTypes:
 
         Raises:
             ProtocolError: the type is not installed, contradicts the topic's, or must be chosen.
+            TypeAskedError: its definition may be known soon.
         """
         known = self._ros.topic_types(topic)
+        for type_name in known:
+            if self._ask(topic, type_name) and requested in {None, type_name}:
+                raise TypeAskedError(type_name)
         if requested is not None:
             named = self.named(requested)
             if known and named.name not in known:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Final, Self, TypeVar
 
 from schemas.definition import Definition
+from schemas.derived import hashed
 from schemas.installed import InstalledDefinitions
 from schemas.interface import Interface
 from schemas.table import InterfaceRow, Row, Table
@@ -38,23 +39,57 @@ class Catalogue:
         """
         rows = tuple(sorted(table.rows, key=lambda row: row.number))
         interface_rows = tuple(sorted(table.interfaces, key=lambda row: row.name))
-        interfaces = {row.name: installed.interface(row.name) for row in interface_rows}
-        parts = [part for one in interfaces.values() for part in one.parts.values()]
-        # By name, so that an appended row does not move the output of the others.
-        names = sorted(row.name for row in rows)
-        names += sorted({nested for part in parts for nested in part.nested()})
-        messages = installed.closure(names)
         return cls(
             rows,
             interface_rows,
-            {message.name: message for message in messages},
-            interfaces,
-            {one.name: type_hash(one, installed) for one in [*messages, *parts]},
+            *_definitions(
+                [row.name for row in rows], [row.name for row in interface_rows], installed
+            ),
         )
+
+    @classmethod
+    def of_types(cls, names: Iterable[str], installed: InstalledDefinitions) -> Self:
+        """Look up messages, services and actions by their full names, without rows of the table.
+
+        Raises:
+            UnknownTypeError, DefinitionError: as for `of`.
+        """
+        by_kind: dict[bool, list[str]] = {True: [], False: []}
+        for name in sorted(set(names)):
+            by_kind["/msg/" in name].append(name)
+        return cls((), (), *_definitions(by_kind[True], by_kind[False], installed))
 
     def parts(self) -> list[Definition]:
         """Return the messages in the services and actions."""
         return [part for one in self.interfaces.values() for part in one.parts.values()]
+
+    def messages(self) -> list[Definition]:
+        """Return all messages, those in services and actions last."""
+        return [*self.definitions.values(), *self.parts()]
+
+    def purposes(self) -> dict[str, str]:
+        """Return the purposes of the types that have one, by name."""
+        purposes = {row.name: row.purpose for row in self.rows}
+        for interface in self.interfaces.values():
+            for role, part in interface.parts.items():
+                purposes[part.name] = f"The {role} of {interface.name}"
+        return purposes
+
+
+def _definitions(
+    messages: Iterable[str], interfaces: Iterable[str], installed: InstalledDefinitions
+) -> tuple[dict[str, Definition], dict[str, Interface], dict[str, str]]:
+    """Return the messages with all that is nested, the interfaces, and the hashes."""
+    found = {name: hashed(installed.interface(name), installed) for name in interfaces}
+    parts = [part for one in found.values() for part in one.parts.values()]
+    # By name, so that an appended row does not move the output of the others.
+    names = sorted(messages)
+    names += sorted({nested for part in parts for nested in part.nested()})
+    closure = installed.closure(names)
+    # of the parts, as they may be large, too
+    installed.closure(part.name for part in parts)
+    hashes = {one.name: type_hash(one, installed) for one in [*closure, *parts]}
+    return {message.name: message for message in closure}, found, hashes
 
 
 _T = TypeVar("_T", Definition, Interface)

@@ -6,10 +6,11 @@ It names every class, so that classes used only by name are not stripped.
 
 from typing import Final
 
-from schemas.generate.catalogue import Catalogue
-from schemas.generate.csharp_text import HEAD, ClassNames
+from schemas.generate.catalogue import GENERATED, Catalogue
+from schemas.generate.csharp_text import ClassNames, head
 
 _SOURCE: Final = """\
+// SPDX-License-Identifier: Apache-2.0
 %(head)s
 using System;
 using System.Collections.Generic;
@@ -94,7 +95,7 @@ def catalogue_source(catalogue: Catalogue) -> str:
     cases = [f'case "{name}":\n    return new {names[name]}();' for name in [*messages, *parts]]
     numbers = [f'case "{row.number}":\n    return "{row.name}";' for row in catalogue.rows]
     return _SOURCE % {
-        "head": HEAD,
+        "head": head(GENERATED),
         "names": "\n".join(f'            "{name}",' for name in messages),
         "cases": "\n".join(inner + case.replace("\n", f"\n{inner}") for case in cases),
         "numbers": "\n".join(inner + case.replace("\n", f"\n{inner}") for case in numbers),

@@ -10,15 +10,15 @@ from collections.abc import Collection, Iterable, Mapping
 from typing import Final
 
 from schemas.definition import Constant, Definition, Field, FieldType
-from schemas.generate.catalogue import Catalogue, by_package
+from schemas.generate.catalogue import GENERATED, Catalogue, by_package
 from schemas.generate.csharp_catalogue import catalogue_source
 from schemas.generate.csharp_text import (
-    HEAD,
     TYPES,
     ClassNames,
     constant_name,
     escaped,
     field_name,
+    head,
     literal,
     namespace,
     summary,
@@ -55,31 +55,29 @@ A stamp of 0 is not written, so that the gateway stamps the message when it arri
 
 def write(catalogue: Catalogue) -> dict[str, str]:
     """Return the file of each package, and that of the catalogue of all classes."""
-    purposes = {row.name: row.purpose for row in catalogue.rows}
-    for interface in catalogue.interfaces.values():
-        for role, part in interface.parts.items():
-            purposes[part.name] = f"The {role} of {interface.name}"
-    definitions = [*catalogue.definitions.values(), *catalogue.parts()]
+    purposes = catalogue.purposes()
     files = {f"{CSHARP_FOLDER}/MessageCatalogue.cs": catalogue_source(catalogue)}
-    for package, own in by_package(definitions).items():
-        files[f"{CSHARP_FOLDER}/{namespace(package)}.cs"] = _file(package, own, purposes)
+    top = f"// SPDX-License-Identifier: Apache-2.0\n{head(GENERATED)}"
+    for package, own in by_package(catalogue.messages()).items():
+        text = file_of([namespace_of(package, own, purposes)], top)
+        files[f"{CSHARP_FOLDER}/{namespace(package)}.cs"] = text
     return files
 
 
-def _file(package: str, definitions: Iterable[Definition], purposes: Mapping[str, str]) -> str:
+def file_of(namespaces: Iterable[str], top: str) -> str:
+    """Return the text of a file with some name spaces, below the comments at its *top*."""
+    body = "\n".join(namespaces)
+    return f"{top}\nusing System;\nusing Ros2Gateway.Json;\n\n{body}"
+
+
+def namespace_of(
+    package: str, definitions: Iterable[Definition], purposes: Mapping[str, str]
+) -> str:
+    """Return the name space of a package with the classes of some of its types."""
     names = ClassNames(package)
     classes = [_class(one, names, purposes.get(one.name)) for one in definitions]
     body = "\n\n".join("\n".join(_indented(lines)) for lines in classes)
-    return f"""\
-{HEAD}
-using System;
-using Ros2Gateway.Json;
-
-namespace Ros2Gateway.Messages.{namespace(package)}
-{{
-{body}
-}}
-"""
+    return f"namespace Ros2Gateway.Messages.{namespace(package)}\n{{\n{body}\n}}\n"
 
 
 def _indented(lines: Iterable[str]) -> list[str]:

@@ -16,8 +16,8 @@ _INTRODUCTION: Final = f"""\
 
 Clients name a type as `pkg/srv/Name` or `pkg/action/Name`, or as `pkg/Name`. What JSON carries, and
 the types that are nested here, stand on the page of [messages]({_MESSAGES}). Services and actions
-outside this table work too, as far as their packages are installed where the gateway runs;
-[adding a type](adding-a-type.md) says what a row here is good for.
+outside this table work too, as far as their packages are installed where the gateway runs, or their
+definitions are there; [adding a type](adding-a-type.md) says how, and what a row here is good for.
 
 A field that a client leaves out gets its default; one that the type does not have is refused. Where
 a client sends an array instead of an object, its elements are the values of the fields in the order

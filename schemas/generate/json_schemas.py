@@ -29,19 +29,45 @@ _ROS1_NAMES: Final = {"sec": "secs", "nanosec": "nsecs"}
 
 def write(catalogue: Catalogue) -> dict[str, str]:
     """Return the schema of each row's type."""
+    names = [*(row.name for row in catalogue.rows), *catalogue.interfaces]
+    return {
+        str(SCHEMA_FOLDER / file_name(name)): text_of(catalogue_schema(catalogue, name), GENERATED)
+        for name in names
+    }
+
+
+def catalogue_schema(catalogue: Catalogue, name: str) -> Schema:
+    """Return the schema of a message, a service or an action of a catalogue."""
 
     def schema(definition: Definition) -> Schema:
         nested = _closure(definition, catalogue.definitions)
         return schema_of(definition, nested, catalogue.hashes[definition.name])
 
-    schemas = {row.name: schema(catalogue.definitions[row.name]) for row in catalogue.rows}
-    for interface in catalogue.interfaces.values():
-        parts = {role: schema(part) for role, part in interface.parts.items()}
-        schemas[interface.name] = interface_schema(interface, parts)
-    return {
-        str(SCHEMA_FOLDER / file_name(name)): _text({"$comment": GENERATED, **schema})
-        for name, schema in schemas.items()
-    }
+    interface = catalogue.interfaces.get(name)
+    if interface is None:
+        return schema(catalogue.definitions[name])
+    parts = {role: schema(part) for role, part in interface.parts.items()}
+    return interface_schema(interface, parts)
+
+
+def bundle(schemas: Iterable[Schema]) -> Schema:
+    """Return one schema with others in its ``$defs``, by their titles with dots for slashes.
+
+    It refuses nothing by itself: whoever uses it refers to ``#/$defs/geometry_msgs.msg.Twist``.
+    """
+    nested: Schema = {}
+    whole: Schema = {}
+    for schema in schemas:
+        own = {key: value for key, value in schema.items() if key not in {"$schema", "$defs"}}
+        whole[_key(str(schema["title"]))] = own
+        found = schema.get("$defs")
+        nested |= found if isinstance(found, dict) else {}
+    return {"$schema": _DIALECT, "$defs": dict(sorted((nested | whole).items()))}
+
+
+def text_of(schema: Schema, generated: str) -> str:
+    """Return the text of a file; *generated* says how it was made."""
+    return json.dumps({"$comment": generated, **schema}, indent=2, ensure_ascii=False) + "\n"
 
 
 def file_name(name: str) -> PurePosixPath:
@@ -86,10 +112,6 @@ def interface_schema(interface: Interface, parts: Mapping[Role, Schema]) -> Sche
     if nested:
         schema["$defs"] = dict(sorted(nested.items()))
     return schema
-
-
-def _text(schema: Schema) -> str:
-    return json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
 
 
 def _closure(definition: Definition, known: Mapping[str, Definition]) -> list[Definition]:

@@ -13,7 +13,7 @@ from typing import Final
 
 from schemas.definition import Constant, Definition, Field, FieldType, Scalar, Value
 from schemas.generate.catalogue import GENERATED, Catalogue, by_package
-from schemas.naming import attribute, constant_attribute
+from schemas.naming import attribute, class_name, constant_attribute, module_name
 
 _LINE_LENGTH: Final = 100
 
@@ -53,28 +53,35 @@ _BASES: Final = {
 
 def write(catalogue: Catalogue) -> dict[str, str]:
     """Return the module of each package, and the ``__init__`` of the package around them."""
-    purposes = {row.name: row.purpose for row in catalogue.rows}
-    for interface in catalogue.interfaces.values():
-        for role, part in interface.parts.items():
-            purposes[part.name] = f"The {role} of {interface.name}"
     head = f"# SPDX-License-Identifier: Apache-2.0\n# {GENERATED}\n"
     files = {"schemas/models/__init__.py": f'{head}"""Models of the types of the table."""\n'}
-    for package, definitions in by_package(
-        [*catalogue.definitions.values(), *catalogue.parts()]
-    ).items():
-        names = class_names(definitions)
-        own = {definition.name for definition in definitions}
-        imports = _imports({name: names[name] for name in sorted(names.keys() - own)})
-        classes = [
-            class_source(
-                definition, catalogue.hashes[definition.name], names, purposes.get(definition.name)
-            )
-            for definition in definitions
-        ]
-        files[f"schemas/models/{package}.py"] = "\n\n".join(
-            [f'{head}"""Models of the types of {package}."""\n\n{imports}', *classes]
-        )
+    for package, definitions in by_package(catalogue.messages()).items():
+        text = module_of(package, definitions, catalogue, "schemas.models.")
+        files[f"schemas/models/{module_name(package)}.py"] = head + text
     return files
+
+
+def module_of(
+    package: str, definitions: Iterable[Definition], catalogue: Catalogue, beside: str
+) -> str:
+    """Return the module of a package; *beside* comes before the names of the others it imports."""
+    own = list(definitions)
+    names = class_names(own)
+    known = {definition.name for definition in own}
+    imports = _imports({name: names[name] for name in sorted(names.keys() - known)}, beside)
+    docstring = f'"""Models of the types of {package}."""\n\n'
+    return "\n\n".join([docstring + imports, *class_sources(own, catalogue, names)])
+
+
+def class_sources(
+    definitions: Iterable[Definition], catalogue: Catalogue, names: Mapping[str, str]
+) -> list[str]:
+    """Return the classes of some types of a catalogue; *names* are as for `class_source`."""
+    purposes = catalogue.purposes()
+    return [
+        class_source(one, catalogue.hashes[one.name], names, purposes.get(one.name))
+        for one in definitions
+    ]
 
 
 def class_names(definitions: Iterable[Definition]) -> dict[str, str]:
@@ -83,14 +90,18 @@ def class_names(definitions: Iterable[Definition]) -> dict[str, str]:
     It is the short name, unless a type of another package has taken it.
     """
     own = list(definitions)
-    names = {definition.name: definition.short_name for definition in own}
+    names = {definition.name: class_name(definition.short_name) for definition in own}
     for name in sorted({nested for definition in own for nested in definition.nested()}):
         if name not in names:
-            package, _, short = name.split("/")
-            taken = short in names.values()
-            prefix = "".join(word.capitalize() for word in package.split("_")) if taken else ""
-            names[name] = prefix + short
+            short = class_name(name.rsplit("/", 1)[1])
+            names[name] = prefixed(name) if short in names.values() else short
     return names
+
+
+def prefixed(name: str) -> str:
+    """Return a class name with the package before it: ``StdMsgsString``."""
+    package, _, short = name.split("/")
+    return "".join(word.capitalize() for word in package.split("_")) + short
 
 
 def class_source(
@@ -120,18 +131,19 @@ def class_source(
     return "\n".join(lines) + "\n"
 
 
-def _imports(names: Mapping[str, str]) -> str:
+def _imports(names: Mapping[str, str], beside: str) -> str:
     by_package: dict[str, list[str]] = {}
     for name, python_name in names.items():
-        package, _, short = name.split("/")
+        package, _, short_name = name.split("/")
+        short = class_name(short_name)
         renamed = "" if python_name == short else f" as {python_name}"
         by_package.setdefault(package, []).append(f"{short}{renamed}")
     lines = ["from schemas import message as ros"]
     for package, classes in by_package.items():
-        line = f"from schemas.models.{package} import {', '.join(classes)}"
+        line = f"from {beside}{module_name(package)} import {', '.join(classes)}"
         if len(line) > _LINE_LENGTH:
             inner = "".join(f"    {name},\n" for name in classes)
-            line = f"from schemas.models.{package} import (\n{inner})"
+            line = f"from {beside}{module_name(package)} import (\n{inner})"
         lines.append(line)
     return "\n".join(lines) + "\n"
 

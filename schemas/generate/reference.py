@@ -14,7 +14,8 @@ _INTRODUCTION: Final = f"""\
 
 Clients name a type as `pkg/msg/Name`, as `pkg/Name`, or by its number below. Numbers never
 change. Types outside this table work too, as far as their packages are installed where the
-gateway runs; [adding a type](adding-a-type.md) gives one a number.
+gateway runs, or their definitions are there; [adding a type](adding-a-type.md) says how, and gives
+one a number.
 
 ## What JSON carries
 """

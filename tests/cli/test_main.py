@@ -82,7 +82,8 @@ def test_a_folder_that_is_none_of_definitions_is_one_sentence(path, words):
 
 
 @pytest.mark.parametrize(
-    "command", ["serve", "demo", "sim", "mock", "schema", "check-config", "token", "cert"]
+    "command",
+    ["serve", "demo", "sim", "mock", "schema", "generate", "check-config", "token", "cert"],
 )
 def test_every_command_has_help_with_examples(command):
     finished = ros2_gateway(command, "--help")
@@ -98,7 +99,14 @@ def test_help_lists_the_commands_and_exit_codes():
 
 
 @pytest.mark.parametrize(
-    "arguments", [("--help",), ("serve", "--help"), ("token", "--help"), ("check-config",)]
+    "arguments",
+    [
+        ("--help",),
+        ("serve", "--help"),
+        ("token", "--help"),
+        ("generate", "--help"),
+        ("check-config",),
+    ],
 )
 def test_nothing_heavy_is_imported_before_it_is_needed(arguments):
     heavy = ["rclpy", "cv2", "numpy", "websockets", "asyncio"]
@@ -296,6 +304,8 @@ def test_schema_prefers_the_message_where_a_service_has_its_name():
 def test_schema_prints_the_definition():
     assert "float64 x" in ros2_gateway("schema", "geometry_msgs/Vector3", "--definition").stdout
     assert "\n---\n" in ros2_gateway("schema", "std_srvs/SetBool", "--definition").stdout
+    shipped = ros2_gateway("schema", "nav2_msgs/action/NavigateToPose", "--definition").stdout
+    assert "string behavior_tree\n---\n" in shipped
 
 
 @pytest.mark.parametrize(
@@ -470,7 +480,13 @@ def test_an_extension_module_that_hides_an_interrupt_behind_another_error_change
 def test_demo_shows_lines_to_paste_and_ctrl_c_ends_it_with_0():
     with running("demo", "--port", "0", until="Ctrl-C") as (process, printed):
         lines = [line.strip() for line in printed.splitlines() if line.strip().startswith("{")]
-        assert [json.loads(line)["op"] for line in lines] == ["subscribe", "publish"]
+        assert [json.loads(line)["op"] for line in lines] == [
+            "subscribe",
+            "publish",
+            "lookup_transform",
+            "send_action_goal",
+            "cancel_action_goal",
+        ]
         process.send_signal(signal.SIGINT)
         assert process.wait(TIMEOUT_S) == 0
 

@@ -6,12 +6,9 @@ import contextlib
 import json
 import urllib.request
 from collections.abc import AsyncIterator
-from typing import Any
 
 import pytest
 
-from schemas.installed import InstalledDefinitions
-from tests import interfaces
 from tests.clients.driver import (
     ROSLIB_1,
     ROSLIB_2,
@@ -20,13 +17,11 @@ from tests.clients.driver import (
     ROSLIBPY_2_ASYNCIO,
     Connection,
 )
-from tests.clients.robot import POLL_S, Robot, until
+from tests.clients.robot import LATCHED, POLL_S, Robot, until
 from tests.gateway_process import GatewayProcess
+from tests.transforms import tf_message, to_cdr
 
-pytestmark = [
-    pytest.mark.asyncio(loop_scope="package"),
-    pytest.mark.skipif(not InstalledDefinitions().names(["tf2_msgs"]), reason=interfaces.HOW),
-]
+pytestmark = pytest.mark.asyncio(loop_scope="package")
 
 in_javascript = pytest.mark.parametrize("library", [ROSLIB_1, ROSLIB_2], ids=str, indirect=True)
 by_service = pytest.mark.parametrize(
@@ -39,18 +34,14 @@ class Base:
     """A base that moves along x, with a laser on it."""
 
     def __init__(self, client: Connection, robot: Robot) -> None:
-        from geometry_msgs.msg import TransformStamped
-        from tf2_msgs.msg import TFMessage
-
-        self._message = TFMessage
-        self._transform = TransformStamped
         self.odom, self.base, self.laser = (
             f"{client.name}_{frame}" for frame in ("odom", "base_link", "laser")
         )
         self.x = 1.0
-        self._moving = robot.node.create_publisher(TFMessage, "/tf", 10)
-        robot.publish("/tf_static", self._array(self.base, self.laser, 0.5))
-        self._destroy = lambda: robot.node.destroy_publisher(self._moving)
+        self._node = robot.node
+        self._moving = self._node.create_publisher(tf_message(), "/tf", 10)
+        self._fixed = self._node.create_publisher(tf_message(), "/tf_static", LATCHED)
+        self._fixed.publish(self._array(self.base, self.laser, 0.5))
 
     async def drive(self) -> None:
         """Say where the base is, again and again."""
@@ -59,16 +50,18 @@ class Base:
                 self._moving.publish(self._array(self.odom, self.base, self.x))
                 await asyncio.sleep(POLL_S)
         finally:
-            self._destroy()
+            for publisher in (self._moving, self._fixed):
+                self._node.destroy_publisher(publisher)
 
-    def _array(self, parent: str, child: str, x: float) -> Any:
-        stamped = self._transform(child_frame_id=child)
-        stamped.header.frame_id = parent
-        stamped.header.stamp.sec = 1
-        stamped.header.stamp.nanosec = round(self.x * 1000)
-        stamped.transform.translation.x = x
-        stamped.transform.rotation.w = 1.0
-        return self._message(transforms=[stamped])
+    def _array(self, parent: str, child: str, x: float) -> bytes:
+        stamp = {"sec": 1, "nanosec": round(self.x * 1000)}
+        return to_cdr(
+            {
+                "header": {"stamp": stamp, "frame_id": parent},
+                "child_frame_id": child,
+                "transform": {"translation": {"x": x}},
+            }
+        )
 
 
 @contextlib.asynccontextmanager

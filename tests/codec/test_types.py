@@ -26,6 +26,12 @@ from tests.schemas.test_installed import write_definition
 DEFINITIONS = InstalledDefinitions()
 INTERFACES = DEFINITIONS.names(kind="srv") + DEFINITIONS.names(kind="action")
 PARTS = [part.name for name in INTERFACES for part in DEFINITIONS.interface(name).parts.values()]
+# those that rosbags can read: it knows no wstring
+NARROW = [
+    name
+    for name in PARTS
+    if all(field.type.base != "wstring" for d in DEFINITIONS.closure([name]) for field in d.fields)
+]
 ODOMETRY = "nav_msgs/msg/Odometry"
 SET_BOOL = "std_srvs/srv/SetBool"
 FIBONACCI = "test_msgs/action/Fibonacci"
@@ -73,14 +79,14 @@ def called_by_rosbags(name):
 def rosbags_store():
     """The parts in rosbags, which shares no code with rclpy."""
     found = {}
-    for definition in DEFINITIONS.closure(PARTS):
+    for definition in DEFINITIONS.closure(NARROW):
         found.update(get_types_from_msg(definition.text, called_by_rosbags(definition.name)))
     store = get_typestore(Stores.EMPTY)
     store.register(found)
     return store
 
 
-@pytest.mark.parametrize("name", PARTS)
+@pytest.mark.parametrize("name", NARROW)
 def test_rosbags_reads_the_parts_of_services_and_actions(name, types, rosbags_store):
     part = types.get(name)
     values = RandomMessages(DEFINITIONS, 7).message(name)

@@ -192,6 +192,10 @@ def test_an_unknown_variable_is_refused_with_the_closest_one():
     )
 
 
+def test_the_token_of_a_client_is_no_setting():
+    assert load(environment={"ROS2_GATEWAY_TOKEN": "r2g_x"}).origins["port"] == "default"
+
+
 def test_a_value_in_the_place_of_a_table_is_refused(tmp_path):
     path = toml(tmp_path, "limits = 3\n")
     assert problems(file=path) == (f"{path}: limits: got 3, expected a table",)

@@ -8,7 +8,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from schemas.installed import InstalledDefinitions
 from tests.client import Client, client
 from tests.demonstration import demonstration
 
@@ -84,13 +83,10 @@ def is_timeout(frame: Any) -> bool:
 
 async def test_every_example_of_the_page_holds():
     assert len(CONVERSATIONS) > 25
-    has_tf = bool(InstalledDefinitions().names(["tf2_msgs"]))
-    of_tf = ("lookup_transform", "tf2_web_republisher")
-    examples = [each for each in CONVERSATIONS if has_tf or not any(op in each for op in of_tf)]
     places = [f"limits.{limit}=64" for limit in ("max_clients", "max_clients_per_address")]
     async with demonstration("--set", places[0], "--set", places[1]) as gateway:
         surprises = await asyncio.gather(
-            *(on_its_own_connection(gateway.url, each) for each in examples)
+            *(on_its_own_connection(gateway.url, each) for each in CONVERSATIONS)
         )
         assert [surprise for surprise in surprises if surprise] == []
         assert await gateway.stop() == 0

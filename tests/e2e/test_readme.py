@@ -2,12 +2,16 @@
 """The lines that the README and the demonstration show to paste do what they say."""
 
 import json
+import math
 import re
 from pathlib import Path
 
-from gateway.cli.main import _DEMO_HINT
+import pytest
+
+from gateway.cli.main import _DEMO_HINT, _DRIVE
 from tests.client import client
 from tests.demonstration import demonstration, until_it_can_be_driven
+from tests.e2e.test_navigation import CANCELED, until_provided
 
 README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
 MINUTE = README.partition("## The first minute")[2].partition("\n## ")[0]
@@ -17,12 +21,12 @@ LINES = re.findall(r"^```\n(\{.*\})\n^```", MINUTE, re.MULTILINE)
 def test_the_first_minute_begins_calmly():
     first = json.loads(LINES[0])
     assert (first["op"], first["throttle_rate"]) == ("subscribe", 1000)
-    assert LINES[0] in _DEMO_HINT
-    assert LINES[1] in _DEMO_HINT
+    shown = _DEMO_HINT.replace("DRIVE", _DRIVE)
+    assert [line for line in LINES if f"  {line}\n" in shown] == LINES[:5]
 
 
 async def test_the_first_minute_goes_as_the_readme_says():
-    subscribe, drive, reset = LINES
+    subscribe, drive, look_up, go, cancel, reset = LINES
     async with demonstration() as gateway, client(gateway.url) as person:
         await until_it_can_be_driven(person)
         await person.socket.send(subscribe)
@@ -32,12 +36,36 @@ async def test_the_first_minute_goes_as_the_readme_says():
         await person.socket.send(drive)
         while (await person.message("/odom"))["pose"]["pose"]["position"]["x"] < 0.02:
             pass
+        await person.socket.send(look_up)
+        found = await person.receive(lambda frame: frame["op"] == "lookup_transform")
+        assert found["transform"]["transform"]["translation"]["z"] == pytest.approx(0.132)
+        await until_provided(person)
+        await person.socket.send(go)
+        feedback = await person.receive(lambda frame: frame["op"] == "action_feedback")
+        straight = math.dist((0, 0), (2.5, 1.5))
+        assert feedback["values"]["distance_remaining"] > straight, "around the partition"
+        await person.socket.send(cancel)
+        result = await person.receive(lambda frame: frame["op"] == "action_result")
+        assert result["status"] == CANCELED
         await person.socket.send(reset)
         answer = await person.receive(lambda frame: frame["op"] == "service_response")
         assert answer["result"]
         await person.socket.send("help")
         shown = await person.receive(lambda frame: frame["op"] == "help")
         assert len(shown["try"]) > 5
+        assert not [frame for frame in person.seen if frame["op"] == "status"]
+
+
+async def test_a_robot_that_takes_stamps_is_driven_by_the_line_that_it_shows():
+    async with demonstration("--twist-stamped") as gateway, client(gateway.url) as person:
+        lines = [line.strip() for line in gateway.output if '"/cmd_vel"' in line]
+        assert len(lines) == 1
+        assert json.loads(lines[0])["type"] == "geometry_msgs/msg/TwistStamped"
+        await person.socket.send(LINES[0])
+        await person.message("/odom")
+        await person.socket.send(lines[0])
+        while (await person.message("/odom"))["pose"]["pose"]["position"]["x"] < 0.02:
+            pass
         assert not [frame for frame in person.seen if frame["op"] == "status"]
 
 

@@ -8,17 +8,13 @@ import pytest
 import pytest_asyncio
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from schemas.installed import InstalledDefinitions
-from tests import interfaces
 from tests.client import Client, Frame, client
 from tests.demonstration import until_it_can_be_driven
 from tests.gateway_process import GatewayProcess, gateway_process
 from tests.ros.outside import Outside
+from tests.transforms import tf_message, to_cdr
 
-pytestmark = [
-    pytest.mark.asyncio(loop_scope="module"),
-    pytest.mark.skipif(not InstalledDefinitions().names(["tf2_msgs"]), reason=interfaces.HOW),
-]
+pytestmark = pytest.mark.asyncio(loop_scope="module")
 
 TWIST = "geometry_msgs/msg/Twist"
 
@@ -93,16 +89,11 @@ async def test_a_frame_that_is_not_there_is_told_with_the_one_that_was_meant(spe
 async def test_a_late_client_gets_the_fixed_frames_of_all_publishers(
     demo: GatewayProcess, speaker: Client, outside: Outside
 ):
-    from geometry_msgs.msg import TransformStamped
-    from tf2_msgs.msg import TFMessage
-
     latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     more = {"tripod", "lens"}
     for child in sorted(more):  # two more publishers than the robot's own
-        transform = TransformStamped(child_frame_id=child)
-        transform.header.frame_id = "map"
-        publisher = outside.node.create_publisher(TFMessage, "/tf_static", latched)
-        publisher.publish(TFMessage(transforms=[transform]))
+        publisher = outside.node.create_publisher(tf_message(), "/tf_static", latched)
+        publisher.publish(to_cdr({"header": {"frame_id": "map"}, "child_frame_id": child}))
     await speaker.send(op="subscribe", topic="/tf_static")
     seen: set[str] = set()
     while not (more | {"base_scan", "imu_link"}) <= seen:

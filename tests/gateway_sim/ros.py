@@ -18,14 +18,22 @@ from gateway_sim.loop import Loop
 TIMEOUT_S = 120  # of whatever a test waits for: generous, as the machine may be busy
 
 
+# A process without these has the wheels' packages alone.
+WITHOUT_PACKAGES = frozenset({"PYTHONPATH", "AMENT_PREFIX_PATH"})
+
+
 @contextmanager
-def child(code, number=signal.SIGINT):
-    """Run Python code in a process of its own, which a signal must end with exit code 0."""
+def child(code, number=signal.SIGINT, without=frozenset()):
+    """Run Python code in a process of its own, which a signal must end with exit code 0.
+
+    It lacks the environment variables *without*.
+    """
+    inherited = {name: value for name, value in os.environ.items() if name not in without}
     process = subprocess.Popen(
         [sys.executable, "-c", code],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
-        env={**os.environ, "PYTHONUNBUFFERED": "1"},
+        env={**inherited, "PYTHONUNBUFFERED": "1"},
         process_group=0,
     )
     try:
@@ -58,11 +66,11 @@ class Watcher:
         self.node.destroy_node()
         self._context.try_shutdown()
 
-    def subscribe(self, message_type, topic, qos=None):
-        """Collect a topic's messages, and return the list that they get into."""
+    def subscribe(self, message_type, topic, qos=None, raw=False):
+        """Collect a topic's messages, or their CDR, and return the list that they get into."""
         messages = self.received.setdefault(topic, [])
         self.node.create_subscription(
-            message_type, topic, messages.append, qos or QoSProfile(depth=100)
+            message_type, topic, messages.append, qos or QoSProfile(depth=100), raw=raw
         )
         return messages
 

@@ -2,16 +2,19 @@
 """The simulated robot in a process of its own behaves on its topics like a real one."""
 
 import math
+import re
 import signal
 import time
 
 import cv2
 import numpy as np
 import pytest
+from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Twist
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Twist, TwistStamped
 from nav_msgs.msg import OccupancyGrid, Odometry
 from rcl_interfaces.msg import Log
+from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import (
     BatteryState,
@@ -22,13 +25,14 @@ from sensor_msgs.msg import (
     JointState,
     LaserScan,
 )
+from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
 from gateway.errors import ConfigError
 from gateway_sim.node import SimOptions
+from gateway_sim.robot_description import urdf
 from gateway_sim.robot_messages import heading, quaternion
 from gateway_sim.world import furnished_room
-from tests import interfaces
 from tests.gateway_sim.ros import TIMEOUT_S, Watcher, child
 
 SIMULATION = """
@@ -36,6 +40,7 @@ from gateway_sim.node import SimOptions, run
 raise SystemExit(run(SimOptions({options})))
 """
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+LOG = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 @pytest.fixture(scope="module")
@@ -179,18 +184,10 @@ def test_a_command_beyond_the_limits_is_dismissed_and_logged_once(robot):
     assert len(robot.logged("linear.x 0.5 is beyond ±0.26 m/s")) == 1
 
 
-def test_frames_are_published_where_tf2_is_installed(robot):
-    tf2_msgs = pytest.importorskip("tf2_msgs.msg", reason=interfaces.HOW)
-    moving = robot.watcher.subscribe(tf2_msgs.TFMessage, "/tf")
-    fixed = robot.watcher.subscribe(tf2_msgs.TFMessage, "/tf_static", LATCHED)
-    robot.watcher.until(lambda: moving and fixed, what="/tf and /tf_static")
-    parents = {
-        transform.child_frame_id: transform.header.frame_id
-        for transform in (*moving[-1].transforms, *fixed[0].transforms)
-    }
-    for frame in ("base_scan", "imu_link", "camera_rgb_optical_frame", "wheel_left_link"):
-        while frame != "map":
-            frame = parents[frame]
+def test_the_description_comes_to_late_subscribers(robot):
+    descriptions = robot.watcher.subscribe(String, "/robot_description", LATCHED)
+    robot.watcher.until(lambda: descriptions, what="/robot_description")
+    assert descriptions[0].data == urdf()
 
 
 def test_the_map_comes_to_late_subscribers_and_matches_the_world(robot):
@@ -277,6 +274,38 @@ def test_a_signal_ends_it_with_zero(number):
         watcher.close()
     assert odometry[-1].header.frame_id == "solo/odom"
     assert not [topic for topic in topics if topic.startswith("/solo/camera")]
+
+
+def test_commands_with_a_stamp_are_taken_while_they_are_new():
+    with child(SIMULATION.format(options="camera=False, twist_stamped=True, namespace='stamped'")):
+        watcher = Watcher("stamping")
+        odometry = watcher.subscribe(Odometry, "/stamped/odom")
+        log = watcher.subscribe(Log, "/rosout", LOG)
+        publisher = watcher.node.create_publisher(TwistStamped, "/stamped/cmd_vel", 10)
+        command = TwistStamped()
+        command.twist.linear.x = 0.2
+
+        def send(age_s):
+            stamp = watcher.node.get_clock().now() - Duration(seconds=age_s)
+            command.header.stamp = stamp.to_msg()
+            publisher.publish(command)
+
+        def x():
+            return odometry[-1].pose.pose.position.x if odometry else 0.0
+
+        def logged():
+            words = re.compile(r"cmd_vel dismissed: its stamp is [2-9]\d\.\d s old")
+            return [entry for entry in log if words.fullmatch(entry.msg)]
+
+        watcher.until(logged, lambda: send(20.0), "the dismissal")
+        assert x() == 0
+        watcher.until(lambda: x() > 0.02, lambda: send(0.0), "motion")
+        driven = x() + 0.2
+        command.header.stamp = Time()
+        watcher.until(lambda: x() > driven, lambda: publisher.publish(command), "more of it")
+        types = dict(watcher.node.get_topic_names_and_types())["/stamped/cmd_vel"]
+        watcher.close()
+    assert types == ["geometry_msgs/msg/TwistStamped"]
 
 
 @pytest.mark.parametrize(

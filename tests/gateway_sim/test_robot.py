@@ -4,6 +4,8 @@
 import math
 
 import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
 
 from gateway_sim.robot import (
     MAX_ANGULAR,
@@ -14,7 +16,7 @@ from gateway_sim.robot import (
     Event,
     Robot,
 )
-from gateway_sim.world import START, Pose, furnished_room
+from gateway_sim.world import START, Obstacle, Pose, World, furnished_room
 
 TICK_NS = 33_000_000
 
@@ -195,26 +197,123 @@ def test_a_goal_is_reached_with_its_heading(drive, goal):
     assert drive.robot.linear == drive.robot.angular == 0
 
 
-def test_a_goal_behind_an_obstacle_is_given_up_before_it(drive):
-    drive.robot.place(Pose(0, 1.75, 0))
-    drive.robot.drive_to(Pose(3.0, 1.9, 0))
+def test_a_goal_behind_an_obstacle_is_reached_around_it(drive):
+    goal = Pose(2.4, 2.0, 0)
+    drive.robot.place(Pose(1.4, 2.0, 0))
+    drive.robot.drive_to(goal)
+    direct = math.dist(drive.robot.pose[:2], goal[:2])
+    assert drive.robot.distance_left > 2 * direct
+    drive.finish()
+    assert drive.events == [Event.GOAL_REACHED]
+    assert math.dist(drive.robot.pose[:2], goal[:2]) < 0.04
+    assert drive.robot.distance_left == 0
+
+
+PLACES = st.tuples(st.floats(-2.0, 4.0), st.floats(-2.5, 2.5), st.floats(-math.pi, math.pi))
+
+
+@given(start=PLACES, goal=PLACES)
+@settings(max_examples=10, deadline=None)  # each is a drive of some meters
+def test_every_goal_with_some_room_is_reached_from_everywhere(start, goal):
+    drive = Drive()
+    assume(min(drive.world.clearance(*start[:2]), drive.world.clearance(*goal[:2])) > 0.25)
+    drive.robot.place(Pose(*start))
+    drive.robot.drive_to(Pose(*goal))
+    drive.finish()
+    assert drive.robot.goal_end == Event.GOAL_REACHED
+    assert Event.HIT not in drive.events
+
+
+def put_a_crate(drive, x, y):
+    """Put something into the room that the robot's map lacks."""
+    half = 0.2
+    outline = (
+        (x - half, y - half),
+        (x + half, y - half),
+        (x + half, y + half),
+        (x - half, y + half),
+    )
+    world = drive.world
+    obstacles = [*world.obstacles, Obstacle("crate", outline, 0.4, (0, 0, 0))]
+    drive.world = World(
+        (world.x_min, world.y_min), (world.x_max, world.y_max), world.height, obstacles, world.bay
+    )
+    drive.robot._world = drive.world
+
+
+def test_a_goal_is_given_up_before_an_obstacle_that_no_map_shows(drive):
+    drive.robot.drive_to(Pose(2.0, 0, 0))
+    put_a_crate(drive, 1.0, 0.0)
     drive.finish()
     assert drive.events == [Event.GOAL_BLOCKED]
-    assert drive.world.clearance(drive.robot.pose.x, drive.robot.pose.y) > RADIUS
+    assert drive.robot.goal_end == Event.GOAL_BLOCKED
+    assert drive.world.clearance(*drive.robot.pose[:2]) > RADIUS
+    assert drive.robot.linear == 0
 
 
 def test_a_goal_that_only_a_corner_hides_is_given_up_at_the_corner(drive):
-    # Too near for the lookahead, both places have room, and the straight way has not.
-    corner_x, corner_y = 1.84, 1.0  # the partition's
-    start, goal = (
-        Pose(corner_x + (RADIUS + 5e-4) * math.cos(a), corner_y + (RADIUS + 5e-4) * math.sin(a), 0)
-        for a in (math.radians(190), math.radians(225))
-    )
-    drive.robot.place(start)
-    drive.robot.drive_to(goal)
+    # too near for the lookahead
+    drive.robot.drive_to(Pose(0.09, 0.0, 0))
+    put_a_crate(drive, 0.2 + RADIUS + 0.05, 0.2)
     drive.finish()
     assert drive.robot.goal is None
     assert drive.events == [Event.HIT, Event.GOAL_BLOCKED]
+
+
+def test_a_place_to_which_no_way_leads_is_dismissed_and_the_goal_before_stays(drive):
+    world = drive.world
+    fence = (Obstacle("fence", ((2.9, -2.5), (3.0, -2.5), (3.0, 2.5), (2.9, 2.5)), 0.5, (0, 0, 0)),)
+    robot = Robot(
+        World((world.x_min, world.y_min), (world.x_max, world.y_max), 1.2, fence, world.bay), 0
+    )
+    goal = Pose(1.0, 0.0, 0.0)
+    robot.drive_to(goal)
+    with pytest.raises(DismissedError, match=r"no way leads to x 3\.50, y 0\.00 m"):
+        robot.drive_to(Pose(3.5, 0.0, 0.0))
+    assert robot.goal is goal
+
+
+def test_what_ends_a_goal_is_known_afterwards(drive):
+    robot = drive.robot
+    for end, why in (
+        (lambda: robot.command(0.1, 0.0), Event.GOAL_COMMANDED),
+        (robot.cancel_goal, Event.GOAL_CANCELED),
+        (robot.reset, Event.GOAL_PLACED),
+        (lambda: robot.switch_motors(False), Event.GOAL_POWERLESS),
+    ):
+        robot.reset()
+        robot.drive_to(Pose(2.0, 0.0, 0.0))
+        assert robot.goal_end is None
+        drive.wait(0.5)
+        drive.events.clear()
+        end()
+        assert (robot.goal, robot.goal_end, robot.distance_left) == (None, why, 0)
+        assert robot.take_events() == [why]
+
+
+def test_a_goal_that_is_canceled_lets_the_robot_brake(drive):
+    drive.robot.drive_to(Pose(2.0, 0.0, 0.0))
+    drive.wait(2)
+    assert drive.robot.linear > 0.1
+    drive.robot.cancel_goal()
+    drive.wait(0.1)
+    assert 0 < drive.robot.linear < 0.2
+    drive.wait(0.5)
+    assert drive.robot.linear == 0
+
+
+def test_without_a_goal_there_is_nothing_to_cancel(drive):
+    drive.robot.cancel_goal()
+    assert (drive.robot.goal_end, drive.robot.take_events()) == (None, [])
+
+
+def test_a_newer_goal_replaces_the_one_before(drive):
+    drive.robot.drive_to(Pose(2.0, 0.0, 0.0))
+    newer = Pose(0.1, 0.0, 0.0)
+    drive.robot.drive_to(newer)
+    assert drive.robot.goal is newer
+    drive.finish()
+    assert drive.events == [Event.GOAL_REPLACED, Event.GOAL_REACHED]
 
 
 def test_driving_to_the_bay_parks_the_robot(drive):
@@ -234,7 +333,7 @@ def test_a_command_overrides_a_goal(drive):
     drive.wait(1)
     assert drive.robot.goal is None
     assert drive.robot.linear == 0
-    assert drive.events == []
+    assert drive.events == [Event.GOAL_COMMANDED]
 
 
 @pytest.mark.parametrize(

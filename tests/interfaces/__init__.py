@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """ROS packages that tests need and PyPI lacks, built from their definitions.
 
-``idl_msgs`` is made up: its definitions are `.idl` files alone.
+``idl_msgs`` is made up: its definitions are `.idl` files alone. Those of ``tf2_msgs`` come with the
+gateway.
 
 `python -m tests.interfaces` builds them (gcc needed, a few seconds, once) against the wheels, and
 the tests' `conftest.py` uses them from then on.
@@ -14,8 +15,10 @@ import sys
 from pathlib import Path
 from typing import Final
 
+from schemas.folders import SHIPPED
+
 FOLDER: Final = Path(__file__).parent
-PACKAGES: Final = ("tf2_msgs", "idl_msgs")
+SOURCES: Final = {"tf2_msgs": SHIPPED / "tf2_msgs", "idl_msgs": FOLDER / "idl_msgs"}
 HOW: Final = (
     "tf2_msgs and idl_msgs are not built: `python -m tests.interfaces` builds them, with gcc"
 )
@@ -36,9 +39,9 @@ def prefix() -> Path | None:
             key.update(f" {name} {importlib.metadata.version(name)}".encode())
     except importlib.metadata.PackageNotFoundError:
         return None
-    definitions = (path for package in PACKAGES for path in (FOLDER / package).rglob("*.*"))
+    definitions = (path for source in SOURCES.values() for path in source.rglob("*.*"))
     for path in (FOLDER / "build.py", *sorted(definitions)):
-        key.update(f"\n{path.relative_to(FOLDER)}\n".encode() + path.read_bytes())
+        key.update(f"\n{'/'.join(path.parts[-3:])}\n".encode() + path.read_bytes())
     return _CACHE / key.hexdigest()[:16]
 
 

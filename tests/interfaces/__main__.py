@@ -9,7 +9,7 @@ import sysconfig
 import tempfile
 from pathlib import Path
 
-from tests.interfaces import FOLDER, PACKAGES, prefix
+from tests.interfaces import SOURCES, prefix
 
 
 def main() -> int:
@@ -23,13 +23,13 @@ def main() -> int:
         return 0
     from tests.interfaces.build import build  # only now: it needs the generators
 
-    print(f"building {', '.join(PACKAGES)} for the tests ...", flush=True)  # noqa: T201
+    print(f"building {', '.join(SOURCES)} for the tests ...", flush=True)  # noqa: T201
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=target.parent) as scratch:
         built = Path(scratch) / "built"
         with contextlib.redirect_stdout(io.StringIO()):  # rosidl tells of every file
-            for package in PACKAGES:
-                build(package, FOLDER / package, built)
+            for package, source in SOURCES.items():
+                build(package, source, built)
         if not target.is_dir():  # somebody else may have been faster
             built.rename(target)
     return 0

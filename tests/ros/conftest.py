@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """ROS for tests, real and fake, each with the world around it."""
 
+import contextlib
 from collections.abc import AsyncIterator, Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 import pytest
 
 from gateway.action_ports import ActionClient, GoalRequest
 from gateway.ports import Publisher, Qos, Request, Ros, Sample, ServiceClient
 from gateway.ros import RosOptions, open_ros
+from gateway.ros.message_classes import MessageClasses
 from gateway.ros.port import RclpyRos
+from schemas.installed import InstalledDefinitions
 from tests.ros.fake import FakeRos
 from tests.ros.outside import Outside
 
@@ -18,6 +21,22 @@ from tests.ros.outside import Outside
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with what depends on the version of rclpy alone: it explains what fails later."""
     items.sort(key=lambda item: item.path.name != "test_rclpy_private.py")
+
+
+T = TypeVar("T")
+
+
+class MadeClasses(MessageClasses):
+    """Makes the classes of all types, as if no package were installed."""
+
+    def __init__(self, definitions: InstalledDefinitions | None = None) -> None:
+        self._known = InstalledDefinitions() if definitions is None else definitions
+        super().__init__(self._known)
+        self.allow_made_types()
+
+    def _find(self, find: Callable[[], T], make: Callable[[InstalledDefinitions], T]) -> T:
+        find()  # refuses bad names
+        return make(self._known)
 
 
 class World(Protocol):
@@ -71,13 +90,19 @@ def outside() -> Iterator[Outside]:
     outside.close()
 
 
-@pytest.fixture(params=["fake", "eventfd", "executor"])
+@pytest.fixture(params=["fake", "eventfd", "executor", "made"])
 async def robot(request: pytest.FixtureRequest) -> AsyncIterator[Robot]:
     if request.param == "fake":
         fake = FakeRos()
         yield Robot(fake, fake)
         return
     outside = request.getfixturevalue("outside")
+    if request.param == "made":
+        made = RclpyRos(RosOptions(taking="eventfd"), MadeClasses())
+        outside.is_known = lambda service: known_to(made, service)
+        with contextlib.closing(made):
+            yield Robot(made, outside)
+        return
     async with open_ros(RosOptions(taking=request.param)) as ros:
         outside.is_known = lambda service: known_to(ros, service)
         yield Robot(ros, outside)

@@ -25,6 +25,7 @@ from gateway.ports import (
     ServerInfo,
     TopicEvent,
     TopicInfo,
+    TypeHolder,
 )
 from gateway.ros.name_checks import TypeKind, check_action, check_service, check_topic, split_type
 from gateway.ros.options import RosOptions, check_room
@@ -37,7 +38,9 @@ from gateway.ros.qos import (
     unmatched_publishers,
     unmatched_subscribers,
 )
+from schemas.folders import SHIPPED
 from schemas.installed import InstalledDefinitions, UnknownTypeError
+from schemas.type_hash import type_hash
 from tests.ros.fake_actions import FakeActionClient, FakeActionServer
 from tests.ros.fake_services import FakeClient, FakeService
 
@@ -207,7 +210,13 @@ class FakeWatch:
 class FakeRos:
     """The port; what is public beyond it is for tests to look at and to drive."""
 
-    def __init__(self, *, prefix: str = "ros2_gateway", options: RosOptions | None = None) -> None:
+    def __init__(
+        self,
+        *,
+        prefix: str = "ros2_gateway",
+        options: RosOptions | None = None,
+        types: Types | None = None,
+    ) -> None:
         self.loop = asyncio.get_running_loop()
         self.prefix = prefix
         self.options = options or RosOptions()
@@ -224,7 +233,8 @@ class FakeRos:
         self.logged: list[tuple[LogLevel, str]] = []
         self.found: list[Fault] = []
         self.shared: tuple[str, ...] = ()
-        self._types = Types(InstalledDefinitions())
+        self.hashes: dict[str, str] = {}  # of types that are not installed
+        self._types = types or Types(InstalledDefinitions(folders=[SHIPPED]))
         self._is_changing = False
 
     # The port
@@ -303,6 +313,22 @@ class FakeRos:
             raise RosError("limit_exceeded", f"action {action} is provided here already")
         node = f"/{self.prefix}_services"
         return self.add_action_server(action, type_name, on_goal, on_cancel, node=node)
+
+    async def make_types(self) -> None:
+        """Do nothing: here any type will do."""
+
+    def topics(self) -> dict[str, tuple[str, ...]]:
+        endpoints: list[TopicEndpoint] = [*self.publishers, *self.subscriptions]
+        return {each.topic: self.topic_types(each.topic) for each in endpoints}
+
+    def type_holders(self, topic: str, type_name: str) -> tuple[TypeHolder, ...]:
+        endpoints: list[TopicEndpoint] = [*self.publishers, *self.subscriptions]
+        nodes = dict.fromkeys(
+            each.node
+            for each in endpoints
+            if (each.topic, each.type_name) == (topic, type_name) and not self.is_own(each.node)
+        )
+        return tuple(TypeHolder(node, self._hash(type_name)) for node in nodes)
 
     def topic_types(self, topic: str) -> tuple[str, ...]:
         publishers = [p for p in self.publishers if p.topic == topic]
@@ -493,6 +519,12 @@ class FakeRos:
         subscription.take_retained()
         self.changed()
         return subscription
+
+    def _hash(self, type_name: str) -> str:
+        if type_name in self.hashes:
+            return self.hashes[type_name]
+        definitions = self._types.definitions
+        return type_hash(definitions.get(type_name), definitions)
 
     def _check_topic(self, topic: str, type_name: str, *, is_reserved: bool = False) -> None:
         check_topic(topic)

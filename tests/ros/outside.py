@@ -37,15 +37,16 @@ class OutsidePublisher:
 
 
 class Outside:
-    """One participant with one spun node, ``/outside`` unless named."""
+    """One participant with one spun node, ``/outside`` unless named; some never answer."""
 
-    def __init__(self, name: str = "outside") -> None:
+    def __init__(self, name: str = "outside", *, answers: bool = True) -> None:
         self.context = Context()
         self.context.init(args=["--ros-args", "--disable-stdout-logs"])
         self.node = Node(name, context=self.context, start_parameter_services=False)
         # The standard one: that of the product must not vouch for itself.
         self._executor = ExecutorThread(self.context, standard=True)
-        self._executor.add_node(self.node)
+        if answers:
+            self._executor.add_node(self.node)
         # triggered, it has the executor look at everything once more
         self._guard = self.node.create_guard_condition(lambda: None)
         self._actions: list[OutsideActionClient | OutsideActionServer] = []

@@ -426,10 +426,15 @@ async def test_a_publisher_of_another_type_is_told_in_words(robot: Robot) -> Non
 
 async def test_publishers_that_go_are_told_of_by_their_nodes(robot: Robot) -> None:
     received, subscription = subscribe(robot, "/count")
-    seen: list[tuple[str, ...]] = []  # by the subscription, too, which looks first
+    seen: list[tuple[str, ...]] = []
     robot.ros.watch_graph(lambda: seen.append(nodes_publishing(robot, "/count")))
     first, second = (robot.world.add_publisher("/count", INT32) for _ in range(2))
     await eventually(lambda: ("/outside", "/outside") in seen)
+    # the subscription looks before each report, which may show what came in between: by the next
+    # report it has seen both
+    reports = len(seen)
+    robot.world.add_publisher("/other", INT32)
+    await eventually(lambda: len(seen) > reports)
     for publisher, text in ((first, "others do"), (second, "nobody does")):
         publisher.close()
         gone = ("publisher_gone", f"topic /count: /outside publishes no longer, {text}")

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 from std_msgs.msg import String
+from std_srvs.srv import SetBool
+from test_msgs.action import Fibonacci
 
 from gateway.ports import RosError
 from gateway.ros import made_types, message_classes
@@ -17,6 +19,8 @@ from schemas.type_hash import type_hash
 from tests.client import eventually
 
 LAMP = "my_msgs/msg/Lamp"
+USE = "my_msgs/srv/Use"
+ACT = "my_msgs/action/Use"
 NOT_INSTALLED = "no ROS package my_msgs is installed here (my_msgs/msg/Lamp)"
 
 
@@ -26,12 +30,16 @@ def definitions(tmp_path: Path) -> InstalledDefinitions:
     folder.mkdir(parents=True)
     for name, text in {"Lamp": "bool on\n", "Bulb": "Lamp lamp\n", "Odd": "Nobody x\n"}.items():
         (folder / f"{name}.msg").write_text(text)
+    for kind, text in {"srv": "Lamp a\n---\n", "action": "---\nLamp a\n---\n"}.items():
+        (tmp_path / "my_msgs" / kind).mkdir()
+        (tmp_path / "my_msgs" / kind / f"Use.{kind}").write_text(text)
+        (tmp_path / "my_msgs" / kind / f"Odd.{kind}").write_text(f"{text}Nobody x\n")
     return InstalledDefinitions(None, [tmp_path])
 
 
 def making(definitions: InstalledDefinitions, why_not: str | None = None) -> MessageClasses:
     classes = MessageClasses(definitions)
-    classes.make_types(why_not)
+    classes.allow_made_types(why_not)
     return classes
 
 
@@ -46,6 +54,51 @@ def test_a_class_is_made_once_for_each_type(definitions: InstalledDefinitions):
     assert classes.get(LAMP) is lamp is not bulb
 
 
+def test_a_service_and_an_action_are_made_once(definitions: InstalledDefinitions):
+    classes = making(definitions)
+    service = classes.service(USE).service_class
+    assert service.Request.__name__ == "Use_Request"
+    assert classes.service(USE).service_class is service
+    action = classes.action(ACT)
+    assert action.send_goal.Request.__name__ == "Use_SendGoal_Request"
+    assert action.get_result.Response.__name__ == "Use_GetResult_Response"
+    assert action.feedback.__name__ == "Use_FeedbackMessage"
+    assert classes.action(ACT).send_goal is action.send_goal
+
+
+@pytest.mark.parametrize("name", ["Odd", "Unknown"])
+def test_services_and_actions_that_cannot_be_made_are_not_installed(
+    name: str, definitions: InstalledDefinitions
+):
+    for classes in (making(definitions), MessageClasses(definitions)):
+        for get, kind in ((classes.service, "srv"), (classes.action, "action")):
+            with pytest.raises(RosError, match="no ROS package my_msgs is installed") as caught:
+                get(f"my_msgs/{kind}/{name}")
+            assert caught.value.code == "bad_type"
+
+
+def test_where_no_service_can_be_made_the_reason_is_said(definitions: InstalledDefinitions):
+    classes = making(definitions, "none can be made here")
+    for get, name in ((classes.service, USE), (classes.action, ACT)):
+        with pytest.raises(RosError, match=r"my_msgs.*, and none can be made here"):
+            get(name)
+
+
+def test_services_and_actions_of_packages_are_made_too_where_that_is_possible(
+    definitions: InstalledDefinitions, monkeypatch
+):
+    def is_of_package(classes: MessageClasses) -> set[bool]:
+        set_bool = classes.service("std_srvs/srv/SetBool").service_class
+        fibonacci = classes.action("test_msgs/action/Fibonacci").feedback
+        return {set_bool is SetBool, fibonacci is Fibonacci.Impl.FeedbackMessage}
+
+    assert is_of_package(making(definitions)) == {False}
+    assert is_of_package(MessageClasses(definitions)) == {True}
+    assert is_of_package(making(definitions, "none can be made here")) == {True}
+    monkeypatch.setattr(made_types, "MAX_MADE", 0)
+    assert is_of_package(making(definitions)) == {True}
+
+
 @pytest.mark.parametrize("name", [LAMP, "my_msgs/msg/Unknown"])
 def test_unless_types_are_made_they_are_not_installed(name: str, definitions: InstalledDefinitions):
     for classes in (MessageClasses(), MessageClasses(definitions)):
@@ -58,6 +111,12 @@ def test_the_hash_of_a_type_is_that_of_its_definition(definitions: InstalledDefi
     classes = MessageClasses(definitions)
     assert classes.hash_of("std_msgs/msg/String") == installed is not None
     assert classes.hash_of(LAMP) == type_hash(definitions.get(LAMP), definitions)
+    of_part = definitions.get("std_srvs/srv/SetBool_Request").type_hash
+    assert classes.hash_of("std_srvs/srv/SetBool_Request") == of_part is not None
+    assert str(classes.hash_of("my_msgs/action/Use_SendGoal_Request")).startswith("RIHS01_")
+    assert classes.hash_of("my_msgs/srv/Odd_Response") is classes.hash_of(f"{USE}_No") is None
+    for name in ("", "x", "std_msgs/Int32", "a/srv/b/c"):
+        assert classes.hash_of(name) is None
     assert classes.hash_of("my_msgs/msg/Odd") is classes.hash_of("my_msgs/msg/Unknown") is None
     assert MessageClasses().hash_of(LAMP) is None
 
@@ -82,6 +141,9 @@ def test_what_is_made_is_bounded(definitions: InstalledDefinitions, monkeypatch)
     with pytest.raises(RosError, match="at most 1 types that are not installed") as caught:
         classes.get("my_msgs/msg/Bulb")
     assert caught.value.code == "limit_exceeded"
+    for get, name in ((classes.service, USE), (classes.action, ACT)):
+        with pytest.raises(RosError, match="at most 1 types that are not installed"):
+            get(name)
     assert classes.get(LAMP)
 
 
@@ -111,6 +173,31 @@ async def test_a_process_that_fails_or_crashes_is_told_of(monkeypatch, script: s
     monkeypatch.setattr(message_classes, "_CHECK", ("-c", script))
     monkeypatch.setattr(message_classes, "_CHECK_S", 1 if "sleep" in script else 60)
     assert await why_types_cannot_be_made() == words
+
+
+@pytest.mark.parametrize(
+    ("structure", "order", "words"),
+    [
+        ("MessageCallbacks", "[0, 1, 3, 2, 4, 5, 6, 7]", "made types: failed to send request"),
+        ("MessageCallbacks", "[6, 0, 1, 2, 3, 4, 5, 7]", "ended with -11"),
+        ("ServiceCallbacks", "[0, 1, 3, 2, 4]", "made types: failed to create service"),
+        ("ServiceSupport", "[0, 1, 2, 4, 3, 5, 6, 7, 8, 9, 10]", "made services have no hashes"),
+    ],
+)
+async def test_a_ros_that_is_laid_out_otherwise_is_noticed(
+    monkeypatch, structure: str, order: str, words: str
+):
+    script = (
+        "import ctypes",
+        "from gateway.ros import made_types, made_types_check, type_supports",
+        f"fields = type_supports.{structure}._fields_",
+        f"others = {{'_fields_': [fields[place] for place in {order}]}}",
+        f"made_types.{structure} = type('Other', (ctypes.Structure,), others)",
+        "made_types_check._WITHIN_S = 3",
+        "raise SystemExit(made_types_check.main())",
+    )
+    monkeypatch.setattr(message_classes, "_CHECK", ("-c", "\n".join(script)))
+    assert words in str(await why_types_cannot_be_made())
 
 
 async def test_a_process_that_cannot_start_is_told_of(monkeypatch):

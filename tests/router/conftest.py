@@ -15,6 +15,7 @@ from gateway.codec.types import Types
 from gateway.config.limits import Limits
 from gateway.protocol.session import Session
 from gateway.router.router import Router
+from schemas.folders import SHIPPED
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table
 from tests.client import Frame, eventually
@@ -96,8 +97,8 @@ class Bench:
 
 @contextlib.asynccontextmanager
 async def open_bench() -> AsyncIterator[Bench]:
-    ros = FakeRos()
-    types = Types(InstalledDefinitions())
+    types = Types(InstalledDefinitions(folders=[SHIPPED]))
+    ros = FakeRos(types=types)
     with ThreadPoolExecutor(2) as workers:
         router = Router(ros, types, Table.load(), limits=LIMITS, workers=workers, version="test")
         yield Bench(ros, router, types)

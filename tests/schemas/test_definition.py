@@ -109,6 +109,26 @@ def test_a_name_of_any_length_is_read_at_once_and_has_letters_of_ascii(name):
             parse(line)
 
 
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("int8[0] x", "a length is at least 1"),
+        ("int8[<=0] x", "a length is at least 1"),
+        ("wstring<=0 x", "a length is at least 1"),
+        ("int8[3] x [1, 2]", "the default has 2 values, expected 3"),
+        ("int8[<=2] x [1, 2, 3]", "the default has 3 values, at most 2"),
+        ("string<=2 x 'abc'", "text has 3 bytes of UTF-8, at most 2 fit"),
+        ("string<=2[] x ['ab', 'abc']", "text has 3 bytes of UTF-8, at most 2 fit"),
+    ],
+)
+def test_sizes_of_which_no_message_can_be_made_are_refused_as_by_rosidl(line: str, words: str):
+    with pytest.raises(DefinitionError, match=words):
+        parse(line)
+    rosidl = pytest.importorskip("rosidl_adapter.parser")
+    with pytest.raises((TypeError, ValueError, rosidl.InvalidValue)):
+        rosidl.parse_message_string("some_msgs", "Thing", line)
+
+
 def test_the_text_of_a_definition_keeps_its_tabs():
     assert parse("float64\tx\n").text == "float64\tx\n"
 

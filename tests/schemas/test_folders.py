@@ -2,6 +2,7 @@
 import json
 import os
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -16,15 +17,11 @@ from schemas.installed import (
     UnknownTypeError,
     installed_prefixes,
 )
+from schemas.interface import Interface
 from schemas.type_hash import type_hash
 from tests import interfaces
 
 NAME = "my_msgs/msg/Lamp"
-HASHES = {  # as `ros2 topic info -v` shows them at robots
-    "tf2_msgs/msg/TFMessage": (
-        "RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087"
-    )
-}
 
 
 def write(path: Path, text: str = "bool on\n") -> None:
@@ -123,6 +120,14 @@ def test_definitions_of_folders_are_used_where_no_prefix_has_the_type(tmp_path: 
         definitions.get("my_msgs/msg/Other")
 
 
+def test_what_is_installed_is_guessed_first(tmp_path: Path):
+    write(tmp_path / "prefix/share/their_msgs/msg/Lamp.msg")
+    write(tmp_path / "folder/my_msgs/msg/Lamp.msg")
+    definitions = InstalledDefinitions([tmp_path / "prefix"], [tmp_path / "folder"])
+    assert definitions.meant("lamp") == "their_msgs/msg/Lamp"
+    assert definitions.nearest("other/msg/Lamp") == "their_msgs/msg/Lamp"
+
+
 def test_a_definition_that_is_too_long_is_not_read(tmp_path: Path):
     write(tmp_path / "my_msgs/msg/Lamp.msg", "#" * (MAX_DEFINITION_BYTES - 8) + "\nbool on")
     write(tmp_path / "my_msgs/msg/Bulb.msg", "#" * (MAX_DEFINITION_BYTES - 7) + "\nbool on")
@@ -156,6 +161,13 @@ def test_arrays_of_fixed_length_are_bounded_by_their_values(tmp_path: Path, text
         definitions.closure(["my_msgs/msg/Not"])
 
 
+def test_elements_without_a_value_count_as_well(tmp_path: Path):
+    write(tmp_path / "my_msgs/msg/Nothing.msg")
+    write(tmp_path / "my_msgs/msg/Much.msg", "Nothing[1000000000] x\n")
+    with pytest.raises(DefinitionError, match="my_msgs/msg/Much: each message has over 50000"):
+        InstalledDefinitions([], [tmp_path]).closure(["my_msgs/msg/Much"])
+
+
 def test_types_nest_64_levels_at_most(tmp_path: Path):
     write(tmp_path / "my_msgs/msg/A0.msg")
     for level in range(1, 66):
@@ -187,15 +199,47 @@ def test_sources_have_the_hash_of_what_is_built_of_them():
     if not built.names(["tf2_msgs", "idl_msgs"]):
         pytest.skip(interfaces.HOW)
     installed = [path for path in built._prefixes if "interfaces" not in str(path)]
-    sources = InstalledDefinitions(installed, [interfaces.FOLDER])
+    sources = InstalledDefinitions(installed, interfaces.SOURCES.values())
     for name in built.names(["tf2_msgs", "idl_msgs"]):
         assert sources.get(name).type_hash is None
         assert type_hash(sources.get(name), sources) == built.get(name).type_hash
 
 
+def shipped() -> tuple[InstalledDefinitions, list[str]]:
+    """Return the definitions with those of PyPI's wheels alone, and all types that are shipped."""
+    found = find_definitions(SHIPPED)
+    return InstalledDefinitions(installed_prefixes()[-1:], [SHIPPED]), [
+        f"{each.package}/{each.kind}/{each.name}" for each in found
+    ]
+
+
 def test_what_is_shipped_has_the_hash_of_what_robots_have():
-    shipped = InstalledDefinitions(installed_prefixes()[-1:], [SHIPPED])
-    names = [f"{each.package}/{each.kind}/{each.name}" for each in find_definitions(SHIPPED)]
-    assert names == ["tf2_msgs/msg/TFMessage"]
+    definitions, _ = shipped()
+    published_hashes = Path(__file__).with_name("published_hashes.toml").read_text("utf-8")
+    for package, hashes in tomllib.loads(published_hashes).items():
+        for name, published in hashes.items():
+            found = definitions.get(f"{package}/{name}")
+            assert type_hash(found, definitions) == f"RIHS01_{published}", name
+
+
+def test_all_that_is_shipped_makes_messages():
+    definitions, names = shipped()
+    types = Types(definitions)
+    assert len(names) > 100
     for name in names:
-        assert type_hash(shipped.get(name), shipped) == HASHES[name]
+        found = definitions.get_any(name)
+        parts = found.parts.values() if isinstance(found, Interface) else [found]
+        for part in parts:
+            cdr = types.get(part.name).encode({}, 0)
+            assert types.get(part.name).decode(cdr).keys() == {each.name for each in part.fields}
+            assert re.fullmatch("RIHS01_[0-9a-f]{64}", type_hash(part, definitions))
+
+
+def test_what_is_shipped_is_of_packages_that_the_wheels_lack():
+    definitions, names = shipped()
+    wheels = InstalledDefinitions(installed_prefixes()[-1:])
+    assert not wheels.names(definitions.packages_in_folders())
+    readme = (SHIPPED / "README.md").read_text("utf-8")
+    listed = re.findall(r"^\| `(\w+)` \|", readme, re.MULTILINE)
+    assert listed == sorted({name.split("/")[0] for name in names})
+    assert set(listed) == definitions.packages_in_folders()

@@ -20,6 +20,7 @@ from gateway.config.limits import Limits
 from gateway.router.router import Router
 from gateway.server.http import own_names
 from gateway.server.server import Server
+from schemas.folders import SHIPPED
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table
 from tests.ros.fake import FakeRos
@@ -63,7 +64,7 @@ def no_blocking_calls() -> Iterator[None]:
     with blockbuster_ctx("gateway") as calls:
         for call in calls.functions.values():
             # a definition is read when its type is first used, some 0.1 ms, and then kept
-            call.can_block_in("schemas/installed.py", {"_read"})
+            call.can_block_in("schemas/installed.py", {"_read", "_installed_place"})
         yield
 
 
@@ -79,7 +80,7 @@ def serve() -> Serve:
         **options: Any,
     ) -> AsyncIterator[Served]:
         ros = FakeRos()
-        types = Types(InstalledDefinitions())
+        types = Types(InstalledDefinitions(folders=[SHIPPED]))
         all_limits = Limits(**{"max_clients": 8, "max_clients_per_address": 8, **(limits or {})})
         with ThreadPoolExecutor(2) as workers:
             router = Router(ros, types, TABLE, limits=all_limits, workers=workers, version="test")

@@ -1,18 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """tf2_web_republisher over sockets: what clients ask it, and what they get while others move."""
 
-import pytest
-
 from gateway.tf import TF_MESSAGE
-from schemas.installed import InstalledDefinitions
-from tests import interfaces
 from tests.client import Client, Frame, client, eventually
 from tests.ros.fake import FakePublisher
 from tests.server.conftest import Serve, Served
-
-pytestmark = pytest.mark.skipif(
-    not InstalledDefinitions().names(["tf2_msgs"]), reason=interfaces.HOW
-)
 
 NODE = "/tf2_web_republisher"
 REQUEST = {"source_frames": ["base_link"], "target_frame": "odom", "rate": 100, "trans_thres": 0.1}

@@ -56,6 +56,11 @@ def _frames(graph: Graph, may: May) -> Iterator[tuple[str, dict[str, Any]]]:
         yield "publish", hello
     if may("call", _ROSAPI):
         yield "call a service", {"op": "call_service", "service": _ROSAPI}
+    action = next(
+        (e.name for e in graph.actions if len(e.types) == 1 and may("call", e.name)), None
+    )
+    if action is not None:
+        yield "an action, and how to send a goal", {"op": "describe", "type": action}
     node = _node(graph, may)
     if node is not None:
         yield "the parameters of a node", {"op": "list_parameters", "node": node}

@@ -8,7 +8,7 @@ from functools import partial
 from gateway.codec.errors import CodecError
 from gateway.codec.types import MessageType
 from gateway.metrics.state import ClientPublication
-from gateway.ports import Publisher, Ros, TopicEvent
+from gateway.ports import Publisher, Ros, RosError, TopicEvent
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import TopicName, resolve_topic
 from gateway.protocol.operations.topics import Advertise, Publish, Unadvertise
@@ -25,6 +25,7 @@ from gateway.router.topics.requested_qos import offered
 class Advertised:
     """One client's advertisements of one topic; they share a ROS publisher."""
 
+    request: Advertise  # the first one
     message_type: MessageType
     publisher: Publisher
     keeps_newest: bool  # its depth is 1: the newest message is all that counts
@@ -149,6 +150,22 @@ class Publications:
         else:
             self._send(session, topic, known, request)
 
+    def refresh(self) -> None:
+        """Publish with the definitions that types have by now."""
+        for session, own in self._advertised.items():
+            for topic, known in own.items():
+                message_type = self._types.get(known.message_type.name)
+                if message_type is known.message_type:
+                    continue
+                try:
+                    opened = self._open_publisher(session, topic, known.request, message_type)
+                except RosError as error:
+                    problem = ProtocolError(error.code, f"topic {topic}: {error}")
+                    session.warn(problem, known.request.op, known.request.id)
+                    continue
+                known.publisher.close()
+                known.publisher, known.message_type = opened, message_type
+
     def leave(self, session: Session) -> None:
         """Close all advertisements of a client."""
         self._pictures.leave(session)
@@ -171,14 +188,20 @@ class Publications:
         if request.has_pictures:
             self._pictures.check(message_type)
         qos = offered(request)
-        publisher = self._ros.advertise(
-            topic, message_type.name, qos, partial(self._on_event, topic, session, request)
-        )
+        publisher = self._open_publisher(session, topic, request, message_type)
         keeps_newest = qos.depth == 1 and qos.history != "keep_all"
         counts = self._counts.open(topic)
-        known = Advertised(message_type, publisher, keeps_newest, request.has_pictures, counts)
+        known = Advertised(
+            request, message_type, publisher, keeps_newest, request.has_pictures, counts
+        )
         self._advertised.setdefault(session, {})[topic] = known
         return known
+
+    def _open_publisher(
+        self, session: Session, topic: TopicName, request: Advertise, message_type: MessageType
+    ) -> Publisher:
+        on_event = partial(self._on_event, topic, session, request)
+        return self._ros.advertise(topic, message_type.name, offered(request), on_event)
 
     def _on_event(
         self, topic: TopicName, session: Session, request: Advertise, event: TopicEvent

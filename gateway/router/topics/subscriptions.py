@@ -22,7 +22,7 @@ from gateway.protocol.subscription_options import SubscriptionOptions, compressi
 from gateway.protocol.websocket_frames import Compression
 from gateway.router.topic_counts import CountsByTopic
 from gateway.router.topic_events import TopicEvents
-from gateway.router.topic_types import TopicTypes
+from gateway.router.topic_types import TopicTypes, TypeAskedError
 from gateway.router.topics.requested_qos import requested
 from gateway.router.topics.silence_watch import SilenceWatch
 from gateway.router.topics.subscription import EncodingKey, Source, Subscription, TopicKey
@@ -106,7 +106,11 @@ class Subscriptions:
                 "limit_exceeded",
                 f"queue_length: {options.queue_length}, at most {longest} allowed",
             )
-        source = self._find_source(session, name, request.topic, options)
+        source, asked = None, None
+        try:
+            source = self._find_source(session, name, request.topic, options)
+        except TypeAskedError as error:
+            asked = error
         if source is not None:
             # its own as well: merged with a request for everything it has none
             message_type = self._types.get(source.topic.type_name)
@@ -117,7 +121,7 @@ class Subscriptions:
             subscription = Subscription(session, request.topic, name, requests, options, counts)
             self._subscriptions.setdefault(session, {})[request.topic] = subscription
         self._apply(subscription, requests, options, source)
-        self._report(session, request, name, source)
+        self._report(session, request, name, source, asked)
 
     def unsubscribe(self, session: Session, request: Unsubscribe) -> None:
         """End one request, or all of the client's for the topic.
@@ -162,11 +166,17 @@ class Subscriptions:
                 types = self._ros.topic_types(subscription.topic_name)
                 if types and subscription.source.topic.type_name not in types:
                     self._move(subscription, None)
+            if subscription.source is not None and self._is_outdated(subscription.source.topic):
+                self._move(subscription, None)
             if subscription.source is None:
                 waiting.append(subscription)
         # One participant cannot have a topic with two types: only now is the old one closed.
         for subscription in waiting:
             self._reapply(subscription, subscription.requests)
+
+    def _is_outdated(self, key: TopicKey) -> bool:
+        """Return whether the definition of a topic's type is another one by now."""
+        return self._topics[key].message_type is not self._types.get(key.type_name)
 
     def _heard_ns(self, subscription: Subscription) -> int:
         source = subscription.source
@@ -221,6 +231,8 @@ class Subscriptions:
                 self._open(source.topic)
             self._apply(subscription, requests, options, source)
             subscription.last_refusal = ""
+        except TypeAskedError:
+            subscription.requests = requests
         except (ProtocolError, RosError) as error:
             subscription.requests = requests
             if str(error) != subscription.last_refusal:
@@ -288,14 +300,22 @@ class Subscriptions:
         self._counts.close(subscription.topic_name)
 
     def _report(
-        self, session: Session, request: Subscribe, name: TopicName, source: Source | None
+        self,
+        session: Session,
+        request: Subscribe,
+        name: TopicName,
+        source: Source | None,
+        asked: TypeAskedError | None,
     ) -> None:
         """Tell a client what has become of its request."""
         if compression(request) == "none" and request.compression not in _NO_COMPRESSION:
-            asked = truncate(request.compression or "")
-            text = f"compression: {asked!r} is not available; sending plain JSON"
+            unknown = truncate(request.compression or "")
+            text = f"compression: {unknown!r} is not available; sending plain JSON"
             session.warn(ProtocolError("bad_request", text), request.op, request.id)
-        if source is None:
+        if asked is not None:
+            text = f"topic {name}: {asked.question}; waiting for it"
+            session.inform(text, request.op, request.id)
+        elif source is None:
             hint = _did_you_mean(name, self._ros.graph(), session)
             text = f"topic {name} is not known yet{hint}; waiting for it"
             session.warn(ProtocolError("not_found", text), request.op, request.id)

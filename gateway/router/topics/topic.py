@@ -50,7 +50,7 @@ class Topic:
             RosError: ROS refuses it.
         """
         self.key = key
-        self._message_type = message_type
+        self.message_type = message_type
         self._ros = ros
         self._workers = workers
         self._counts = counts
@@ -81,7 +81,7 @@ class Topic:
         if encoding is None:
             self._faults[key] = SampleFaults(time.monotonic_ns())
             encoding = self._encodings[key] = make_encoding(
-                self._message_type,
+                self.message_type,
                 key,
                 topic=self.key.name,
                 on_error=partial(self._on_codec_error, key),

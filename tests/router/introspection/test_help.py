@@ -114,6 +114,19 @@ async def test_the_parameters_to_try_are_those_of_a_node_that_has_some(bench: Be
     assert {"op": "list_parameters", "node": "/robot"} in tried(client)
 
 
+async def test_an_action_is_described_and_gets_no_goal(bench: Bench):
+    bench.ros.add_action_server(
+        "/fib", "test_msgs/action/Fibonacci", lambda goal: None, lambda goal: None
+    )
+    client = bench.client()
+    client.send(op="help")
+    assert {"op": "describe", "type": "/fib"} in tried(client)
+    assert "send_action_goal" not in {frame["op"] for frame in tried(client)}
+    viewer = bench.client(identity=Identity("screen", Policy(AccessConfig()).of("viewer")))
+    viewer.send(op="help")
+    assert "/fib" not in json.dumps(tried(viewer))
+
+
 async def test_the_answer_is_bounded_whatever_the_graph_holds(bench: Bench):
     for number in range(300):
         bench.ros.add_publisher(f"/{'x' * 240}{number}", ODOMETRY)

@@ -15,15 +15,10 @@ from gateway.router.transforms.lookups import TransformLookups
 from gateway.tf import buffer
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table
-from tests import interfaces
 from tests.client import eventually
 from tests.clock import StoppedClock
 from tests.router.conftest import LIMITS, Bench, Socketless
 from tests.router.transforms.conftest import Robot
-
-pytestmark = pytest.mark.skipif(
-    not InstalledDefinitions().names(["tf2_msgs"]), reason=interfaces.HOW
-)
 
 SECOND = 1_000_000_000
 

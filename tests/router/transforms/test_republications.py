@@ -10,16 +10,10 @@ import pytest
 from gateway.ports import RosError
 from gateway.router.transforms import republications, tf_listener
 from gateway.tf.buffer import Buffer
-from schemas.installed import InstalledDefinitions
-from tests import interfaces
 from tests.clock import StoppedClock
 from tests.router.conftest import LIMITS, Bench, Socketless
 from tests.router.transforms.asking import ACTION, send_goal, transforms, xs
 from tests.router.transforms.conftest import Robot
-
-pytestmark = pytest.mark.skipif(
-    not InstalledDefinitions().names(["tf2_msgs"]), reason=interfaces.HOW
-)
 
 
 class Stage:

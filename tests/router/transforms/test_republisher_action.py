@@ -9,16 +9,10 @@ import pytest
 from gateway.access.permissions import Identity, Policy
 from gateway.config.access import AccessConfig, ViewerConfig
 from gateway.protocol.operations.actions import SendActionGoal
-from schemas.installed import InstalledDefinitions
-from tests import interfaces
 from tests.client import eventually
 from tests.router.conftest import Bench, Socketless
 from tests.router.transforms.asking import ACTION, request, send_goal, transforms, xs
 from tests.router.transforms.conftest import Robot
-
-pytestmark = pytest.mark.skipif(
-    not InstalledDefinitions().names(["tf2_msgs"]), reason=interfaces.HOW
-)
 
 
 @pytest.mark.parametrize("action", ["/tf2_web_republisher", "tf2_web_republisher"])

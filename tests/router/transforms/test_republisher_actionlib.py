@@ -7,15 +7,9 @@ import pytest
 
 from gateway.access.permissions import Identity, Policy
 from gateway.config.access import AccessConfig, ViewerConfig
-from schemas.installed import InstalledDefinitions
-from tests import interfaces
 from tests.router.conftest import Bench, Socketless
 from tests.router.transforms.asking import ACTION, request, xs
 from tests.router.transforms.conftest import Robot
-
-pytestmark = pytest.mark.skipif(
-    not InstalledDefinitions().names(["tf2_msgs"]), reason=interfaces.HOW
-)
 
 FEEDBACK = f"{ACTION}/feedback"
 

@@ -9,17 +9,11 @@ import pytest
 from gateway.access.permissions import Identity, Policy
 from gateway.config.access import AccessConfig
 from gateway.router.transforms import republisher_service
-from schemas.installed import InstalledDefinitions
-from tests import interfaces
 from tests.client import eventually
 from tests.clock import StoppedClock
 from tests.router.conftest import LIMITS, Bench, Socketless
 from tests.router.transforms.asking import request, xs
 from tests.router.transforms.conftest import Robot
-
-pytestmark = pytest.mark.skipif(
-    not InstalledDefinitions().names(["tf2_msgs"]), reason=interfaces.HOW
-)
 
 
 @pytest.fixture(autouse=True)

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: Apache-2.0
+"""``ros2-gateway generate``: from arguments to texts in a language, and to files."""
+
+import argparse
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Final
+
+from gateway.cli.output_files import write_files
+from gateway.cli.remote_connection import Gateway
+from gateway.cli.remote_types import remote_types
+from gateway.cli.type_names import TypeNames, is_pattern, matching
+from gateway.config.settings import TOKEN_VARIABLE, load
+from gateway.definitions import known_definitions
+from gateway.errors import UsageError
+from schemas.definition import DefinitionError
+from schemas.generate.catalogue import Catalogue
+from schemas.generate.csharp_clients import differing
+from schemas.generate.languages import LANGUAGES
+from schemas.generate.request import MARK, ClientCodeError, Request
+from schemas.installed import InstalledDefinitions, UnknownTypeError
+
+_WHERE_ELSE: Final = """\
+install its package, name a folder with its definition by --types-path, or a running gateway \
+by --from"""
+
+
+@dataclass(frozen=True, slots=True)
+class Generated:
+    """The text for standard output, and notes for people."""
+
+    text: str
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """Definitions, the full names of what was asked for, and each as it was asked for."""
+
+    definitions: InstalledDefinitions
+    names: tuple[str, ...]
+    shown: tuple[str, ...]
+
+
+def generate(arguments: argparse.Namespace, environment: Mapping[str, str]) -> Generated:
+    """Write the files that *arguments* ask for, or return the text.
+
+    Raises:
+        UsageError: a type is unknown, its definition is wrong, or files of others are in the way.
+        ConfigError: a folder of definitions, or the configuration that names it, is wrong.
+        GatewayError: a running gateway cannot be asked, or a file not be written.
+    """
+    _check(arguments)
+    try:
+        with _found(arguments, environment) as found:
+            request = _request(arguments, found)
+        return _generated(arguments, request)
+    except (DefinitionError, ClientCodeError) as error:
+        raise UsageError(str(error)) from error
+
+
+def _check(arguments: argparse.Namespace) -> None:
+    if arguments.wire != "json" and arguments.language != "typescript":
+        raise UsageError("--wire is for typescript alone")
+    if arguments.complete and arguments.language != "csharp":
+        raise UsageError("--complete is for csharp alone")
+    if arguments.source is None and (arguments.token or arguments.ca):
+        raise UsageError("--token and --ca are for a running gateway: name it by --from")
+    if arguments.source is not None and (arguments.types_path or arguments.config):
+        raise UsageError("--from asks a gateway: leave out --types-path and --config, or --from")
+
+
+@contextmanager
+def _found(arguments: argparse.Namespace, environment: Mapping[str, str]) -> Iterator[_Found]:
+    if arguments.source is None:
+        yield _local(arguments, environment)
+        return
+    token = arguments.token or environment.get(TOKEN_VARIABLE)
+    gateway = Gateway(arguments.source, token, arguments.ca, arguments.timeout)
+    with remote_types(gateway, arguments.types) as (definitions, named):
+        names = {name for each in named.values() for name in each}
+        shown = {
+            name
+            for requested, each in named.items()
+            for name in ([requested] if is_pattern(requested) else each)
+        }
+        yield _Found(definitions, tuple(sorted(names)), tuple(sorted(shown)))
+
+
+def _local(arguments: argparse.Namespace, environment: Mapping[str, str]) -> _Found:
+    configured = load(environment=environment, file=arguments.config).config.types.paths
+    sources = {"--types-path": arguments.types_path, "types.paths": configured}
+    named = " or ".join(source for source, paths in sources.items() if paths)
+    definitions = known_definitions([*arguments.types_path, *configured], named)
+    known = TypeNames(definitions)
+    names: set[str] = set()
+    shown: set[str] = set()
+    for requested in arguments.types:
+        if is_pattern(requested):
+            names.update(matching(requested, definitions.all_names()))
+            shown.add(requested)
+            continue
+        if requested.startswith("/"):
+            text = f"{requested} is no type: a gateway, named by --from, knows those of names"
+            raise UsageError(text)
+        name = known.resolve(requested)
+        try:
+            definitions.get_any(name)
+        except UnknownTypeError as error:
+            near = known.nearest(name)
+            hint = f", did you mean {near}? If not, {_WHERE_ELSE}" if near else f": {_WHERE_ELSE}"
+            raise UsageError(f"{error}{hint}") from error
+        names.add(name)
+        shown.add(name)
+    return _Found(definitions, tuple(sorted(names)), tuple(sorted(shown)))
+
+
+def _request(arguments: argparse.Namespace, found: _Found) -> Request:
+    try:
+        catalogue = Catalogue.of_types(found.names, found.definitions)
+    except UnknownTypeError as error:  # a nested one
+        raise UsageError(f"{error}: {_WHERE_ELSE}") from error
+    options = [
+        *(["--wire", arguments.wire] if arguments.wire != "json" else []),
+        *(["--complete"] if arguments.complete else []),
+    ]
+    command = " ".join([arguments.language, *options, *found.shown])
+    return Request(
+        found.names, catalogue, f"{MARK}{command}; do not edit.", arguments.wire, arguments.complete
+    )
+
+
+def _generated(arguments: argparse.Namespace, request: Request) -> Generated:
+    language = LANGUAGES[arguments.language]
+    notes = _notes(request) if arguments.language == "csharp" else ()
+    if arguments.output is None:
+        return Generated(language.text(request), notes)
+    changed = write_files(
+        arguments.output,
+        language.files(request),
+        MARK,
+        replace=arguments.force,
+        optional=language.optional,
+    )
+    lines = [f"wrote {path}\n" for path in changed] or ["nothing has changed\n"]
+    return Generated("".join(lines), notes)
+
+
+def _notes(request: Request) -> tuple[str, ...]:
+    found = [] if request.complete else differing(request.catalogue)
+    return tuple(
+        f"{name} has other fields than the class in the Unity package, which is used: fields that "
+        "the class lacks are skipped"
+        for name in found
+    )

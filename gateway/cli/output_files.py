@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Generated files in somebody's folder, where other files must not be harmed."""
+
+from collections.abc import Collection, Mapping
+from pathlib import Path
+from typing import Final
+
+from gateway.errors import GatewayError, UsageError, system_reason
+
+_HEAD_BYTES: Final = 512  # the mark is in the first lines
+
+
+def write_files(
+    folder: Path,
+    texts: Mapping[str, str],
+    mark: str,
+    *,
+    replace: bool = False,
+    optional: Collection[str] = (),
+) -> list[Path]:
+    """Write texts by their paths below a folder; return the paths of the files that have changed.
+
+    A file without *mark* in its first lines is somebody else's: nothing is written if there is one,
+    unless they may be replaced. Of the *optional* ones, those of others are left as they are.
+
+    Raises:
+        UsageError: files would be overwritten.
+        GatewayError: a file cannot be read or written.
+    """
+    wanted = {folder / path: text.encode() for path, text in texts.items()}
+    try:
+        foreign = [path for path in wanted if not replace and _is_foreign(path, mark)]
+        kept = {folder / path for path in optional}.intersection(foreign)
+        if refused := [path for path in foreign if path not in kept]:
+            more = f" and {len(refused) - 1} more" if len(refused) > 1 else ""
+            raise UsageError(
+                f"{refused[0]}{more} would be overwritten, and this command has not made it: "
+                "choose another --output, or add --force"
+            )
+        changed = [
+            path
+            for path, content in wanted.items()
+            if path not in kept and not (path.is_file() and path.read_bytes() == content)
+        ]
+        for path in changed:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(wanted[path])
+    except OSError as error:
+        raise GatewayError(f"cannot write {error.filename}, {system_reason(error)}") from error
+    return changed
+
+
+def _is_foreign(path: Path, mark: str) -> bool:
+    if not path.exists():
+        return False
+    with path.open("rb") as file:
+        return mark.encode() not in file.read(_HEAD_BYTES)

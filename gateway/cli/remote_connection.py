@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A connection to a running gateway for a command that asks it one thing after another."""
+
+import json
+import socket
+import ssl
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidStatus, InvalidURI
+from websockets.frames import CloseCode
+from websockets.sync.client import ClientConnection, connect
+
+from gateway.config.settings import TOKEN_VARIABLE
+from gateway.errors import GatewayError, UsageError, system_reason
+
+# A definition has 256 KiB at most, and its schema, which comes along, several times as much.
+MAX_ANSWER_BYTES: Final = 16 * 1024**2
+_MAX_REASON: Final = 300  # characters of a refusal in words
+_BAD_ADDRESS: Final = "--from: got {!r}, expected ws://HOST:PORT or wss://HOST:PORT"
+_NEEDS_TOKEN: Final = frozenset({401, 403})
+
+
+@dataclass(frozen=True, slots=True)
+class Gateway:
+    """The address of a running gateway, and what is needed to ask it.
+
+    *timeout_s* is for connecting, and for each answer.
+    """
+
+    url: str
+    token: str | None = None
+    ca: Path | None = None
+    timeout_s: float = 10.0
+
+
+class RemoteConnection:
+    """Asks questions and waits for the answer to each."""
+
+    def __init__(self, socket_: ClientConnection, gateway: Gateway) -> None:
+        self._socket = socket_
+        self._gateway = gateway
+        self._asked = 0
+
+    def ask(self, question: Mapping[str, object]) -> dict[str, Any]:
+        """Send an operation and return the frame that answers it.
+
+        Raises:
+            UsageError: the gateway refuses it; the text has its words.
+            GatewayError: no answer comes in time, or the connection is lost.
+        """
+        self._asked += 1
+        try:
+            self._socket.send(json.dumps({**question, "id": self._asked}))
+            answer = self._answer(time.monotonic() + self._gateway.timeout_s)
+        except TimeoutError as error:
+            waited = f"no answer within {self._gateway.timeout_s:g} s"
+            hint = "--timeout allows more, and rosbridge gives none"
+            raise self._failed(f"{waited}: {hint}") from error
+        except ConnectionClosed as error:
+            raise self._failed(_closing_words(error)) from error
+        if answer.get("op") == "status":
+            raise self._refused(answer.get("msg"), is_forbidden=answer.get("code") == "forbidden")
+        if answer.get("result") is False:  # a service has no code for it
+            raise self._refused(answer.get("values"), is_forbidden=True)
+        return answer
+
+    def _answer(self, deadline_s: float) -> dict[str, Any]:
+        """Return the frame with the id of the last question; others are about something else."""
+        while True:
+            frame = self._socket.recv(timeout=max(0.0, deadline_s - time.monotonic()))
+            try:
+                value = json.loads(frame)
+            except (ValueError, RecursionError) as error:
+                raise self._failed("its answer is no JSON: is it a gateway?") from error
+            if isinstance(value, dict) and value.get("id") == self._asked:
+                return value
+
+    def _refused(self, reason: object, *, is_forbidden: bool) -> UsageError:
+        words = _printable(str(reason))
+        needs_token = is_forbidden and self._gateway.token is None
+        hint = f"; --token or {TOKEN_VARIABLE} may have a token" if needs_token else ""
+        return UsageError(f"{self._gateway.url}: {words}{hint}")
+
+    def _failed(self, reason: str) -> GatewayError:
+        return GatewayError(f"{self._gateway.url}: {reason}")
+
+
+@contextmanager
+def connected(gateway: Gateway) -> Iterator[RemoteConnection]:
+    """Connect to a gateway until the context ends.
+
+    Raises:
+        UsageError: the address is no WebSocket's, or the certificate cannot be read.
+        GatewayError: nobody can be reached there, or the client is not let in.
+    """
+    with _opened(gateway) as socket_:
+        yield RemoteConnection(socket_, gateway)
+
+
+def _opened(gateway: Gateway) -> ClientConnection:
+    url = gateway.url
+    if not url.startswith(("ws://", "wss://")):
+        raise UsageError(_BAD_ADDRESS.format(url))
+    tls, headers = _tls(gateway), _headers(gateway)
+    try:
+        return connect(
+            url,
+            ssl=tls,
+            additional_headers=headers,
+            open_timeout=gateway.timeout_s,
+            close_timeout=1,
+            max_size=MAX_ANSWER_BYTES,
+            proxy=None,
+        )
+    except TimeoutError as error:
+        reason = f"no connection within {gateway.timeout_s:g} s: --timeout allows more"
+        raise GatewayError(f"{url}: {reason}") from error
+    except InvalidStatus as error:
+        raise GatewayError(f"{url}: {_refusal(error)}") from error
+    except ssl.SSLCertVerificationError as error:
+        reason = error.verify_message
+        raise GatewayError(
+            f"{url}: its certificate is not trusted, {reason}: name it, or the one that has signed "
+            "it, by --ca"
+        ) from error
+    except (OSError, InvalidHandshake, EOFError) as error:
+        raise GatewayError(f"{url}: {_unreachable(error)}") from error
+    except (InvalidURI, ValueError) as error:
+        raise UsageError(_BAD_ADDRESS.format(url)) from error
+
+
+def _headers(gateway: Gateway) -> dict[str, str]:
+    token = gateway.token
+    if token is None:
+        return {}
+    if not (token.isascii() and token.isprintable() and " " not in token):
+        raise UsageError(f"--token, {TOKEN_VARIABLE}: a token has printable ASCII without blanks")
+    return {"Authorization": f"Bearer {token}"}
+
+
+def _tls(gateway: Gateway) -> ssl.SSLContext | None:
+    if gateway.url.startswith("ws://"):
+        if gateway.ca is not None:
+            raise UsageError("--ca is for wss:// addresses")
+        return None
+    try:
+        return ssl.create_default_context(cafile=gateway.ca)
+    except OSError as error:
+        is_ssl = isinstance(error, ssl.SSLError)
+        reason = "no certificate in PEM" if is_ssl else system_reason(error)
+        raise UsageError(f"--ca: {gateway.ca}: {reason}") from error
+
+
+def _refusal(error: InvalidStatus) -> str:
+    status = error.response.status_code
+    words = (error.response.body or b"").decode(errors="replace").strip()
+    said = _printable(f"{status} {error.response.reason_phrase}")
+    if words and "<" not in words:
+        said += f", {_printable(words)}"
+    hint = f"; --token or {TOKEN_VARIABLE} may have a token" if status in _NEEDS_TOKEN else ""
+    return f"the handshake is refused: {said}{hint}"
+
+
+def _unreachable(error: Exception) -> str:
+    if isinstance(error, socket.gaierror):
+        return "no address has that host name"
+    if isinstance(error, ConnectionRefusedError):
+        return "connection refused: nothing listens there, is the gateway running?"
+    if isinstance(error, ssl.SSLError):
+        return f"no TLS there ({error.reason}): is it a ws:// address?"
+    if isinstance(error, OSError):
+        return system_reason(error)
+    return f"no WebSocket there: {error}"
+
+
+def _printable(words: str) -> str:
+    """Return the words of somebody who may be no gateway for a terminal: one line, not long."""
+    return "".join(c if c.isprintable() else " " for c in words[:_MAX_REASON])
+
+
+def _closing_words(error: ConnectionClosed) -> str:
+    if error.sent is not None and error.sent.code == CloseCode.MESSAGE_TOO_BIG:
+        return f"an answer has over {MAX_ANSWER_BYTES} bytes"
+    if error.rcvd is not None:
+        reason = _printable(error.rcvd.reason)
+        return f"the connection was closed with {error.rcvd.code} {reason}".rstrip()
+    return "the connection is lost"

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The types that commands take as arguments, and the words about those that are unknown."""
+
+import re
+from collections.abc import Iterable
+from difflib import get_close_matches
+from typing import Final
+
+from gateway.errors import UsageError
+from schemas.installed import InstalledDefinitions
+from schemas.table import Table, TypeNameError, resolve_any
+
+_PATTERN: Final = re.compile(
+    r"(?:(?P<package>[a-z][a-z0-9_]*)/)?(?:(?P<kind>msg|srv|action)/)?\*", re.ASCII
+)
+
+
+class TypeNames:
+    """Finds the full names of types: of those in some definitions, or in the message table."""
+
+    def __init__(self, definitions: InstalledDefinitions) -> None:
+        self._definitions = definitions
+        self._table = Table.load()
+        rows = (row.name for row in self._table.interfaces)
+        self._known = {*self._table.by_name, *rows, *definitions.all_names()}
+
+    def resolve(self, requested: str) -> str:
+        """Return the full name for a name or a number of the table; it may be unknown.
+
+        Raises:
+            UsageError: it is not a type name; with the type that is meant, if that can be guessed.
+        """
+        try:
+            return resolve_any(requested, self._table, self._known)
+        except TypeNameError as error:
+            raise UsageError(f"{error}{self._meant(error)}") from error
+
+    def nearest(self, name: str) -> str | None:
+        """Guess the type that an unknown full name means; None for a known one.
+
+        Of a known name, something is missing that no other name mends.
+        """
+        if name in self._known:
+            return None
+        close = get_close_matches(name, self._known, n=1)
+        return close[0] if close else self._definitions.nearest(name)
+
+    def _meant(self, error: TypeNameError) -> str:
+        near = error.requested and self._definitions.meant(error.requested, error.kind)
+        if near:
+            return f", did you mean {near}"
+        if error.requested.startswith("/"):  # a topic, a service or an action
+            frame = f'{{"op":"describe","type":"{error.requested}"}}'
+            return f"; a running gateway knows the types of names, send it {frame}"
+        return ""
+
+
+def is_pattern(requested: str) -> bool:
+    """Return whether a text stands for several types: ``*``, ``pkg/*`` or ``pkg/srv/*``."""
+    return _PATTERN.fullmatch(requested) is not None
+
+
+def matching(pattern: str, names: Iterable[str]) -> list[str]:
+    """Return those of *names* that a pattern stands for.
+
+    Raises:
+        UsageError: there are none; with the package that is meant, if that can be guessed.
+    """
+    match = _PATTERN.fullmatch(pattern)
+    package, kind = (match["package"], match["kind"]) if match else ("", "")
+    packages = set()
+    found = []
+    for name in names:
+        its_package, its_kind, _ = name.split("/")
+        packages.add(its_package)
+        if package in {None, its_package} and kind in {None, its_kind}:
+            found.append(name)
+    if not found:
+        near = get_close_matches(package or "", sorted(packages - {package}), n=1)
+        hint = f", did you mean {near[0]}/*" if near else ""
+        raise UsageError(f"no known type fits {pattern}{hint}")
+    return found

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bytes in and out of Fast CDR, as rmw has it."""
+
+import ctypes
+
+import pytest
+
+from gateway.ports import RosError
+from gateway.ros import fast_cdr
+from gateway.ros.fast_cdr import FastCdr
+
+
+class Opened:
+    """A Cdr over some bytes."""
+
+    def __init__(self, functions: FastCdr, octets: bytes) -> None:
+        self.octets = ctypes.create_string_buffer(octets, len(octets))
+        self._buffer = ctypes.create_string_buffer(fast_cdr._ROOM)
+        self._cdr = ctypes.create_string_buffer(fast_cdr._ROOM)
+        functions._buffer(self._buffer, self.octets, len(octets))
+        functions._cdr(self._cdr, self._buffer, 1, 1)
+        self.address = ctypes.addressof(self._cdr)
+
+
+def test_what_is_written_follows_what_was_written():
+    functions = FastCdr()
+    cdr = Opened(functions, bytes(8))
+    assert functions.write(cdr.address, b"abc")
+    assert functions.write(cdr.address, b"")
+    assert functions.write(cdr.address, b"defgh")
+    assert cdr.octets.raw == b"abcdefgh"
+
+
+def test_nothing_is_written_behind_the_end():
+    functions = FastCdr()
+    cdr = Opened(functions, bytes(8))
+    assert functions.write(cdr.address, b"abc")
+    assert not functions.write(cdr.address, b"defghi")
+    assert cdr.octets.raw == b"abc" + bytes(5)
+
+
+def test_all_is_read_from_where_it_is_to_the_end():
+    functions = FastCdr()
+    cdr = Opened(functions, b"headabcdefgh")
+    assert functions._jump(cdr.address, 4)
+    assert functions.read_all(cdr.address, 4) == (b"head", b"abcdefgh")
+
+
+@pytest.mark.parametrize("missing", ["_LIBRARY", "_CDR"])
+def test_another_fast_cdr_is_refused(missing: str, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(fast_cdr, missing, "nothing")
+    with pytest.raises(RosError, match="this Fast CDR lacks a function") as caught:
+        FastCdr()
+    assert caught.value.code == "bad_type"
+
+
+def test_a_cdr_whose_end_cannot_be_found_is_refused(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(fast_cdr, "_STEP", 5000)  # more than there is
+    with pytest.raises(RosError, match="this Fast CDR does not show its end"):
+        FastCdr()
