@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Bytes in and out of an ``eprosima::fastcdr::Cdr``, by which rmw has messages written and read.
 
-Only functions that throw nothing are called: a C++ exception must not pass through Python.
+A C++ exception must not pass through Python. Of the functions that are called only the one that
+writes throws, where a Cdr has no room.
 """
 
 import ctypes
+from collections.abc import Callable
 from typing import Any, Final
 
 from gateway.ports import RosError
@@ -19,6 +21,7 @@ _TRIED_BYTES: Final = (1000, 3456)  # any two numbers
 # A Cdr of Fast CDR 2.2 has under 400 bytes and a FastBuffer 40: more than they may ever have.
 _ROOM: Final = 4096
 _STEP: Final = 10
+_IS_INPUT: Final = 1  # a flag of ctypes
 
 _Pointer = ctypes.c_void_p
 
@@ -40,6 +43,9 @@ class FastCdr:
             self._jump = _function(library, f"{_CDR}4jumpEm", ctypes.c_bool, ctypes.c_size_t)
             buffer = f"{_BUFFER}C1EPcm"
             self._buffer = _function(library, buffer, None, _Pointer, ctypes.c_size_t)
+            #: Write *octets*, *count* bytes, where *cdr* is, and go behind them. It must have the
+            #: room, as it has where rmw was told of the size.
+            self.write = _write(library)
             cdr = f"{_CDR}C1ERNS0_10FastBufferENS1_10EndiannessENS0_10CdrVersionE"
             self._cdr = _function(library, cdr, None, _Pointer, ctypes.c_int, ctypes.c_int)
         except (OSError, AttributeError) as error:
@@ -49,14 +55,6 @@ class FastCdr:
         if len(common) != 1:
             raise RosError("bad_type", "this Fast CDR does not show its end")
         self._end_at = common.pop()
-
-    def write(self, cdr: int, octets: bytes) -> bool:
-        """Write octets where a Cdr is, and go behind them; false if it has no room."""
-        at = self._position(cdr)
-        if len(octets) > self._end(cdr) - at:
-            return False
-        ctypes.memmove(at, octets, len(octets))
-        return bool(self._jump(cdr, len(octets)))
 
     def read_all(self, cdr: int, start: int) -> tuple[bytes, bytes]:
         """Return the first *start* octets of a Cdr, and those from where it is to its end."""
@@ -91,3 +89,13 @@ def _function(library: ctypes.PyDLL, name: str, result: Any, *arguments: Any) ->
     function.restype = result
     function.argtypes = [_Pointer, *arguments]
     return function
+
+
+def _write(library: ctypes.PyDLL) -> Callable[..., int]:
+    """Return ``Cdr::serialize_array`` of bytes, whose arguments may be given by their names."""
+    prototype = ctypes.PYFUNCTYPE(_Pointer, _Pointer, ctypes.c_char_p, ctypes.c_size_t)
+    names = ("cdr", "octets", "count")
+    function: Any = prototype(
+        (f"{_CDR}15serialize_arrayEPKcm", library), tuple((_IS_INPUT, name) for name in names)
+    )
+    return function  # type: ignore[no-any-return]

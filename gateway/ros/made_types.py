@@ -20,16 +20,15 @@ from gateway.ros.raw_messages import RawMessage, RawMessages
 from gateway.ros.type_supports import (
     FASTRTPS,
     INTROSPECTION,
-    Find,
+    Finder,
     MessageCallbacks,
     MessageSupport,
     ServiceCallbacks,
     ServiceSupport,
     about,
     capsule,
-    finder,
+    found_support,
     keep,
-    support_of,
 )
 from schemas.definition import Definition
 from schemas.derived import FEEDBACK_MESSAGE, GET_RESULT, SEND_GOAL, DerivedDefinitions
@@ -58,7 +57,7 @@ class MadeTypes:
     def __init__(self) -> None:
         self._made: dict[tuple[str, str], Any] = {}
         self._messages: RawMessages | None = None
-        self._finder: int | None = None
+        self._finder: Finder | None = None
 
     def get(self, definition: Definition, definitions: InstalledDefinitions) -> type:
         """Return the class of a message, made now if it is the first time.
@@ -120,6 +119,7 @@ class MadeTypes:
         """Make the class of a message, and its type support."""
         if self._messages is None:
             self._messages = RawMessages()
+        finder = self._get_finder()
         package, kind, name = definition.name.split("/")
         callbacks = MessageCallbacks(
             namespace=f"{package}::{kind}".encode(), name=name.encode(), **self._messages.callbacks
@@ -127,10 +127,11 @@ class MadeTypes:
         support = MessageSupport(
             identifier=FASTRTPS,
             data=ctypes.addressof(callbacks),
-            find=self._find(),
+            find=finder.address,
             **about(type_hash(definition, definitions), type_description(definition, definitions)),
         )
         address = ctypes.addressof(support)
+        finder.prepare(address)
         members = {"_TYPE_SUPPORT": capsule(address), **self._messages.members}
         metaclass: Any = type(f"Metaclass_{name}", (type,), members)
         made = metaclass(name, (RawMessage,), {"__slots__": (), "__module__": f"{package}.{kind}"})
@@ -138,6 +139,7 @@ class MadeTypes:
         return made, address
 
     def _service(self, type_name: str, derived: DerivedDefinitions) -> Any:
+        finder = self._get_finder()
         package, kind, name = type_name.split("/")
         request_class, request = self._message(derived.get(f"{type_name}_Request"), derived)
         response_class, response = self._message(derived.get(f"{type_name}_Response"), derived)
@@ -151,20 +153,22 @@ class MadeTypes:
         support = ServiceSupport(
             identifier=FASTRTPS,
             data=ctypes.addressof(callbacks),
-            find=self._find(),
+            find=finder.address,
             request=request,
             response=response,
             **about(type_hash(whole, derived), type_description(whole, derived)),
         )
-        members = {"_TYPE_SUPPORT": capsule(ctypes.addressof(support))}
+        address = ctypes.addressof(support)
+        finder.prepare(address)
+        members = {"_TYPE_SUPPORT": capsule(address)}
         metaclass: Any = type(f"Metaclass_{name}", (type,), members)
         parts = {"Request": request_class, "Response": response_class}
         made = metaclass(name, (), parts | {"__module__": f"{package}.{kind}"})
         keep(callbacks, support, made)
         return made
 
-    def _find(self) -> int:
-        """Return the function by which rmw finds a type support, one for all types.
+    def _get_finder(self) -> Finder:
+        """Return the function by which rmw finds a type support.
 
         A publisher of Fast DDS 2 registers that of rosidl_typesupport_introspection_c, and what
         that says about the type is not used: that of std_msgs/msg/Empty does.
@@ -172,9 +176,7 @@ class MadeTypes:
         if self._finder is None:
             from std_msgs.msg import Empty
 
-            real = support_of(Empty)
-            find = Find(MessageSupport.from_address(real).find)
-            self._finder = finder(int(find(real, INTROSPECTION)))
+            self._finder = Finder(found_support(Empty, INTROSPECTION))
         return self._finder
 
 

@@ -2,14 +2,31 @@
 """Messages that are nothing but CDR: rmw's functions for a type, which copy bytes.
 
 rclpy has C make a message, rmw read or write it, and C convert it from or to a Python object. Here
-the message in C is a place in memory, and the CDR that belongs to it is kept beside.
+the message in C is a Python object itself, which rmw knows by its address.
+
+rmw asks for a message's size and writes it while it holds a lock of DDS. No bytecode may run there:
+Python could pass the GIL to another thread, and if that one then waits for the lock, as it does
+when it creates any entity, neither ever goes on. So these functions are C all the way, put together
+from what Python and Fast CDR have.
 """
 
 import ctypes
+import functools
+import gc
+import operator
 from typing import Any, Final
 
 from gateway.ros.fast_cdr import FastCdr
-from gateway.ros.type_supports import Pointer, address_of, capsule, keep
+from gateway.ros.type_supports import (
+    FASTRTPS,
+    MessageCallbacks,
+    MessageSupport,
+    Pointer,
+    address_of,
+    capsule,
+    found_support,
+    keep,
+)
 
 ENCAPSULATION_BYTES: Final = 4
 # RTPS 2.5, 10.2: CDR_LE, which is the byte order of every machine that this runs on
@@ -17,10 +34,10 @@ _LITTLE_ENDIAN: Final = b"\0\1"
 
 _EMPTY: Final = b"\0\1\0\0\0"
 
-# rmw calls the first two of a type's functions, and rclpy the last four
-_Code = ctypes.CFUNCTYPE(ctypes.c_bool, Pointer, Pointer)
-_Size = ctypes.CFUNCTYPE(ctypes.c_uint32, Pointer)
-_MaxSize = ctypes.CFUNCTYPE(ctypes.c_size_t, Pointer)
+# rmw calls the first three, and rclpy the last four
+_Serialize = ctypes.CFUNCTYPE(ctypes.c_bool, ctypes.py_object, Pointer)
+_Size = ctypes.CFUNCTYPE(ctypes.c_uint32, ctypes.py_object)
+_Deserialize = ctypes.CFUNCTYPE(ctypes.c_bool, Pointer, Pointer)
 _Create = ctypes.PYFUNCTYPE(Pointer)
 _Destroy = ctypes.PYFUNCTYPE(None, Pointer)
 _FromPython = ctypes.PYFUNCTYPE(ctypes.c_bool, ctypes.py_object, Pointer)
@@ -46,6 +63,14 @@ class RawMessage:
         self.cdr = cdr
 
 
+class _MessageInC(functools.partial[int]):
+    """A message in C. Called with the address of a Cdr, it writes itself there."""
+
+    size = 0  # of what it writes, in bytes
+    received = b""  # encapsulation header included
+    pauses_gc = False
+
+
 class RawMessages:
     """The messages in C that exist now, and the functions that all their types share."""
 
@@ -56,18 +81,22 @@ class RawMessages:
             RosError: ``bad_type``: Fast CDR is not as expected here.
         """
         self._fast_cdr = FastCdr()
-        self._held: dict[int, tuple[object, bytes]] = {}  # by address: its place, its CDR
-        code = {"serialize": _Code(self._serialize), "deserialize": _Code(self._deserialize)}
-        sizes = {"size": _Size(self._size), "max_size": _MaxSize(_write_unbounded)}
+        self._held: dict[int, _MessageInC] = {}  # by address
+        of_rmw = {
+            "serialize": _Serialize(operator.call),
+            "size": _Size(operator.attrgetter("size")),
+            "deserialize": _Deserialize(self._deserialize),
+        }
         of_python = {
             "_CREATE_ROS_MESSAGE": _Create(self._create),
             "_CONVERT_FROM_PY": _FromPython(self._from_python),
             "_CONVERT_TO_PY": _ToPython(self._to_python),
             "_DESTROY_ROS_MESSAGE": _Destroy(self._destroy),
         }
-        keep(code, sizes, of_python)
+        keep(of_rmw, of_python)
         # for a type's `MessageCallbacks`, and for the metaclass of its class
-        self.callbacks = {name: address_of(each) for name, each in (code | sizes).items()}
+        self.callbacks = {name: address_of(each) for name, each in of_rmw.items()}
+        self.callbacks["max_size"] = _unbounded()
         self.members = {name: capsule(address_of(each)) for name, each in of_python.items()}
 
     def __len__(self) -> int:
@@ -75,36 +104,39 @@ class RawMessages:
         return len(self._held)
 
     def _create(self) -> int:
-        place = ctypes.c_uint64()  # anything with an address of its own
-        address = ctypes.addressof(place)
-        self._held[address] = (place, b"")
-        return address
+        message = _MessageInC(self._fast_cdr.write, octets=b"", count=0)
+        self._held[id(message)] = message
+        return id(message)
 
     def _destroy(self, address: int) -> None:
-        del self._held[address]
+        if self._held.pop(address).pauses_gc:
+            gc.enable()
 
     def _from_python(self, message: RawMessage, address: int) -> bool:
-        place, _ = self._held[address]
-        self._held[address] = (place, message.cdr)
+        octets = message.cdr[ENCAPSULATION_BYTES:]
+        in_c = self._held[address]
+        in_c.size = len(octets)
+        in_c.keywords.update(octets=octets, count=in_c.size)
+        # Until it is sent and destroyed: a collection may run finalizers, which are bytecode.
+        in_c.pauses_gc = gc.isenabled()
+        gc.disable()
+        return True
+
+    def _deserialize(self, cdr: int, address: int) -> bool:
+        """Read a message; rmw has left the locks of DDS by then."""
+        whole = b"".join(self._fast_cdr.read_all(cdr, ENCAPSULATION_BYTES))
+        self._held[address].received = whole
         return True
 
     def _to_python(self, address: int) -> RawMessage:
         received: Any = RawMessage.__new__(RawMessage)  # of either byte order
-        received.cdr = self._held[address][1]
+        received.cdr = self._held[address].received
         return received  # type: ignore[no-any-return]
 
-    def _serialize(self, address: int, cdr: int) -> bool:
-        return self._fast_cdr.write(cdr, self._held[address][1][ENCAPSULATION_BYTES:])
 
-    def _deserialize(self, cdr: int, address: int) -> bool:
-        place, _ = self._held[address]
-        self._held[address] = (place, b"".join(self._fast_cdr.read_all(cdr, ENCAPSULATION_BYTES)))
-        return True
+def _unbounded() -> int:
+    """Return the function by which a type says that its size is not bounded."""
+    from std_msgs.msg import String
 
-    def _size(self, address: int) -> int:
-        return len(self._held[address][1]) - ENCAPSULATION_BYTES
-
-
-def _write_unbounded(bounds: int) -> int:
-    ctypes.c_uint8.from_address(bounds).value = 0  # neither bounded nor plain
-    return 0
+    support = MessageSupport.from_address(found_support(String, FASTRTPS))
+    return int(MessageCallbacks.from_address(support.data).max_size)

@@ -11,6 +11,7 @@ What is made is never freed: rmw and rcl keep pointers to it.
 """
 
 import ctypes
+import functools
 from collections.abc import Mapping
 from typing import Any, Final
 
@@ -95,7 +96,8 @@ class _Sequence(ctypes.Structure):
 
 
 Find = ctypes.CFUNCTYPE(Pointer, Pointer, ctypes.c_char_p)
-_Get = ctypes.CFUNCTYPE(Pointer, Pointer)
+# The argument that rmw gives, the type support, is not needed.
+_Get = ctypes.CFUNCTYPE(Pointer)
 
 _new_capsule = ctypes.pythonapi.PyCapsule_New
 _new_capsule.restype = ctypes.py_object
@@ -128,20 +130,37 @@ def support_of(real_class: Any) -> int:
     return _function(metaclass, "_TYPE_SUPPORT")
 
 
-def finder(introspection: int | None = None) -> int:
-    """Return the address of the function that rmw asks for the type support that it understands.
+def found_support(real_class: Any, identifier: bytes) -> int:
+    """Return the address of what an implementation has for a class that a package has."""
+    support = support_of(real_class)
+    find = Find(MessageSupport.from_address(support).find)
+    return int(find(support, identifier))
 
-    *introspection* is that of the type in rosidl_typesupport_introspection_c, if there is one.
-    """
 
-    def find(handle: int, identifier: bytes) -> int | None:
-        if identifier == FASTRTPS:
-            return handle
-        return introspection if identifier == INTROSPECTION else None
+class Finder:
+    """The function by which rmw asks a type for the support that it understands, for all types."""
 
-    made = Find(find)
-    keep(made)
-    return address_of(made)
+    def __init__(self, introspection: int) -> None:
+        """Make it; *introspection* is a support in rosidl_typesupport_introspection_c."""
+
+        @functools.cache
+        def find(handle: int, identifier: bytes) -> int | None:
+            if identifier == FASTRTPS:
+                return handle
+            return introspection if identifier == INTROSPECTION else None
+
+        made = Find(find)
+        keep(made)
+        self._find = find
+        self.address = address_of(made)
+
+    def prepare(self, handle: int) -> None:
+        """Have the answers for a type in the cache, so that no bytecode runs to give them.
+
+        rmw asks under a lock of DDS; see `gateway.ros.raw_messages`.
+        """
+        for identifier in (FASTRTPS, INTROSPECTION):
+            self._find(handle, identifier)
 
 
 def about(hashed: str, description: Mapping[str, Any]) -> dict[str, int]:
@@ -181,7 +200,8 @@ def _getter(structure: ctypes.Structure) -> int:
 
 
 def _getting(address: int) -> int:
-    get = _Get(lambda _: address)
+    # No bytecode: it runs under a lock of DDS, see `gateway.ros.raw_messages`.
+    get = _Get(address.__index__)
     keep(get)
     return address_of(get)
 

@@ -24,19 +24,10 @@ class Opened:
 
 def test_what_is_written_follows_what_was_written():
     functions = FastCdr()
-    cdr = Opened(functions, bytes(8))
-    assert functions.write(cdr.address, b"abc")
-    assert functions.write(cdr.address, b"")
-    assert functions.write(cdr.address, b"defgh")
-    assert cdr.octets.raw == b"abcdefgh"
-
-
-def test_nothing_is_written_behind_the_end():
-    functions = FastCdr()
-    cdr = Opened(functions, bytes(8))
-    assert functions.write(cdr.address, b"abc")
-    assert not functions.write(cdr.address, b"defghi")
-    assert cdr.octets.raw == b"abc" + bytes(5)
+    cdr = Opened(functions, bytes(9))
+    for octets in (b"abc", b"", b"d\0fgh"):
+        assert functions.write(cdr.address, octets=octets, count=len(octets))
+    assert cdr.octets.raw == b"abcd\0fgh\0"
 
 
 def test_all_is_read_from_where_it_is_to_the_end():

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Messages that are nothing but CDR, between nodes of plain rclpy and the gateway's classes."""
 
+import gc
+import subprocess
+import sys
 from collections.abc import AsyncIterator, Callable
 from pathlib import Path
 from typing import Any
@@ -84,6 +87,23 @@ async def test_thousands_of_calls_leave_nothing_behind(
     assert min(grown) < 5_000_000  # and not 50 MB each time
 
 
+def test_no_garbage_is_collected_while_rmw_writes(
+    classes: MadeClasses, monkeypatch: pytest.MonkeyPatch
+):
+    made = classes.get("std_msgs/msg/String")
+    messages = classes._made._messages
+    assert messages is not None
+    write, were_enabled = messages._fast_cdr.write, []
+
+    def watched(cdr: int, **rest: Any) -> int:
+        were_enabled.append(gc.isenabled())
+        return write(cdr, **rest)
+
+    monkeypatch.setattr(messages._fast_cdr, "write", watched)
+    assert serialize_message(made(HEADER + b"abc")) == HEADER + b"abc"
+    assert (were_enabled, gc.isenabled()) == ([False], True)
+
+
 def resident() -> int:
     return int(Path("/proc/self/statm").read_text().split()[1]) * PAGE
 
@@ -156,3 +176,11 @@ async def test_goals_without_a_whole_id_are_rejected(
     response = await soon(arrived(asking.call_async(form.get_result.Request(HEADER + b"abc"))))
     assert form.read_result_response(response)[0] == 0
     server.close()
+
+
+@pytest.mark.parametrize("what", ["send", "create"])
+def test_no_thread_waits_for_what_a_made_type_holds(what: str):
+    beside = [sys.executable, "-m", "tests.ros.beside_entities", what]
+    ended = subprocess.run(beside, capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert int(ended.stdout.rpartition(" ")[2]) > 0
