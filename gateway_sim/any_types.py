@@ -17,6 +17,7 @@ from rclpy.qos import QoSProfile
 
 from gateway.codec.cdr import Decoder, Encoder, compile_decoder, compile_encoder
 from gateway.ports import RosError
+from gateway.ros import fast_dds
 from gateway.ros.action_forms import ActionForm
 from gateway.ros.message_classes import MessageClasses, why_types_cannot_be_made
 from schemas.definition import Definition
@@ -96,7 +97,9 @@ class AnyTypes:
         except RosError as error:
             raise MissingTypeError(str(error)) from error
         encode = compile_encoder(self._definitions.get(type_name), self._definitions)
-        return ValuePublisher(node.create_publisher(message_class, topic, qos), encode)
+        publisher = node.create_publisher(message_class, topic, qos)
+        fast_dds.forget_error()
+        return ValuePublisher(publisher, encode)
 
     def action(self, type_name: str) -> AnyAction:
         """Return an action type, ``pkg/action/Name``.

@@ -17,7 +17,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, qos_profile_action_status_default
 
-from gateway.ros import rclpy_private
+from gateway.ros import fast_dds, rclpy_private
 from gateway.ros.goal_ids import with_goal_id
 from gateway_sim.any_types import AnyAction
 
@@ -86,6 +86,7 @@ class GoalServer:
         self._feedback = self._node.create_publisher(
             form.feedback, f"{part}feedback", _FEEDBACK_DEPTH
         )
+        fast_dds.forget_error()
         self._status = self._node.create_publisher(
             GoalStatusArray, f"{part}status", qos_profile_action_status_default
         )
@@ -148,6 +149,7 @@ class GoalServer:
         service = self._node.create_service(
             service_class, name, lambda *_: None, qos_profile=QoSProfile(depth=_SERVICE_DEPTH)
         )
+        fast_dds.forget_error()
         take = rclpy_private.request_taker(service)
         send = rclpy_private.response_sender(service)
 

@@ -80,7 +80,7 @@ def ros_context() -> Iterator[Context]:
     """
     arguments = ["--ros-args", "--disable-external-lib-logs"]
     context = Context()
-    with fast_dds.profile(PROFILE):
+    with fast_dds.profile(PROFILE, PROFILE):
         rclpy.init(args=arguments, context=context, signal_handler_options=SignalHandlerOptions.NO)
         try:
             yield context

@@ -14,6 +14,7 @@ from rclpy.exceptions import (
 )
 
 from gateway.ports import RosError
+from gateway.ros import fast_dds
 from gateway.ros.rclpy_private import RESPONSE_TIMED_OUT
 
 # RCLError and its kin are RuntimeErrors. A class without type support raises an AttributeError, a
@@ -48,6 +49,8 @@ def refusals(subject: str) -> Iterator[None]:
         yield
     except REFUSALS as error:
         raise refused(subject, error) from error
+    finally:
+        fast_dds.forget_error()
 
 
 @contextlib.contextmanager

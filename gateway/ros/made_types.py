@@ -16,6 +16,7 @@ from typing import Any, Final, TypeVar
 from rclpy.utilities import get_rmw_implementation_identifier
 
 from gateway.ports import RosError
+from gateway.ros import fast_dds
 from gateway.ros.raw_messages import RawMessage, RawMessages
 from gateway.ros.type_supports import (
     FASTRTPS,
@@ -168,16 +169,24 @@ class MadeTypes:
         return made
 
     def _get_finder(self) -> Finder:
-        """Return the function by which rmw finds a type support.
-
-        A publisher of Fast DDS 2 registers that of rosidl_typesupport_introspection_c, and what
-        that says about the type is not used: that of std_msgs/msg/Empty does.
-        """
+        """Return the function by which rmw finds a type support."""
         if self._finder is None:
-            from std_msgs.msg import Empty
-
-            self._finder = Finder(found_support(Empty, INTROSPECTION))
+            self._finder = Finder(_introspection())
         return self._finder
+
+
+def _introspection() -> int | None:
+    """Return a type support of rosidl_typesupport_introspection_c, where rmw cannot do without.
+
+    On Fast DDS 2 rmw registers it for a publisher, and what it says about the type is not used:
+    that of std_msgs/msg/Empty does. On Fast DDS 3 endpoints that have it match only those of the
+    same type by it, and others by the name alone.
+    """
+    if not fast_dds.is_second():
+        return None
+    from std_msgs.msg import Empty
+
+    return found_support(Empty, INTROSPECTION)
 
 
 def check_middleware() -> None:

@@ -3,10 +3,8 @@
 
 import asyncio
 import contextlib
-import os
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Final, assert_never
 
 from rclpy.node import Node
@@ -29,6 +27,7 @@ from gateway.ros.action_client import RclpyActionClient
 from gateway.ros.action_entities import Actions
 from gateway.ros.action_server import RclpyActionServer
 from gateway.ros.deferred_destruction import DeferredDestruction
+from gateway.ros.distro import distro
 from gateway.ros.endpoints import Endpoints
 from gateway.ros.errors import REFUSALS, refused
 from gateway.ros.executor import ExecutorThread
@@ -59,7 +58,7 @@ from gateway.ros.service_entities import RclpyClient, RclpyService, Services
 from gateway.ros.time_jumps import JumpWatch
 from gateway.ros.watches import GraphWatch, GraphWatches
 
-_PROFILE: Final = Path(__file__).with_name("fastdds_profile.xml")
+_DISTRO: Final = distro()  # which reads a file
 
 
 class RclpyRos:
@@ -87,7 +86,7 @@ class RclpyRos:
         self._action_types: dict[str, tuple[str, ...]] | None = None
         with contextlib.ExitStack() as undo:
             try:
-                with fast_dds.profile(_PROFILE):
+                with fast_dds.profile():
                     context = open_context(options, undo)
                     subscribing = open_node(context, options, "subscriptions", undo)
                     publishing = open_node(context, options, "publishers", undo)
@@ -144,7 +143,7 @@ class RclpyRos:
     @property
     def distro(self) -> str:
         """The ROS distribution, such as ``jazzy``."""
-        return os.environ.get("ROS_DISTRO", "jazzy")
+        return _DISTRO
 
     def subscribe(
         self,

@@ -15,7 +15,7 @@ from rclpy.node import Node
 from gateway.ports import Qos, TopicEvent
 from gateway.ros import rclpy_private
 from gateway.ros.deferred_destruction import Deferred, DeferredDestruction
-from gateway.ros.errors import REFUSALS, refused, remapped
+from gateway.ros.errors import REFUSALS, refusals, refused, remapped
 from gateway.ros.graph import read_requests
 from gateway.ros.groups import group_of_one
 from gateway.ros.message_classes import MessageClasses
@@ -167,7 +167,7 @@ class Publishers:
 
     def _create(self, key: _Key) -> Any:
         found = self._classes.get(key.type_name)
-        try:
+        with refusals(f"topic {key.topic}"):
             publisher = self._node.create_publisher(
                 found,
                 key.topic,
@@ -175,8 +175,6 @@ class Publishers:
                 callback_group=group_of_one(),
                 event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
             )
-        except REFUSALS as error:
-            raise refused(f"topic {key.topic}", error) from error
         given = publisher.topic_name
         if given != key.topic:
             self._node.destroy_publisher(publisher)

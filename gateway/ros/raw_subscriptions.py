@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from rclpy.node import Node
 
 from gateway.ports import Qos, RosError, Sample, TopicEvent
-from gateway.ros.errors import REFUSALS, refused, remapped
+from gateway.ros.errors import refusals, remapped
 from gateway.ros.graph import read_offers
 from gateway.ros.message_classes import MessageClasses
 from gateway.ros.name_checks import check_topic
@@ -86,10 +86,8 @@ class RawSubscriptions:
         Raises:
             RosError: ROS refuses it, or gives it another name.
         """
-        try:
+        with refusals(f"topic {topic}"):
             reader = self._samples.read(found, topic, to_profile(qos), on_samples)
-        except REFUSALS as error:
-            raise refused(f"topic {topic}", error) from error
         given = reader.topic_name
         if given != topic:
             reader.close()

@@ -2,9 +2,8 @@
 """A node that only publishes, for a process without an event loop."""
 
 import contextlib
-from pathlib import Path
 from types import TracebackType
-from typing import Any, Final, Self
+from typing import Any, Self
 
 from rclpy.context import Context
 from rclpy.duration import Duration
@@ -19,15 +18,13 @@ from gateway.ros.groups import group_of_one
 from gateway.ros.interfaces import message_class
 from gateway.ros.name_checks import check_topic
 
-_PROFILE: Final = Path(__file__).with_name("fastdds_profile.xml")
-
 
 class StandAlone:
     """One participant with one node; nothing spins it. A context manager."""
 
     def __init__(self, name: str, namespace: str, domain_id: int | None) -> None:
         self._context = Context()
-        with fast_dds.profile(_PROFILE):
+        with fast_dds.profile():
             arguments = ["--ros-args", "--disable-stdout-logs", "--disable-external-lib-logs"]
             self._context.init(args=arguments, domain_id=domain_id)
             self._node = Node(

@@ -19,6 +19,13 @@ from gateway.ports import RosError
 
 FASTRTPS: Final = b"rosidl_typesupport_fastrtps_c"
 INTROSPECTION: Final = b"rosidl_typesupport_introspection_c"
+# all for which rmw may ask
+_IDENTIFIERS: Final = (
+    FASTRTPS,
+    INTROSPECTION,
+    b"rosidl_typesupport_fastrtps_cpp",
+    b"rosidl_typesupport_introspection_cpp",
+)
 
 _HASH_VERSION: Final = 1
 _HASH_PREFIX: Final = "RIHS01_"
@@ -140,8 +147,8 @@ def found_support(real_class: Any, identifier: bytes) -> int:
 class Finder:
     """The function by which rmw asks a type for the support that it understands, for all types."""
 
-    def __init__(self, introspection: int) -> None:
-        """Make it; *introspection* is a support in rosidl_typesupport_introspection_c."""
+    def __init__(self, introspection: int | None) -> None:
+        """Make it; *introspection* is a support in rosidl_typesupport_introspection_c, if any."""
 
         @functools.cache
         def find(handle: int, identifier: bytes) -> int | None:
@@ -159,7 +166,7 @@ class Finder:
 
         rmw asks under a lock of DDS; see `gateway.ros.raw_messages`.
         """
-        for identifier in (FASTRTPS, INTROSPECTION):
+        for identifier in _IDENTIFIERS:
             self._find(handle, identifier)
 
 

@@ -13,9 +13,10 @@ import threading
 from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.serialization import serialize_message
-from std_msgs.msg import Header
+from std_msgs.msg import String
 from std_srvs.srv import SetBool
 
+from gateway.ros.errors import refusals
 from gateway.ros.made_types import MadeTypes
 from gateway.ros.rclpy_private import request_sender
 from gateway.ros.service_forms import of_made
@@ -41,10 +42,12 @@ def create(node: Node, made: type, definitions: InstalledDefinitions) -> None:
     header = definitions.get("std_msgs/msg/Header")
     for _ in range(CREATED):
         message = MadeTypes().get(header, definitions)  # another one each time
-        node.destroy_client(node.create_client(made, "/reset"))
-        node.destroy_service(node.create_service(made, "/reset", nothing))
-        node.destroy_publisher(node.create_publisher(message, "/header", 10))
-        node.destroy_subscription(node.create_subscription(message, "/header", nothing, 10))
+        with refusals("/header"):
+            node.destroy_publisher(node.create_publisher(message, "/header", 10))
+            node.destroy_subscription(node.create_subscription(message, "/header", nothing, 10))
+        with refusals("/reset"):
+            node.destroy_client(node.create_client(made, "/reset"))
+            node.destroy_service(node.create_service(made, "/reset", nothing))
 
 
 def main(what: str) -> None:
@@ -62,7 +65,7 @@ def main(what: str) -> None:
 
     def create_beside() -> None:
         while not is_over.is_set():
-            other.destroy_subscription(other.create_subscription(Header, "/scan", nothing, 10))
+            other.destroy_subscription(other.create_subscription(String, "/text", nothing, 10))
             next(created)
 
     beside = threading.Thread(target=create_beside)

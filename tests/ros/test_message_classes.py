@@ -3,6 +3,7 @@
 
 import asyncio
 import os
+import re
 import sys
 from pathlib import Path
 
@@ -178,7 +179,12 @@ async def test_a_process_that_fails_or_crashes_is_told_of(monkeypatch, script: s
 @pytest.mark.parametrize(
     ("structure", "order", "words"),
     [
-        ("MessageCallbacks", "[0, 1, 3, 2, 4, 5, 6, 7]", "made types: failed to send request"),
+        # which of them depends on the version of rmw
+        (
+            "MessageCallbacks",
+            "[0, 1, 3, 2, 4, 5, 6, 7]",
+            "made types: failed to send request|ended with -11",
+        ),
         ("MessageCallbacks", "[6, 0, 1, 2, 3, 4, 5, 7]", "ended with -11"),
         ("ServiceCallbacks", "[0, 1, 3, 2, 4]", "made types: failed to create service"),
         ("ServiceSupport", "[0, 1, 2, 4, 3, 5, 6, 7, 8, 9, 10]", "made services have no hashes"),
@@ -197,7 +203,7 @@ async def test_a_ros_that_is_laid_out_otherwise_is_noticed(
         "raise SystemExit(made_types_check.main())",
     )
     monkeypatch.setattr(message_classes, "_CHECK", ("-c", "\n".join(script)))
-    assert words in str(await why_types_cannot_be_made())
+    assert re.search(words, str(await why_types_cannot_be_made()))
 
 
 async def test_a_process_that_cannot_start_is_told_of(monkeypatch):

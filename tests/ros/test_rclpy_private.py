@@ -27,7 +27,7 @@ from rclpy.time import Time
 
 import gateway.ros
 import gateway_sim
-from gateway.ros import fast_cdr, made_types, raw_messages, rclpy_private, type_supports
+from gateway.ros import fast_cdr, fast_dds, made_types, raw_messages, rclpy_private, type_supports
 from gateway.ros.executor import ExecutorThread
 from gateway.ros.interfaces import message_class, service_class
 from gateway.ros.rclpy_private import (
@@ -387,10 +387,10 @@ def test_the_search_finds_private_parts(source: str) -> None:
     assert private_uses(source)
 
 
-# the second to the last make types
+# the third to the last make types
 PRIVATE = [
     Path(module.__file__)
-    for module in (rclpy_private, fast_cdr, made_types, raw_messages, type_supports)
+    for module in (rclpy_private, fast_dds, fast_cdr, made_types, raw_messages, type_supports)
 ]
 SOURCES = [
     pytest.param(path, id=f"{folder.name}/{path.name}")
