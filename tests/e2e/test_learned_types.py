@@ -17,7 +17,7 @@ from schemas.installed import InstalledDefinitions
 from tests import interfaces
 from tests.cli.test_main import ros2_gateway
 from tests.client import Client, client, eventually
-from tests.e2e.both_ways import LATCHED, BothWays
+from tests.e2e.both_ways import LATCHED, BothWays, unless_keyed
 from tests.e2e.discovery import until_discovered
 from tests.e2e.test_types_not_installed import TRACK, WITHOUT_PACKAGES
 from tests.gateway_process import GatewayProcess, gateway_process
@@ -77,6 +77,7 @@ def robot(tmp_path: Path) -> Iterator[Robot]:
 
 
 @needs_packages
+@unless_keyed
 @pytest.mark.parametrize("seed", range(2))
 async def test_what_a_robot_publishes_reaches_a_client(
     seed: int, speaker: Client, outside: Outside
@@ -85,6 +86,7 @@ async def test_what_a_robot_publishes_reaches_a_client(
 
 
 @needs_packages
+@unless_keyed
 @pytest.mark.parametrize("seed", range(2))
 async def test_what_a_client_publishes_reaches_a_robot(
     seed: int, speaker: Client, outside: Outside

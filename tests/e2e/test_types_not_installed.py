@@ -17,7 +17,7 @@ from gateway.codec.types import Types
 from schemas.installed import InstalledDefinitions
 from tests import interfaces
 from tests.client import Client, client, eventually
-from tests.e2e.both_ways import LATCHED, BothWays
+from tests.e2e.both_ways import LATCHED, BothWays, unless_keyed
 from tests.e2e.discovery import until_discovered
 from tests.gateway_process import gateway_process
 from tests.messages import Plain, RandomMessages, ros_class, to_json, to_ros
@@ -32,6 +32,7 @@ FOLLOW = "idl_msgs/action/Follow"
 RETRY_S = 5  # much longer than an answer takes
 PARTS = ("Goal", "Result", "Feedback")
 TYPES = Types(DEFINITIONS)
+MESSAGES = [pytest.param(TRACK, marks=unless_keyed), TF]
 WITHOUT_PACKAGES = ("env", "-u", "PYTHONPATH", "-u", "AMENT_PREFIX_PATH")
 
 pytestmark = [
@@ -71,18 +72,20 @@ def outside() -> Iterator[Outside]:
     outside.close()
 
 
+@pytest.mark.parametrize("name", MESSAGES)
 @pytest.mark.parametrize("seed", range(3))
 async def test_what_a_robot_publishes_reaches_a_client(
-    seed: int, speaker: Client, outside: Outside
+    seed: int, name: str, speaker: Client, outside: Outside
 ):
-    await BothWays(TRACK, speaker, outside).to_a_client(seed)
+    await BothWays(name, speaker, outside).to_a_client(seed)
 
 
+@pytest.mark.parametrize("name", MESSAGES)
 @pytest.mark.parametrize("seed", range(3))
 async def test_what_a_client_publishes_reaches_a_robot(
-    seed: int, speaker: Client, outside: Outside
+    seed: int, name: str, speaker: Client, outside: Outside
 ):
-    await BothWays(TRACK, speaker, outside).to_a_robot(seed)
+    await BothWays(name, speaker, outside).to_a_robot(seed)
 
 
 async def test_transforms_are_heard_without_their_package(outside: Outside):

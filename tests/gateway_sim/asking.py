@@ -83,7 +83,8 @@ class Asking:
 
     def status(self, number):
         """Return the status that was published last for a goal, ``None`` if it is forgotten."""
-        known = {bytes(each.goal_info.goal_id.uuid): each for each in self.statuses[-1].status_list}
+        last = self.statuses[-1].status_list if self.statuses else []
+        known = {bytes(each.goal_info.goal_id.uuid): each for each in last}
         found = known.get(goal_id(number))
         return None if found is None else found.status
 

@@ -12,7 +12,7 @@ from rclpy.qos import LivelinessPolicy, QoSProfile
 from std_msgs.msg import Int32
 
 from gateway.ports import Qos, TopicEvent
-from gateway.ros import RosOptions
+from gateway.ros import RosOptions, fast_dds
 from gateway.ros.port import RclpyRos
 from gateway.ros.qos_events import REPEAT_NS, QosEvents, QosWatch, _Count
 from tests.client import eventually
@@ -116,6 +116,9 @@ async def test_a_subscription_that_asks_for_signs_of_life_is_told_to_the_client(
     publisher.close()
 
 
+@pytest.mark.skipif(
+    not fast_dds.is_second(), reason="Fast DDS 3 loses messages only where the machine is busy"
+)
 async def test_messages_that_are_lost_on_the_way_are_told(ros: RclpyRos, outside: Outside):
     events: list[TopicEvent] = []
     heard: list[object] = []

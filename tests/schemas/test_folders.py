@@ -96,6 +96,14 @@ def test_a_folder_with_too_much_below_it_is_refused(tmp_path: Path, monkeypatch)
         names(tmp_path)
 
 
+def test_a_folder_that_goes_while_others_are_read_is_left_out(tmp_path: Path, monkeypatch):
+    write(tmp_path / "my_msgs" / "msg" / "Lamp.msg")
+    found = list(os.walk(tmp_path))
+    gone = (str(tmp_path / "gone"), ["msg"], [])
+    monkeypatch.setattr(os, "walk", lambda *_, **__: [found[0], gone, *found[1:]])
+    assert names(tmp_path) == [NAME]
+
+
 @pytest.mark.parametrize("path", ["nowhere", "file"])
 def test_what_is_no_folder_raises(tmp_path: Path, path: str):
     write(tmp_path / "file")

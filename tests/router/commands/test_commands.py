@@ -375,7 +375,7 @@ async def test_a_robot_that_comes_up_while_the_stick_is_pushed_does_not_move(sce
     await scene.settle()
     scene.guard.is_ready = False
     heard = scene.listen()
-    await eventually(lambda: scene.guard.told[-1] == ("open", "/cmd_vel", TWIST, 1))
+    await eventually(lambda: ("open", "/cmd_vel", TWIST, 1) in scene.guard.told)
     push(client, id=1)
     assert client.statuses[-1][0] == "tripped"
     await eventually(lambda: len(heard) >= 3)
