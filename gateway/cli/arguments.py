@@ -307,7 +307,7 @@ def _add_generate(parser: argparse.ArgumentParser) -> None:
     _add_sources(parser.add_argument_group("where the definitions are", _SOURCES))
     parser.add_argument(
         "--output",
-        type=Path,
+        type=_folder,
         metavar="DIR",
         help="write files there, of a package each, or of a type each with json-schema (default: "
         "all as one text on standard output)",
@@ -358,10 +358,15 @@ def _add_sources(group: argparse._ArgumentGroup) -> None:  # its only name
     group.add_argument(
         "--timeout",
         type=_seconds,
-        default=10.0,
         metavar="SECONDS",
         help="for connecting, and for each answer (default 10)",
     )
+
+
+def _folder(text: str) -> Path:
+    if not text:  # which would be the current one
+        raise argparse.ArgumentTypeError("no folder is named")
+    return Path(text)
 
 
 def _seconds(text: str) -> float:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from gateway.cli.output_files import write_files
-from gateway.cli.remote_connection import Gateway
+from gateway.cli.remote_connection import DEFAULT_TIMEOUT_S, Gateway
 from gateway.cli.remote_types import remote_types
 from gateway.cli.type_names import TypeNames, is_pattern, matching
 from gateway.config.settings import TOKEN_VARIABLE, load
@@ -65,8 +65,8 @@ def _check(arguments: argparse.Namespace) -> None:
         raise UsageError("--wire is for typescript alone")
     if arguments.complete and arguments.language != "csharp":
         raise UsageError("--complete is for csharp alone")
-    if arguments.source is None and (arguments.token or arguments.ca):
-        raise UsageError("--token and --ca are for a running gateway: name it by --from")
+    if arguments.source is None and (arguments.token or arguments.ca or arguments.timeout):
+        raise UsageError("--token, --ca and --timeout are for a running gateway: name it by --from")
     if arguments.source is not None and (arguments.types_path or arguments.config):
         raise UsageError("--from asks a gateway: leave out --types-path and --config, or --from")
 
@@ -77,7 +77,8 @@ def _found(arguments: argparse.Namespace, environment: Mapping[str, str]) -> Ite
         yield _local(arguments, environment)
         return
     token = arguments.token or environment.get(TOKEN_VARIABLE)
-    gateway = Gateway(arguments.source, token, arguments.ca, arguments.timeout)
+    timeout_s = arguments.timeout or DEFAULT_TIMEOUT_S
+    gateway = Gateway(arguments.source, token, arguments.ca, timeout_s)
     with remote_types(gateway, arguments.types) as (definitions, named):
         names = {name for each in named.values() for name in each}
         shown = {

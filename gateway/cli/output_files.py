@@ -24,12 +24,12 @@ def write_files(
     unless they may be replaced. Of the *optional* ones, those of others are left as they are.
 
     Raises:
-        UsageError: files would be overwritten.
+        UsageError: files would be overwritten, or something else is in their place.
         GatewayError: a file cannot be read or written.
     """
     wanted = {folder / path: text.encode() for path, text in texts.items()}
     try:
-        foreign = [path for path in wanted if not replace and _is_foreign(path, mark)]
+        foreign = [path for path in wanted if _is_foreign(path, mark) and not replace]
         kept = {folder / path for path in optional}.intersection(foreign)
         if refused := [path for path in foreign if path not in kept]:
             more = f" and {len(refused) - 1} more" if len(refused) > 1 else ""
@@ -53,5 +53,7 @@ def write_files(
 def _is_foreign(path: Path, mark: str) -> bool:
     if not path.exists():
         return False
+    if not path.is_file():  # a pipe would be waited for, a folder cannot be replaced either
+        raise UsageError(f"{path} is no file: choose another --output")
     with path.open("rb") as file:
         return mark.encode() not in file.read(_HEAD_BYTES)

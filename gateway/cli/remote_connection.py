@@ -2,6 +2,7 @@
 """A connection to a running gateway for a command that asks it one thing after another."""
 
 import json
+import logging
 import socket
 import ssl
 import time
@@ -20,9 +21,14 @@ from gateway.errors import GatewayError, UsageError, system_reason
 
 # A definition has 256 KiB at most, and its schema, which comes along, several times as much.
 MAX_ANSWER_BYTES: Final = 16 * 1024**2
+DEFAULT_TIMEOUT_S: Final = 10.0
 _MAX_REASON: Final = 300  # characters of a refusal in words
 _BAD_ADDRESS: Final = "--from: got {!r}, expected ws://HOST:PORT or wss://HOST:PORT"
 _NEEDS_TOKEN: Final = frozenset({401, 403})
+
+# what websockets would write about the other side's faults, with stacks
+_silent = logging.getLogger(f"{__name__}.websockets")
+_silent.disabled = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +41,7 @@ class Gateway:
     url: str
     token: str | None = None
     ca: Path | None = None
-    timeout_s: float = 10.0
+    timeout_s: float = DEFAULT_TIMEOUT_S
 
 
 class RemoteConnection:
@@ -116,6 +122,7 @@ def _opened(gateway: Gateway) -> ClientConnection:
             close_timeout=1,
             max_size=MAX_ANSWER_BYTES,
             proxy=None,
+            logger=_silent,
         )
     except TimeoutError as error:
         reason = f"no connection within {gateway.timeout_s:g} s: --timeout allows more"
@@ -128,7 +135,8 @@ def _opened(gateway: Gateway) -> ClientConnection:
             f"{url}: its certificate is not trusted, {reason}: name it, or the one that has signed "
             "it, by --ca"
         ) from error
-    except (OSError, InvalidHandshake, EOFError) as error:
+    # AssertionError: of websockets, where nonsense comes without end
+    except (OSError, InvalidHandshake, EOFError, AssertionError) as error:
         raise GatewayError(f"{url}: {_unreachable(error)}") from error
     except (InvalidURI, ValueError) as error:
         raise UsageError(_BAD_ADDRESS.format(url)) from error
@@ -175,7 +183,7 @@ def _unreachable(error: Exception) -> str:
         return f"no TLS there ({error.reason}): is it a ws:// address?"
     if isinstance(error, OSError):
         return system_reason(error)
-    return f"no WebSocket there: {error}"
+    return _printable(f"no WebSocket there: {error}").removesuffix(": ")
 
 
 def _printable(words: str) -> str:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which distribution of ROS this is."""
+"""The distribution of ROS that this is."""
 
 import os
 from importlib import metadata

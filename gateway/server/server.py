@@ -129,7 +129,8 @@ class Server:
             except OSError as error:
                 if not listeners:
                     raise
-                lacks_it = error.errno in _NO_SUCH_ADDRESS
+                # Python 3.13 has no number for it
+                lacks_it = error.errno is None or error.errno in _NO_SUCH_ADDRESS
                 level = logging.DEBUG if lacks_it else logging.INFO
                 logger.log(level, "not listening on %s: %s", host, error.strerror or error)
                 continue

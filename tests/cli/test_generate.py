@@ -160,7 +160,15 @@ def test_definitions_that_come_with_the_gateway_are_known_to_both_commands(name)
         (("python", "1", "--complete"), "--complete is for csharp alone"),
         (
             ("python", "1", "--token", "x"),
-            "--token and --ca are for a running gateway: name it by --from",
+            "--token, --ca and --timeout are for a running gateway: name it by --from",
+        ),
+        (
+            ("python", "1", "--timeout", "5"),
+            "--token, --ca and --timeout are for a running gateway: name it by --from",
+        ),
+        (
+            ("python", "1", "--output", ""),
+            "argument --output: no folder is named; see ros2-gateway generate --help",
         ),
         (
             ("python", "1", "--from", "ws://x", "--types-path", "."),

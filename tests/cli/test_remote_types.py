@@ -214,6 +214,31 @@ def test_a_server_that_says_nothing_is_given_up():
         )
 
 
+@pytest.mark.parametrize(
+    ("begin", "endless"),
+    [
+        (b"", b"x"),
+        (b"HTTP/1.1 101 Y\r\n", b"a: b\r\n"),
+        (b"HTTP/1.1 500 N\r\n\r\n", b"q"),
+    ],
+)
+def test_a_server_that_never_ends_its_answer_is_given_up(begin, endless):
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def babble():
+            with contextlib.suppress(OSError), server.accept()[0] as client:
+                client.sendall(begin)
+                while True:
+                    client.sendall(endless * 10_000)
+
+        babbling = threading.Thread(target=babble)
+        babbling.start()
+        url = f"ws://127.0.0.1:{server.getsockname()[1]}"
+        code, sentence = refusal("generate", "python", "1", "--from", url, "--timeout", "1")
+        babbling.join()
+    assert (code, sentence.startswith(f"{url}: no ")) == (1, True)
+
+
 def test_a_server_without_websockets_is_told_of():
     with socket.create_server(("127.0.0.1", 0)) as server:
         url = f"ws://127.0.0.1:{server.getsockname()[1]}"
