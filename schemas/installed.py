@@ -16,7 +16,7 @@ from itertools import chain
 from pathlib import Path
 from typing import Final, Literal, get_args
 
-from schemas.definition import Definition, DefinitionError, parse_definition
+from schemas.definition import Definition, DefinitionError, FieldType, parse_definition
 from schemas.folders import find_definitions
 from schemas.guess import MAX_GUESSED, guess, guess_text
 from schemas.idl import parse_idl_interface, parse_idl_message
@@ -35,6 +35,8 @@ _EXPECTED: Final = {
 _IDL: Final = "idl"
 # In each message, by arrays of fixed length: a line can state any number, and each gets its room.
 MAX_VALUES: Final = 50_000
+# Of a type and all that it nests: each takes 60 us to compile. ROS' own have 77 at most.
+MAX_FIELDS: Final = 2000
 # Of types within types: Python's parser and stack have their ends. ROS' own have 6 at most.
 MAX_NESTING: Final = 64
 _OCTETS_PER_VALUE: Final = 200  # so 10 MB, as a client may send
@@ -189,11 +191,11 @@ class InstalledDefinitions:
 
         Raises:
             UnknownTypeError, DefinitionError: as for `get`; also for a type that nests itself, or
-                nests others deeper than `MAX_NESTING`, or of which each message has more than
-                `MAX_VALUES`.
+                nests others deeper than `MAX_NESTING`, has more than `MAX_FIELDS`, or of which each
+                message has more than `MAX_VALUES`.
         """
         ordered: dict[str, Definition] = {}
-        values: dict[str, int] = {}
+        sizes: dict[str, _Size] = {}
 
         def visit(name: str, within: tuple[str, ...]) -> None:
             if name in within:
@@ -204,10 +206,7 @@ class InstalledDefinitions:
                 definition = self.get(name)
                 for nested in definition.nested():
                     visit(nested, (*within, name))
-                values[name] = _values_of(definition, values)
-                if values[name] > MAX_VALUES:
-                    text = f"{name}: each message has over {MAX_VALUES} values, by its fixed arrays"
-                    raise DefinitionError(text)
+                sizes[name] = _size_of(definition, sizes)
                 ordered[name] = definition
 
         for name in names:
@@ -306,20 +305,43 @@ class InstalledDefinitions:
         return None
 
 
-def _values_of(definition: Definition, nested: Mapping[str, int]) -> int:
-    """Count the values that each message of a type has at least."""
-    count = 0
-    for field in definition.fields:
-        length = field.type.length
-        if field.type.is_sequence:
-            count += 1
-        elif length is None:
-            count += nested.get(field.type.base, 1)
-        elif field.type.is_octets:
-            count += length // _OCTETS_PER_VALUE
-        else:
-            count += length * max(1, nested.get(field.type.base, 1))  # also of an empty type
-    return count
+@dataclass(frozen=True, slots=True)
+class _Size:
+    """The size of a type: the values that each message has at least, and its types' fields."""
+
+    values: int
+    fields: Mapping[str, int]  # how many each type in it has, itself included
+
+
+def _size_of(definition: Definition, nested: Mapping[str, _Size]) -> _Size:
+    """Return the size of a type, given those of the types that it nests.
+
+    Raises:
+        DefinitionError: it is larger than `MAX_VALUES` or `MAX_FIELDS` allow.
+    """
+    name = definition.name
+    values = sum(_values_of(field.type, nested) for field in definition.fields)
+    fields = {name: len(definition.fields)}
+    for each in definition.nested():
+        fields.update(nested[each].fields)
+    if values > MAX_VALUES:
+        text = f"{name}: each message has over {MAX_VALUES} values, by its fixed arrays"
+        raise DefinitionError(text)
+    if sum(fields.values()) > MAX_FIELDS:
+        raise DefinitionError(f"{name}: over {MAX_FIELDS} fields, nested ones included")
+    return _Size(values, fields)
+
+
+def _values_of(type_: FieldType, nested: Mapping[str, _Size]) -> int:
+    size = nested.get(type_.base)
+    each = 1 if size is None else size.values
+    if type_.is_sequence:
+        return 1
+    if type_.length is None:
+        return each
+    if type_.is_octets:
+        return type_.length // _OCTETS_PER_VALUE
+    return type_.length * max(1, each)  # also of an empty type
 
 
 def _roles_of(interface: str, kind: InterfaceKind | None = None) -> tuple[Role, ...]:

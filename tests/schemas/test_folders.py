@@ -176,6 +176,20 @@ def test_elements_without_a_value_count_as_well(tmp_path: Path):
         InstalledDefinitions([], [tmp_path]).closure(["my_msgs/msg/Much"])
 
 
+@pytest.mark.parametrize("more", [0, 1])
+def test_a_type_and_what_it_nests_have_2000_fields_at_most(tmp_path: Path, more: int):
+    write(tmp_path / "my_msgs/msg/Part.msg", "".join(f"bool a{n}\n" for n in range(998)))
+    whole = "".join(f"bool b{n}\n" for n in range(1000 + more))
+    write(tmp_path / "my_msgs/msg/Whole.msg", f"Part one\nPart two\n{whole}")
+    definitions = InstalledDefinitions([], [tmp_path])
+    found = ["my_msgs/msg/Part", "my_msgs/msg/Whole"]
+    if not more:
+        assert [each.name for each in definitions.closure(found)] == found
+        return
+    with pytest.raises(DefinitionError, match="my_msgs/msg/Whole: over 2000 fields, nested"):
+        definitions.closure(found)
+
+
 def test_types_nest_64_levels_at_most(tmp_path: Path):
     write(tmp_path / "my_msgs/msg/A0.msg")
     for level in range(1, 66):
