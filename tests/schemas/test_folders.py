@@ -170,7 +170,7 @@ def test_arrays_of_fixed_length_are_bounded_by_their_values(tmp_path: Path, text
 
 
 def test_elements_without_a_value_count_as_well(tmp_path: Path):
-    write(tmp_path / "my_msgs/msg/Nothing.msg")
+    write(tmp_path / "my_msgs/msg/Nothing.msg", "")
     write(tmp_path / "my_msgs/msg/Much.msg", "Nothing[1000000000] x\n")
     with pytest.raises(DefinitionError, match="my_msgs/msg/Much: each message has over 50000"):
         InstalledDefinitions([], [tmp_path]).closure(["my_msgs/msg/Much"])
