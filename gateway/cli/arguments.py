@@ -7,12 +7,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final, NoReturn
 
-from gateway.config.domain_id import DOMAIN_ID_EXPECTATION, is_domain_id
+from gateway.cli.argument_types import domain_id, folder, seconds
 from gateway.errors import UsageError
 
 # `schemas.generate.languages` would import pydantic
 LANGUAGES: Final = ("csharp", "typescript", "python", "json-schema")
-MAX_TIMEOUT_S: Final = 600
 _SOURCES: Final = """\
 Installed packages count first, then the folders. With --from a running gateway
 is asked instead, so that this machine needs neither ROS nor the packages."""
@@ -253,16 +252,10 @@ def _add_twist_stamped(parser: argparse._ActionsContainer) -> None:
 def _add_domain_id(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--domain-id",
-        type=_domain_id,
+        type=domain_id,
         metavar="ID",
         help="DDS domain (default: ROS_DOMAIN_ID, or else 0)",
     )
-
-
-def _domain_id(text: str) -> int:
-    if not is_domain_id(text):
-        raise argparse.ArgumentTypeError(f"got {text!r}, expected {DOMAIN_ID_EXPECTATION}")
-    return int(text)
 
 
 def _add_mock(parser: argparse.ArgumentParser) -> None:
@@ -307,7 +300,7 @@ def _add_generate(parser: argparse.ArgumentParser) -> None:
     _add_sources(parser.add_argument_group("where the definitions are", _SOURCES))
     parser.add_argument(
         "--output",
-        type=_folder,
+        type=folder,
         metavar="DIR",
         help="write files there, of a package each, or of a type each with json-schema (default: "
         "all as one text on standard output)",
@@ -357,28 +350,10 @@ def _add_sources(group: argparse._ArgumentGroup) -> None:  # its only name
     )
     group.add_argument(
         "--timeout",
-        type=_seconds,
+        type=seconds,
         metavar="SECONDS",
         help="for connecting, and for each answer (default 10)",
     )
-
-
-def _folder(text: str) -> Path:
-    if not text:  # which would be the current one
-        raise argparse.ArgumentTypeError("no folder is named")
-    return Path(text)
-
-
-def _seconds(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 0 < value <= MAX_TIMEOUT_S:
-        raise argparse.ArgumentTypeError(
-            f"got {text!r}, expected seconds above 0, at most {MAX_TIMEOUT_S}"
-        )
-    return value
 
 
 def _add_check_config(parser: argparse.ArgumentParser) -> None:
