@@ -71,7 +71,8 @@ class LearnedTypes:
         self._again: asyncio.TimerHandle | None = None
 
     def close(self) -> None:
-        """End what is under way; *on_change* is not called any more."""
+        """End what is under way; nobody is asked, and *on_change* is not called, any more."""
+        self._asks_nodes = False
         for task in (*self._asking.values(), *filter(None, [self._looking])):
             task.cancel()
         for timer in filter(None, (self._telling, self._again)):
@@ -154,7 +155,7 @@ class LearnedTypes:
                     self._definitions.note_untold(type_name, why)
         finally:
             del self._asking[type_name]
-            if self._telling is None:
+            if self._telling is None and self._asks_nodes:
                 loop = asyncio.get_running_loop()
                 self._telling = loop.call_later(_TOLD_S, self._tell)
 

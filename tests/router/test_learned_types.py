@@ -264,6 +264,9 @@ async def test_types_that_are_installed_or_no_messages_are_not_asked_for(bench: 
 
 async def test_nothing_is_left_of_what_was_under_way(bench: Bench, monkeypatch):
     monkeypatch.setattr(learned_types, "LOOK_S", 100)
+    monkeypatch.setattr(learned_types, "_TOLD_S", 0)
+    told: list[object] = []
+    monkeypatch.setattr(learned_types.LearnedTypes, "_tell", lambda self: told.append(self))
     before = asyncio.all_tasks()
     node = Node(bench)
     node.publish("/lamp", LAMP)
@@ -273,3 +276,4 @@ async def test_nothing_is_left_of_what_was_under_way(bench: Bench, monkeypatch):
     await bench.settle()
     assert asyncio.all_tasks() <= before
     assert bench.ros.entity_count() == 0
+    assert told == []
