@@ -16,7 +16,7 @@ from gateway.action_ports import ABORTED, CANCELED, GoalOutcome, GoalRequest
 from gateway.ros import rclpy_private
 from gateway.ros.action_forms import ActionForm
 from gateway.ros.endpoints import Endpoints, OnRequest, Replier, Reply
-from gateway.ros.errors import refusals, remapped
+from gateway.ros.errors import creation, refusals, remapped
 from gateway.ros.goal_ids import with_goal_id
 from gateway.ros.groups import group_of_one
 from gateway.ros.interfaces import message_class, service_class
@@ -253,10 +253,8 @@ class RclpyActionServer:
             reply(goal.response)
         elif len(goal.waiting) < MAX_WAITING:
             goal.waiting.append(reply)
-        else:
-            reply(
-                self._form.to_result_response(_UNKNOWN)
-            )  # those who have waited longer keep their places
+        else:  # those who have waited longer keep their places
+            reply(self._form.to_result_response(_UNKNOWN))
 
     def _settle(self, goal: RclpyGoalRequest, status: int, response: Any) -> None:
         goal.status.status = status
@@ -282,7 +280,7 @@ def _open_publisher(
     endpoints: Endpoints, subject: str, topic: str, message_class: Any, profile: QoSProfile
 ) -> Any:
     node = endpoints.node
-    with refusals(subject):
+    with creation(subject):
         publisher = node.create_publisher(
             message_class,
             topic,

@@ -18,7 +18,7 @@ from rclpy.qos import QoSProfile
 from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.ports import MAX_TAKES_PER_TURN, RosError
 from gateway.ros import rclpy_private
-from gateway.ros.errors import REFUSALS, losses, refusals, refused, remapped
+from gateway.ros.errors import REFUSALS, creation, losses, refused, remapped
 from gateway.ros.groups import group_of_one
 from gateway.ros.ready_events import ReadyEvents
 
@@ -98,7 +98,7 @@ class Requester:
         self._pacing: asyncio.TimerHandle | None = None
         self._next_look: asyncio.TimerHandle | None = None
         self._is_closed = False
-        with refusals(subject):
+        with creation(subject):
             self._source = endpoints.ready_events.open(
                 "client",
                 lambda: node.create_client(
@@ -303,7 +303,7 @@ class Replier:
         self.has_replied = False
         self._stalls: deque[float] = deque(maxlen=MAX_STALLS)  # the times of the last ones
         self._silent_until = self._loop.time()
-        with refusals(subject):
+        with creation(subject):
             self._source = endpoints.ready_events.open(
                 "service",
                 lambda: node.create_service(

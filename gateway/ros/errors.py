@@ -49,8 +49,14 @@ def refusals(subject: str) -> Iterator[None]:
         yield
     except REFUSALS as error:
         raise refused(subject, error) from error
-    finally:
-        fast_dds.forget_error()
+
+
+@contextlib.contextmanager
+def creation(subject: str) -> Iterator[None]:
+    """Do so for the creation of an entity, which may leave an error behind in rmw."""
+    with refusals(subject):
+        yield
+    fast_dds.forget_error()
 
 
 @contextlib.contextmanager

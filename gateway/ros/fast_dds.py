@@ -35,8 +35,9 @@ def profile(path: Path = _GATEWAYS, path_of_3: Path = _GATEWAYS_OF_3) -> Iterato
     if any(name in os.environ for name in _VARIABLES):
         yield
         return
-    name = _VARIABLES[0 if is_second() else 1]
-    os.environ[name] = str(path if is_second() else path_of_3)
+    of_2, of_3 = _VARIABLES
+    name, chosen = (of_2, path) if is_second() else (of_3, path_of_3)
+    os.environ[name] = str(chosen)
     try:
         yield
     finally:

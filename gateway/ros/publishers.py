@@ -15,7 +15,7 @@ from rclpy.node import Node
 from gateway.ports import Qos, TopicEvent
 from gateway.ros import rclpy_private
 from gateway.ros.deferred_destruction import Deferred, DeferredDestruction
-from gateway.ros.errors import REFUSALS, refusals, refused, remapped
+from gateway.ros.errors import REFUSALS, creation, refused, remapped
 from gateway.ros.graph import read_requests
 from gateway.ros.groups import group_of_one
 from gateway.ros.message_classes import MessageClasses
@@ -167,7 +167,7 @@ class Publishers:
 
     def _create(self, key: _Key) -> Any:
         found = self._classes.get(key.type_name)
-        with refusals(f"topic {key.topic}"):
+        with creation(f"topic {key.topic}"):
             publisher = self._node.create_publisher(
                 found,
                 key.topic,

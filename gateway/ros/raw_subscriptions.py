@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from rclpy.node import Node
 
 from gateway.ports import Qos, RosError, Sample, TopicEvent
-from gateway.ros.errors import refusals, remapped
+from gateway.ros.errors import creation, remapped
 from gateway.ros.graph import read_offers
 from gateway.ros.message_classes import MessageClasses
 from gateway.ros.name_checks import check_topic
@@ -86,7 +86,7 @@ class RawSubscriptions:
         Raises:
             RosError: ROS refuses it, or gives it another name.
         """
-        with refusals(f"topic {topic}"):
+        with creation(f"topic {topic}"):
             reader = self._samples.read(found, topic, to_profile(qos), on_samples)
         given = reader.topic_name
         if given != topic:

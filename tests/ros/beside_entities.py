@@ -16,7 +16,7 @@ from rclpy.serialization import serialize_message
 from std_msgs.msg import String
 from std_srvs.srv import SetBool
 
-from gateway.ros.errors import refusals
+from gateway.ros.errors import creation
 from gateway.ros.made_types import MadeTypes
 from gateway.ros.rclpy_private import request_sender
 from gateway.ros.service_forms import of_made
@@ -42,10 +42,10 @@ def create(node: Node, made: type, definitions: InstalledDefinitions) -> None:
     header = definitions.get("std_msgs/msg/Header")
     for _ in range(CREATED):
         message = MadeTypes().get(header, definitions)  # another one each time
-        with refusals("/header"):
+        with creation("/header"):
             node.destroy_publisher(node.create_publisher(message, "/header", 10))
             node.destroy_subscription(node.create_subscription(message, "/header", nothing, 10))
-        with refusals("/reset"):
+        with creation("/reset"):
             node.destroy_client(node.create_client(made, "/reset"))
             node.destroy_service(node.create_service(made, "/reset", nothing))
 

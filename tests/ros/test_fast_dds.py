@@ -40,7 +40,7 @@ from rclpy.node import Node
 from std_msgs.msg import Header
 
 from gateway.ros import fast_dds
-from gateway.ros.errors import refusals
+from gateway.ros.errors import creation
 from gateway.ros.made_types import MadeTypes
 from schemas.installed import InstalledDefinitions
 
@@ -50,7 +50,7 @@ with fast_dds.profile():
     node = Node("quiet", context=context)
 definitions = InstalledDefinitions()
 made = MadeTypes().get(definitions.get("std_msgs/msg/String"), definitions)
-with refusals("topic /made"):
+with creation("topic /made"):
     node.create_publisher(made, "/made", 10)
 node.create_publisher(Header, "/real", 10)
 """
