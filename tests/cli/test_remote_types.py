@@ -10,7 +10,6 @@ import time
 
 import pytest
 import pytest_asyncio
-from websockets.sync.server import serve
 
 from gateway.cli import remote_connection, remote_types
 from gateway.cli.remote_connection import Gateway
@@ -18,6 +17,7 @@ from gateway.errors import GatewayError, UsageError
 from tests.cli.test_main import TIMEOUT_S, refusal, ros2_gateway
 from tests.gateway_process import gateway_process
 from tests.schemas.test_installed import write_definition
+from tests.websocket_server import serving
 
 PAIR = """\
 int8 A=1 # one
@@ -265,14 +265,8 @@ def answering(answer):
             for reply in answer(json.loads(frame)):
                 socket_.send(reply if isinstance(reply, str) else json.dumps(reply))
 
-    with serve(handle, "127.0.0.1", 0) as server:
-        thread = threading.Thread(target=server.serve_forever)
-        thread.start()
-        try:
-            yield f"ws://127.0.0.1:{server.socket.getsockname()[1]}"
-        finally:
-            server.shutdown()
-            thread.join()
+    with serving(handle) as url:
+        yield url
 
 
 @contextlib.contextmanager

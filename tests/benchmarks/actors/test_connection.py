@@ -8,20 +8,9 @@ import pytest
 from websockets.sync.server import serve
 
 from benchmarks.actors.connection import RawConnection
+from tests.websocket_server import serving
 
 TIMEOUT_S = 120
-
-
-@contextlib.contextmanager
-def serving(handler):
-    with serve(handler, "127.0.0.1", 0, compression=None) as server:
-        thread = threading.Thread(target=server.serve_forever)
-        thread.start()
-        try:
-            yield f"ws://127.0.0.1:{server.socket.getsockname()[1]}"
-        finally:
-            server.shutdown()
-            thread.join()
 
 
 @contextlib.contextmanager
