@@ -28,7 +28,7 @@ from gateway.memory import keep_large_blocks
 from gateway.ports import Sample
 from gateway.protocol.websocket_frames import JsonFrames
 from gateway.ros.ready_events import EventfdReadyEvents
-from gateway.ros.samples import EventfdSamples
+from gateway.ros.samples import Samples
 from schemas.installed import InstalledDefinitions
 
 _IMAGE: Final = "sensor_msgs/msg/Image"
@@ -86,7 +86,7 @@ def _receive(
         for sample in taken:
             work(sample.cdr)
 
-    samples = EventfdSamples(node, ready_events)
+    samples = Samples(node, ready_events)
     return samples.read(message_class, topic(name), QoSProfile(depth=_DEPTH), on_samples).close
 
 

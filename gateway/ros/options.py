@@ -6,7 +6,7 @@ from typing import Literal
 
 from gateway.ports import RosError
 
-Taking = Literal["auto", "eventfd", "executor"]
+Taking = Literal["auto", "eventfd", "wait_set"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +21,7 @@ class RosOptions:
     reserved_entities: int = 16  # of these, for publishers of reserved topics
     reserved_topics: tuple[str, ...] = ("/cmd_vel",)
     arguments: tuple[str, ...] = ()  # as ROS takes them: ("--ros-args", "-r", "a:=b")
-    taking: Taking = "auto"  # how samples come to the loop, see `gateway.ros.samples`
+    taking: Taking = "auto"  # how the loop learns of messages: `gateway.ros.ready_events`
 
     @property
     def guard_node(self) -> str:

@@ -46,16 +46,12 @@ from gateway.ros.options import RosOptions, Taking, check_room
 from gateway.ros.publishers import Publishers, RclpyPublisher
 from gateway.ros.qos_events import QosEvents
 from gateway.ros.raw_subscriptions import RawSubscription, RawSubscriptions
-from gateway.ros.ready_events import (
-    EventfdReadyEvents,
-    PolledReadyEvents,
-    ReadyEvents,
-    UnsupportedError,
-)
+from gateway.ros.ready_events import EventfdReadyEvents, ReadyEvents, UnsupportedError
 from gateway.ros.same_names import SameNames
-from gateway.ros.samples import EventfdSamples, ExecutorSamples, Samples
+from gateway.ros.samples import Samples
 from gateway.ros.service_entities import RclpyClient, RclpyService, Services
 from gateway.ros.time_jumps import JumpWatch
+from gateway.ros.wait_set_events import WaitSetReadyEvents
 from gateway.ros.watches import GraphWatch, GraphWatches
 
 _DISTRO: Final = distro()  # which reads a file
@@ -96,15 +92,19 @@ class RclpyRos:
                 raise refused("starting ROS", error) from error
             # ROS time in nanoseconds
             self.now_ns: Callable[[], int] = rclpy_private.clock_reader(self._debug.get_clock())
-            self._executor = ExecutorThread(context)
+            self._ready_events = _open_ready_events(options.taking, subscribing, loop, undo)
+            self._executor = ExecutorThread(
+                # the other one needs the same of the middleware as the eventfd
+                context,
+                standard=isinstance(self._ready_events, WaitSetReadyEvents),
+            )
             undo.callback(self._executor.close)
             self._executor.add_node(self._debug)
             self._own_nodes = frozenset(
                 node.get_fully_qualified_name()
                 for node in (subscribing, publishing, serving, self._debug)
             )
-            ready_events = _open_ready_events(options.taking, loop)
-            samples = _open_samples(ready_events, subscribing, loop, undo)
+            samples = Samples(subscribing, self._ready_events)
             events = QosEvents(loop)
             self._subscriptions = RawSubscriptions(
                 subscribing, samples, events, loop, self._topics_changed, self._classes
@@ -115,7 +115,7 @@ class RclpyRos:
             self._publishers, self._own_publishers = (
                 self._open_publishers(node, events, undo) for node in (publishing, self._debug)
             )
-            endpoints = Endpoints(serving, ready_events, loop)
+            endpoints = Endpoints(serving, self._ready_events, loop)
             self._services = Services(
                 endpoints, self._deferred, self._services_changed, self._classes
             )
@@ -279,7 +279,7 @@ class RclpyRos:
         """Return what is wrong with ROS itself; see the port."""
         if self._is_closed or not self._debug.context.ok():
             return (Fault("dead", "ROS has shut down below the gateway: it must be restarted"),)
-        faults = list(self._executor.faults())
+        faults = [*self._executor.faults(), *self._ready_events.faults()]
         if not self._changes.is_alive:
             faults.append(Fault("dead", "the thread that follows the ROS graph has ended"))
         return faults
@@ -371,26 +371,18 @@ class RclpyRos:
         self._watches.notify()
 
 
-def _open_ready_events(taking: Taking, loop: asyncio.AbstractEventLoop) -> ReadyEvents:
-    if taking != "executor":
+def _open_ready_events(
+    taking: Taking, node: Node, loop: asyncio.AbstractEventLoop, undo: contextlib.ExitStack
+) -> ReadyEvents:
+    if taking != "wait_set":
         try:
-            return EventfdReadyEvents(loop)
+            events = EventfdReadyEvents(loop)
+            events.check(node)
         except UnsupportedError:
             if taking == "eventfd":
                 raise
-    return PolledReadyEvents(loop)
-
-
-def _open_samples(
-    ready_events: ReadyEvents,
-    node: Node,
-    loop: asyncio.AbstractEventLoop,
-    undo: contextlib.ExitStack,
-) -> Samples:
-    if isinstance(ready_events, EventfdReadyEvents):
-        return EventfdSamples(node, ready_events)
-    # The standard one: the EventsExecutor of rclpy 7.1 fails to hand over a message's info.
-    executor = ExecutorThread(node.context, standard=True)
-    undo.callback(executor.close)
-    executor.add_node(node)
-    return ExecutorSamples(node, loop)
+        else:
+            return events
+    waiting = WaitSetReadyEvents(node.context, loop)
+    undo.callback(waiting.close)
+    return waiting

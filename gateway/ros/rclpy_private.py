@@ -11,7 +11,7 @@ context managers they keep rcl's object alive, and ``pointer`` is its address in
 ``Subscription.handle.take_message(type, raw)``
     Returns ``None`` or ``(bytes, {"received_timestamp": nanoseconds, "source_timestamp": ...,
     "publication_sequence_number": ...})``. rclpy's own way to a sample is an executor. Without it:
-    only ``RosOptions(taking="executor")`` works.
+    no subscriptions.
 ``Publisher.handle.publish_raw(bytes)``
     `rclpy.publisher.Publisher.publish` takes bytes, too, after checks in Python.
 ``Client.handle.send_request(request)``
@@ -39,7 +39,8 @@ Functions of ``librcl.so``, by ctypes; each takes the address of an entity:
 ``rcl_subscription_set_on_new_message_callback``, ``rcl_client_set_on_new_response_callback``,
 ``rcl_service_set_on_new_request_callback``
     Take ``(entity, callback, user_data)`` and call ``callback(user_data, count)`` on a thread of
-    DDS; since Humble. Without one of them: `gateway.ros.ready_events.PolledReadyEvents`.
+    DDS; since Humble. Without one of them, or where the middleware does not support them:
+    `gateway.ros.wait_set_events.WaitSetReadyEvents`.
 ``rcl_node_get_graph_guard_condition``, ``rcl_wait_set_add_guard_condition``
     Without one of them: `gateway.ros.graph.GraphChanges` looks twice a second.
 
@@ -47,6 +48,9 @@ Wait sets: ``rclpy.impl.implementation_singleton.rclpy_implementation.WaitSet``,
 a context; ``clear_entities``, ``add_guard_condition``, ``pointer``, ``wait`` and
 ``destroy_when_not_in_use``. With them ``GuardCondition.handle``, ``Node.handle`` and
 ``Context.handle``. Without them: as without ``rcl_wait_set_add_guard_condition``.
+``add_subscription``, ``add_client``, ``add_service``, which return a number, ``is_ready(kind,
+number)``, and ``InvalidHandle``, raised on entering the handle of what is destroyed. Without them:
+no ``RosOptions(taking="wait_set")``.
 
 ``rclpy.experimental.events_executor.EventsExecutor``
     Since Jazzy. Without it: ``SingleThreadedExecutor``, which looks at every entity at each turn.
@@ -54,7 +58,8 @@ a context; ``clear_entities``, ``add_guard_condition``, ``pointer``, ``wait`` an
 
 import contextlib
 import ctypes
-from collections.abc import Callable, Iterator, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Final, Literal, Protocol
 
 from rclpy.client import Client
@@ -285,6 +290,48 @@ class GraphWaitSet:
 
                 yield wait
             wait_set.destroy_when_not_in_use()
+
+
+class EntityWaitSet:
+    """Wait sets of rcl for subscriptions, clients and services, and a condition to wake them."""
+
+    def __init__(self, context: Context) -> None:
+        self._context = _handle(context)
+        self._wake = GuardCondition(_nothing, None, context=context)
+
+    def wake(self) -> None:
+        """End the wait that is going on, or the next one; from any thread."""
+        self._wake.trigger()
+
+    def close(self) -> None:
+        """Destroy the condition, once nobody waits."""
+        self._wake.destroy()
+
+    def wait(self, entities: Sequence[tuple[Kind, Any]]) -> Sequence[int]:
+        """Wait until some are ready, or for `wake`; return the indices of those that are ready.
+
+        What is destroyed by another thread is left out, or destroyed once the wait has ended.
+        """
+        kinds = Counter(kind for kind, _ in entities)
+        wake = _handle(self._wake)
+        with self._context, wake, contextlib.ExitStack() as used:
+            wait_set = rclpy_implementation.WaitSet(
+                kinds["subscription"], 1, 0, kinds["client"], kinds["service"], 0, self._context
+            )
+            with wait_set:
+                wait_set.clear_entities()
+                wait_set.add_guard_condition(wake)
+                places = []
+                for index, (kind, entity) in enumerate(entities):
+                    handle = _handle(entity)
+                    with contextlib.suppress(rclpy_implementation.InvalidHandle):
+                        used.enter_context(handle)
+                        add = getattr(wait_set, f"add_{kind}")
+                        places.append((index, kind, add(handle)))
+                wait_set.wait(-1)
+                ready = [index for index, kind, place in places if wait_set.is_ready(kind, place)]
+            wait_set.destroy_when_not_in_use()
+        return ready
 
 
 def events_executor(context: Context) -> Executor | None:

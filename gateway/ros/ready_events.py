@@ -2,26 +2,32 @@
 """Notice to the event loop that an entity of rcl has something to take.
 
 `EventfdReadyEvents` is the fast way. The listener thread of DDS writes an eventfd, in C and without
-the GIL, and the loop takes what has arrived itself. It needs
-`gateway.ros.rclpy_private.ReadyCallbacks`; `PolledReadyEvents` needs only the loop's clock.
+the GIL, and the loop takes what has arrived itself. Where something for that is missing:
+`gateway.ros.wait_set_events`.
 """
 
 import asyncio
 import contextlib
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, Final, Protocol
 
+from rcl_interfaces.msg import ParameterEvent
+from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.node import Node
+
 from gateway.config.limits import MAX_QUEUE_DEPTH
+from gateway.faults import Fault
+from gateway.ros.errors import creation
 from gateway.ros.rclpy_private import Kind, MissingFunctionError, ReadyCallbacks
 
-# adds 10 ms at most to a call; an idle entity costs 0.1 % of a core
-POLL_S: Final = 0.01
+# rclpy's callbacks need an executor: see `gateway.ros.qos_events`
+NO_EVENTS: Final = SubscriptionEventCallbacks(use_default_callbacks=False)
 
 
 class UnsupportedError(Exception):
-    """Raised when this platform or this ROS lacks what `EventfdReadyEvents` needs."""
+    """Raised when the platform, ROS or its middleware lacks what `EventfdReadyEvents` needs."""
 
 
 class EventSource(Protocol):
@@ -40,6 +46,9 @@ class EventSource(Protocol):
         rclpy returns the same for a message that it cannot read as for no message.
         """
 
+    def clear(self) -> object:
+        """Forget what has arrived so far; from *on_ready* of a source that is not counted."""
+
     def close(self) -> None:
         """Stop calling *on_ready* and destroy the entity. Closing twice is harmless."""
 
@@ -53,11 +62,17 @@ class ReadyEvents(Protocol):
         create: Callable[[], Any],
         destroy: Callable[[Any], object],
         on_ready: Callable[[], None],
+        *,
+        is_counted: bool = True,
     ) -> EventSource:
         """Create an entity; *on_ready* is called on the loop's thread while it has something.
 
-        One call may stand for many events, or for none. Raises what *create* raises.
+        One call may stand for many events, or for none. If it is not counted, *on_ready* must call
+        `EventSource.clear`, and nobody `count_take`. Raises what *create* raises.
         """
+
+    def faults(self) -> Sequence[Fault]:
+        """Return why nothing is reported any more, if that is so."""
 
 
 class EventfdReadyEvents:
@@ -76,6 +91,23 @@ class EventfdReadyEvents:
         except MissingFunctionError as error:
             raise UnsupportedError(str(error)) from error
 
+    def check(self, node: Node) -> None:
+        """Check that the middleware reports arrivals at all, with a subscription of a node.
+
+        Raises:
+            UnsupportedError: it does not.
+        """
+        with creation("starting ROS"):
+            subscription = node.create_subscription(
+                ParameterEvent, "~/_ready", _never_called, 1, event_callbacks=NO_EVENTS
+            )
+            try:
+                self._hooks.stop("subscription", subscription)
+            except RuntimeError as error:
+                raise UnsupportedError(str(error)) from error
+            finally:
+                node.destroy_subscription(subscription)
+
     def open(
         self,
         kind: Kind,
@@ -85,13 +117,14 @@ class EventfdReadyEvents:
         *,
         is_counted: bool = True,
     ) -> "EventfdSource":
-        """Create an entity; see `ReadyEvents`.
-
-        If it is not counted, *on_ready* must call `EventfdSource.clear`, and nobody `count_take`.
-        """
+        """Create an entity; see `ReadyEvents`."""
         return EventfdSource(
             self._loop, self._hooks, kind, create, destroy, on_ready, is_counted=is_counted
         )
+
+    def faults(self) -> Sequence[Fault]:
+        """Return nothing: no thread of the gateway is part of it."""
+        return ()
 
 
 class EventfdSource:
@@ -160,61 +193,6 @@ class EventfdSource:
         self._pending = min(self._pending + arrived, MAX_QUEUE_DEPTH)  # DDS has dropped the rest
 
 
-class PolledReadyEvents:
-    """Reports nothing: the loop looks at each entity every `POLL_S`."""
-
-    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
-        self._loop = loop
-
-    def open(
-        self,
-        kind: Kind,  # all are looked at in the same way
-        create: Callable[[], Any],
-        destroy: Callable[[Any], object],
-        on_ready: Callable[[], None],
-    ) -> "PolledSource":
-        """Create an entity; see `ReadyEvents`."""
-        return PolledSource(self._loop, create, destroy, on_ready)
-
-
-class PolledSource:
-    """One entity and the timer for the next look at it."""
-
-    def __init__(
-        self,
-        loop: asyncio.AbstractEventLoop,
-        create: Callable[[], Any],
-        destroy: Callable[[Any], object],
-        on_ready: Callable[[], None],
-    ) -> None:
-        self._loop = loop
-        self._on_ready = on_ready
-        self._destroy = destroy
-        self.entity = create()
-        self._is_closed = False
-        self._next: asyncio.Handle = loop.call_soon(self._look)
-
-    def notify_again(self) -> None:
-        """Call *on_ready* once more, after other callbacks have had their turn."""
-        self._next.cancel()
-        self._next = self._loop.call_soon(self._look)
-
-    def count_take(self) -> bool:
-        """Return false: what follows a message that cannot be read waits for the next look."""
-        return False
-
-    def close(self) -> None:
-        """Stop looking and destroy the entity. Closing twice is harmless."""
-        if not self._is_closed:
-            self._is_closed = True
-            self._next.cancel()
-            self._destroy(self.entity)
-
-    def _look(self) -> None:
-        self._next = self._loop.call_later(POLL_S, self._look)
-        self._on_ready()
-
-
 def _require_readers(loop: asyncio.AbstractEventLoop) -> None:
     if not hasattr(os, "eventfd"):
         raise UnsupportedError("this Python has no eventfd")
@@ -228,5 +206,5 @@ def _require_readers(loop: asyncio.AbstractEventLoop) -> None:
         os.close(fd)
 
 
-def _never_called() -> None:
-    """Serve as the callback that the loop requires."""
+def _never_called(*_: object) -> None:
+    """Serve as the callback that the loop, or rclpy, requires."""

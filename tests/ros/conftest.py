@@ -90,7 +90,7 @@ def outside() -> Iterator[Outside]:
     outside.close()
 
 
-@pytest.fixture(params=["fake", "eventfd", "executor", "made"])
+@pytest.fixture(params=["fake", "eventfd", "wait_set", "made"])
 async def robot(request: pytest.FixtureRequest) -> AsyncIterator[Robot]:
     if request.param == "fake":
         fake = FakeRos()

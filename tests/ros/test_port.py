@@ -21,6 +21,8 @@ from gateway.ros import RosOptions, open_ros
 from gateway.ros.graph import read_actions, read_all_services
 from gateway.ros.options import Taking
 from gateway.ros.port import RclpyRos
+from gateway.ros.rclpy_private import ReadyCallbacks
+from gateway.ros.ready_events import UnsupportedError
 from tests.client import TIMEOUT_S, eventually
 from tests.ros.outside import Outside
 from tests.ros.test_samples import CDR, Flood
@@ -72,7 +74,7 @@ def resources() -> tuple[int, int]:
     return len(list(Path("/proc/self/fd").iterdir())), len(list(Path("/proc/self/task").iterdir()))
 
 
-@pytest.mark.parametrize("taking", ["eventfd", "executor"])
+@pytest.mark.parametrize("taking", ["eventfd", "wait_set"])
 async def test_repeated_starts_leave_no_descriptor_and_no_thread(taking: Taking) -> None:
     baseline = (0, 0)
     for number in range(6):
@@ -99,7 +101,7 @@ async def test_nested_starts_are_independent() -> None:
         await eventually(lambda: "/inner_debug" not in outer.graph().nodes)
 
 
-@pytest.mark.parametrize("taking", ["eventfd", "executor"])
+@pytest.mark.parametrize("taking", ["eventfd", "wait_set"])
 async def test_ending_in_the_middle_of_a_flood_is_clean(outside: Outside, taking: Taking) -> None:
     problems: list[object] = []
     asyncio.get_running_loop().set_exception_handler(lambda _, context: problems.append(context))
@@ -377,14 +379,46 @@ async def test_without_rclpy_both_ways_to_get_it_are_told(monkeypatch: pytest.Mo
             pass
 
 
-async def test_one_thread_for_the_executor_and_one_for_the_graph() -> None:
-    before = threading.active_count()
-    async with open_ros():
-        assert threading.active_count() == before + 2
-    assert threading.active_count() == before
+@pytest.mark.parametrize(
+    ("taking", "threads"),
+    [
+        ("eventfd", ["ros_executor", "ros_graph"]),
+        ("wait_set", ["ros_executor", "ros_graph", "ros_ready"]),
+    ],
+)
+async def test_there_are_few_threads(taking: Taking, threads: list[str]) -> None:
+    before = set(threading.enumerate())
+    async with open_ros(RosOptions(taking=taking)):
+        assert sorted(each.name for each in set(threading.enumerate()) - before) == threads
+    assert set(threading.enumerate()) == before
 
 
-@pytest.mark.parametrize("taking", ["eventfd", "executor"])
+async def test_a_middleware_without_callbacks_is_noticed_at_the_start(
+    monkeypatch: pytest.MonkeyPatch, outside: Outside
+) -> None:
+    unsupported = 3  # RMW_RET_UNSUPPORTED
+
+    def refuse(self: ReadyCallbacks, kind: object, entity: object, *_: object) -> None:
+        raise RuntimeError(f"rcl returned {unsupported}")
+
+    monkeypatch.setattr(ReadyCallbacks, "_call", refuse)
+    publisher = outside.add_publisher("/t", INT32)
+    received: list[Sample] = []
+    async with open_ros() as ros:
+        ros.subscribe("/t", INT32, Qos(), received.extend, lambda _: None)
+
+        def arrives() -> bool:
+            publisher.publish(b"\0\1\0\0\7\0\0\0")
+            return bool(received)
+
+        await eventually(arrives)
+        assert ros.faults() == []
+    with pytest.raises(UnsupportedError, match="returned 3"):
+        async with open_ros(RosOptions(taking="eventfd")):
+            pass
+
+
+@pytest.mark.parametrize("taking", ["eventfd", "wait_set"])
 async def test_two_hundred_rounds_of_each_kind_leave_nothing(taking: Taking) -> None:
     requests: list[Request] = []
     goals: list[GoalRequest] = []

@@ -8,14 +8,7 @@ from unittest.mock import Mock
 
 import pytest
 
-from gateway.ros.ready_events import (
-    EventfdReadyEvents,
-    EventfdSource,
-    PolledReadyEvents,
-    UnsupportedError,
-)
-from tests.client import eventually
-from tests.clock import StoppedClock
+from gateway.ros.ready_events import EventfdReadyEvents, EventfdSource, UnsupportedError
 
 
 class Entity:
@@ -86,61 +79,6 @@ async def test_takes_are_counted_against_what_has_arrived_and_dds_can_have_kept(
     os.eventfd_write(callbacks.fd, 5000)
     assert [source.count_take() for _ in range(1025)] == [True] * 1024 + [False]
     source.close()
-
-
-async def test_looking_goes_on_until_closed() -> None:
-    looks: list[None] = []
-    destroyed: list[object] = []
-    entity = Entity()
-    source = PolledReadyEvents(asyncio.get_running_loop()).open(
-        "service", lambda: entity, destroyed.append, lambda: looks.append(None)
-    )
-    await eventually(lambda: len(looks) > 2)
-    source.close()
-    source.close()
-    assert destroyed == [entity]
-    seen = len(looks)
-    other: list[None] = []
-    witness = PolledReadyEvents(asyncio.get_running_loop()).open(
-        "service", Entity, lambda _: None, lambda: other.append(None)
-    )
-    await eventually(lambda: len(other) > 2)
-    witness.close()
-    assert len(looks) == seen
-
-
-async def test_a_look_comes_every_10_ms(monkeypatch: pytest.MonkeyPatch) -> None:
-    clock = StoppedClock(monkeypatch)
-    looks: list[None] = []
-    source = PolledReadyEvents(asyncio.get_running_loop()).open(
-        "service", Entity, lambda _: None, lambda: looks.append(None)
-    )
-    await clock.advance(0)
-    assert len(looks) == 1
-    await clock.advance(0.0099)
-    assert len(looks) == 1
-    await clock.advance(0.0002)
-    assert len(looks) == 2
-    source.close()
-
-
-async def test_another_look_comes_in_the_next_turn() -> None:
-    looks: list[None] = []
-
-    def look() -> None:
-        looks.append(None)
-        if len(looks) < 100:
-            source.notify_again()
-
-    source = PolledReadyEvents(asyncio.get_running_loop()).open(
-        "service", Entity, lambda _: None, look
-    )
-    turns = 0
-    while len(looks) < 100:
-        await asyncio.sleep(0)
-        turns += 1
-    source.close()
-    assert turns >= 100
 
 
 async def test_a_take_that_raises_is_not_repeated_for_nothing_new(

@@ -17,7 +17,7 @@ from gateway.ros.interfaces import message_class
 from gateway.ros.profile import to_profile
 from gateway.ros.qos import adopt
 from gateway.ros.ready_events import EventfdReadyEvents
-from gateway.ros.samples import EventfdSamples, ExecutorSamples
+from gateway.ros.samples import Samples
 from tests.client import eventually
 from tests.ros.outside import Outside, OutsidePublisher
 
@@ -38,8 +38,8 @@ def node() -> Iterator[Node]:
     context.destroy()
 
 
-def samples_of(node: Node) -> EventfdSamples:
-    return EventfdSamples(node, EventfdReadyEvents(asyncio.get_running_loop()))
+def samples_of(node: Node) -> Samples:
+    return Samples(node, EventfdReadyEvents(asyncio.get_running_loop()))
 
 
 class Flood:
@@ -171,18 +171,6 @@ async def test_a_reader_that_cannot_be_hooked_leaves_nothing(
     again = os.eventfd(0)
     os.close(again)
     assert again == free
-
-
-async def test_the_newest_samples_wait_where_an_executor_takes_them(node: Node) -> None:
-    received: list[Sample] = []
-    reader = ExecutorSamples(node, asyncio.get_running_loop()).read(
-        CLASS, "/count", to_profile(adopt(Qos(depth=3), ())), received.extend
-    )
-    for number in range(10):
-        reader._arrive(CDR, INFO | {"received_timestamp": number})  # type: ignore[attr-defined]
-    await eventually(lambda: bool(received))
-    assert [sample.received_ns for sample in received] == [7, 8, 9]
-    reader.close()
 
 
 async def test_a_flush_ends_though_the_samples_do_not(node: Node) -> None:
