@@ -35,7 +35,10 @@ class GatewayProcess:
 
 @contextlib.asynccontextmanager
 async def gateway_process(
-    command: str = "serve", *arguments: str, module: str = "gateway", before: Sequence[str] = ()
+    command: str = "serve",
+    *arguments: str,
+    module: str = "tests.patient_gateway",
+    before: Sequence[str] = (),
 ) -> AsyncIterator[GatewayProcess]:
     """Run ``ros2-gateway COMMAND``, or another *module*, on a free port until the context ends.
 

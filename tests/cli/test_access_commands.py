@@ -120,7 +120,7 @@ def test_a_terminal_shows_a_qr_code_of_a_gateway_on_the_network(
     errors = home.with_name("errors")
     with errors.open("wb") as log:
         process = subprocess.Popen(
-            [sys.executable, "-m", "gateway", "demo", "--lan", "--port", "0", *flags],
+            [sys.executable, "-m", "tests.patient_gateway", "demo", "--lan", "--port", "0", *flags],
             cwd=ROOT,
             stdout=end,
             stderr=log,

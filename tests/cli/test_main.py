@@ -47,7 +47,7 @@ def refusal(*arguments: str, **environment: str) -> tuple[int, str]:
 def running(*arguments: str, until: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
     """Run a command; yield it and what it printed up to the line that contains *until*."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "gateway", *arguments],
+        [sys.executable, "-m", "tests.patient_gateway", *arguments],
         cwd=ROOT,
         stdout=subprocess.PIPE,
         text=True,
@@ -182,7 +182,7 @@ def test_a_flag_beats_a_domain_of_the_environment_that_does_not_exist(
     domain_id = os.environ["ROS_DOMAIN_ID"]
     monkeypatch.setenv("ROS_DOMAIN_ID", "500")
     process = subprocess.Popen(
-        [sys.executable, "-m", "gateway", *arguments, "--domain-id", domain_id],
+        [sys.executable, "-m", "tests.patient_gateway", *arguments, "--domain-id", domain_id],
         cwd=ROOT,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,

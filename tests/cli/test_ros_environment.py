@@ -95,5 +95,6 @@ def test_a_default_middleware_that_is_missing_is_told_of_with_what_to_do(monkeyp
     command = ["unshare", "--mount", "sh", "-c", script]
     finished = subprocess.run(command, capture_output=True, text=True, check=False)
     assert finished.returncode == 3
-    assert finished.stderr.startswith(f"ros2-gateway: rclpy cannot be imported ({middleware}")
+    # first, it may tidy up after killed programs
+    assert f"ros2-gateway: rclpy cannot be imported ({middleware}" in finished.stderr
     assert "source /opt/ros/jazzy/setup.bash" in finished.stderr

@@ -27,6 +27,7 @@ TEXT = b"\0\1\0\0\5\0\0\0text\0"
 
 # What follows the folder $1 runs with a small disk there. The test reaches it by /proc/PID/root.
 _MOUNT = 'mount -t tmpfs -o size=64k,mode=755 tmpfs "$1" && shift && exec "$@"'
+_SERVE = (sys.executable, "-m", "tests.patient_gateway", "serve", "--port", "0")
 
 
 @pytest.fixture
@@ -109,7 +110,7 @@ def test_a_token_that_cannot_be_shown_is_not_kept(tmp_path: Path, full: IO[str])
 
 async def test_a_gateway_whose_output_is_full_serves(full: IO[str]):
     process = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-m", "gateway", "serve", "--port", "0"),
+        *_SERVE,
         stdout=full,
         stderr=subprocess.PIPE,
     )
@@ -127,7 +128,7 @@ async def test_with_json_a_gateway_whose_output_is_full_serves_and_its_log_says_
     full: IO[str],
 ):
     process = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-m", "gateway", "serve", "--port", "0", "--log-format", "json"),
+        *(*_SERVE, "--log-format", "json"),
         stdout=full,
         stderr=subprocess.PIPE,
     )
@@ -172,8 +173,7 @@ async def test_a_gateway_whose_output_and_log_are_on_one_full_disk_serves(
 @pytest.mark.parametrize("log_format", ["text", "json"])
 async def test_a_gateway_whose_log_is_full_serves(full: IO[str], log_format: str):
     process = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-m", "gateway", "serve", "--port", "0", "--log-level", "debug"),
-        *("--log-format", log_format),
+        *(*_SERVE, "--log-level", "debug", "--log-format", log_format),
         stdout=subprocess.PIPE,
         stderr=full,
     )
