@@ -92,6 +92,7 @@ class Field:
     type: FieldType
     default: Value | None = None
     comment: str = ""
+    is_key: bool = False  # DDS tells instances of the type apart by it; only IDL can say so
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,6 +137,11 @@ class Definition:
         if not underscore:
             return self.name
         return f"the {self.name.rsplit('/', 1)[0]}/{interface} {part.lower()}"
+
+    @property
+    def is_keyed(self) -> bool:
+        """True if a field is a key; those of nested messages do not count."""
+        return any(field.is_key for field in self.fields)
 
     def nested(self) -> tuple[str, ...]:
         """The message types that the fields use directly, each once, in order."""

@@ -197,7 +197,7 @@ class _Parser(Reader):
             if not FIELD_NAME.fullmatch(name.text):
                 raise PlaceError(name.offset, f"{name} is no name of a field in ROS; rename it")
             default = annotations.default(kind)
-            yield name, Field(name.text, kind, default, annotations.comment)
+            yield name, Field(name.text, kind, default, annotations.comment, annotations.is_key)
         self.expect(";")
 
     def _constant(self, annotations: Annotations) -> None:

@@ -98,6 +98,8 @@ class Reader:
             name = self.scoped_name("the name of an annotation")[-1]
             if name in _READ:
                 found.setdefault(name, self._parameters())
+            elif name == "key":
+                found["key"] = self._parameters() if self.next.text == "(" else {}
             elif self.takes("("):
                 self._skip_parameters()
         return found
@@ -145,6 +147,13 @@ class Annotations(dict[str, dict[str, Literal]]):
         comment = str(text[1]) if text is not None and is_comment else ""
         unit = self.get("unit", {}).get("value")
         return (comment if unit is None else f"{comment} [{unit[1]}]").strip()
+
+    @property
+    def is_key(self) -> bool:
+        """True for a key: ``@key`` or ``@key(TRUE)``."""
+        parameters = self.get("key")
+        given = (parameters or {}).get("value")
+        return parameters is not None and (given is None or given[1] is True)
 
     def default(self, kind: FieldType) -> Value | None:
         """Return the default of a field of this type, or ``None`` without an annotation for it.

@@ -118,6 +118,13 @@ class MadeTypes:
 
     def _message(self, definition: Definition, definitions: Definitions) -> tuple[Any, int]:
         """Make the class of a message, and its type support."""
+        if definition.is_keyed and not fast_dds.is_second():
+            # It has readers and writers with and without a key not match; a made type has none.
+            raise RosError(
+                "bad_type",
+                f"{definition.title} has a @key: with Fast DDS 3 such a type needs its package;"
+                f" install {definition.package}, and source it before the gateway starts",
+            )
         if self._messages is None:
             self._messages = RawMessages()
         finder = self._get_finder()

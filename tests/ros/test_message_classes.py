@@ -122,6 +122,22 @@ def test_the_hash_of_a_type_is_that_of_its_definition(definitions: InstalledDefi
     assert MessageClasses().hash_of(LAMP) is None
 
 
+def test_a_type_with_a_key_is_refused_in_words_where_dds_would_not_match_it(
+    tmp_path: Path, monkeypatch
+):
+    folder = tmp_path / "my_msgs" / "msg"
+    folder.mkdir(parents=True)
+    members = "@key long number;"
+    text = f"module my_msgs {{ module msg {{ struct Keyed {{ {members} }}; }}; }};"
+    (folder / "Keyed.idl").write_text(text)
+    classes = making(InstalledDefinitions(None, [tmp_path]))
+    monkeypatch.setattr(made_types.fast_dds, "is_second", lambda: False)
+    with pytest.raises(RosError, match="my_msgs/msg/Keyed has a @key: .* install my_msgs"):
+        classes.get("my_msgs/msg/Keyed")
+    monkeypatch.setattr(made_types.fast_dds, "is_second", lambda: True)
+    assert classes.get("my_msgs/msg/Keyed").__name__ == "Keyed"
+
+
 def test_a_type_that_nests_an_unknown_one_is_not_installed(definitions: InstalledDefinitions):
     with pytest.raises(RosError, match="no ROS package my_msgs is installed here"):
         making(definitions).get("my_msgs/msg/Odd")

@@ -178,6 +178,18 @@ def test_constants_belong_to_the_struct_of_their_module():
     ]  # fmt: skip
 
 
+@pytest.mark.parametrize(
+    ("annotation", "is_key"),
+    [("@key", True), ("@key(TRUE)", True), ("@key(FALSE)", False), ("", False)],
+)
+def test_a_key_is_known(annotation: str, is_key: bool):
+    struct = f"struct Thing {{ boolean a; {annotation} long b; }};"
+    text = f"module some_msgs {{ module msg {{ {struct} }}; }};"
+    definition = parse_idl_message(NAME, text)
+    assert [field.is_key for field in definition.fields] == [False, is_key]
+    assert definition.is_keyed is is_key
+
+
 def test_what_changes_nothing_in_ros_is_skipped():
     definition = parse_idl_message(
         NAME,
