@@ -25,6 +25,7 @@ from gateway.protocol.outbox import Entry, NoFrame
 from gateway.protocol.session import Session
 from gateway.protocol.token_bucket import TokenBucket
 from gateway.server.acceptor import Acceptor
+from gateway.server.batches import batch_writer
 from gateway.server.close_codes import (
     INTERNAL_ERROR,
     INVALID_DATA,
@@ -88,6 +89,7 @@ class Connection(asyncio.BufferedProtocol):
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Take over an accepted socket."""
         self._transport = transport = cast("asyncio.Transport", transport)
+        self._write_batch = batch_writer(transport)
         transport.set_write_buffer_limits(high=WRITE_HIGH_WATER_BYTES)
         peer = transport.get_extra_info("peername")
         self.address = str(peer[0]) if peer else "?"
@@ -180,7 +182,7 @@ class Connection(asyncio.BufferedProtocol):
                 batch = outbox.take(WRITE_HIGH_WATER_BYTES)
                 if not batch and not outbox.has_control:  # encoding may have added a status
                     break
-                self._transport.writelines(batch)
+                self._write_batch(batch)
         except Exception as bug:  # noqa: BLE001  # of one client's
             self.fail(bug)
         finally:
@@ -357,7 +359,7 @@ class Connection(asyncio.BufferedProtocol):
             self._why = closed_by_gateway(MESSAGE_TOO_BIG, text)
             self._session.refuse(ProtocolError("limit_exceeded", text))
             # the state is no longer open, so `flush` would not send it
-            self._transport.writelines(self._session.outbox.take(WRITE_HIGH_WATER_BYTES))
+            self._write_batch(self._session.outbox.take(WRITE_HIGH_WATER_BYTES))
 
     # Outgoing
 

@@ -132,7 +132,7 @@ def test_a_type_with_a_key_is_refused_in_words_where_dds_would_not_match_it(
     (folder / "Keyed.idl").write_text(text)
     classes = making(InstalledDefinitions(None, [tmp_path]))
     monkeypatch.setattr(made_types.fast_dds, "is_second", lambda: False)
-    with pytest.raises(RosError, match="my_msgs/msg/Keyed has a @key: .* install my_msgs"):
+    with pytest.raises(RosError, match=r"my_msgs/msg/Keyed has a @key: .* install my_msgs"):
         classes.get("my_msgs/msg/Keyed")
     monkeypatch.setattr(made_types.fast_dds, "is_second", lambda: True)
     assert classes.get("my_msgs/msg/Keyed").__name__ == "Keyed"

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: Apache-2.0
+import asyncio
+import socket
+
+import pytest
+
+from gateway.server.batches import batch_writer
+
+DEAF = [(3, 12, 0), (3, 12, 8), (3, 13, 0), (3, 13, 1)]
+SOUND = [(3, 11, 7), (3, 12, 9), (3, 13, 2), (3, 14, 0)]
+
+
+class Paused(asyncio.Protocol):
+    is_paused = False
+
+    def pause_writing(self):
+        self.is_paused = True
+
+
+@pytest.fixture
+async def connected():
+    ours, theirs = socket.socketpair()
+    ours.setblocking(False)
+    transport, protocol = await asyncio.get_running_loop().create_connection(Paused, sock=ours)
+    yield transport, protocol, theirs
+    transport.abort()
+    theirs.close()
+
+
+@pytest.mark.parametrize("version", [None, *DEAF])
+async def test_a_full_socket_is_noticed(connected, version):
+    transport, protocol, _ = connected
+    write = batch_writer(transport, version) if version else batch_writer(transport)
+    for _ in range(100):  # 10 MB, which no socket takes
+        write([b"x" * 50_000, b"y" * 50_000])
+    assert protocol.is_paused
+
+
+@pytest.mark.parametrize("version", [*DEAF, *SOUND])
+async def test_frames_arrive_whole_and_in_order(connected, version):
+    transport, _, theirs = connected
+    batch_writer(transport, version)([b"one ", b"two ", b"three"])
+    assert theirs.recv(100) == b"one two three"
+
+
+@pytest.mark.parametrize("version", SOUND)
+async def test_where_it_is_sound_nothing_is_copied(connected, version):
+    transport, _, _ = connected
+    assert batch_writer(transport, version) == transport.writelines
