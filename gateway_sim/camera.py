@@ -127,7 +127,7 @@ class Camera:
         height = self._heights[surface]
         top = CENTRE_Y - FOCAL_LENGTH * (height - ABOVE) / depth
         bottom = np.where(missed, -1.0, CENTRE_Y + FOCAL_LENGTH * ABOVE / depth)
-        first = max(0, math.floor(top[~missed].min()))
+        first = max(0, math.floor(np.min(top[~missed])))
         last = min(HEIGHT, math.ceil(bottom.max()) + 1)
         rows = self._rows[first:last]
         inside = (rows >= top.astype(np.float32)) & (rows <= bottom.astype(np.float32))

@@ -245,7 +245,7 @@ def _stretched(numbers: MatLike) -> MatLike:
     known = numbers[np.isfinite(numbers)]
     if not known.size:
         return np.zeros(numbers.shape, np.uint8)
-    least, greatest = float(known.min()), float(known.max())
+    least, greatest = float(np.min(known)), float(np.max(known))
     # halves, as the difference of two numbers may be beyond the greatest
     above = numbers / 2 - least / 2
     share = above / ((greatest / 2 - least / 2) or 1.0)
