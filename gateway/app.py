@@ -35,6 +35,7 @@ from gateway.router.router import Router
 from gateway.security import Security, open_security
 from gateway.server.admission import Admission
 from gateway.server.server import Server
+from gateway.server.static_files import PAGES, StaticFiles
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table
 
@@ -127,6 +128,7 @@ async def _serve(
             router,
             limits=config.limits,
             path=config.path,
+            files=StaticFiles.read(PAGES, config.path),
             trusted_proxies=config.trusted_proxies,
             web_rules=security.rules,
             admission=partial(Admission, security.authentication, config.access, security.audit),

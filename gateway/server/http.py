@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Plain HTTP on the WebSocket's port: health, and a page for people who open it in a browser."""
+"""Plain HTTP on the WebSocket's port: health, metrics, and pages for people with a browser."""
 
 import logging
 import socket
@@ -17,6 +17,7 @@ from gateway.access.credentials import SUBPROTOCOL, CredentialsError, check_targ
 from gateway.access.web_rules import WebRules, is_plain
 from gateway.server import health
 from gateway.server.health import Health
+from gateway.server.static_files import INDEX, StaticFiles, is_browser, response_of
 from gateway.server.url_options import UrlOptionError, image_format
 
 logger = logging.getLogger(__name__)
@@ -73,12 +74,14 @@ class HttpFront:
     def __init__(
         self,
         path: str,
+        files: StaticFiles,
         rules: WebRules,
         find_health: Callable[[], Health],
         details: Callable[[], Mapping[str, Any]],
         metrics: Metrics,
     ) -> None:
         self._path = path
+        self._files = files
         self._rules = rules
         self._health = find_health
         self._details = details
@@ -133,13 +136,12 @@ class HttpFront:
             return self._origin_refusal(protocol, request, host) or self._metrics(
                 protocol, request, asker
             )
+        if request.headers.get("Upgrade") is None and (found := self._page(protocol, request)):
+            return found
         if path != self._path:
             return protocol.reject(404, f"nothing here; the WebSocket is at {self._path}\n")
         check_target(request.path)
         image_format(request.path)  # refuses what is none while there is a response to do it by
-        if request.headers.get("Upgrade") is None:
-            address = f"{'wss' if self.is_encrypted else 'ws'}://{host}{self._path}"
-            return page(protocol, request, _WELCOME.format(address=address).encode())
         token_in(
             request.headers.get_all("Authorization"), offered_subprotocols(request.headers)
         )  # refuses contradictions while there is a response to do it by
@@ -148,6 +150,20 @@ class HttpFront:
             or _version_refusal(protocol, request)
             or protocol.accept(request)
         )
+
+    def _page(self, protocol: ServerProtocol, request: Request) -> Response | None:
+        """Return a page or a part of one; the start page is a text for who asks for no HTML."""
+        path = urlsplit(request.path).path
+        if path in {"/", self._path}:
+            check_target(request.path)
+            image_format(request.path)
+            if not (is_browser(request) and self._files.find(INDEX)):
+                scheme = "wss" if self.is_encrypted else "ws"
+                address = f"{scheme}://{request.headers['Host']}{self._path}"
+                return page(protocol, request, _WELCOME.format(address=address).encode())
+            path = INDEX
+        file = self._files.find(path)
+        return response_of(protocol, request, file) if file else None
 
     def _log_foreign(self, host: str) -> None:
         name = urlsplit(f"//{host}").hostname or ""

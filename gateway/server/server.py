@@ -41,6 +41,7 @@ from gateway.server.forwarded import client_address
 from gateway.server.health import FindFaults, Health, no_faults
 from gateway.server.http import Asker, HttpFront, own_names, page
 from gateway.server.scrapes import Scrapes
+from gateway.server.static_files import NO_FILES, StaticFiles
 from gateway.server.time_budget import Spending, TimeBudgets
 from gateway.server.tls_handshakes import log_failed_handshakes
 from gateway.server.url_options import image_format
@@ -75,6 +76,7 @@ class Server:
         *,
         limits: Limits,
         path: str = "/",
+        files: StaticFiles = NO_FILES,
         trusted_proxies: Sequence[str] = (),
         web_rules: WebRules | None = None,
         admission: MakeAdmission = everybody,
@@ -86,7 +88,7 @@ class Server:
         self._trusted_proxies = tuple(map(ipaddress.ip_network, trusted_proxies))
         self._router = router
         rules = web_rules or WebRules(own_names())
-        self._http = HttpFront(path, rules, self.judged, self.health, self._metrics)
+        self._http = HttpFront(path, files, rules, self.judged, self.health, self._metrics)
         self._find_faults = find_faults
         self._scrapes = Scrapes(self.state)
         self._counters = ServerCounters()

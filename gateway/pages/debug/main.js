@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// The debug page: what the robot says, and STOP.
+
+import { bytes, element } from "../shared/dom.js";
+import { Gateway } from "../shared/gateway.js";
+import * as page from "./address.js";
+import { Card } from "./card.js";
+import { TopicList } from "./topic_list.js";
+import { viewsFor } from "./views/views.js";
+
+const MOST_FIELDS = 4; // in one plot
+const FIRST_VIEWS = [
+  // what a first visit opens, if the robot has it
+  { types: ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"], view: "image", fields: [] },
+  { types: ["sensor_msgs/msg/LaserScan"], view: "scan", fields: [] },
+  { types: ["nav_msgs/msg/Odometry"], view: "plot", fields: ["twist.twist.linear.x", "twist.twist.angular.z"] },
+];
+const NO_ROBOT = "Nobody publishes anything here yet. Start a robot, or the simulated one by ";
+const WORDS = {
+  open: () => "connected",
+  connecting: () => "connecting",
+  closed: (reason) => `not connected${reason ? `: ${reason}` : ""}; trying again`,
+  token: () => "a token is needed",
+};
+
+const find = (id) => document.getElementById(id);
+const gateway = new Gateway();
+const topics = new TopicList(find("topics"), find("search"), open);
+const empty = element("p", { className: "empty" }, NO_ROBOT, element("code", {}, "ros2-gateway demo"), ".");
+let wanted = page.read();
+let isFirstVisit = wanted === null;
+const cards = [];
+
+function add(shown) {
+  const card = new Card(gateway, shown, topics.typeOf(shown.topic), { changed, close, plot });
+  cards.push(card);
+  find("cards").append(card.element);
+  changed();
+  return card;
+}
+
+function open(topic) {
+  isFirstVisit = false;
+  const [view] = viewsFor(topics.typeOf(topic));
+  add({ topic, view, fields: [], rate: 0 }).element.scrollIntoView({ block: "nearest" });
+}
+
+function plot(topic, field) {
+  const same = cards.find((each) => each.view === "plot" && each.topic === topic && each.fields.length < MOST_FIELDS);
+  const fields = [...new Set([...(same?.fields ?? []), field])];
+  if (same) close(same);
+  add({ topic, view: "plot", fields, rate: 0 });
+}
+
+function close(card) {
+  card.close();
+  cards.splice(cards.indexOf(card), 1);
+  changed();
+}
+
+function changed() {
+  empty.remove();
+  if (!isFirstVisit || cards.length) page.write(cards.map((each) => each.shown));
+}
+
+function welcome() {
+  for (const { types, view, fields } of FIRST_VIEWS) {
+    const found = topics.published.find((each) => types.includes(each.types[0]));
+    if (found) add({ topic: found.name, view, fields, rate: 0 });
+  }
+  if (cards.length) isFirstVisit = false;
+  else find("cards").replaceChildren(empty);
+}
+
+function tell(text) {
+  find("notice").textContent = text;
+  find("notice").hidden = !text;
+}
+
+function tick(before) {
+  const now = { ...gateway.counts, ms: performance.now() };
+  const seconds = (now.ms - before.ms) / 1000;
+  const figures = {
+    "round trip": now.roundTripMs === null ? "–" : `${now.roundTripMs.toFixed(1)} ms`,
+    messages: `${Math.round((now.frames - before.frames) / seconds)}/s`,
+    data: `${bytes((now.bytes - before.bytes) / seconds)}/s`,
+    role: gateway.hello?.role ?? "–",
+  };
+  find("figures").replaceChildren(
+    ...Object.entries(figures).map(([name, value]) => element("div", {}, element("dt", {}, name), element("dd", {}, value))),
+  );
+  for (const card of cards) card.tick();
+  setTimeout(tick, 1000, now);
+}
+
+function draw() {
+  for (const card of cards) card.draw();
+  requestAnimationFrame(draw);
+}
+
+gateway.addEventListener("state", ({ detail: { state, reason } }) => {
+  find("state").textContent = WORDS[state](reason);
+  find("state").dataset.state = state;
+  if (state === "open") tell("");
+  if (state === "token") {
+    find("token-problem").textContent = reason;
+    find("token").showModal();
+  }
+});
+gateway.addEventListener("graph", ({ detail }) => {
+  topics.update(detail);
+  if (wanted) for (const shown of wanted) add(shown);
+  wanted = null;
+  if (isFirstVisit) welcome();
+});
+gateway.addEventListener("status", ({ detail }) => tell(detail.msg));
+find("token").addEventListener("close", () => gateway.useToken(find("token-text").value.trim()));
+find("stop").onclick = async () => {
+  try {
+    const { topics: stopped } = await gateway.ask({ op: "stop" });
+    tell(stopped.length ? `stopping ${stopped.join(", ")}` : "nothing moves: no command topic is in use");
+  } catch (error) {
+    tell(`STOP was not carried out: ${error.message}`);
+  }
+};
+
+gateway.connect();
+tick({ ...gateway.counts, ms: performance.now() - 1000 });
+draw();

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+import { element } from "../../shared/dom.js";
+
+/** Pictures: the newest one, decoded beside the page's own thread. */
+export class ImageView {
+  options = { image: { quality: 70, max_width: 640 } };
+  #canvas = element("canvas", { className: "picture", width: 320, height: 240, role: "img" });
+  #isDecoding = false;
+  #next = null;
+
+  constructor(card) {
+    this.card = card;
+    this.element = this.#canvas;
+    this.#canvas.setAttribute("aria-label", `picture of ${card.topic}`);
+  }
+
+  show(message) {
+    this.#next = message;
+    if (!this.#isDecoding) this.#decode();
+  }
+
+  async #decode() {
+    this.#isDecoding = true;
+    while (this.#next) {
+      const { data, format } = this.#next;
+      this.#next = null;
+      try {
+        const octets = Uint8Array.from(atob(data), (each) => each.charCodeAt(0));
+        const type = format.includes("png") ? "image/png" : "image/jpeg";
+        const bitmap = await createImageBitmap(new Blob([octets], { type }));
+        this.#canvas.width = bitmap.width;
+        this.#canvas.height = bitmap.height;
+        this.#canvas.getContext("2d").drawImage(bitmap, 0, 0);
+        bitmap.close();
+      } catch (error) {
+        this.card.tell(`this picture (${format}) cannot be shown: ${error.message}`);
+      }
+    }
+    this.#isDecoding = false;
+  }
+}

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+import { element, token } from "../../shared/dom.js";
+import uPlot from "../../vendor/uplot.js";
+
+const SPAN_S = 30;
+const MOST_POINTS = 6000;
+const HEIGHT = 220; // pixels
+const COLOURS = ["series-1", "series-2", "series-3", "series-4"];
+
+/** Numeric fields over the last 30 s, by the time of arrival. */
+export class PlotView {
+  element = element("div", { className: "plot" });
+  #columns;
+  #plot = null;
+
+  constructor(card) {
+    this.card = card;
+    this.options = card.fields.length ? { fields: card.fields.map((each) => each.replace(/\.\d+(?=\.|$).*/, "")) } : {};
+    this.#columns = [[], ...card.fields.map(() => [])];
+  }
+
+  keep(message) {
+    if (!this.card.fields.length) return;
+    const now = performance.now() / 1000;
+    this.#columns[0].push(now);
+    this.card.fields.forEach((path, index) => {
+      const value = path.split(".").reduce((each, name) => each?.[name], message);
+      this.#columns[index + 1].push(typeof value === "boolean" ? Number(value) : Number.isFinite(value) ? value : null);
+    });
+    const late = this.#columns[0].findIndex((each) => each >= now - SPAN_S);
+    const excess = Math.max(late, this.#columns[0].length - MOST_POINTS);
+    if (excess > MOST_POINTS / 10 || late > 200) for (const each of this.#columns) each.splice(0, excess);
+  }
+
+  show() {
+    if (!this.card.fields.length) {
+      this.element.textContent = "Choose a number in the view Fields.";
+      return;
+    }
+    const width = this.element.clientWidth;
+    if (!width) return;
+    this.#plot ??= this.#make(width);
+    if (this.#plot.width !== width) this.#plot.setSize({ width, height: HEIGHT });
+    const now = performance.now() / 1000;
+    this.#plot.setData(this.#columns, false);
+    this.#plot.setScale("x", { min: now - SPAN_S, max: now });
+  }
+
+  #make(width) {
+    const axis = { stroke: token("quiet"), grid: { stroke: token("line"), width: 1 }, ticks: { stroke: token("line"), width: 1 } };
+    const seconds = (plot, marks) => marks.map((each) => `${Math.round(each - performance.now() / 1000)} s`);
+    const series = this.card.fields.map((label, index) => ({
+      label, stroke: token(COLOURS[index % COLOURS.length]), width: 1.5, spanGaps: false, points: { show: false },
+    }));
+    return new uPlot({
+      width,
+      height: HEIGHT,
+      cursor: { show: false },
+      scales: { x: { time: false } },
+      axes: [{ ...axis, values: seconds }, { ...axis, size: 60 }],
+      series: [{}, ...series],
+      legend: { live: false },
+    }, this.#columns, this.element);
+  }
+}

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+import { element } from "../../shared/dom.js";
+
+const MOST = 20_000; // characters; the rest of a point cloud helps nobody
+
+/** The newest frame as wscat would show it. */
+export class RawView {
+  options = {};
+  element = element("pre", { className: "raw", tabIndex: 0 });
+
+  show(_, frame) {
+    const text = JSON.stringify(frame);
+    this.element.textContent = text.length > MOST ? `${text.slice(0, MOST)} ... ${text.length} characters` : text;
+  }
+}

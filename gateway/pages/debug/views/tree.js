@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+import { element } from "../../shared/dom.js";
+
+const MOST_ITEMS = 12;
+const MOST_CHARACTERS = 120;
+
+/** All fields of a message with their values; a number can be plotted. */
+export class TreeView {
+  options = { throttle_rate: 200 };
+  element = element("div", { className: "tree" });
+  #shape = "";
+  #values = new Map(); // path -> the element that has its value
+
+  constructor(card) {
+    this.card = card;
+  }
+
+  show(message) {
+    const leaves = [];
+    collect(message, "", leaves);
+    const shape = leaves.map(([path, value]) => `${path}:${typeof value}`).join("\n");
+    if (shape !== this.#shape) {
+      // Only then: a button that is made anew loses the focus.
+      this.#shape = shape;
+      this.#values.clear();
+      this.element.replaceChildren(this.#list(message, ""));
+    }
+    for (const [path, value] of leaves) this.#values.get(path).textContent = shown(value);
+  }
+
+  #list(value, path) {
+    const list = element("dl");
+    for (const [name, item] of entries(value)) {
+      const its = path ? `${path}.${name}` : name;
+      list.append(element("div", { className: "row" }, element("dt", {}, `${name}: `), this.#item(item, its)));
+    }
+    return list;
+  }
+
+  #item(value, path) {
+    if (isNested(value)) return element("dd", {}, this.#list(value, path));
+    const text = element("span");
+    this.#values.set(path, text);
+    const item = element("dd", {}, text);
+    if (typeof value === "number") {
+      const button = element("button", { type: "button", title: `plot ${path}` }, "plot");
+      button.onclick = () => this.card.plot(path);
+      item.append(" ", button);
+    }
+    return item;
+  }
+}
+
+const isNested = (value) => typeof value === "object" && value !== null && Object.keys(value).length > 0;
+
+function entries(value) {
+  const all = Object.entries(value);
+  return Array.isArray(value) ? all.slice(0, MOST_ITEMS) : all;
+}
+
+function collect(value, path, leaves) {
+  for (const [name, item] of entries(value)) {
+    const its = path ? `${path}.${name}` : name;
+    if (isNested(item)) collect(item, its, leaves);
+    else leaves.push([its, item]);
+  }
+}
+
+function shown(value) {
+  const text = typeof value === "string" ? JSON.stringify(value) : String(value && typeof value === "object" ? "[]" : value);
+  return text.length > MOST_CHARACTERS ? `${text.slice(0, MOST_CHARACTERS)} ... ${text.length} characters` : text;
+}

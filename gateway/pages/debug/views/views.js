@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which views there are, and which fits a type best.
+
+import { ImageView } from "./image.js";
+import { LogView } from "./log.js";
+import { PlotView } from "./plot.js";
+import { RawView } from "./raw.js";
+import { ScanView } from "./scan.js";
+import { TreeView } from "./tree.js";
+
+/**
+ * A way to show the messages of one topic. `element` is what is seen, `options` are members of
+ * `subscribe`; `show` gets the newest message before the next frame of the screen, `keep` every one.
+ */
+const VIEWS = {
+  image: { name: "Picture", make: ImageView, types: ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"] },
+  scan: { name: "Scan", make: ScanView, types: ["sensor_msgs/msg/LaserScan"] },
+  log: { name: "Log", make: LogView, types: ["rcl_interfaces/msg/Log"] },
+  tree: { name: "Fields", make: TreeView },
+  plot: { name: "Plot", make: PlotView },
+  raw: { name: "Frames", make: RawView },
+};
+
+/** Return the keys of the views that can show a type, the best first. */
+export function viewsFor(type) {
+  return Object.keys(VIEWS).filter((key) => VIEWS[key].types?.includes(type) ?? true);
+}
+
+/** Return the name of a view, as people read it. */
+export const nameOf = (key) => VIEWS[key].name;
+
+/** Make a view of a card; unknown keys, as from an old address, become a tree. */
+export function makeView(key, card) {
+  return new (VIEWS[key] ?? VIEWS.tree).make(card);
+}

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Elements and words. Texts from the robot become text nodes, never markup.
+
+/**
+ * Make an element.
+ * @param {string} name
+ * @param {object} properties of the element; `dataset` and `aria` are objects
+ * @param {...(Node|string)} children
+ */
+export function element(name, { dataset = {}, aria = {}, ...properties } = {}, ...children) {
+  const made = Object.assign(document.createElement(name), properties);
+  Object.assign(made.dataset, dataset);
+  for (const [key, value] of Object.entries(aria)) made.setAttribute(`aria-${key}`, value);
+  made.append(...children);
+  return made;
+}
+
+/** Return a number of bytes as people read it. */
+export function bytes(count) {
+  if (count < 1000) return `${Math.round(count)} B`;
+  if (count < 1e6) return `${(count / 1e3).toFixed(1)} kB`;
+  return `${(count / 1e6).toFixed(2)} MB`;
+}
+
+/** Return a time span as people read it. */
+export function span(ms) {
+  if (ms < 1000) return `${Math.round(ms)} ms`;
+  if (ms < 60_000) return `${(ms / 1000).toFixed(1)} s`;
+  return `${Math.floor(ms / 60_000)} min`;
+}
+
+/** Return a CSS variable's value, for what is drawn on a canvas. */
+export function token(name) {
+  return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+}

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+// The connection of a page to its gateway. It comes back by itself, and asks for what was subscribed again.
+
+const PING_MS = 2000;
+const FIRST_RETRY_MS = 500;
+const LAST_RETRY_MS = 8000;
+const WRONG_TOKEN = 4401;
+const TOKEN_KEY = "ros2-gateway.token";
+
+/**
+ * Return the address of the WebSocket of the gateway that served this page.
+ * @returns {string}
+ */
+export function address() {
+  const path = document.querySelector('meta[name="websocket-path"]').content;
+  return `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}${path}`;
+}
+
+/**
+ * One subscription of a page; several may be to the same topic.
+ * @typedef {object} Subscription
+ * @property {string} id
+ * @property {string} topic
+ * @property {object} options members of the operation `subscribe`
+ * @property {(message: any, bytes: number, frame: object) => void} onMessage
+ * @property {(status: object) => void} onStatus what the gateway says of it
+ */
+
+/** Events: `state`, with `open`, `connecting`, `closed` or `token` as detail; `graph`; `status`. */
+export class Gateway extends EventTarget {
+  #socket = null;
+  #subscriptions = new Map();
+  #pending = new Map();
+  #nextId = 1;
+  #retryMs = FIRST_RETRY_MS;
+  #token = takeToken();
+  #pinging = 0;
+  #isRefused = false;
+
+  /** Of this connection: frames and bytes so far, and the last round trip in milliseconds. */
+  counts = { frames: 0, bytes: 0, roundTripMs: null };
+  /** The answer to `hello`, or null. */
+  hello = null;
+
+  connect() {
+    this.#announce("connecting");
+    const protocols = this.#token ? ["ros2-gateway", `bearer.${this.#token}`] : [];
+    const socket = new WebSocket(address(), protocols);
+    this.#socket = socket;
+    socket.onopen = () => this.#open();
+    socket.onmessage = (event) => this.#receive(event.data);
+    socket.onclose = (event) => this.#close(socket, event);
+  }
+
+  /** Connect with a token from now on. */
+  useToken(token) {
+    this.#token = token;
+    keepToken(token);
+    this.#isRefused = false;
+    this.connect();
+  }
+
+  /** Send an operation; return whether there is a connection to send it by. */
+  send(operation) {
+    if (this.#socket?.readyState !== WebSocket.OPEN) return false;
+    this.#socket.send(JSON.stringify(operation));
+    return true;
+  }
+
+  /** Send an operation and return its answer; rejects with the gateway's words. */
+  ask(operation) {
+    const id = `page:${this.#nextId++}`;
+    return new Promise((resolve, reject) => {
+      this.#pending.set(id, { resolve, reject });
+      if (!this.send({ ...operation, id })) this.#settle(id, null, "not connected");
+    });
+  }
+
+  /** Subscribe until the function that this returns is called. */
+  subscribe(topic, options, onMessage, onStatus) {
+    const id = `page:${this.#nextId++}`;
+    const subscription = { id, topic, options, onMessage, onStatus };
+    this.#subscriptions.set(id, subscription);
+    this.#send(subscription);
+    return () => {
+      if (this.#subscriptions.delete(id)) this.send({ op: "unsubscribe", id, topic });
+    };
+  }
+
+  #send({ id, topic, options }) {
+    this.send({ op: "subscribe", id, topic, meta: true, nonfinite: "string", ...options });
+  }
+
+  async #open() {
+    try {
+      this.hello = await this.ask({ op: "hello" });
+    } catch (error) {
+      if (error.code === "forbidden") this.#refuse();
+      return;
+    }
+    this.#retryMs = FIRST_RETRY_MS;
+    this.#announce("open");
+    this.send({ op: "graph", watch: true });
+    for (const subscription of this.#subscriptions.values()) this.#send(subscription);
+    this.#pinging = setInterval(() => this.#ping(), PING_MS);
+    this.#ping();
+  }
+
+  async #ping() {
+    const began = performance.now();
+    try {
+      await this.ask({ op: "ping" });
+      this.counts.roundTripMs = performance.now() - began;
+    } catch {
+      this.counts.roundTripMs = null; // the end of the connection says more
+    }
+  }
+
+  #receive(text) {
+    this.counts.frames += 1;
+    this.counts.bytes += text.length;
+    let frame;
+    try {
+      frame = JSON.parse(text);
+    } catch (error) {
+      this.#tell(`the gateway sent what is no JSON: ${error.message}`);
+      return;
+    }
+    if (frame.op === "publish") {
+      for (const each of this.#subscriptions.values()) {
+        if (each.topic === frame.topic) each.onMessage(frame.msg, text.length, frame);
+      }
+    } else if (frame.op === "graph") {
+      this.dispatchEvent(new CustomEvent("graph", { detail: frame }));
+    } else if (frame.op === "status") {
+      this.#status(frame);
+    } else {
+      this.#settle(frame.id, frame);
+    }
+  }
+
+  #status(frame) {
+    const subscription = this.#subscriptions.get(frame.id);
+    if (subscription) subscription.onStatus(frame);
+    else if (!this.#settle(frame.id, null, frame.msg, frame.code)) {
+      this.dispatchEvent(new CustomEvent("status", { detail: frame }));
+    }
+  }
+
+  #settle(id, frame, problem, code) {
+    const asked = this.#pending.get(id);
+    if (!asked) return false;
+    this.#pending.delete(id);
+    if (frame) asked.resolve(frame);
+    else asked.reject(Object.assign(new Error(problem), { code }));
+    return true;
+  }
+
+  #close(socket, event) {
+    if (socket !== this.#socket) return;
+    clearInterval(this.#pinging);
+    this.counts.roundTripMs = null;
+    for (const id of [...this.#pending.keys()]) this.#settle(id, null, "the connection was lost");
+    if (event.code === WRONG_TOKEN) this.#refuse("this token is not known here, or was revoked");
+    if (this.#isRefused) return;
+    this.#announce("closed", event.reason);
+    setTimeout(() => this.connect(), this.#retryMs);
+    this.#retryMs = Math.min(2 * this.#retryMs, LAST_RETRY_MS);
+  }
+
+  #refuse(reason = "") {
+    if (this.#isRefused) return;
+    this.#isRefused = true; // whoever has no token is not let in by trying again
+    keepToken(null);
+    this.#socket.close();
+    this.#announce("token", reason);
+  }
+
+  #announce(state, reason = "") {
+    this.dispatchEvent(new CustomEvent("state", { detail: { state, reason } }));
+  }
+
+  #tell(msg) {
+    this.dispatchEvent(new CustomEvent("status", { detail: { level: "error", msg } }));
+  }
+}
+
+/** Return the token: that behind # of the address, as a QR code has it, or the one kept for this tab. */
+function takeToken() {
+  const given = location.hash.slice(1);
+  if (!given.startsWith("r2g_")) return sessionStorage.getItem(TOKEN_KEY);
+  keepToken(given);
+  history.replaceState(null, "", location.pathname); // nobody should copy it with the address
+  return given;
+}
+
+function keepToken(token) {
+  if (token) sessionStorage.setItem(TOKEN_KEY, token);
+  else sessionStorage.removeItem(TOKEN_KEY);
+}

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The pages' files: read and compressed once, at the start, and served from memory.
+
+They are the same for everybody and hold nothing of the robot: what a page shows comes by its
+WebSocket, for which a token may be needed.
+"""
+
+import gzip
+import hashlib
+import html
+from collections.abc import Mapping
+from dataclasses import dataclass
+from http import HTTPStatus
+from pathlib import Path
+from typing import Final
+
+from websockets.http11 import Request, Response
+from websockets.server import ServerProtocol
+
+PAGES: Final = Path(__file__).parents[1] / "pages"
+INDEX: Final = "/index.html"
+
+# Of these the content decides; all others of the folder are not served.
+_TYPES: Final = {
+    ".html": "text/html; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".svg": "image/svg+xml",
+}
+# Nothing from elsewhere, nothing inline, and in nobody else's frame. Older browsers do not count a
+# WebSocket of the same host as 'self'.
+_POLICY: Final = (
+    "default-src 'self'; img-src 'self' data: blob:; connect-src 'self' ws: wss:;"
+    " object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'self'"
+)
+_HEADERS: Final = {
+    "Content-Security-Policy": _POLICY,
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cache-Control": "no-cache",  # kept, and asked for by its ETag each time
+    "Vary": "Accept, Accept-Encoding",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class StaticFile:
+    """One file as it is sent, plain and compressed by gzip."""
+
+    content_type: str
+    body: bytes
+    compressed: bytes
+    etag: str
+
+    @classmethod
+    def of(cls, content_type: str, body: bytes) -> "StaticFile":
+        """Compress a file and name its content."""
+        digest = hashlib.sha256(body).hexdigest()[:32]
+        return cls(content_type, body, gzip.compress(body, mtime=0), f'"{digest}"')
+
+
+class StaticFiles:
+    """The files of a folder by their path below it, such as ``/debug/main.js``."""
+
+    def __init__(self, files: Mapping[str, StaticFile]) -> None:
+        self._files = files
+
+    @classmethod
+    def read(cls, root: Path, websocket_path: str) -> "StaticFiles":
+        """Read a folder; its pages learn where the WebSocket is."""
+        files = {}
+        for path in sorted(root.rglob("*")):
+            if content_type := _TYPES.get(path.suffix):
+                body = path.read_bytes()
+                if path.suffix == ".html":
+                    body = body.replace(b"{{websocket_path}}", html.escape(websocket_path).encode())
+                name = f"/{path.relative_to(root).as_posix()}"
+                files[name] = StaticFile.of(content_type, body)
+        return cls(files)
+
+    def find(self, path: str) -> StaticFile | None:
+        """Return a file by its path, which is looked up and never opened."""
+        return self._files.get(path)
+
+
+NO_FILES: Final = StaticFiles({})
+
+
+def response_of(protocol: ServerProtocol, request: Request, file: StaticFile) -> Response:
+    """Return a file as the response: compressed if that is taken, 304 if it is known there."""
+    response = protocol.reject(HTTPStatus.OK, "")
+    headers = response.headers
+    del headers["Content-Type"], headers["Content-Length"]
+    headers.update(_HEADERS)
+    headers["ETag"] = file.etag
+    known = ",".join(request.headers.get_all("If-None-Match"))
+    if file.etag in {each.strip().removeprefix("W/") for each in known.split(",")}:
+        response.status_code = HTTPStatus.NOT_MODIFIED.value
+        response.reason_phrase = HTTPStatus.NOT_MODIFIED.phrase
+        return response
+    body = file.body
+    if _takes_gzip(request):
+        body = file.compressed
+        headers["Content-Encoding"] = "gzip"
+    headers["Content-Type"] = file.content_type
+    headers["Content-Length"] = str(len(body))
+    if request.method != "HEAD":
+        response.body = body
+    return response
+
+
+def is_browser(request: Request) -> bool:
+    """Return whether a page is wanted rather than a text, as curl and wscat show it."""
+    return any("text/html" in each for each in request.headers.get_all("Accept"))
+
+
+def _takes_gzip(request: Request) -> bool:
+    offered = ",".join(request.headers.get_all("Accept-Encoding"))
+    codings = {
+        name.strip(): rest.replace(" ", "")
+        for name, _, rest in (each.partition(";") for each in offered.split(","))
+    }
+    return "gzip" in codings and codings["gzip"] not in {"q=0", "q=0.0", "q=0.00", "q=0.000"}
