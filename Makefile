@@ -31,7 +31,7 @@ PYTEST_ARGS ?= $(ARGS)
 WORKERS := -n auto --dist worksteal
 
 .DEFAULT_GOAL := help
-.PHONY: help demo serve test kilted lint format docs bench faults fuzz soak mutants clean
+.PHONY: help demo serve test kilted lint format docs screenshots bench faults fuzz soak mutants clean
 
 help: ## list the targets
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
@@ -70,6 +70,9 @@ docs: $(READY_FOR_TESTS) ## write the generated parts of code and documentation 
 	@keys=$$($(BIN)/ros2-gateway check-config --keys) \
 	    && sed -i '/^| key |/,$$d' docs/configuration.md \
 	    && printf '%s\n' "$$keys" >> docs/configuration.md
+
+screenshots: $(READY_FOR_TESTS) ## take the pictures of the pages anew, for docs/
+	$(BIN)/python -m tests.pages.screenshots
 
 bench: $(READY) ## measure speed, some 50 minutes (make bench WHAT=odometry, make bench COMPARE=ref)
 	@$(BIN)/python -m benchmarks $(WHAT) $(if $(COMPARE),--compare $(COMPARE)) $(ARGS)

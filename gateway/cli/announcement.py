@@ -7,6 +7,7 @@ import socket
 import time
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Final
+from urllib.parse import urlsplit
 
 from gateway.access.posture import LOOPBACKS
 from gateway.cli.logs import json_line
@@ -35,8 +36,10 @@ def in_json(listening: "Listening", hint: str = "") -> Iterator[str]:
 
 
 def filled(hint: str, listening: "Listening") -> str:
-    """Return a hint in which WSCAT stands for the command that connects from this machine."""
-    return hint.replace("WSCAT", _wscat(listening, own_url(listening)))
+    """Return a hint, in which WSCAT and PAGE stand for how to connect from this machine."""
+    host = urlsplit(own_url(listening)).hostname or ""
+    page = _page_url(listening, host, "/")
+    return hint.replace("WSCAT", _wscat(listening, own_url(listening))).replace("PAGE", page)
 
 
 def qr_text(listening: "Listening", addresses: Sequence[str]) -> str | None:
@@ -49,9 +52,7 @@ def qr_text(listening: "Listening", addresses: Sequence[str]) -> str | None:
     host = next((host for host in _hosts(listening, addresses) if host not in EVERYWHERE), None)
     if host is None:
         return None
-    scheme = "https" if listening.is_encrypted else "http"
-    fragment = f"#token={listening.new_token}" if listening.new_token else ""
-    return f"{scheme}://{_host(host)}:{listening.port}{listening.path}{fragment}"
+    return _page_url(listening, host, listening.path)
 
 
 def qr_code(text: str) -> str:
@@ -119,6 +120,12 @@ def _wscat(listening: "Listening", url: str) -> str:
     if listening.posture.needs_token:
         command += f" -H 'Authorization: Bearer {listening.new_token or 'TOKEN'}'"
     return command
+
+
+def _page_url(listening: "Listening", host: str, path: str) -> str:
+    scheme = "https" if listening.is_encrypted else "http"
+    fragment = f"#token={listening.new_token}" if listening.new_token else ""
+    return f"{scheme}://{_host(host)}:{listening.port}{path}{fragment}"
 
 
 def _hosts(listening: "Listening", addresses: Sequence[str]) -> list[str]:

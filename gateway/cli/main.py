@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from schemas.installed import InstalledDefinitions
 
 _DEMO_HINT: Final = """\
+in a browser, open  PAGE
 in another terminal, connect with  WSCAT  and paste:
   {"op":"subscribe","topic":"/odom","fields":["pose.pose.position"],"throttle_rate":1000}
   DRIVE

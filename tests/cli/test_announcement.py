@@ -95,6 +95,9 @@ def test_the_address_on_this_machine_can_be_typed(addresses, url):
 def test_the_command_for_this_machine_has_the_token():
     here = listening(HERE, "admin")
     assert filled("WSCAT", here) == "npx wscat -c ws://localhost:9090/"
+    assert filled("PAGE", here) == "http://localhost:9090/"
+    assert filled("PAGE", listening(certificate="c", path="/ros")) == "https://localhost:9090/"
+    assert filled("PAGE", listening(new_token="r2g_x")).endswith("/#token=r2g_x")  # noqa: S106
     assert filled("WSCAT", listening(new_token="r2g_x")).endswith("Bearer r2g_x'")  # noqa: S106
 
 

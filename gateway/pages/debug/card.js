@@ -85,7 +85,7 @@ export class Card {
 
   #header() {
     const views = element("select", { title: "how it is shown", aria: { label: "view" } });
-    for (const key of viewsFor(this.type)) views.append(new Option(nameOf(key), key, false, key === this.view));
+    for (const key of new Set([this.view, ...viewsFor(this.type)])) views.append(new Option(nameOf(key), key, false, key === this.view));
     views.onchange = () => this.#restart({ view: views.value });
     const rates = element("select", { title: "at most so many messages a second", aria: { label: "rate" } });
     for (const hz of RATES_HZ) rates.append(new Option(hz ? `${hz} Hz` : "all", hz, false, hz === this.rate));

@@ -124,6 +124,8 @@ find("stop").onclick = async () => {
   }
 };
 
+addEventListener("hashchange", () => location.reload()); // another address was typed or followed
+
 gateway.connect();
 tick({ ...gateway.counts, ms: performance.now() - 1000 });
 draw();

@@ -185,12 +185,14 @@ export class Gateway extends EventTarget {
   }
 }
 
-/** Return the token: that behind # of the address, as a QR code has it, or the one kept for this tab. */
+/** Return the token: that behind # in the address, as a QR code has it, or the one kept for this tab. */
 function takeToken() {
-  const given = location.hash.slice(1);
-  if (!given.startsWith("r2g_")) return sessionStorage.getItem(TOKEN_KEY);
+  const kept = new URLSearchParams(location.hash.slice(1));
+  const given = kept.get("token");
+  if (!given) return sessionStorage.getItem(TOKEN_KEY);
   keepToken(given);
-  history.replaceState(null, "", location.pathname); // nobody should copy it with the address
+  kept.delete("token"); // nobody should copy it with the address
+  history.replaceState(null, "", `${location.pathname}#${kept}`);
   return given;
 }
 

@@ -29,7 +29,8 @@ export function viewsFor(type) {
 /** Return the name of a view, as people read it. */
 export const nameOf = (key) => VIEWS[key].name;
 
-/** Make a view of a card; unknown keys, as from an old address, become a tree. */
-export function makeView(key, card) {
-  return new (VIEWS[key] ?? VIEWS.tree).make(card);
-}
+/** Return whether there is a view of this key; an old address may have others. */
+export const isView = (key) => Object.hasOwn(VIEWS, key);
+
+/** Make a view of a card. */
+export const makeView = (key, card) => new VIEWS[key].make(card);

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A real browser on the pages of a real gateway with the simulated robot."""
+
+import contextlib
+from collections.abc import AsyncIterator, Callable
+from contextlib import AbstractAsyncContextManager
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import pytest
+import pytest_asyncio
+
+from tests.demonstration import demonstration
+from tests.gateway_process import GatewayProcess
+
+TIMEOUT_S = 120  # a busy machine starts a browser for a while
+CHROMIUM = Path("/usr/lib/chromium/chromium-headless-shell")
+HAS_CHROMIUM = CHROMIUM.exists()
+DESK = {"width": 1280, "height": 800}
+HOW = "no browser: apt install chromium-headless-shell, then pip install playwright"
+
+OpenPage = Callable[..., AbstractAsyncContextManager["Page"]]  # noqa: F821  # of playwright
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def browser():
+    if not HAS_CHROMIUM:
+        pytest.skip(HOW)
+    playwright = pytest.importorskip("playwright.async_api", reason=HOW)
+    async with playwright.async_playwright() as driver:
+        # as root Chromium has no sandbox, and it sees nothing but our own pages
+        arguments = ["--no-sandbox", "--disable-dev-shm-usage"]
+        browser = await driver.chromium.launch(executable_path=CHROMIUM, args=arguments)
+        yield browser
+        await browser.close()
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def demo() -> AsyncIterator[GatewayProcess]:
+    async with demonstration() as gateway:
+        yield gateway
+
+
+def page_address(gateway: GatewayProcess) -> str:
+    """Return where a gateway's pages are."""
+    return gateway.url.replace("ws://", "http://")
+
+
+@pytest.fixture
+def open_page(browser) -> OpenPage:
+    """Return a function that opens a page, which must stay without an error until it is closed."""
+
+    @contextlib.asynccontextmanager
+    async def open_it(address: str, viewport=DESK, **options):
+        wrong: list[str] = []
+        context = await browser.new_context(viewport=viewport, **options)
+        page = await context.new_page()
+        page.set_default_timeout(TIMEOUT_S * 1000)
+        page.on("pageerror", lambda error: wrong.append(f"raised: {error}"))
+        page.on("console", lambda line: wrong.append(f"{line.type}: {line.text}"))
+        host = urlsplit(address).netloc
+        page.on(
+            "request",
+            lambda each: urlsplit(each.url).netloc in {host, ""} or wrong.append(each.url),
+        )
+        page.wrong = wrong
+        await page.goto(address)
+        yield page
+        await context.close()
+        assert wrong == []
+
+    return open_it

@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Write the pictures of docs/pages.md, with the simulated robot; ``make screenshots``."""
+
+import asyncio
+from pathlib import Path
+
+from playwright.async_api import async_playwright
+
+from tests.demonstration import demonstration
+from tests.pages.conftest import CHROMIUM, page_address
+
+FOLDER = Path(__file__).parents[2] / "docs"
+SIZE = {"width": 1440, "height": 900}
+SETTLED_MS = 12_000  # the plot has something to show
+
+
+async def main() -> None:
+    """Open the page as on a first visit, drive a little, and take the picture."""
+    async with demonstration() as gateway, async_playwright() as driver:
+        browser = await driver.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        page = await browser.new_page(viewport=SIZE, color_scheme="dark")
+        await page.goto(page_address(gateway))
+        await page.wait_for_selector(".uplot")
+        await page.click("#topics button:has-text('/imu')")
+        await page.wait_for_timeout(SETTLED_MS)
+        await page.screenshot(path=FOLDER / "debug.png")
+        await browser.close()
+
+
+if __name__ == "__main__":
+    asyncio.run(main())

@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The debug page in a real browser."""
+
+import asyncio
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests import dds_domain
+from tests.client import client
+from tests.demonstration import until_it_can_be_driven
+from tests.gateway_process import gateway_process
+from tests.pages.conftest import DESK, page_address
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+PHONE = {"width": 390, "height": 844}
+# whether a canvas has more than one colour; asked of a copy, as reading makes a canvas slow
+PAINTED = """canvas => {
+    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
+    copy.drawImage(canvas, 0, 0);
+    const { data } = copy.getImageData(0, 0, canvas.width, canvas.height);
+    return new Set(new Uint32Array(data.buffer)).size > 1;
+}"""
+
+
+async def until(page, script: str, argument=None) -> None:
+    """Wait until a function of the page returns true."""
+    await page.wait_for_function(script, arg=argument)
+
+
+async def until_painted(page, selector: str) -> None:
+    await page.wait_for_selector(selector)
+    await until(page, f"selector => ({PAINTED})(document.querySelector(selector))", selector)
+
+
+async def new_token(file: Path) -> str:
+    command = [sys.executable, "-m", "gateway", "token", "--file", str(file), "create", "tablet"]
+    finished = await asyncio.to_thread(
+        subprocess.run, command, capture_output=True, text=True, check=True
+    )
+    return finished.stdout.strip()
+
+
+def card(topic: str) -> str:
+    return f'article[aria-label="{topic}"]'
+
+
+async def test_a_first_visit_opens_picture_scan_and_plot(demo, open_page):
+    async with open_page(page_address(demo)) as page:
+        await until_painted(page, f"{card('/camera/image_raw')} canvas")
+        await until_painted(page, f"{card('/scan')} canvas")
+        await until_painted(page, f"{card('/odom')} .uplot canvas")
+        await until(page, "() => /Hz/.test(document.querySelector('footer').textContent)")
+        assert await page.inner_text("#state") == "connected"
+        await until(page, "() => /round trip ?[0-9.]+ ms/.test(figures.textContent)")
+        await until(page, "() => /messages ?[1-9][0-9]*\\/s/.test(figures.textContent)")
+
+
+async def test_any_number_is_plotted_by_two_clicks_and_the_address_keeps_it(demo, open_page):
+    async with open_page(page_address(demo) + "#card=tree+0+/battery_state") as page:
+        battery = f"{card('/battery_state')}"
+        await page.click("#topics button:has-text('/imu')")
+        row = page.locator(f"{card('/imu')} .row:has(> dt:text-is('z: '))").last
+        await row.locator("button").click()
+        plot = f"{card('/imu')}:has(.uplot)"
+        await until_painted(page, f"{plot} canvas")
+        assert "linear_acceleration.z" in await page.inner_text(f"{plot} .u-legend")
+        await page.reload()
+        await until_painted(page, f"{plot} canvas")
+        assert await page.locator("article").count() == 3
+        assert await page.locator(battery).count() == 1
+
+
+async def test_the_views_of_a_topic(demo, open_page):
+    async with open_page(page_address(demo) + "#card=tree+0+/odom") as page:
+        odom = card("/odom")
+        await until(page, "() => document.querySelector('.tree')?.textContent.includes('odom')")
+        await page.select_option(f"{odom} select[aria-label=view]", "raw")
+        await page.wait_for_selector(f"{odom} .raw")
+        await until(page, "() => document.querySelector('.raw').textContent.startsWith('{')")
+        frame = json.loads(await page.inner_text(f"{odom} .raw"))
+        assert (frame["op"], frame["topic"]) == ("publish", "/odom")
+        await page.select_option(f"{odom} select[aria-label=view]", "plot")
+        assert "Choose a number" in await page.inner_text(f"{odom} .body")
+        await page.click("#topics button:has-text('/rosout')")
+        await page.wait_for_selector(f"{card('/rosout')} .log")
+
+
+async def test_pausing_a_rate_cap_and_closing(demo, open_page):
+    async with open_page(page_address(demo) + "#card=raw+0+/odom") as page:
+        odom = card("/odom")
+        text = "() => document.querySelector('.raw').textContent"
+        await until(page, "() => document.querySelector('.raw').textContent.length > 0")
+        await page.click(f"{odom} button:text-is('Pause')")
+        shown = await page.evaluate(text)
+        newest = "document.querySelector('footer').textContent"
+        await until(page, f"before => {newest} !== before", await page.evaluate(f"() => {newest}"))
+        assert await page.evaluate(text) == shown
+        await page.click(f"{odom} button:text-is('Pause')")
+        await until(page, "before => document.querySelector('.raw').textContent !== before", shown)
+        await page.select_option(f"{odom} select[aria-label=rate]", "1")
+        await until(page, "() => /^[012] Hz/.test(document.querySelector('footer').textContent)")
+        await page.click(f"{odom} button[aria-label='close /odom']")
+        assert await page.locator("article").count() == 0
+
+
+async def test_a_topic_that_nobody_has_is_told_of(demo, open_page):
+    async with open_page(page_address(demo) + "#card=tree+0+/odm&card=nothing+0+/odom") as page:
+        problem = await page.wait_for_selector(f"{card('/odm')} .problem:not([hidden])")
+        assert "did you mean /odom?" in await problem.inner_text()
+        assert await page.locator("article").count() == 1
+
+
+async def test_stop_stops_what_another_client_drives(demo, open_page):
+    async with open_page(page_address(demo)) as page, client(demo.url) as speaker:
+        await until_it_can_be_driven(speaker)
+        await speaker.send(op="control", topic="/cmd_vel", watch=True)
+        await speaker.send(op="publish", topic="/cmd_vel", msg={"angular": {"z": 0.2}})
+        await page.click("#stop")
+        await until(page, "() => notice.textContent === 'stopping /cmd_vel'")
+        await speaker.receive(lambda frame: frame.get("cause") in {"stop", "deadline"})
+
+
+@pytest.fixture(scope="module")
+def nowhere() -> tuple[str, str]:
+    """The options of a gateway in a DDS domain without a robot."""
+    return "--domain-id", str(dds_domain.claim())
+
+
+async def test_without_a_robot_the_page_says_so(open_page, nowhere):
+    async with (
+        gateway_process("serve", *nowhere) as gateway,
+        open_page(page_address(gateway)) as page,
+    ):
+        await until(page, "() => cards.textContent.includes('Nobody publishes anything here yet')")
+        assert "ros2-gateway demo" in await page.inner_text("#cards")
+        async with client(gateway.url) as speaker:
+            await speaker.send(op="advertise", topic="/scan", type="sensor_msgs/msg/LaserScan")
+            await page.wait_for_selector(card("/scan"))
+
+
+async def test_a_lost_connection_is_said_and_comes_back(open_page, nowhere):
+    async with gateway_process("serve", *nowhere) as gateway:
+        address = page_address(gateway)
+        port = address.rstrip("/").rpartition(":")[2]
+        async with open_page(address + "#card=tree+0+/text") as page:
+            await until(page, "() => state.textContent === 'connected'")
+            await gateway.stop()
+            await until(page, "() => state.textContent.startsWith('not connected')")
+            async with (
+                gateway_process("serve", *nowhere, "--port", port) as other,
+                client(other.url) as speaker,
+            ):
+                await until(page, "() => state.textContent === 'connected'")
+                await speaker.send(
+                    op="advertise", topic="/text", type="std_msgs/String", latch=True
+                )
+                await speaker.send(op="publish", topic="/text", msg={"data": "again"})
+                await until(page, "() => cards.textContent.includes('again')")
+            # that nobody listens meanwhile is the browser's to say
+            page.wrong[:] = [each for each in page.wrong if "ERR_CONNECTION_REFUSED" not in each]
+
+
+async def test_a_token_is_asked_for_and_kept_for_the_tab(open_page, tmp_path):
+    file = tmp_path / "tokens.json"
+    token = await new_token(file)
+    settings = ("--set", "access.authentication=token", "--set", f"access.token_file={file}")
+    async with gateway_process("serve", *settings) as gateway:
+        async with open_page(page_address(gateway)) as page:
+            await page.fill("#token-text", "r2g_wrong")
+            await page.click("#token button")
+            await until(page, "() => document.getElementById('token-problem').textContent")
+            await page.fill("#token-text", token)
+            await page.click("#token button")
+            await until(page, "() => state.textContent === 'connected'")
+            await page.reload()
+            await until(page, "() => state.textContent === 'connected'")
+            assert "r2g_" not in page.url
+        async with open_page(f"{page_address(gateway)}#token={token}") as page:
+            await until(page, "() => state.textContent === 'connected'")
+            assert "r2g_" not in page.url
+
+
+async def test_what_is_no_json_is_said_and_harms_nothing(demo, open_page):
+    async with open_page("about:blank") as page:
+
+        def garble(route) -> None:
+            server = route.connect_to_server()
+            route.send("this is no JSON {")
+            server.on_message(lambda message: route.send(message))
+
+        await page.route_web_socket("**/*", garble)
+        page.wrong.clear()
+        await page.goto(page_address(demo))
+        await until(page, "() => notice.textContent.startsWith('the gateway sent what is no JSON')")
+        await until_painted(page, f"{card('/scan')} canvas")
+        page.wrong[:] = [each for each in page.wrong if not each.startswith("http")]
+
+
+@pytest.mark.parametrize("viewport", [DESK, PHONE], ids=["desk", "phone"])
+@pytest.mark.parametrize("scheme", ["dark", "light"])
+async def test_nothing_is_wider_than_the_screen_and_every_control_has_a_name(
+    demo, open_page, viewport, scheme
+):
+    async with open_page(page_address(demo), viewport, color_scheme=scheme) as page:
+        await until_painted(page, f"{card('/scan')} canvas")
+        assert await page.evaluate("() => document.scrollingElement.scrollWidth <= innerWidth")
+        for control in await page.get_by_role("button").all():
+            assert (await control.inner_text()).strip() or await control.get_attribute("aria-label")
+        assert await page.evaluate(
+            "() => document.getElementById('stop').getBoundingClientRect().right <= innerWidth"
+        )
