@@ -162,7 +162,7 @@ class HttpFront:
                 address = f"{scheme}://{request.headers['Host']}{self._path}"
                 return page(protocol, request, _WELCOME.format(address=address).encode())
             path = INDEX
-        file = self._files.find(path)
+        file = self._files.find(path) or self._files.find(f"{path}.html")
         return response_of(protocol, request, file) if file else None
 
     def _log_foreign(self, host: str) -> None:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The debug page: what the robot says, and STOP.
 
+import * as bar from "../shared/bar.js";
 import { bytes, element } from "../shared/dom.js";
 import { Gateway } from "../shared/gateway.js";
 import * as page from "./address.js";
@@ -16,12 +17,6 @@ const FIRST_VIEWS = [
   { types: ["nav_msgs/msg/Odometry"], view: "plot", fields: ["twist.twist.linear.x", "twist.twist.angular.z"] },
 ];
 const NO_ROBOT = "Nobody publishes anything here yet. Start a robot, or the simulated one by ";
-const WORDS = {
-  open: () => "connected",
-  connecting: () => "connecting",
-  closed: (reason) => `not connected${reason ? `: ${reason}` : ""}; trying again`,
-  token: () => "a token is needed",
-};
 
 const find = (id) => document.getElementById(id);
 const gateway = new Gateway();
@@ -72,11 +67,6 @@ function welcome() {
   else find("cards").replaceChildren(empty);
 }
 
-function tell(text) {
-  find("notice").textContent = text;
-  find("notice").hidden = !text;
-}
-
 function tick(before) {
   const now = { ...gateway.counts, ms: performance.now() };
   const seconds = (now.ms - before.ms) / 1000;
@@ -98,34 +88,15 @@ function draw() {
   requestAnimationFrame(draw);
 }
 
-gateway.addEventListener("state", ({ detail: { state, reason } }) => {
-  find("state").textContent = WORDS[state](reason);
-  find("state").dataset.state = state;
-  if (state === "open") tell("");
-  if (state === "token") {
-    find("token-problem").textContent = reason;
-    find("token").showModal();
-  }
-});
 gateway.addEventListener("graph", ({ detail }) => {
   topics.update(detail);
   if (wanted) for (const shown of wanted) add(shown);
   wanted = null;
   if (isFirstVisit) welcome();
 });
-gateway.addEventListener("status", ({ detail }) => tell(detail.msg));
-find("token").addEventListener("close", () => gateway.useToken(find("token-text").value.trim()));
-find("stop").onclick = async () => {
-  try {
-    const { topics: stopped } = await gateway.ask({ op: "stop" });
-    tell(stopped.length ? `stopping ${stopped.join(", ")}` : "nothing moves: no command topic is in use");
-  } catch (error) {
-    tell(`STOP was not carried out: ${error.message}`);
-  }
-};
-
 addEventListener("hashchange", () => location.reload()); // another address was typed or followed
 
+bar.connect(gateway);
 gateway.connect();
 tick({ ...gateway.counts, ms: performance.now() - 1000 });
 draw();

@@ -26,7 +26,8 @@ export function address() {
  * @property {(status: object) => void} onStatus what the gateway says of it
  */
 
-/** Events: `state`, with `open`, `connecting`, `closed` or `token` as detail; `graph`; `status`. */
+/** Events: `state`, with `open`, `connecting`, `closed` or `token` as detail; the names of operations, such as `graph`, `status`
+ * and `control`, with a frame that answers nothing as detail. */
 export class Gateway extends EventTarget {
   #socket = null;
   #subscriptions = new Map();
@@ -134,8 +135,8 @@ export class Gateway extends EventTarget {
       this.dispatchEvent(new CustomEvent("graph", { detail: frame }));
     } else if (frame.op === "status") {
       this.#status(frame);
-    } else {
-      this.#settle(frame.id, frame);
+    } else if (!this.#settle(frame.id, frame)) {
+      this.dispatchEvent(new CustomEvent(frame.op, { detail: frame }));
     }
   }
 

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a person holds: keys, and a stick on the screen.
+
+const KEYS = {
+  ArrowUp: [1, 0], KeyW: [1, 0],
+  ArrowDown: [-1, 0], KeyS: [-1, 0],
+  ArrowLeft: [0, 1], KeyA: [0, 1],
+  ArrowRight: [0, -1], KeyD: [0, -1],
+};
+
+/**
+ * Report what is held, until it is let go: also when the window loses the focus, or is hidden.
+ * @param {HTMLElement} stick
+ * @param {HTMLElement} knob
+ * @param {(linear: number, angular: number) => void} report in shares, -1 to 1; forward and left are positive
+ * @returns {() => void} let go of everything, until it is pressed anew
+ */
+export function watch(stick, knob, report) {
+  const pressed = new Set();
+  let pushed = [0, 0];
+
+  function tell() {
+    const held = [...pressed].map((code) => KEYS[code]).concat([pushed]);
+    report(held.reduce((sum, [linear]) => sum + linear, 0), held.reduce((sum, [, angular]) => sum + angular, 0));
+  }
+
+  function letGo() {
+    pressed.clear();
+    push([0, 0]);
+  }
+
+  function push(position) {
+    pushed = position;
+    const [linear, angular] = position;
+    knob.style.transform = `translate(${-angular * 3.5}rem, ${-linear * 3.5}rem)`;
+    tell();
+  }
+
+  function drag(event) {
+    if (!stick.hasPointerCapture(event.pointerId)) return;
+    const { left, top, width, height } = stick.getBoundingClientRect();
+    const right = (2 * (event.clientX - left)) / width - 1;
+    const down = (2 * (event.clientY - top)) / height - 1;
+    const length = Math.max(1, Math.hypot(right, down));
+    push([-down / length, -right / length]);
+  }
+
+  addEventListener("keydown", (event) => {
+    if (!(event.code in KEYS) || event.ctrlKey || event.metaKey || event.altKey || isTyping(event.target)) return;
+    event.preventDefault(); // arrows would scroll
+    if (event.repeat) return;
+    pressed.add(event.code);
+    tell();
+  });
+  addEventListener("keyup", (event) => {
+    if (pressed.delete(event.code)) tell();
+  });
+  addEventListener("blur", letGo);
+  addEventListener("pagehide", letGo);
+  document.addEventListener("visibilitychange", () => document.hidden && letGo());
+  stick.addEventListener("pointerdown", (event) => {
+    stick.setPointerCapture(event.pointerId);
+    drag(event);
+  });
+  stick.addEventListener("pointermove", drag);
+  stick.addEventListener("lostpointercapture", () => push([0, 0]));
+  return letGo;
+}
+
+const isTyping = (target) => target instanceof HTMLInputElement && target.type !== "button";

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// The drive page: camera, scan, and a robot that moves while something is held.
+
+import { ImageView } from "../debug/views/image.js";
+import { ScanView } from "../debug/views/scan.js";
+import * as bar from "../shared/bar.js";
+import { element } from "../shared/dom.js";
+import { Gateway } from "../shared/gateway.js";
+import { Driver } from "./driver.js";
+import { watch } from "./held.js";
+import { sentence } from "./words.js";
+
+const IMAGES = ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"];
+const SCANS = ["sensor_msgs/msg/LaserScan"];
+const STAMPED = "geometry_msgs/msg/TwistStamped";
+const COMMANDS = ["geometry_msgs/msg/Twist", STAMPED];
+
+const find = (id) => document.getElementById(id);
+const gateway = new Gateway();
+const views = { camera: null, scan: null };
+const topics = new Map(); // name -> as the gateway describes it
+let command = null; // {topic, type} of what moves the robot
+
+const driver = new Driver(({ linear, angular }) => {
+  if (!command) return;
+  const twist = {
+    linear: { x: linear * find("linear").valueAsNumber },
+    angular: { z: angular * find("angular").valueAsNumber },
+  };
+  const { topic, type } = command;
+  const msg = type === STAMPED ? { twist } : twist;
+  gateway.send({ op: "publish", topic, type, msg, monotonic_ms: Math.round(performance.now()) });
+});
+const letGo = watch(find("stick"), find("knob"), (linear, angular) => driver.hold(linear, angular));
+
+/** Show the first topic of some types, from when there is one. */
+function show(place, types, View, missing) {
+  if (views[place]) return;
+  const found = [...topics.values()].find((each) => each.publishers.length && types.includes(each.types[0]));
+  if (!found) {
+    find(place).replaceChildren(element("p", {}, missing));
+    return;
+  }
+  const view = new View({ topic: found.name, tell: bar.tell });
+  views[place] = view;
+  find(place).replaceChildren(view.element);
+  gateway.subscribe(found.name, view.options, (message) => view.show(message), (status) => bar.tell(status.msg));
+}
+
+/** Ask for the state of the topic that moves the robot, once there is one; its changes follow. */
+async function watchControl() {
+  if (command) return;
+  try {
+    const state = await gateway.ask({ op: "control", watch: true });
+    const type = topics.get(state.topic)?.types[0];
+    if (COMMANDS.includes(type)) command = { topic: state.topic, type };
+    told(state);
+  } catch (error) {
+    find("control").textContent = error.message;
+  }
+}
+
+function told(state) {
+  find("control").textContent = command ? sentence(state) : `Nobody listens on ${state.topic}: there is nothing to drive.`;
+  find("take").hidden = state.holder !== "other";
+  if (state.holder === "you" && state.state === "moving") bar.tell(""); // what was refused before
+}
+
+gateway.addEventListener("state", ({ detail: { state } }) => {
+  letGo(); // what was held before belongs to another connection
+  command = null;
+  if (state === "closed") find("control").textContent = "Not connected: the gateway stops what you drove.";
+});
+gateway.addEventListener("graph", ({ detail: { topics: all, changes } }) => {
+  if (all) topics.clear();
+  for (const each of all ?? changes.topics ?? []) topics.set(each.name, each);
+  for (const name of changes?.gone_topics ?? []) topics.delete(name);
+  show("camera", IMAGES, ImageView, "Nobody publishes pictures.");
+  show("scan", SCANS, ScanView, "Nobody publishes a laser scan.");
+  watchControl();
+});
+gateway.addEventListener("control", ({ detail }) => told(detail));
+
+addEventListener("keydown", (event) => {
+  if (event.code !== "Space" || event.target instanceof HTMLButtonElement) return;
+  event.preventDefault();
+  letGo();
+  bar.stop(gateway);
+});
+find("take").onclick = async () => {
+  try {
+    told(await gateway.ask({ op: "acquire_control", topic: command.topic }));
+    driver.ready();
+  } catch (error) {
+    bar.tell(error.message);
+  }
+};
+for (const [name, unit] of [["linear", "m/s"], ["angular", "rad/s"]]) {
+  const write = () => (find(`${name}-text`).textContent = `${find(name).valueAsNumber.toFixed(2)} ${unit}`);
+  find(name).oninput = write;
+  write();
+}
+
+bar.connect(gateway);
+gateway.connect();

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// The state of a command topic, as a person who drives reads it.
+
+const CAUSES = {
+  stop: "somebody pressed STOP",
+  deadline: "commands ceased",
+  disconnect: "the client that drove has left",
+  takeover: "another client took over",
+  lease: "control was lost",
+  permission: "this role may not drive any more",
+  invalid_value: "a command was wrong",
+  backlog: "commands came late",
+  guard: "the process that would stop it was lost",
+  shutdown: "the gateway ended",
+};
+
+/** Return the sentence for a `control` frame. */
+export function sentence({ state, tripped, cause, holder, guard, clamped }) {
+  if (guard === "lost") return "Nothing moves: the process that would stop the robot was lost; a new one is starting.";
+  if (guard === "starting") return "Nothing moves yet: the process that would stop the robot is starting.";
+  if (holder === "other") return "Another client drives.";
+  if (state === "moving") return clamped ? "Driving, slower than you ask: the gateway limits the speed." : "Driving.";
+  if (tripped) return `Stopped: ${CAUSES[cause] ?? cause}. Let go of everything, then drive on.`;
+  return CAUSES[cause] ? `Stopped: ${CAUSES[cause]}.` : "Stopped.";
+}

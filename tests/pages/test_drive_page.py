@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The drive page in a real browser, with the simulated robot: it moves while something is held."""
+
+import contextlib
+
+import pytest
+import pytest_asyncio
+
+from tests.client import Client, client
+from tests.demonstration import until_it_can_be_driven
+from tests.pages.conftest import page_address
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+LATE_S = 120
+
+
+class Watched:
+    """The state of /cmd_vel, as another client hears it."""
+
+    def __init__(self, speaker: Client) -> None:
+        self._speaker = speaker
+
+    async def until(self, **wanted: object) -> dict[str, object]:
+        """Wait for a state of these members."""
+        return await self._speaker.receive(
+            lambda frame: frame["op"] == "control" and wanted.items() <= frame.items(),
+            LATE_S,
+        )
+
+
+@pytest_asyncio.fixture(loop_scope="module")
+async def watched(demo):
+    async with client(demo.url) as speaker:
+        await until_it_can_be_driven(speaker)
+        await speaker.send(op="control", topic="/cmd_vel", watch=True)
+        yield Watched(speaker)
+
+
+@pytest.fixture
+def drive(demo, open_page):
+    """Return a function that opens the page and waits until it can drive."""
+
+    @contextlib.asynccontextmanager
+    async def open_it():
+        async with open_page(f"{page_address(demo)}drive") as page:
+            await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
+            yield page
+
+    return open_it
+
+
+async def test_a_held_key_drives_and_letting_go_stops(drive, watched):
+    async with drive() as page:
+        await page.keyboard.down("ArrowLeft")
+        await watched.until(state="moving")
+        await page.wait_for_function("() => control.textContent === 'Driving.'")
+        await page.keyboard.up("ArrowLeft")
+        assert (await watched.until(state="stopped"))["cause"] == "zero"
+        await page.keyboard.down("KeyD")
+        await watched.until(state="moving")
+        await page.keyboard.up("KeyD")
+        await watched.until(state="stopped", cause="zero")
+
+
+async def test_the_stick_drives_while_it_is_dragged(drive, watched):
+    async with drive() as page:
+        box = await page.locator("#stick").bounding_box()
+        await page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+        await page.mouse.down()
+        await page.mouse.move(box["x"] + 5, box["y"] + box["height"] / 2)
+        await watched.until(state="moving")
+        await page.mouse.up()
+        await watched.until(state="stopped", cause="zero")
+
+
+@pytest.mark.parametrize(
+    "event",
+    [
+        "dispatchEvent(new Event('blur'))",
+        """Object.defineProperty(document, 'hidden', {value: true, configurable: true});
+        document.dispatchEvent(new Event('visibilitychange'))""",
+    ],
+    ids=["blur", "hidden"],
+)
+async def test_a_page_that_nobody_looks_at_stops(drive, watched, event):
+    async with drive() as page:
+        await page.keyboard.down("ArrowRight")
+        await watched.until(state="moving")
+        await page.evaluate(f"() => {{ {event} }}")
+        await watched.until(state="stopped", cause="zero")
+        await page.keyboard.up("ArrowRight")
+
+
+@pytest.mark.parametrize("by", ["button", "space"])
+async def test_stop_stops_and_what_is_still_held_moves_nothing(drive, watched, by):
+    async with drive() as page:
+        await page.keyboard.down("ArrowLeft")
+        await watched.until(state="moving")
+        if by == "space":
+            await page.keyboard.press("Space")
+        else:
+            await page.evaluate("() => document.getElementById('stop').click()")
+        await watched.until(state="stopped")
+        await page.keyboard.up("ArrowLeft")
+        await watched.until(tripped=False)
+
+
+async def test_a_page_that_is_closed_while_it_drives_stops_the_robot(drive, watched):
+    async with drive() as page:
+        await page.keyboard.down("ArrowLeft")
+        await watched.until(state="moving")
+    await watched.until(state="stopped")
+
+
+async def test_who_else_drives_is_said_and_can_be_taken_over(demo, drive, watched):
+    async with client(demo.url) as other, drive() as page:
+        await other.send(op="acquire_control", topic="/cmd_vel")
+        await page.wait_for_function("() => control.textContent === 'Another client drives.'")
+        await page.keyboard.down("ArrowLeft")
+        await page.wait_for_function("() => notice.textContent.includes('/cmd_vel')")
+        await page.keyboard.up("ArrowLeft")
+        await page.click("#take")
+        await page.wait_for_selector("#take", state="hidden")
+        await page.wait_for_function("() => /^Stopped(?!.*Let go)/.test(control.textContent)")
+        await page.keyboard.down("ArrowLeft")
+        await watched.until(state="moving")
+        await page.keyboard.up("ArrowLeft")
+        await watched.until(state="stopped")
+
+
+async def test_it_shows_camera_and_scan(drive):
+    async with drive() as page:
+        await page.wait_for_selector("#camera canvas")
+        await page.wait_for_selector("#scan canvas")
+        assert await page.evaluate("() => document.scrollingElement.scrollWidth <= innerWidth")
