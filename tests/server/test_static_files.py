@@ -54,6 +54,12 @@ async def test_a_browser_gets_a_page_and_others_a_text(serve, files):
         assert b"Connect a rosbridge client" in text.body
 
 
+async def test_a_page_is_named_without_its_ending(serve, files):
+    async with serve(files=files) as served:
+        page = await get(served.port, "/drive", HTML)
+        assert b"<title>Drive" in page.body
+
+
 async def test_without_pages_a_browser_gets_the_text(serve):
     async with serve() as served:
         page = await get(served.port, "/", HTML)
