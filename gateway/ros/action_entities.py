@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The actions that are open through the port."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 from gateway.action_ports import GoalRequest
-from gateway.ports import RosError
+from gateway.ports import RosError, ServerInfo
 from gateway.ros.action_client import RclpyActionClient
 from gateway.ros.action_server import RclpyActionServer
 from gateway.ros.deferred_destruction import DeferredDestruction
@@ -47,10 +47,11 @@ class Actions:
             return self._provided[action].type_name
         return next((c.type_name for c in self._clients if c.name == action), None)
 
-    def provided(self, action: str) -> tuple[str, ...]:
-        """Return the type of an action that is provided here: DDS may have to find that yet."""
-        server = self._provided.get(action)
-        return () if server is None else (server.type_name,)
+    def provided(self) -> Iterator[ServerInfo]:
+        """Yield the actions that are provided here: DDS may have to find them yet."""
+        node = self._endpoints.node.get_fully_qualified_name()
+        for name, server in self._provided.items():
+            yield ServerInfo(name, (server.type_name,), (node,))
 
     def client(self, action: str, type_name: str) -> RclpyActionClient:
         """Open a client; see `gateway.ports.Ros.action_client`."""

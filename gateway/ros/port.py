@@ -227,16 +227,16 @@ class RclpyRos:
         """Return the types of a service; see the port. Kept until the graph changes."""
         # A change is reported a little after it happens: a name that is not known may be new.
         if self._service_types is None or service not in self._service_types:
-            found = self._without_ended("service", read_all_services(self._debug))
+            found = self._services_here(read_all_services(self._debug))
             self._service_types = {each.name: each.types for each in found}
-        return self._service_types.get(service) or self._services.provided(service)
+        return self._service_types.get(service, ())
 
     def action_types(self, action: str) -> tuple[str, ...]:
         """Return the types of an action; see `service_types`."""
         if self._action_types is None or action not in self._action_types:
-            found = self._without_ended("action", read_actions(self._debug))
+            found = self._actions_here(read_actions(self._debug))
             self._action_types = {each.name: each.types for each in found}
-        return self._action_types.get(action) or self._actions.provided(action)
+        return self._action_types.get(action, ())
 
     def graph(self) -> Graph:
         """Return the graph as it is known now; kept until it changes."""
@@ -244,8 +244,8 @@ class RclpyRos:
             graph = read_graph(self._debug, self._options.guard_node)
             self._graph = replace(
                 graph,
-                services=self._without_ended("service", graph.services),
-                actions=self._without_ended("action", graph.actions),
+                services=self._services_here(graph.services),
+                actions=self._actions_here(graph.actions),
             )
         return self._graph
 
@@ -340,13 +340,22 @@ class RclpyRos:
 
     # What is opened and closed here changes the graph at once: no report is waited for.
 
-    def _without_ended(self, kind: str, found: Iterable[ServerInfo]) -> tuple[ServerInfo, ...]:
-        """Leave out what is closed and awaits its deferred destruction."""
+    def _services_here(self, found: Iterable[ServerInfo]) -> tuple[ServerInfo, ...]:
+        return self._as_here("service", found, self._services.provided())
+
+    def _actions_here(self, found: Iterable[ServerInfo]) -> tuple[ServerInfo, ...]:
+        return self._as_here("action", found, self._actions.provided())
+
+    def _as_here(
+        self, kind: str, found: Iterable[ServerInfo], provided: Iterable[ServerInfo]
+    ) -> tuple[ServerInfo, ...]:
+        """Add what DDS has to find yet; leave out what awaits its deferred destruction."""
+        known = {each.name: each for each in (*provided, *found)}
         return tuple(
-            each
-            for each in found
-            if not (set(each.nodes) <= self._own_nodes)
-            or not self._deferred.is_deferred(f"{kind} {each.name}")
+            known[name]
+            for name in sorted(known)
+            if not (set(known[name].nodes) <= self._own_nodes)
+            or not self._deferred.is_deferred(f"{kind} {name}")
         )
 
     def _topics_changed(self) -> None:

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Services, called and provided, with requests and responses as CDR."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
-from gateway.ports import Request, RosError
+from gateway.ports import Request, RosError, ServerInfo
 from gateway.ros.deferred_destruction import DeferredDestruction
 from gateway.ros.endpoints import Endpoints, FindConflict, Replier, Reply, Requester
 from gateway.ros.errors import refusals
@@ -42,10 +42,11 @@ class Services:
             return self._provided[service].type_name
         return next((c.type_name for c in self._clients if c.name == service), None)
 
-    def provided(self, service: str) -> tuple[str, ...]:
-        """Return the type of a service that is provided here: DDS may have to find that yet."""
-        server = self._provided.get(service)
-        return () if server is None else (server.type_name,)
+    def provided(self) -> Iterator[ServerInfo]:
+        """Yield the services that are provided here: DDS may have to find them yet."""
+        node = self._endpoints.node.get_fully_qualified_name()
+        for name, server in self._provided.items():
+            yield ServerInfo(name, (server.type_name,), (node,))
 
     def client(self, service: str, type_name: str) -> "RclpyClient":
         """Open a client; see `gateway.ports.Ros.client`."""

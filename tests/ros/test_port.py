@@ -16,7 +16,7 @@ from rclpy.node import Node
 
 from gateway.action_ports import GoalRequest
 from gateway.errors import RosMissingError
-from gateway.ports import LogLevel, Qos, Request, Ros, RosError, Sample
+from gateway.ports import Graph, LogLevel, Qos, Request, Ros, RosError, Sample, ServerInfo
 from gateway.ros import RosOptions, open_ros
 from gateway.ros.graph import read_actions, read_all_services
 from gateway.ros.options import Taking
@@ -377,6 +377,27 @@ async def test_without_rclpy_both_ways_to_get_it_are_told(monkeypatch: pytest.Mo
     with pytest.raises(RosMissingError, match="pip install"):
         async with open_ros():
             pass
+
+
+async def test_what_is_provided_here_is_in_the_graph_before_dds_has_found_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    nothing = Graph((), (), (), ())
+    monkeypatch.setattr("gateway.ros.port.read_graph", lambda *_: nothing)
+    for read in ("read_all_services", "read_actions"):
+        monkeypatch.setattr(f"gateway.ros.port.{read}", lambda *_: ())
+    async with open_ros() as ros:
+        ros.serve("/arm", SET_BOOL, ignore)
+        action = ros.serve_action("/count", FIBONACCI, ignore, ignore)
+        node = "/ros2_gateway_services"
+        assert ros.graph().services == (ServerInfo("/arm", (SET_BOOL,), (node,)),)
+        assert ros.graph().actions == (ServerInfo("/count", (FIBONACCI,), (node,)),)
+        assert (ros.service_types("/arm"), ros.action_types("/count")) == (
+            (SET_BOOL,),
+            (FIBONACCI,),
+        )
+        action.close()
+        assert (ros.graph().actions, ros.action_types("/count")) == ((), ())
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from gateway.codec.error_text import MAX_ECHO
 from gateway.ports import Ros
 from gateway.rosapi import Parameters, Rosapi
 from schemas.installed import InstalledDefinitions
-from tests.client import TIMEOUT_S
+from tests.clock import StoppedClock
 from tests.rosapi.robot import NAMES, NodeWithParameters
 from tests.rosapi.scripted import ScriptedNodes
 
@@ -169,5 +169,10 @@ async def test_names_of_all_nodes_come_within_the_time_that_the_client_gives(
     rosapi = Rosapi(nodes.ros, InstalledDefinitions(), nodes.parameters)
     answered = rosapi.answer("/rosapi/get_param_names", None, 0.1)
     assert not isinstance(answered, dict)
-    async with asyncio.timeout(TIMEOUT_S):
-        assert await answered() == {"names": ["/robot:speed"]}
+    clock = StoppedClock(monkeypatch)
+    names = asyncio.ensure_future(answered())
+    await clock.advance(0)  # it asks
+    await clock.advance(0.09)
+    assert not names.done()
+    await clock.advance(0.02)
+    assert names.result() == {"names": ["/robot:speed"]}
