@@ -37,9 +37,13 @@ def in_json(listening: "Listening", hint: str = "") -> Iterator[str]:
 
 def filled(hint: str, listening: "Listening") -> str:
     """Return a hint, in which WSCAT and PAGE stand for how to connect from this machine."""
-    host = urlsplit(own_url(listening)).hostname or ""
-    page = _page_url(listening, host, "/")
+    page = own_page(listening) + _fragment(listening)
     return hint.replace("WSCAT", _wscat(listening, own_url(listening))).replace("PAGE", page)
+
+
+def own_page(listening: "Listening") -> str:
+    """Return the address of the page on this machine, without a token."""
+    return _page_url(listening, urlsplit(own_url(listening)).hostname or "", "/")
 
 
 def qr_text(listening: "Listening", addresses: Sequence[str]) -> str | None:
@@ -52,7 +56,7 @@ def qr_text(listening: "Listening", addresses: Sequence[str]) -> str | None:
     host = next((host for host in _hosts(listening, addresses) if host not in EVERYWHERE), None)
     if host is None:
         return None
-    return _page_url(listening, host, listening.path)
+    return _page_url(listening, host, listening.path) + _fragment(listening)
 
 
 def qr_code(text: str) -> str:
@@ -124,8 +128,11 @@ def _wscat(listening: "Listening", url: str) -> str:
 
 def _page_url(listening: "Listening", host: str, path: str) -> str:
     scheme = "https" if listening.is_encrypted else "http"
-    fragment = f"#token={listening.new_token}" if listening.new_token else ""
-    return f"{scheme}://{_host(host)}:{listening.port}{path}{fragment}"
+    return f"{scheme}://{_host(host)}:{listening.port}{path}"
+
+
+def _fragment(listening: "Listening") -> str:
+    return f"#token={listening.new_token}" if listening.new_token else ""
 
 
 def _hosts(listening: "Listening", addresses: Sequence[str]) -> list[str]:

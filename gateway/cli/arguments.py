@@ -219,6 +219,9 @@ def _add_configuration(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_demo(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--no-browser", action="store_true", help="open no page, where there is a desktop"
+    )
     _add_twist_stamped(parser.add_argument_group("robot"))
     _add_configuration(parser)
 

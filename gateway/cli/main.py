@@ -191,7 +191,12 @@ def _announce_listening(listening: "Listening", *, shows_qr: bool, hint: str) ->
 
 
 def _run_gateway(
-    arguments: argparse.Namespace, loaded: "Loaded", own: "OwnOutput | None", hint: str = ""
+    arguments: argparse.Namespace,
+    loaded: "Loaded",
+    own: "OwnOutput | None",
+    hint: str = "",
+    *,
+    opens_page: bool = False,
 ) -> int:
     require_rclpy()
     from gateway import app
@@ -201,6 +206,10 @@ def _run_gateway(
             _announce_listening(listening, shows_qr=loaded.config.qr, hint=hint)
         else:
             _announce_in_json(listening, own, hint)
+        if opens_page:
+            from gateway.cli import announcement, browser
+
+            browser.open_page(announcement.own_page(listening))
 
     return app.run(
         loaded.config,
@@ -225,7 +234,7 @@ def _demo(arguments: argparse.Namespace) -> int:
     hint = _DEMO_HINT.replace("DRIVE", _DRIVE_STAMPED if is_stamped else _DRIVE)
     with _log_output(loaded) as own:
         return demo.run(
-            lambda: _run_gateway(arguments, loaded, own, hint),
+            lambda: _run_gateway(arguments, loaded, own, hint, opens_page=not arguments.no_browser),
             demo.robot_command(twist_stamped=is_stamped),
         )
 
