@@ -6,12 +6,19 @@ from pathlib import Path
 
 from playwright.async_api import async_playwright
 
+from tests.client import client
 from tests.demonstration import demonstration
 from tests.pages.conftest import CHROMIUM, page_address
 
 FOLDER = Path(__file__).parents[2] / "docs"
 SIZE = {"width": 1440, "height": 900}
 SETTLED_MS = 12_000  # the plot has something to show
+GOAL = {
+    "op": "send_action_goal",
+    "id": "go",
+    "action": "/navigate_to_pose",
+    "args": {"pose": {"pose": {"position": {"x": 2.5, "y": 1.5}}}},
+}
 
 
 async def main() -> None:
@@ -22,7 +29,11 @@ async def main() -> None:
         await page.goto(page_address(gateway))
         await page.wait_for_selector(".uplot")
         await page.click("#topics button:has-text('/imu')")
-        await page.wait_for_timeout(SETTLED_MS)
+        async with client(gateway.url) as speaker:
+            await speaker.send(
+                op="send_action_goal", id="go", action="/navigate_to_pose", args=GOAL
+            )
+            await page.wait_for_timeout(SETTLED_MS)
         await page.screenshot(path=FOLDER / "debug.png")
         await browser.close()
 

@@ -82,11 +82,12 @@ gateway.addEventListener("graph", ({ detail: { topics: all, changes } }) => {
 gateway.addEventListener("control", ({ detail }) => told(detail));
 
 addEventListener("keydown", (event) => {
-  if (event.code !== "Space" || event.target instanceof HTMLButtonElement) return;
+  if (event.code !== "Space" || event.target instanceof HTMLButtonElement) return; // a button takes it itself
   event.preventDefault();
-  letGo();
-  bar.stop(gateway);
+  find("stop").click();
 });
+// Before anything else: what is still held would drive on, as the gateway takes this page's STOP for a stop of its own.
+find("stop").addEventListener("click", letGo, { capture: true });
 find("take").onclick = async () => {
   try {
     told(await gateway.ask({ op: "acquire_control", topic: command.topic }));
