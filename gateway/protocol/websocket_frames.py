@@ -43,6 +43,11 @@ def header(kind: int, length: int) -> bytes:
     return _pack_long(kind, 127, length)
 
 
+def payload(frame: bytes) -> bytes:
+    """Take the payload out of a single frame of ours."""
+    return frame[_payload_offset(frame) :]
+
+
 def text_frame(payload: bytes) -> bytes:
     """Return a complete, unmasked text frame."""
     return header(TEXT, len(payload)) + payload
@@ -196,5 +201,8 @@ def publish_frames(topic: str, compression: Compression) -> PublishFrames:
 
 
 def _after(prefix: bytes, frame: bytes) -> bytes:
-    payload_offset = {126: 4, 127: 10}.get(frame[1], 2)
-    return frame[payload_offset + len(prefix) :]
+    return frame[_payload_offset(frame) + len(prefix) :]
+
+
+def _payload_offset(frame: bytes) -> int:
+    return {126: 4, 127: 10}.get(frame[1], 2)

@@ -18,6 +18,7 @@ from gateway.deadline import Deadline
 from gateway.metrics.state import ControlState, Traffic
 from gateway.ports import Ros
 from gateway.protocol.errors import ProtocolError
+from gateway.protocol.names import resolve_topic
 from gateway.protocol.operations import (
     ClientOperation,
     actions,
@@ -175,6 +176,26 @@ class Router:
                     work()
         except FAILURES as error:
             refuse(session, operation, error)
+
+    def view(self, session: Session, request: topics.Subscribe) -> str:
+        """Subscribe a viewer of pictures, and return the resolved name of its topic.
+
+        It hears of errors at once, and waits for no topic.
+
+        Raises:
+            ProtocolError: it is refused, and nothing has changed.
+            RosError: ROS refuses it, and nothing has changed.
+        """
+        name = resolve_topic(request.topic, session.limits.max_name_characters)
+        if session.sees(name):  # else it is absent, and nothing is forbidden
+            try:
+                may_carry_out(session, request)
+            except ProtocolError as error:
+                session.on_forbidden(error, request)
+                raise
+        # by one name, so that all who look at it share its pictures
+        self._subscriptions.view(session, request.model_copy(update={"topic": name}))
+        return name
 
     def end_turn(self, session: Session) -> None:
         """Do what the operations of a client deferred until others have their turn."""

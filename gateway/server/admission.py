@@ -104,7 +104,7 @@ class Admission:
         return identity
 
     def identify_scraper(self, address: str, headers: Headers) -> Identity:
-        """Return who asks for the metrics, which only clients may see.
+        """Return who asks by plain HTTP for what only clients may see: metrics, pictures.
 
         Raises:
             TurnedAwayError: it has no token where one is needed, or a wrong one.

@@ -17,7 +17,6 @@ from websockets.exceptions import InvalidMessage, PayloadTooBig
 from websockets.frames import Frame, Opcode
 from websockets.http11 import Request, Response
 from websockets.protocol import CONNECTING, OPEN, Event
-from websockets.server import ServerProtocol
 
 from gateway.protocol import messages
 from gateway.protocol.errors import ProtocolError, StatusCode
@@ -33,6 +32,7 @@ from gateway.server.close_codes import (
     POLICY_VIOLATION,
 )
 from gateway.server.end import (
+    LOOKED_AWAY,
     End,
     Why,
     answered,
@@ -40,9 +40,10 @@ from gateway.server.end import (
     closed_by_gateway,
     ended_elsewhere,
 )
-from gateway.server.http import select_subprotocol
-from gateway.server.inbound import READ_CHUNK_BYTES, Inbound
+from gateway.server.http import new_protocol
+from gateway.server.inbound import READ_CHUNK_BYTES, Inbound, not_utf8
 from gateway.server.keep_alive import Abort, Close, KeepAlive, Ping, Sending
+from gateway.server.picture_streams import Viewer
 from gateway.server.socket_options import tune
 
 logger = logging.getLogger(__name__)
@@ -57,24 +58,20 @@ class Connection(asyncio.BufferedProtocol):
     def __init__(self, acceptor: Acceptor) -> None:
         self._acceptor = acceptor
         self._limits = acceptor.limits
-        self._protocol = ServerProtocol(
-            max_size=self._limits.max_message_bytes,
-            select_subprotocol=select_subprotocol,
-            logger=_quiet_logger(),
-        )
+        self._protocol = new_protocol(self._limits.max_message_bytes)
         self._buffer = bytearray(READ_CHUNK_BYTES)
         self._transport: asyncio.Transport
         self._inbound: Inbound
         self._session: Session | None = None
+        self._viewer: Viewer | None = None  # of pictures, by plain HTTP
         self._fragments: list[bytes] = []
         self._fragments_are_text = False
-        self._paused = False
+        self.is_paused = False  # the socket is full
         self._flushing = False
         now_ns = time.monotonic_ns()
         self._frames = TokenBucket(self._limits.frames_per_s, self._limits.frame_burst, now_ns)
-        now_s = now_ns / 1e9
-        self._opened_s = now_s
-        self._keep_alive = KeepAlive(self._limits, now_s)
+        self._opened_s = now_ns / 1e9
+        self._keep_alive = KeepAlive(self._limits, self._opened_s)
         self._closing_s: float | None = None
         self._why: Why | None = None  # it ends
         self._protocol_backlog = 0
@@ -131,14 +128,16 @@ class Connection(asyncio.BufferedProtocol):
 
     def pause_writing(self) -> None:
         """Stop taking from the outbox: the socket is full."""
-        self._paused = True
+        self.is_paused = True
         self._keep_alive.blocked(time.monotonic())
 
     def resume_writing(self) -> None:
         """Continue: the socket has sent most of its bytes."""
-        self._paused = False
+        self.is_paused = False
         self._protocol_backlog = 0
         self.flush()
+        if self._viewer is not None:
+            self._viewer.flush()
 
     # Called by the server
 
@@ -155,7 +154,7 @@ class Connection(asyncio.BufferedProtocol):
     @property
     def is_half_open(self) -> bool:
         """True until the peer has sent its request."""
-        return self._protocol.state is CONNECTING and not self.is_leaving
+        return self._protocol.state is CONNECTING and not (self._viewer or self.is_leaving)
 
     @property
     def is_leaving(self) -> bool:
@@ -173,12 +172,12 @@ class Connection(asyncio.BufferedProtocol):
 
     def flush(self) -> None:
         """Send from the outbox, as far as the socket takes it."""
-        if self._flushing or self._paused or self._session is None:
+        if self._flushing or self.is_paused or self._session is None:
             return
         self._flushing = True  # encoding may report an error, which wakes us again
         outbox = self._session.outbox
         try:
-            while outbox.size and not self._paused and self._protocol.state is OPEN:
+            while outbox.size and not self.is_paused and self._protocol.state is OPEN:
                 batch = outbox.take(WRITE_HIGH_WATER_BYTES)
                 if not batch and not outbox.has_control:  # encoding may have added a status
                     break
@@ -215,6 +214,15 @@ class Connection(asyncio.BufferedProtocol):
         self._protocol.send_response(response)
         self._write_protocol_output(may_be_large=True)
 
+    def show(self, viewer: Viewer) -> None:
+        """Let a viewer answer the HTTP request, now or part by part."""
+        self._viewer = viewer
+
+    def write(self, data: bytes) -> None:
+        """Send a part of the response to the HTTP request, unless the peer is gone."""
+        if not self._transport.is_closing():
+            self._transport.write(data)
+
     def limit_messages(self, max_bytes: int) -> None:
         """Accept messages of at most so many bytes from now on."""
         self._protocol.max_message_size = max_bytes
@@ -232,10 +240,12 @@ class Connection(asyncio.BufferedProtocol):
             if now_s - self._closing_s > limits.close_timeout_s:
                 self.abort()
         elif self._protocol.close_expected():
-            if self._is_sending_page(now_s):
-                return
-            if not self._inbound:  # messages often come in one packet with a close
+            # messages often come in one packet with a close
+            if not self._inbound and not self._is_sending_page(now_s):
                 self._closing_s = now_s
+        elif self._viewer is not None:
+            self._viewer.tick(now_s)
+            self._check(now_s, self._viewer.session)
         elif self._protocol.state is CONNECTING:
             if now_s - self._opened_s > limits.open_timeout_s:
                 self._give_up(f"within {limits.open_timeout_s:g} s")
@@ -307,9 +317,8 @@ class Connection(asyncio.BufferedProtocol):
 
     def _open(self, request: Request) -> None:
         response = self._acceptor.respond(self, self._protocol, request)
-        if response is None:
-            self._gets_page = True
-        else:
+        self._gets_page = response is None and self._viewer is None
+        if response is not None:
             self.answer(response)
         if self._protocol.state is not OPEN:
             # `websockets` takes what comes behind a request for frames until that is answered
@@ -330,16 +339,11 @@ class Connection(asyncio.BufferedProtocol):
         # The state may be closing already: a close often comes in one packet with the last message.
         if self._session is None:
             return
-        if is_text and not message.isascii():
-            try:
-                message.decode()
-            except UnicodeDecodeError as error:
-                # RFC 6455 8.1: on invalid UTF-8 in a text frame an endpoint MUST fail the
-                # connection; the client learns where the bad byte was first
-                text = f"not UTF-8: byte 0x{message[error.start]:02x} at offset {error.start}"
-                self._session.refuse(ProtocolError("bad_json", text))
-                self.close(INVALID_DATA, text)
-                return
+        if is_text and (text := not_utf8(message)):
+            # RFC 6455 8.1: on invalid UTF-8 in a text frame an endpoint MUST fail the connection
+            self._session.refuse(ProtocolError("bad_json", text))
+            self.close(INVALID_DATA, text)
+            return
         self._acceptor.receive(self._session, message)
 
     def _explain_failure(self) -> None:
@@ -365,7 +369,7 @@ class Connection(asyncio.BufferedProtocol):
 
     def _write_directly(self, entry: Entry) -> int:
         """Send an entry that need not wait; see `gateway.protocol.outbox.WriteDirectly`."""
-        if self._flushing or self._paused or self._protocol.state is not OPEN:
+        if self._flushing or self.is_paused or self._protocol.state is not OPEN:
             return 0
         try:
             frame = entry.frame()
@@ -391,14 +395,15 @@ class Connection(asyncio.BufferedProtocol):
         if may_be_large:  # a page, which is no flood
             return
         grown = self._transport.get_write_buffer_size() - backlog
-        self._protocol_backlog = self._protocol_backlog + grown if self._paused else 0
+        self._protocol_backlog = self._protocol_backlog + grown if self.is_paused else 0
         if self._protocol_backlog > MAX_PROTOCOL_BACKLOG_BYTES:
             self.abort(Why("gateway", "abuse", "it sends pings and reads nothing"))
 
     # Time
 
     def _end(self, session: Session | None, error: Exception | None, now_s: float) -> End:
-        why = self._why or ended_elsewhere(
+        why = self._why or (LOOKED_AWAY if self._viewer else None)
+        why = why or ended_elsewhere(
             self._protocol, error, was_open=session is not None, is_silent=not self._bytes_in
         )
         end = End(self.name, why, now_s - self._opened_s, self._bytes_in)
@@ -408,8 +413,9 @@ class Connection(asyncio.BufferedProtocol):
 
     def _check(self, now_s: float, session: Session) -> None:
         unsent_bytes = self._transport.get_write_buffer_size()
-        sending = Sending(session.outbox, unsent_bytes, self._paused)
-        match self._keep_alive.check(now_s, sending, is_read=not self._inbound.is_paused):
+        sending = Sending(session.outbox, unsent_bytes, self.is_paused)
+        is_read = self._viewer is None and not self._inbound.is_paused  # a viewer says nothing
+        match self._keep_alive.check(now_s, sending, is_read=is_read):
             case Ping():
                 self._protocol.send_ping(b"")
                 self._write_protocol_output()
@@ -417,10 +423,3 @@ class Connection(asyncio.BufferedProtocol):
                 self.close(code, reason)
             case Abort(reason):
                 self.abort(Why("gateway", "send_timeout", f"it {reason}"))
-
-
-def _quiet_logger() -> logging.Logger:
-    """Return a logger that silences `websockets`: the gateway itself logs what operators need."""
-    quiet = logging.getLogger(f"{__name__}.websockets")
-    quiet.setLevel(logging.ERROR)
-    return quiet

@@ -23,6 +23,7 @@ _REFUSALS: Final = {
     431: "headers",
     500: "internal_error",
     503: "busy",
+    504: "no_picture",
 }
 
 

@@ -78,6 +78,10 @@ class Why:
     code: int | None = None  # of the close frame, or of an HTTP response
 
 
+# who gets pictures until it closes its side
+LOOKED_AWAY: Final = Why("client", "http", "it looks at no pictures any more", 200)
+
+
 @dataclass(frozen=True, slots=True)
 class End:
     """A connection that is over."""

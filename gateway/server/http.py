@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Plain HTTP on the WebSocket's port: health, metrics, and pages for people with a browser."""
 
+from __future__ import annotations
+
 import logging
 import socket
 from collections.abc import Callable, Mapping, Sequence
 from http import HTTPStatus
-from typing import Any, Final, Protocol
+from typing import TYPE_CHECKING, Any, Final, Protocol
 from urllib.parse import urlsplit
 
 from websockets.datastructures import Headers
@@ -15,10 +17,15 @@ from websockets.typing import Subprotocol
 
 from gateway.access.credentials import SUBPROTOCOL, CredentialsError, check_target, token_in
 from gateway.access.web_rules import WebRules, is_plain
+from gateway.protocol.session import Session
 from gateway.server import health
 from gateway.server.health import Health
+from gateway.server.picture_requests import PATHS as PICTURE_PATHS
 from gateway.server.static_files import INDEX, StaticFiles, is_browser, response_of
 from gateway.server.url_options import UrlOptionError, image_format
+
+if TYPE_CHECKING:  # it imports this
+    from gateway.server.picture_streams import Viewer
 
 logger = logging.getLogger(__name__)
 
@@ -36,6 +43,7 @@ and send, for example,
 or help, which shows lines for what is there.
 
 The gateway's health is at /healthz, its metrics for Prometheus at /metrics.
+Pictures for any page are at /stream?topic=/camera/image_raw and /snapshot.
 """
 _VERSION: Final = "13"  # Sec-WebSocket-Version
 _NOT_ALLOWED: Final = "only GET and HEAD\n"
@@ -52,9 +60,10 @@ _METHODS: Final = frozenset({"GET", "HEAD"})
 
 
 class Asker(Protocol):
-    """A connection, as far as a page that takes longer is concerned."""
+    """A connection, as far as what takes longer is concerned: a page, or pictures."""
 
     address: str
+    is_paused: bool  # the socket is full
 
     @property
     def awaits_page(self) -> bool:
@@ -63,9 +72,32 @@ class Asker(Protocol):
     def answer(self, response: Response) -> None:
         """Send the response to the request, unless the peer is gone."""
 
+    @property
+    def name(self) -> str:
+        """The address and number, for the log."""
 
-Metrics = Callable[[ServerProtocol, Request, Asker], Response | None]
-"""Answer a request for the metrics, or do so later."""
+    @property
+    def session(self) -> Session | None:
+        """The session, while the WebSocket is open."""
+
+    def show(self, viewer: Viewer) -> None:
+        """Let a viewer answer, now or part by part."""
+
+    def write(self, data: bytes) -> None:
+        """Send a part of the response, unless the peer is gone."""
+
+    def fail(self, bug: Exception) -> None:
+        """Close the connection for a bug of ours."""
+
+    def close(self, code: int, reason: str) -> None:
+        """End the connection."""
+
+    def limit_messages(self, max_bytes: int) -> None:
+        """Accept messages of at most so many bytes from now on."""
+
+
+AnswerLater = Callable[[ServerProtocol, Request, Asker], Response | None]
+"""Answer a request, or do so later: ``None``."""
 
 
 class HttpFront:
@@ -78,14 +110,15 @@ class HttpFront:
         rules: WebRules,
         find_health: Callable[[], Health],
         details: Callable[[], Mapping[str, Any]],
-        metrics: Metrics,
+        metrics: AnswerLater,
+        pictures: AnswerLater,
     ) -> None:
         self._path = path
         self._files = files
         self._rules = rules
         self._health = find_health
         self._details = details
-        self._metrics = metrics
+        self._answer_later = dict.fromkeys(PICTURE_PATHS, pictures) | {"/metrics": metrics}
         self.is_encrypted = False
 
     def respond(self, protocol: ServerProtocol, request: Request, asker: Asker) -> Response | None:
@@ -131,9 +164,9 @@ class HttpFront:
             response = page(protocol, request, text.encode(), "application/json; charset=utf-8")
             response.status_code, response.reason_phrase = status, HTTPStatus(status).phrase
             return response
-        if path == "/metrics":
+        if path in self._answer_later:
             check_target(request.path)
-            return self._origin_refusal(protocol, request, host) or self._metrics(
+            return self._origin_refusal(protocol, request, host) or self._answer_later[path](
                 protocol, request, asker
             )
         if request.headers.get("Upgrade") is None and (found := self._page(protocol, request)):
@@ -227,6 +260,15 @@ def select_subprotocol(
     """
     del protocol
     return Subprotocol(SUBPROTOCOL) if SUBPROTOCOL in subprotocols else None
+
+
+def new_protocol(max_message_bytes: int) -> ServerProtocol:
+    """Return the protocol of a connection, whose log is silent: operators get ours."""
+    quiet = logging.getLogger(f"{__name__}.websockets")
+    quiet.setLevel(logging.ERROR)
+    return ServerProtocol(
+        max_size=max_message_bytes, select_subprotocol=select_subprotocol, logger=quiet
+    )
 
 
 def _raw(status: int, phrase: str, text: str, headers: str = "") -> bytes:

@@ -17,7 +17,7 @@ from typing import Any, Final
 from websockets.http11 import Request, Response
 from websockets.server import ServerProtocol
 
-from gateway.access.permissions import Policy
+from gateway.access.permissions import Identity, Policy
 from gateway.access.tokens import Tokens
 from gateway.access.web_rules import WebRules
 from gateway.config.limits import Limits
@@ -40,6 +40,7 @@ from gateway.server.end import End, Why
 from gateway.server.forwarded import client_address
 from gateway.server.health import FindFaults, Health, no_faults
 from gateway.server.http import Asker, HttpFront, own_names, page
+from gateway.server.picture_streams import Pictures
 from gateway.server.scrapes import Scrapes
 from gateway.server.static_files import NO_FILES, StaticFiles
 from gateway.server.time_budget import Spending, TimeBudgets
@@ -88,9 +89,12 @@ class Server:
         self._trusted_proxies = tuple(map(ipaddress.ip_network, trusted_proxies))
         self._router = router
         rules = web_rules or WebRules(own_names())
-        self._http = HttpFront(path, files, rules, self.judged, self.health, self._metrics)
+        self._http = HttpFront(
+            path, files, rules, self.judged, self.health, self._metrics, self._show
+        )
         self._find_faults = find_faults
         self._scrapes = Scrapes(self.state)
+        self._pictures = Pictures(router)
         self._counters = ServerCounters()
         self._admission = admission(self._room_for)
         self._version = version
@@ -236,12 +240,9 @@ class Server:
     def _metrics(self, protocol: ServerProtocol, request: Request, asker: Asker) -> Response | None:
         """Have the metrics written for who may see them."""
         try:
-            address = self.client_address(asker.address, request)
-            identity = self._admission.identify_scraper(address, request.headers)
+            _, identity = self._identify(request, asker)
         except TurnedAwayError as error:
-            response = protocol.reject(401, f"{error}\n")
-            response.headers["WWW-Authenticate"] = "Bearer"
-            return response
+            return _unauthenticated(protocol, error)
         if request.method == "HEAD":
             return page(protocol, request, None, CONTENT_TYPE)
         if sum(each.awaits_page for each in self._connections) >= MAX_PAGES:
@@ -255,6 +256,19 @@ class Server:
 
         self._scrapes.ask(identity, reply)
         return None
+
+    def _show(self, protocol: ServerProtocol, request: Request, asker: Asker) -> Response | None:
+        """Have pictures sent to who may see them."""
+        try:
+            address, identity = self._identify(request, asker)
+        except TurnedAwayError as error:
+            return _unauthenticated(protocol, error)
+        return self._pictures.respond(protocol, request, asker, identity, address)
+
+    def _identify(self, request: Request, asker: Asker) -> tuple[str, Identity]:
+        """Return the address and the identity of who asks by plain HTTP."""
+        address = self.client_address(asker.address, request)
+        return address, self._admission.identify_scraper(address, request.headers)
 
     def client_address(self, peer: str, request: Request) -> str:
         """Return the address of a client, which may be behind proxies."""
@@ -301,7 +315,10 @@ class Server:
 
         What a client had open ends at once: a robot must not wait for the closing handshake.
         """
-        clients = [(each, each.session) for each in self._connections if each.session is not None]
+        clients: list[tuple[Entrant, Session]] = [
+            (each, each.session) for each in self._connections if each.session is not None
+        ]
+        clients += self._pictures.sessions()
         for session in self._admission.reload(tokens, policy, clients):
             self._router.revoke(session)
 
@@ -319,12 +336,14 @@ class Server:
         if not self._connections:
             self._all_gone.set()
         self._admission.left(connection, session)
+        was_client = session is not None or connection in self._pictures
         try:
+            self._pictures.left(connection)
             if session is not None:
                 self._left = self._left.plus(_counts(session))
                 self._router.leave(session)
         finally:  # after a robot was stopped
-            self._counters.ended(end, was_client=session is not None)
+            self._counters.ended(end, was_client=was_client)
             end.log()
 
     async def _tick(self) -> None:
@@ -352,6 +371,12 @@ class Server:
         for connection in list(self._connections):
             connection.abort()
         await self._all_gone.wait()
+
+
+def _unauthenticated(protocol: ServerProtocol, error: TurnedAwayError) -> Response:
+    response = protocol.reject(401, f"{error}\n")
+    response.headers["WWW-Authenticate"] = "Bearer"
+    return response
 
 
 def _client_state(session: Session, spending: Spending) -> ClientState:

@@ -123,6 +123,23 @@ class Subscriptions:
         self._apply(subscription, requests, options, source)
         self._report(session, request, name, source, asked)
 
+    def view(self, session: Session, request: Subscribe) -> None:
+        """Subscribe to a topic of pictures that is there.
+
+        Raises:
+            ProtocolError: it is refused, and nothing has changed.
+            RosError: ROS refuses it, and nothing has changed.
+        """
+        name = resolve_topic(request.topic, session.limits.max_name_characters)
+        message_type = self._types.on_topic(name, None) if session.sees(name) else None
+        if message_type is None:
+            hint = _did_you_mean(name, self._ros.graph(), session)
+            raise ProtocolError("not_found", f"topic {name} is not known{hint}")
+        if message_type.name not in {IMAGE, COMPRESSED_IMAGE}:
+            text = f"topic {name} is {message_type.name}; pictures are {IMAGE} or CompressedImage"
+            raise ProtocolError("bad_type", text)
+        self.subscribe(session, request)
+
     def unsubscribe(self, session: Session, request: Unsubscribe) -> None:
         """End one request, or all of the client's for the topic.
 
