@@ -5,6 +5,7 @@ Each viewer is a session of the router with one subscription, so it shares pictu
 subscribers of equal options, and what it does not take in time is replaced by something newer.
 """
 
+import asyncio
 import time
 from collections.abc import Iterator
 from typing import Final
@@ -109,8 +110,7 @@ class Viewer:
         if self._is_single:
             response = page(self._protocol, self._request, jpeg, _JPEG)
             response.headers.update(_headers(self._request))
-            self._pictures.left(self._asker)
-            self._asker.answer(response)
+            self._answer(response)
             return
         self._begin()
         head = f"Content-Type: {_JPEG}\r\nContent-Length: {len(jpeg)}\r\n\r\n".encode()
@@ -132,8 +132,13 @@ class Viewer:
         """Say why there is no picture, while there is a response to do it by."""
         if self._has_begun:
             return
-        self._pictures.left(self._asker)
-        self._asker.answer(self._protocol.reject(status, f"{text}\n"))
+        self._answer(self._protocol.reject(status, f"{text}\n"))
+
+    def _answer(self, response: Response) -> None:
+        """Send the only response; the subscription ends when its topic has woken the others."""
+        self.end()
+        asyncio.get_running_loop().call_soon(self._pictures.left, self._asker)
+        self._asker.answer(response)
 
 
 class Pictures:

@@ -4,8 +4,9 @@
 import asyncio
 import base64
 import contextlib
+import logging
 import socket
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Iterator
 from typing import Any
 
 import cv2
@@ -116,6 +117,14 @@ async def answer(served: Served, path: str, method: str = "GET", **headers: str)
     async with view(served, path, method, **headers) as viewer:
         head = await viewer.begin()
         return int(head.split()[1]), (await viewer.rest()).decode()
+
+
+@pytest.fixture(autouse=True)
+def no_errors(caplog: pytest.LogCaptureFixture) -> Iterator[None]:
+    """Fail if something of ours failed, though the viewer got what it wanted."""
+    yield
+    records = caplog.get_records("call")
+    assert [each.getMessage() for each in records if each.levelno >= logging.ERROR] == []
 
 
 @pytest.fixture
@@ -368,6 +377,7 @@ async def test_a_bug_ends_one_viewer_alone(serve: Serve, monkeypatch: pytest.Mon
             assert await viewer.rest() == b""
         await eventually(lambda: viewers(served) == 0)
         assert "connection failed" in caplog.text
+        caplog.clear()
 
 
 async def test_head_tells_the_type_and_opens_nothing(serve: Serve):
