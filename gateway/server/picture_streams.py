@@ -220,9 +220,24 @@ def _headers(request: Request) -> dict[str, str]:
     headers = {
         "X-Content-Type-Options": "nosniff",
         "Referrer-Policy": "no-referrer",
-        "Cross-Origin-Resource-Policy": "same-site",
-        "Vary": "Origin",
+        "Cross-Origin-Resource-Policy": "cross-origin" if _is_of_host(request) else "same-site",
+        "Vary": "Origin, Referer",
     }
     if origin := request.headers.get("Origin"):
         headers["Access-Control-Allow-Origin"] = origin
     return headers
+
+
+def _is_of_host(request: Request) -> bool:
+    """Return whether a page of this host asks, on whatever port.
+
+    Chromium takes two ports of one IP address for different sites. No page can set the Referer,
+    and one that hides it is taken for foreign.
+    """
+    try:
+        page_host = urlsplit(request.headers.get("Referer", "")).hostname
+        return (
+            page_host is not None and page_host == urlsplit(f"//{request.headers['Host']}").hostname
+        )
+    except (ValueError, LookupError):
+        return False

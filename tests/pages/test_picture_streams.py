@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pictures by plain HTTP in a real browser, beside the simulated robot."""
 
+import http.server
+import threading
+from functools import partial
+
 import pytest
 
 from tests.client import client
@@ -14,6 +18,13 @@ SHOW = """address => {
     shown.id = "shown";
     shown.src = address;
     document.body.append(shown);
+}"""
+# the width of a picture, 0 if the browser does not show it
+LOAD = """async address => {
+    const shown = new Image();
+    shown.src = address;
+    await shown.decode().catch(() => null);
+    return shown.naturalWidth;
 }"""
 HAS_PICTURE = "() => document.getElementById('shown').naturalWidth === 160"
 # of what moves: until a later picture differs from the one that was drawn before
@@ -42,3 +53,37 @@ async def test_an_img_of_a_page_shows_a_snapshot(demo, open_page):
     async with open_page(f"{page_address(demo)}drive") as page:
         await page.evaluate(SHOW, "/snapshot?topic=/camera/image_raw&width=160")
         await page.wait_for_function(HAS_PICTURE)
+
+
+@pytest.fixture
+def elsewhere(tmp_path):
+    """Return the port of another server on this machine, with an empty page."""
+    (tmp_path / "index.html").write_text("<!doctype html><title>elsewhere</title>")
+    handler = partial(QuietHandler, directory=tmp_path)
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        thread = threading.Thread(target=server.serve_forever)
+        thread.start()
+        yield server.server_port
+        server.shutdown()
+        thread.join()
+
+
+class QuietHandler(http.server.SimpleHTTPRequestHandler):
+    """Serves a folder, and writes no log."""
+
+    def log_message(self, *_):
+        """Write nothing."""
+
+
+@pytest.mark.parametrize(("host", "shows"), [("127.0.0.1", True), ("localhost", False)])
+async def test_pages_of_the_same_host_get_pictures_and_foreign_ones_none(
+    demo, browser, elsewhere, host, shows
+):
+    context = await browser.new_context()
+    page = await context.new_page()
+    await page.goto(f"http://{host}:{elsewhere}/")
+    gateway = page_address(demo)
+    assert "//127.0.0.1:" in gateway
+    found = await page.evaluate(LOAD, f"{gateway}snapshot?topic=/camera/image_raw&width=160")
+    assert found == (160 if shows else 0)
+    await context.close()

@@ -449,6 +449,26 @@ async def test_foreign_pages_and_hosts_get_nothing_and_allowed_ones_are_named(se
         assert b"Access-Control-Allow-Origin: https://fleet.example\r\n" in head
 
 
+@pytest.mark.parametrize(
+    ("referer", "policy"),
+    [
+        ("http://localhost:8000/page", b"cross-origin"),
+        ("https://evil.example/localhost", b"same-site"),
+        ("http://[", b"same-site"),
+        ("", b"same-site"),
+    ],
+)
+async def test_browsers_give_pictures_to_pages_of_this_host_on_any_port(
+    serve: Serve, referer, policy
+):
+    async with (
+        serve() as served,
+        view(served, f"/stream?topic={CAMERA}", "HEAD", Referer=referer) as viewer,
+    ):
+        head = await viewer.rest()
+        assert b"Cross-Origin-Resource-Policy: " + policy + b"\r\n" in head
+
+
 async def test_the_shutdown_ends_streams(serve: Serve):
     async with serve() as served:
         camera(served)
