@@ -143,6 +143,21 @@ async def test_without_a_robot_the_page_says_so(open_page, nowhere):
             await page.wait_for_selector(card("/scan"))
 
 
+async def test_what_came_regularly_and_stays_away_turns_pale(open_page, nowhere):
+    async with (
+        gateway_process("serve", *nowhere) as gateway,
+        client(gateway.url) as speaker,
+        open_page(f"{page_address(gateway)}#card=tree+0+/often&card=tree+0+/once") as page,
+    ):
+        for topic in ("/often", "/once"):
+            await speaker.send(op="advertise", topic=topic, type="std_msgs/String", latch=True)
+        for text, topic in [("first", "/once"), *((f"{n}th", "/often") for n in range(3))]:
+            await speaker.send(op="publish", topic=topic, msg={"data": text})
+            await until(page, f"() => cards.textContent.includes('{text}')")  # one by one
+        await page.wait_for_selector(f"{card('/often')}.stale")
+        assert not await page.query_selector(f"{card('/once')}.stale")
+
+
 async def test_a_lost_connection_is_said_and_comes_back(open_page, nowhere):
     async with gateway_process("serve", *nowhere) as gateway:
         address = page_address(gateway)

@@ -3,6 +3,7 @@ import { bytes, element, span } from "../shared/dom.js";
 import { makeView, nameOf, viewsFor } from "./views/views.js";
 
 const STALE_MS = 2000;
+const REGULAR = 3; // messages: whoever has sent so many is expected to go on
 const RATES_HZ = [0, 30, 10, 5, 1]; // 0: as the robot publishes
 
 /**
@@ -19,7 +20,7 @@ export class Card {
   #newest = null;
   #isPaused = false;
   #isDirty = false;
-  #received = { messages: 0, bytes: 0, lastMs: null, size: 0, dropped: 0, hz: 0 };
+  #received = { inAll: 0, messages: 0, lastMs: null, size: 0, dropped: 0 };
   #body = element("div", { className: "body" });
   #problem = element("p", { className: "problem", hidden: true, role: "status" });
   #footer = element("footer", {}, "nothing yet");
@@ -67,12 +68,12 @@ export class Card {
 
   /** Write rate, size and age; called once a second. */
   tick() {
-    const { messages, lastMs, size, dropped, hz } = this.#received;
-    this.#received.hz = messages;
+    const { inAll, messages, lastMs, size, dropped } = this.#received;
     this.#received.messages = 0;
     if (lastMs === null) return;
     const age = performance.now() - lastMs;
-    this.element.classList.toggle("stale", hz > 0 ? false : age > STALE_MS && !this.#isPaused);
+    // What was published once, such as a map, stays as good as it was.
+    this.element.classList.toggle("stale", inAll >= REGULAR && age > STALE_MS);
     const parts = [`${messages} Hz`, bytes(size), `${span(age)} old`];
     if (dropped) parts.push(`${dropped} dropped`);
     this.#footer.textContent = parts.join(" · ");
@@ -134,6 +135,7 @@ export class Card {
 
   #receive(message, size, frame) {
     const received = this.#received;
+    received.inAll += 1;
     received.messages += 1;
     received.size = size;
     received.lastMs = performance.now();
