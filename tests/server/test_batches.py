@@ -47,3 +47,9 @@ async def test_frames_arrive_whole_and_in_order(connected, version):
 async def test_where_it_is_sound_nothing_is_copied(connected, version):
     transport, _, _ = connected
     assert batch_writer(transport, version) == transport.writelines
+
+
+@pytest.mark.parametrize("version", DEAF)
+async def test_where_it_is_not_it_is_not_used(connected, version):
+    transport, _, _ = connected
+    assert batch_writer(transport, version) != transport.writelines
