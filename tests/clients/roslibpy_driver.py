@@ -66,6 +66,7 @@ class Ros(roslibpy.Ros):  # type: ignore[misc]  # of a library without types
 
     def __init__(self, url: str, token: str | None, tell: Callable[[str, str, Any], None]) -> None:
         self._tell = tell
+        self._opened = threading.Event()
         address = urlsplit(url)
         headers = None if token is None else {"Authorization": f"Bearer {token}"}
         super().__init__(address.hostname, address.port, headers=headers)
@@ -78,7 +79,18 @@ class Ros(roslibpy.Ros):  # type: ignore[misc]  # of a library without types
         self.factory.maxDelay = 1.0
         self.on("close", lambda _: self._tell("closed", "", None))
         self.on("ready", lambda _: self._tell("connected", "", None))
+        self.on("ready", lambda _: self._opened.set())
         super().connect()
+
+    def run(self, timeout: float) -> None:
+        """Wait until the connection is open.
+
+        The library's own asks whether it is open and then listens for that: what opens between the
+        two is never heard of.
+        """
+        self.factory.manager.run()
+        if not self._opened.wait(timeout):
+            raise TimeoutError(f"no connection within {timeout} s")
 
 
 class Connection:
