@@ -103,7 +103,7 @@ async def test_pausing_a_rate_cap_and_closing(demo, open_page):
         await page.click(f"{odom} button:text-is('Pause')")
         await until(page, "before => document.querySelector('.raw').textContent !== before", shown)
         await page.select_option(f"{odom} select[aria-label=rate]", "1")
-        await until(page, "() => /^[012] Hz/.test(document.querySelector('footer').textContent)")
+        await until(page, "() => /^[012](\\.[0-9])? Hz/.test(document.querySelector('footer').textContent)")
         await page.click(f"{odom} button[aria-label='close /odom']")
         assert await page.locator("article").count() == 0
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-import { bytes, element, span } from "../shared/dom.js";
+import { Arrivals } from "../shared/arrivals.js";
+import { element } from "../shared/dom.js";
+import { json } from "../shared/json.js";
 import { makeView, nameOf, viewsFor } from "./views/views.js";
 
-const STALE_MS = 2000;
-const REGULAR = 3; // messages: whoever has sent so many is expected to go on
 const RATES_HZ = [0, 30, 10, 5, 1]; // 0: as the robot publishes
 
 /**
@@ -20,7 +20,7 @@ export class Card {
   #newest = null;
   #isPaused = false;
   #isDirty = false;
-  #received = { inAll: 0, messages: 0, lastMs: null, size: 0, dropped: 0 };
+  #arrivals = new Arrivals();
   #body = element("div", { className: "body" });
   #problem = element("p", { className: "problem", hidden: true, role: "status" });
   #footer = element("footer", {}, "nothing yet");
@@ -68,15 +68,9 @@ export class Card {
 
   /** Write rate, size and age; called once a second. */
   tick() {
-    const { inAll, messages, lastMs, size, dropped } = this.#received;
-    this.#received.messages = 0;
-    if (lastMs === null) return;
-    const age = performance.now() - lastMs;
-    // What was published once, such as a map, stays as good as it was.
-    this.element.classList.toggle("stale", inAll >= REGULAR && age > STALE_MS);
-    const parts = [`${messages} Hz`, bytes(size), `${span(age)} old`];
-    if (dropped) parts.push(`${dropped} dropped`);
-    this.#footer.textContent = parts.join(" · ");
+    this.#arrivals.tick();
+    this.element.classList.toggle("stale", this.#arrivals.isLate);
+    this.#footer.textContent = this.#arrivals.words;
   }
 
   close() {
@@ -104,7 +98,7 @@ export class Card {
 
   async #copy() {
     try {
-      await navigator.clipboard.writeText(JSON.stringify(this.#newest?.message ?? null, null, 2));
+      await navigator.clipboard.writeText(json(this.#newest?.message ?? null, 2));
     } catch (error) {
       this.tell(`not copied: ${error.message}`);
     }
@@ -134,12 +128,7 @@ export class Card {
   }
 
   #receive(message, size, frame) {
-    const received = this.#received;
-    received.inAll += 1;
-    received.messages += 1;
-    received.size = size;
-    received.lastMs = performance.now();
-    received.dropped = frame.dropped ?? 0;
+    this.#arrivals.add(size, frame);
     this.#newest = { message, frame };
     this.#isDirty = true;
     if (this.#isPaused) return;

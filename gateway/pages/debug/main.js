@@ -2,10 +2,11 @@
 // The debug page: what the robot says, and STOP.
 
 import * as bar from "../shared/bar.js";
-import { bytes, element } from "../shared/dom.js";
+import { element } from "../shared/dom.js";
 import { Gateway } from "../shared/gateway.js";
 import * as page from "./address.js";
 import { Card } from "./card.js";
+import { Figures } from "./figures.js";
 import { TopicList } from "./topic_list.js";
 import { viewsFor } from "./views/views.js";
 
@@ -20,14 +21,15 @@ const NO_ROBOT = "Nobody publishes anything here yet. Start a robot, or the simu
 
 const find = (id) => document.getElementById(id);
 const gateway = new Gateway();
-const topics = new TopicList(find("topics"), find("search"), open);
+const figures = new Figures(gateway);
+const topics = new TopicList(find("topics"), find("search"), gateway, open);
 const empty = element("p", { className: "empty" }, NO_ROBOT, element("code", {}, "ros2-gateway demo"), ".");
 let wanted = page.read();
 let isFirstVisit = wanted === null;
 const cards = [];
 
 function add(shown) {
-  const card = new Card(gateway, shown, topics.typeOf(shown.topic), { changed, close, plot });
+  const card = new Card(gateway, shown, gateway.graph.typeOf(shown.topic), { changed, close, plot });
   cards.push(card);
   find("cards").append(card.element);
   changed();
@@ -36,7 +38,7 @@ function add(shown) {
 
 function open(topic) {
   isFirstVisit = false;
-  const [view] = viewsFor(topics.typeOf(topic));
+  const [view] = viewsFor(gateway.graph.typeOf(topic));
   add({ topic, view, fields: [], rate: 0 }).element.scrollIntoView({ block: "nearest" });
 }
 
@@ -60,27 +62,17 @@ function changed() {
 
 function welcome() {
   for (const { types, view, fields } of FIRST_VIEWS) {
-    const found = topics.published.find((each) => types.includes(each.types[0]));
+    const found = gateway.graph.published(...types);
     if (found) add({ topic: found.name, view, fields, rate: 0 });
   }
   if (cards.length) isFirstVisit = false;
   else find("cards").replaceChildren(empty);
 }
 
-function tick(before) {
-  const now = { ...gateway.counts, ms: performance.now() };
-  const seconds = (now.ms - before.ms) / 1000;
-  const figures = {
-    "round trip": now.roundTripMs === null ? "–" : `${now.roundTripMs.toFixed(1)} ms`,
-    messages: `${Math.round((now.frames - before.frames) / seconds)}/s`,
-    data: `${bytes((now.bytes - before.bytes) / seconds)}/s`,
-    role: gateway.hello?.role ?? "–",
-  };
-  find("figures").replaceChildren(
-    ...Object.entries(figures).map(([name, value]) => element("div", {}, element("dt", {}, name), element("dd", {}, value))),
-  );
+function tick() {
+  figures.tick();
+  topics.tick();
   for (const card of cards) card.tick();
-  setTimeout(tick, 1000, now);
 }
 
 function draw() {
@@ -88,15 +80,15 @@ function draw() {
   requestAnimationFrame(draw);
 }
 
-gateway.addEventListener("graph", ({ detail }) => {
-  topics.update(detail);
+gateway.addEventListener("graph", () => {
   if (wanted) for (const shown of wanted) add(shown);
   wanted = null;
   if (isFirstVisit) welcome();
 });
 addEventListener("hashchange", () => location.reload()); // another address was typed or followed
 
-bar.connect(gateway);
+bar.connect(gateway, "Debug", figures.element);
 gateway.connect();
-tick({ ...gateway.counts, ms: performance.now() - 1000 });
+tick();
+setInterval(tick, 1000);
 draw();

@@ -1,62 +1,71 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../shared/dom.js";
 
-const GATEWAYS_OWN = /^\/(rosout|parameter_events)$/;
-
-/** The topics of the ROS graph, as a list that can be searched. */
+/** The topics of the ROS graph, as a list that can be searched; of those that this page receives with rate, size and age. */
 export class TopicList {
   #list;
   #search;
+  #gateway;
   #open;
-  #topics = new Map(); // name -> as the gateway describes it
+  #items = new Map(); // name -> what stands in the list
 
   /**
    * @param {HTMLElement} list
    * @param {HTMLInputElement} search
+   * @param {import("../shared/gateway.js").Gateway} gateway
    * @param {(topic: string) => void} open
    */
-  constructor(list, search, open) {
+  constructor(list, search, gateway, open) {
     this.#list = list;
     this.#search = search;
+    this.#gateway = gateway;
     this.#open = open;
-    search.oninput = () => this.#write();
+    search.oninput = () => this.#arrange();
+    gateway.addEventListener("graph", () => this.#arrange());
   }
 
-  /** The types of what robots publish; the log does not count. */
-  get published() {
-    return [...this.#topics.values()].filter((each) => each.publishers.length && !GATEWAYS_OWN.test(each.name));
+  #arrange() {
+    const { topics } = this.#gateway.graph;
+    const wanted = this.#search.value.trim().toLowerCase();
+    const found = [...topics.values()]
+      .filter(({ name, types }) => `${name} ${types.join(" ")}`.toLowerCase().includes(wanted))
+      .sort((one, other) => one.name.localeCompare(other.name));
+    for (const name of this.#items.keys()) if (!topics.has(name)) this.#items.delete(name);
+    const shown = found.map((each) => this.#item(each));
+    if (!found.length) {
+      const reason = topics.size ? `No topic has "${wanted}" in its name or type.` : "There are no topics yet.";
+      shown.push(element("li", { className: "empty" }, reason));
+    }
+    const isSame = shown.length === this.#list.childElementCount && shown.every((each, index) => each === this.#list.children[index]);
+    if (!isSame) this.#list.replaceChildren(...shown); // moved, an item would lose the focus
+    this.#write();
   }
 
-  /** Return the type of a topic, or "". */
-  typeOf(topic) {
-    return this.#topics.get(topic)?.types[0] ?? "";
-  }
-
-  /** Take a frame of the operation `graph`: all that there is, or what has changed. */
-  update({ topics, changes }) {
-    if (topics) this.#topics.clear();
-    for (const each of topics ?? changes.topics ?? []) this.#topics.set(each.name, each);
-    for (const name of changes?.gone_topics ?? []) this.#topics.delete(name);
+  /** Write what changes with time; called once a second. */
+  tick() {
+    for (const arrivals of this.#gateway.arrivals.values()) arrivals.tick();
     this.#write();
   }
 
   #write() {
-    const wanted = this.#search.value.trim().toLowerCase();
-    const found = [...this.#topics.values()]
-      .filter(({ name, types }) => `${name} ${types.join(" ")}`.toLowerCase().includes(wanted))
-      .sort((one, other) => one.name.localeCompare(other.name));
-    this.#list.replaceChildren(...found.map((each) => this.#item(each)));
-    if (!found.length) {
-      const reason = this.#topics.size ? `No topic has "${wanted}" in its name or type.` : "There are no topics yet.";
-      this.#list.append(element("li", { className: "empty" }, reason));
+    for (const { topic, title, figures } of this.#items.values()) {
+      const arrivals = this.#gateway.arrivals.get(topic.name);
+      title.classList.toggle("stale", !topic.publishers.length || Boolean(arrivals?.isLate));
+      figures.textContent = topic.publishers.length ? arrivals?.words ?? "" : "nobody publishes it";
     }
   }
 
-  #item({ name, types, publishers }) {
-    const button = element("button", { type: "button" });
-    const said = publishers.length ? types.join(", ") : `${types.join(", ")} · nobody publishes it`;
-    button.append(element("span", { className: publishers.length ? "" : "stale" }, name), element("small", {}, said));
-    button.onclick = () => this.#open(name);
-    return element("li", {}, button);
+  #item(topic) {
+    let item = this.#items.get(topic.name);
+    if (!item) {
+      const [title, types, figures] = [element("span", {}, topic.name), element("small"), element("small")];
+      const button = element("button", { type: "button" }, title, types, figures);
+      button.onclick = () => this.#open(topic.name);
+      item = { title, types, figures, element: element("li", {}, button) };
+      this.#items.set(topic.name, item);
+    }
+    item.topic = topic;
+    item.types.textContent = topic.types.join(", ");
+    return item.element;
   }
 }

@@ -18,9 +18,9 @@ const COMMANDS = ["geometry_msgs/msg/Twist", STAMPED];
 const find = (id) => document.getElementById(id);
 const gateway = new Gateway();
 const views = { camera: null, scan: null };
-const topics = new Map(); // name -> as the gateway describes it
 let command = null; // {topic, type} of what moves the robot
 
+bar.connect(gateway, "Drive");
 const driver = new Driver(({ linear, angular }) => {
   if (!command) return;
   const twist = {
@@ -36,7 +36,7 @@ const letGo = watch(find("stick"), find("knob"), (linear, angular) => driver.hol
 /** Show the first topic of some types, from when there is one. */
 function show(place, types, View, missing) {
   if (views[place]) return;
-  const found = [...topics.values()].find((each) => each.publishers.length && types.includes(each.types[0]));
+  const found = gateway.graph.published(...types);
   if (!found) {
     find(place).replaceChildren(element("p", {}, missing));
     return;
@@ -52,7 +52,7 @@ async function watchControl() {
   if (command) return;
   try {
     const state = await gateway.ask({ op: "control", watch: true });
-    const type = topics.get(state.topic)?.types[0];
+    const type = gateway.graph.typeOf(state.topic);
     if (COMMANDS.includes(type)) command = { topic: state.topic, type };
     told(state);
   } catch (error) {
@@ -71,10 +71,7 @@ gateway.addEventListener("state", ({ detail: { state } }) => {
   command = null;
   if (state === "closed") find("control").textContent = "Not connected: the gateway stops what you drove.";
 });
-gateway.addEventListener("graph", ({ detail: { topics: all, changes } }) => {
-  if (all) topics.clear();
-  for (const each of all ?? changes.topics ?? []) topics.set(each.name, each);
-  for (const name of changes?.gone_topics ?? []) topics.delete(name);
+gateway.addEventListener("graph", () => {
   show("camera", IMAGES, ImageView, "Nobody publishes pictures.");
   show("scan", SCANS, ScanView, "Nobody publishes a laser scan.");
   watchControl();
@@ -102,5 +99,4 @@ for (const [name, unit] of [["linear", "m/s"], ["angular", "rad/s"]]) {
   write();
 }
 
-bar.connect(gateway);
 gateway.connect();

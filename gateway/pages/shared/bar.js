@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every page has at its top: the connection in words, the token that may be asked for, and STOP.
+// What every page has at its top: the other pages, the connection in words, the token that may be asked for, and STOP.
 
+import { element } from "./dom.js";
+
+const PAGES = { Debug: "/", Drive: "/drive" };
 const WORDS = {
   open: () => "connected",
   connecting: () => "connecting",
@@ -17,7 +20,7 @@ export function tell(text) {
 }
 
 /** Stop the robot, whoever drives it. */
-export async function stop(gateway) {
+async function stop(gateway) {
   try {
     const { topics } = await gateway.ask({ op: "stop" });
     tell(topics.length ? `stopping ${topics.join(", ")}` : "nothing moves: no command topic is in use");
@@ -26,8 +29,15 @@ export async function stop(gateway) {
   }
 }
 
-/** Connect the bar of a page with its gateway. */
-export function connect(gateway) {
+/**
+ * Put the bar at the top of a page and connect it with its gateway.
+ * @param {import("./gateway.js").Gateway} gateway
+ * @param {string} here the name of the page
+ * @param {...Node} more what the page has between the connection and STOP
+ */
+export function connect(gateway, here, ...more) {
+  document.body.prepend(header(here, more), element("p", { id: "notice", className: "notice", role: "alert", hidden: true }));
+  document.body.append(tokenDialog(gateway));
   gateway.addEventListener("state", ({ detail: { state, reason } }) => {
     find("state").textContent = WORDS[state](reason);
     find("state").dataset.state = state;
@@ -38,6 +48,36 @@ export function connect(gateway) {
     }
   });
   gateway.addEventListener("status", ({ detail }) => tell(detail.msg));
-  find("token").addEventListener("close", () => gateway.useToken(find("token-text").value.trim()));
   find("stop").onclick = () => stop(gateway);
+}
+
+function header(here, more) {
+  const links = Object.entries(PAGES).map(([name, path]) => (
+    element("a", { href: path, aria: name === here ? { current: "page" } : {} }, name)
+  ));
+  return element(
+    "header", { className: "bar" },
+    element("h1", {}, "ROS 2 gateway"),
+    element("nav", { className: "pages", aria: { label: "Pages" } }, ...links),
+    element("p", { id: "state", className: "state", role: "status" }, "connecting"),
+    ...more,
+    element("button", { id: "stop", className: "stop", type: "button", title: "Stop the robot, whoever drives it" }, "STOP"),
+  );
+}
+
+function tokenDialog(gateway) {
+  const token = element("input", { id: "token-text", type: "password", autocomplete: "off", required: true });
+  const dialog = element(
+    "dialog", { id: "token" },
+    element(
+      "form", { method: "dialog" },
+      element("h2", {}, "This gateway asks for a token"),
+      element("p", {}, element("code", {}, "ros2-gateway token create NAME"), " makes one. It is kept until this tab is closed."),
+      element("label", {}, "Token ", token),
+      element("p", { id: "token-problem", role: "alert" }),
+      element("button", { type: "submit" }, "Connect"),
+    ),
+  );
+  dialog.onclose = () => gateway.useToken(token.value.trim());
+  return dialog;
 }

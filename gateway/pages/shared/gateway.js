@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The connection of a page to its gateway. It comes back by itself, and asks for what was subscribed again.
 
+import { Arrivals } from "./arrivals.js";
+import { decode } from "./cbor.js";
+import { Graph } from "./graph.js";
+
 const PING_MS = 2000;
 const FIRST_RETRY_MS = 500;
 const LAST_RETRY_MS = 8000;
@@ -42,12 +46,17 @@ export class Gateway extends EventTarget {
   counts = { frames: 0, bytes: 0, roundTripMs: null };
   /** The answer to `hello`, or null. */
   hello = null;
+  /** What there is in ROS; the event `graph` follows each change. */
+  graph = new Graph();
+  /** What has come of each topic. @type {Map<string, Arrivals>} */
+  arrivals = new Map();
 
   connect() {
     this.#announce("connecting");
     const protocols = this.#token ? ["ros2-gateway", `bearer.${this.#token}`] : [];
     const socket = new WebSocket(address(), protocols);
     this.#socket = socket;
+    socket.binaryType = "arraybuffer";
     socket.onopen = () => this.#open();
     socket.onmessage = (event) => this.#receive(event.data);
     socket.onclose = (event) => this.#close(socket, event);
@@ -85,6 +94,7 @@ export class Gateway extends EventTarget {
     this.#send(subscription);
     return () => {
       if (this.#subscriptions.delete(id)) this.send({ op: "unsubscribe", id, topic });
+      if (![...this.#subscriptions.values()].some((each) => each.topic === topic)) this.arrivals.delete(topic);
     };
   }
 
@@ -117,27 +127,36 @@ export class Gateway extends EventTarget {
     }
   }
 
-  #receive(text) {
+  #receive(data) {
+    const isText = typeof data === "string";
+    const size = isText ? data.length : data.byteLength;
     this.counts.frames += 1;
-    this.counts.bytes += text.length;
+    this.counts.bytes += size;
     let frame;
     try {
-      frame = JSON.parse(text);
+      frame = isText ? JSON.parse(data) : decode(data);
     } catch (error) {
-      this.#tell(`the gateway sent what is no JSON: ${error.message}`);
+      this.#tell(`the gateway sent what is no ${isText ? "JSON" : "CBOR"}: ${error.message}`);
       return;
     }
     if (frame.op === "publish") {
+      this.#arrived(frame.topic).add(size, frame);
       for (const each of this.#subscriptions.values()) {
-        if (each.topic === frame.topic) each.onMessage(frame.msg, text.length, frame);
+        if (each.topic === frame.topic) each.onMessage(frame.msg, size, frame);
       }
     } else if (frame.op === "graph") {
+      this.graph.update(frame);
       this.dispatchEvent(new CustomEvent("graph", { detail: frame }));
     } else if (frame.op === "status") {
       this.#status(frame);
     } else if (!this.#settle(frame.id, frame)) {
       this.dispatchEvent(new CustomEvent(frame.op, { detail: frame }));
     }
+  }
+
+  #arrived(topic) {
+    if (!this.arrivals.has(topic)) this.arrivals.set(topic, new Arrivals());
+    return this.arrivals.get(topic);
   }
 
   #status(frame) {

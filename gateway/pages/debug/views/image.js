@@ -3,7 +3,7 @@ import { element } from "../../shared/dom.js";
 
 /** Pictures: the newest one, decoded beside the page's own thread. */
 export class ImageView {
-  options = { image: { quality: 70, max_width: 640 } };
+  options = { compression: "cbor", image: { quality: 70, max_width: 640 } };
   #canvas = element("canvas", { className: "picture", width: 320, height: 240, role: "img" });
   #isDecoding = false;
   #next = null;
@@ -25,9 +25,8 @@ export class ImageView {
       const { data, format } = this.#next;
       this.#next = null;
       try {
-        const octets = Uint8Array.from(atob(data), (each) => each.charCodeAt(0));
         const type = format.includes("png") ? "image/png" : "image/jpeg";
-        const bitmap = await createImageBitmap(new Blob([octets], { type }));
+        const bitmap = await createImageBitmap(new Blob([data], { type }));
         this.#canvas.width = bitmap.width;
         this.#canvas.height = bitmap.height;
         this.#canvas.getContext("2d").drawImage(bitmap, 0, 0);

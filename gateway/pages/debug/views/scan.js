@@ -6,7 +6,7 @@ const MARGIN = 12;
 
 /** A laser scan from above: forward is up, as REP 103 has x. */
 export class ScanView {
-  options = { throttle_rate: 50 };
+  options = { compression: "cbor", throttle_rate: 50 };
   #canvas = element("canvas", { className: "picture", width: SIZE, height: SIZE, role: "img" });
 
   constructor(card) {
@@ -15,7 +15,7 @@ export class ScanView {
   }
 
   show({ ranges, angle_min: first, angle_increment: step, range_min: least, range_max: most }) {
-    const known = ranges.map(Number).filter((each) => each >= least && each <= most);
+    const known = ranges.filter((each) => each >= least && each <= most);
     const farthest = Math.max(1, ...known.slice(0, 10_000));
     const scale = (SIZE / 2 - MARGIN) / farthest;
     const pen = this.#canvas.getContext("2d");

@@ -51,11 +51,15 @@ export class TreeView {
   }
 }
 
-const isNested = (value) => typeof value === "object" && value !== null && Object.keys(value).length > 0;
+const isList = (value) => Array.isArray(value) || ArrayBuffer.isView(value);
+
+function isNested(value) {
+  if (isList(value)) return value.length > 0;
+  return typeof value === "object" && value !== null && Object.keys(value).length > 0;
+}
 
 function entries(value) {
-  const all = Object.entries(value);
-  return Array.isArray(value) ? all.slice(0, MOST_ITEMS) : all;
+  return Object.entries(isList(value) ? value.slice(0, MOST_ITEMS) : value);
 }
 
 function collect(value, path, leaves) {

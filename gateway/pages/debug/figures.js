@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+import { bytes, element } from "../shared/dom.js";
+
+const HEALTH_MS = 4000;
+
+/** The connection in numbers, for the bar; `tick` is called once a second. */
+export class Figures {
+  element = element("dl", { id: "figures", className: "figures", aria: { label: "Connection" } });
+  #gateway;
+  #before;
+  #health = null; // of the gateway, for everybody
+  #askedMs = -HEALTH_MS;
+
+  /** @param {import("../shared/gateway.js").Gateway} gateway */
+  constructor(gateway) {
+    this.#gateway = gateway;
+    this.#before = this.#now();
+  }
+
+  tick() {
+    const [before, now] = [this.#before, this.#now()];
+    this.#before = now;
+    const seconds = Math.max(0.001, (now.ms - before.ms) / 1000);
+    const dropped = [...this.#gateway.arrivals.values()].reduce((sum, each) => sum + each.dropped, 0);
+    this.#write({
+      "round trip": now.roundTripMs === null ? "–" : `${now.roundTripMs.toFixed(1)} ms`,
+      messages: `${Math.round((now.frames - before.frames) / seconds)}/s`,
+      data: `${bytes((now.bytes - before.bytes) / seconds)}/s`,
+      dropped: `${dropped}`,
+      clients: `${this.#health?.clients ?? "–"}`,
+      role: this.#gateway.hello?.role ?? "–",
+    });
+    if (now.ms - this.#askedMs >= HEALTH_MS) this.#ask(now.ms);
+  }
+
+  #now() {
+    return { ...this.#gateway.counts, ms: performance.now() };
+  }
+
+  async #ask(ms) {
+    this.#askedMs = ms;
+    if (this.#gateway.counts.roundTripMs === null) return; // without a connection it would fail, and say so in the console
+    try {
+      this.#health = await (await fetch("/healthz")).json();
+    } catch {
+      this.#health = null; // the connection's own state says more
+    }
+  }
+
+  #write(figures) {
+    const limits = this.#gateway.hello?.limits ?? {};
+    this.element.title = Object.entries(limits).map(([name, value]) => `${name}: ${value}`).join("\n");
+    this.element.replaceChildren(
+      ...Object.entries(figures).map(([name, value]) => element("div", {}, element("dt", {}, name), element("dd", {}, value))),
+    );
+  }
+}
