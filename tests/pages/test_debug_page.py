@@ -49,10 +49,10 @@ def card(topic: str) -> str:
     return f'article[aria-label="{topic}"]'
 
 
-async def test_a_first_visit_opens_picture_scan_and_plot(demo, open_page):
+async def test_a_first_visit_opens_picture_map_and_plot(demo, open_page):
     async with open_page(page_address(demo)) as page:
         await until_painted(page, f"{card('/camera/image_raw')} canvas")
-        await until_painted(page, f"{card('/scan')} canvas")
+        await until_painted(page, f"{card('/map')} canvas")
         await until_painted(page, f"{card('/odom')} .uplot canvas")
         await until(page, "() => /Hz/.test(document.querySelector('footer').textContent)")
         assert await page.inner_text("#state") == "connected"
@@ -103,7 +103,9 @@ async def test_pausing_a_rate_cap_and_closing(demo, open_page):
         await page.click(f"{odom} button:text-is('Pause')")
         await until(page, "before => document.querySelector('.raw').textContent !== before", shown)
         await page.select_option(f"{odom} select[aria-label=rate]", "1")
-        await until(page, "() => /^[012](\\.[0-9])? Hz/.test(document.querySelector('footer').textContent)")
+        await until(
+            page, "() => /^[012](\\.[0-9])? Hz/.test(document.querySelector('footer').textContent)"
+        )
         await page.click(f"{odom} button[aria-label='close /odom']")
         assert await page.locator("article").count() == 0
 
@@ -212,7 +214,7 @@ async def test_what_is_no_json_is_said_and_harms_nothing(demo, open_page):
         page.wrong.clear()
         await page.goto(page_address(demo))
         await until(page, "() => notice.textContent.startsWith('the gateway sent what is no JSON')")
-        await until_painted(page, f"{card('/scan')} canvas")
+        await until_painted(page, f"{card('/map')} canvas")
         page.wrong[:] = [each for each in page.wrong if not each.startswith("http")]
 
 
@@ -222,7 +224,7 @@ async def test_nothing_is_wider_than_the_screen_and_every_control_has_a_name(
     demo, open_page, viewport, scheme
 ):
     async with open_page(page_address(demo), viewport, color_scheme=scheme) as page:
-        await until_painted(page, f"{card('/scan')} canvas")
+        await until_painted(page, f"{card('/map')} canvas")
         assert await page.evaluate("() => document.scrollingElement.scrollWidth <= innerWidth")
         for control in await page.get_by_role("button").all():
             assert (await control.inner_text()).strip() or await control.get_attribute("aria-label")

@@ -133,5 +133,5 @@ async def test_who_else_drives_is_said_and_can_be_taken_over(demo, drive, watche
 async def test_it_shows_camera_and_scan(drive):
     async with drive() as page:
         await page.wait_for_selector("#camera canvas")
-        await page.wait_for_selector("#scan canvas")
+        await page.wait_for_selector("#world canvas")
         assert await page.evaluate("() => document.scrollingElement.scrollWidth <= innerWidth")

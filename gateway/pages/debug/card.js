@@ -13,7 +13,6 @@ const RATES_HZ = [0, 30, 10, 5, 1]; // 0: as the robot publishes
 
 /** One topic in one view, with what the gateway says of it. */
 export class Card {
-  #gateway;
   #actions;
   #view;
   #unsubscribe = () => {};
@@ -33,7 +32,8 @@ export class Card {
    * @param {{changed: () => void, close: (card: Card) => void, plot: (topic: string, path: string) => void}} actions
    */
   constructor(gateway, shown, type, actions) {
-    this.#gateway = gateway;
+    /** For a view that needs more than its topic. */
+    this.gateway = gateway;
     this.#actions = actions;
     Object.assign(this, shown);
     this.type = type;
@@ -61,9 +61,10 @@ export class Card {
 
   /** Draw what has come since the last frame of the screen. */
   draw() {
-    if (!this.#isDirty || this.#isPaused) return;
+    if (this.#isPaused) return;
+    if (this.#isDirty) this.#view.show(this.#newest.message, this.#newest.frame);
     this.#isDirty = false;
-    this.#view.show(this.#newest.message, this.#newest.frame);
+    this.#view.draw?.();
   }
 
   /** Write rate, size and age; called once a second. */
@@ -75,6 +76,7 @@ export class Card {
 
   close() {
     this.#unsubscribe();
+    this.#view.close?.();
     this.element.remove();
   }
 
@@ -112,6 +114,7 @@ export class Card {
 
   #start() {
     this.#unsubscribe();
+    this.#view?.close?.();
     this.#problem.hidden = true;
     this.#isDirty = false;
     this.#view = makeView(this.view, this);
@@ -119,7 +122,7 @@ export class Card {
     if (this.view === "plot") this.#view.show(); // before there is a message it says what to do
     const { throttle_rate: least = 0, ...options } = this.#view.options;
     const throttle = Math.max(least, this.rate ? Math.round(1000 / this.rate) : 0);
-    this.#unsubscribe = this.#gateway.subscribe(
+    this.#unsubscribe = this.gateway.subscribe(
       this.topic,
       { ...options, throttle_rate: throttle },
       (message, size, frame) => this.#receive(message, size, frame),

@@ -12,10 +12,10 @@ import { viewsFor } from "./views/views.js";
 
 const MOST_FIELDS = 4; // in one plot
 const FIRST_VIEWS = [
-  // what a first visit opens, if the robot has it
-  { types: ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"], view: "image", fields: [] },
-  { types: ["sensor_msgs/msg/LaserScan"], view: "scan", fields: [] },
-  { types: ["nav_msgs/msg/Odometry"], view: "plot", fields: ["twist.twist.linear.x", "twist.twist.angular.z"] },
+  // what a first visit opens: of each line the first that the robot has
+  [{ types: ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"], view: "image" }],
+  [{ types: ["nav_msgs/msg/OccupancyGrid"], view: "map" }, { types: ["sensor_msgs/msg/LaserScan"], view: "scan" }],
+  [{ types: ["nav_msgs/msg/Odometry"], view: "plot", fields: ["twist.twist.linear.x", "twist.twist.angular.z"] }],
 ];
 const NO_ROBOT = "Nobody publishes anything here yet. Start a robot, or the simulated one by ";
 
@@ -61,9 +61,10 @@ function changed() {
 }
 
 function welcome() {
-  for (const { types, view, fields } of FIRST_VIEWS) {
-    const found = gateway.graph.published(...types);
-    if (found) add({ topic: found.name, view, fields, rate: 0 });
+  for (const kinds of FIRST_VIEWS) {
+    const shown = kinds.map((each) => ({ ...each, topic: gateway.graph.published(...each.types)?.name }));
+    const { topic, view, fields = [] } = shown.find((each) => each.topic) ?? {};
+    if (topic) add({ topic, view, fields, rate: 0 });
   }
   if (cards.length) isFirstVisit = false;
   else find("cards").replaceChildren(empty);

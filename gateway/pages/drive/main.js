@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The drive page: camera, scan, and a robot that moves while something is held.
+// The drive page: camera, the robot from above, and a robot that moves while something is held.
 
 import { ImageView } from "../debug/views/image.js";
 import { ScanView } from "../debug/views/scan.js";
@@ -11,13 +11,14 @@ import { watch } from "./held.js";
 import { sentence } from "./words.js";
 
 const IMAGES = ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"];
+const MAPS = ["nav_msgs/msg/OccupancyGrid"];
 const SCANS = ["sensor_msgs/msg/LaserScan"];
 const STAMPED = "geometry_msgs/msg/TwistStamped";
 const COMMANDS = ["geometry_msgs/msg/Twist", STAMPED];
 
 const find = (id) => document.getElementById(id);
 const gateway = new Gateway();
-const views = { camera: null, scan: null };
+const views = { camera: null, world: null };
 let command = null; // {topic, type} of what moves the robot
 
 bar.connect(gateway, "Drive");
@@ -33,18 +34,25 @@ const driver = new Driver(({ linear, angular }) => {
 });
 const letGo = watch(find("stick"), find("knob"), (linear, angular) => driver.hold(linear, angular));
 
-/** Show the first topic of some types, from when there is one. */
-function show(place, types, View, missing) {
-  if (views[place]) return;
-  const found = gateway.graph.published(...types);
-  if (!found) {
-    find(place).replaceChildren(element("p", {}, missing));
-    return;
-  }
-  const view = new View({ topic: found.name, tell: bar.tell });
+/** Show a topic in the first of some views, each with its types, that the robot has something for. */
+function show(place, missing, ...kinds) {
+  const [View, topic] = kinds.map(([each, types]) => [each, gateway.graph.published(...types)?.name]).find(([, name]) => name) ?? [];
+  if (!View && !views[place]) find(place).replaceChildren(element("p", {}, missing));
+  if (!View || views[place] instanceof View) return;
+  views[place]?.end();
+  const view = new View({ topic, gateway, tell: bar.tell });
+  const unsubscribe = gateway.subscribe(topic, view.options, (message) => view.show(message), (status) => bar.tell(status.msg));
+  view.end = () => {
+    unsubscribe();
+    view.close?.();
+  };
   views[place] = view;
   find(place).replaceChildren(view.element);
-  gateway.subscribe(found.name, view.options, (message) => view.show(message), (status) => bar.tell(status.msg));
+}
+
+function draw() {
+  for (const view of Object.values(views)) view?.draw?.();
+  requestAnimationFrame(draw);
 }
 
 /** Ask for the state of the topic that moves the robot, once there is one; its changes follow. */
@@ -72,8 +80,8 @@ gateway.addEventListener("state", ({ detail: { state } }) => {
   if (state === "closed") find("control").textContent = "Not connected: the gateway stops what you drove.";
 });
 gateway.addEventListener("graph", () => {
-  show("camera", IMAGES, ImageView, "Nobody publishes pictures.");
-  show("scan", SCANS, ScanView, "Nobody publishes a laser scan.");
+  show("camera", "Nobody publishes pictures.", [ImageView, IMAGES]);
+  show("world", "Nobody publishes a map or a laser scan.", [MapView, MAPS], [ScanView, SCANS]);
   watchControl();
 });
 gateway.addEventListener("control", ({ detail }) => told(detail));
@@ -100,3 +108,4 @@ for (const [name, unit] of [["linear", "m/s"], ["angular", "rad/s"]]) {
 }
 
 gateway.connect();
+draw();

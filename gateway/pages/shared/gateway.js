@@ -35,6 +35,7 @@ export function address() {
 export class Gateway extends EventTarget {
   #socket = null;
   #subscriptions = new Map();
+  #lookups = new Map(); // id -> a repeated lookup of a transform
   #pending = new Map();
   #nextId = 1;
   #retryMs = FIRST_RETRY_MS;
@@ -98,6 +99,23 @@ export class Gateway extends EventTarget {
     };
   }
 
+  /**
+   * Report where a frame is, when that is known and when it has changed, until the function that this returns is called.
+   * @param {string} target
+   * @param {string} source the frame whose pose in *target* is reported
+   * @param {number} rate at most so many a second
+   * @param {(transform: object) => void} onTransform gets `translation` and `rotation`
+   */
+  followTransform(target, source, rate, onTransform) {
+    const id = `page:${this.#nextId++}`;
+    const request = { op: "lookup_transform", id, target_frame: target, source_frame: source, rate };
+    this.#lookups.set(id, { request, onTransform });
+    this.send(request);
+    return () => {
+      if (this.#lookups.delete(id)) this.send({ op: "cancel_transform", id });
+    };
+  }
+
   #send({ id, topic, options }) {
     this.send({ op: "subscribe", id, topic, meta: true, nonfinite: "string", ...options });
   }
@@ -113,6 +131,7 @@ export class Gateway extends EventTarget {
     this.#announce("open");
     this.send({ op: "graph", watch: true });
     for (const subscription of this.#subscriptions.values()) this.#send(subscription);
+    for (const { request } of this.#lookups.values()) this.send(request);
     this.#pinging = setInterval(() => this.#ping(), PING_MS);
     this.#ping();
   }
@@ -147,6 +166,8 @@ export class Gateway extends EventTarget {
     } else if (frame.op === "graph") {
       this.graph.update(frame);
       this.dispatchEvent(new CustomEvent("graph", { detail: frame }));
+    } else if (frame.op === "lookup_transform") {
+      this.#lookups.get(frame.id)?.onTransform(frame.transform.transform);
     } else if (frame.op === "status") {
       this.#status(frame);
     } else if (!this.#settle(frame.id, frame)) {
@@ -162,6 +183,7 @@ export class Gateway extends EventTarget {
   #status(frame) {
     const subscription = this.#subscriptions.get(frame.id);
     if (subscription) subscription.onStatus(frame);
+    else if (isLookup(frame)) return; // the frame may come yet; until then nothing is shown
     else if (!this.#settle(frame.id, null, frame.msg, frame.code)) {
       this.dispatchEvent(new CustomEvent("status", { detail: frame }));
     }
@@ -204,6 +226,9 @@ export class Gateway extends EventTarget {
     this.dispatchEvent(new CustomEvent("status", { detail: { level: "error", msg } }));
   }
 }
+
+/** Return whether a status is about a repeated lookup: that its frame is not known yet, or that there is none to cancel. */
+const isLookup = ({ request }) => request === "lookup_transform" || request === "cancel_transform";
 
 /** Return the token: that behind # in the address, as a QR code has it, or the one kept for this tab. */
 function takeToken() {

@@ -56,10 +56,17 @@ export class PlotView {
       width,
       height: HEIGHT,
       cursor: { show: false },
-      scales: { x: { time: false } },
+      scales: { x: { time: false }, y: { range: (_, least, most) => around(least, most) } },
       axes: [{ ...axis, values: seconds }, { ...axis, size: 60 }],
       series: [{}, ...series],
       legend: { live: false },
     }, this.#columns, this.element);
   }
+}
+
+/** Return what the axis shows: a tenth more than the values, and something where they are all the same. */
+function around(least, most) {
+  if (least === null) return [-1, 1];
+  const margin = least === most ? Math.abs(least) || 1 : (most - least) / 10;
+  return [least - margin, most + margin];
 }

@@ -1,21 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which views there are, and which fits a type best.
 
+import { BatteryView } from "./battery.js";
 import { ImageView } from "./image.js";
 import { LogView } from "./log.js";
+import { MapView } from "./map.js";
 import { PlotView } from "./plot.js";
 import { RawView } from "./raw.js";
 import { ScanView } from "./scan.js";
+import { TrailView } from "./trail.js";
 import { TreeView } from "./tree.js";
+
+const POSES = ["nav_msgs/msg/Odometry", "nav_msgs/msg/Path", "geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/PoseWithCovarianceStamped"];
 
 /**
  * A way to show the messages of one topic. `element` is what is seen, `options` are members of
  * `subscribe`; `show` gets the newest message before the next frame of the screen, `keep` every one.
+ * `draw` is called before each frame of the screen, `close` at the end.
  */
 const VIEWS = {
   image: { name: "Picture", make: ImageView, types: ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"] },
   scan: { name: "Scan", make: ScanView, types: ["sensor_msgs/msg/LaserScan"] },
+  map: { name: "Map", make: MapView, types: ["nav_msgs/msg/OccupancyGrid"] },
+  battery: { name: "Battery", make: BatteryView, types: ["sensor_msgs/msg/BatteryState"] },
   log: { name: "Log", make: LogView, types: ["rcl_interfaces/msg/Log"] },
+  trail: { name: "Trail", make: TrailView, types: POSES },
   tree: { name: "Fields", make: TreeView },
   plot: { name: "Plot", make: PlotView },
   raw: { name: "Frames", make: RawView },

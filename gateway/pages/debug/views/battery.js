@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+import { element } from "../../shared/dom.js";
+
+const STATUS = ["status unknown", "charging", "discharging", "not charging", "full"]; // POWER_SUPPLY_STATUS_*
+const HEALTH = ["", "good", "overheated", "dead", "overvoltage", "unspecified failure", "cold", "watchdog expired", "safety timer expired"];
+const LOW = 0.2;
+
+/** A battery in words and as a bar. */
+export class BatteryView {
+  options = { throttle_rate: 500 };
+  element = element("div", { className: "battery" });
+  #meter = element("meter", { min: 0, max: 1, low: LOW, high: LOW, optimum: 1, aria: { label: "charge" } });
+  #share = element("strong");
+  #rest = element("p");
+
+  constructor() {
+    this.element.append(this.#share, this.#meter, this.#rest);
+  }
+
+  show({ percentage, voltage, current, temperature, power_supply_status: status, power_supply_health: health }) {
+    const share = measured(percentage);
+    this.#share.textContent = share === null ? "charge not measured" : `${Math.round(share * 100)} %${share < LOW ? ", low" : ""}`;
+    this.#meter.hidden = share === null;
+    this.#meter.value = share ?? 0;
+    const parts = [[voltage, "V"], [current, "A"], [temperature, "°C"]]
+      .map(([value, unit]) => [measured(value), unit])
+      .filter(([value]) => value !== null)
+      .map(([value, unit]) => `${value.toFixed(1)} ${unit}`);
+    this.#rest.textContent = [STATUS[status] ?? `status ${status}`, HEALTH[health] ?? `health ${health}`, ...parts].filter(Boolean).join(" · ");
+  }
+}
+
+/** Return a number, or null for NaN, which stands for what is not measured. */
+const measured = (value) => (Number.isFinite(value) ? value : null);

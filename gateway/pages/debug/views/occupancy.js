@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// The cells of a nav_msgs/msg/OccupancyGrid as pixels.
+
+import { token } from "../../shared/dom.js";
+
+const MOST_PIXELS = 2048 * 2048; // a larger map is drawn with every second, third ... of its cells
+
+/**
+ * Draw a map: the canvas has its first row at the bottom.
+ * @returns {{canvas: OffscreenCanvas, cells: number}} how many cells of the map a pixel is wide
+ * @throws {RangeError} if its numbers contradict each other
+ */
+export function draw({ info: { width, height }, data }) {
+  if (!(width > 0 && height > 0)) throw new RangeError(`it is ${width} x ${height} cells large`);
+  if (data.length !== width * height) throw new RangeError(`${width} x ${height} cells, but ${data.length} values`);
+  const cells = Math.ceil(Math.sqrt((width * height) / MOST_PIXELS));
+  const [columns, rows] = [Math.ceil(width / cells), Math.ceil(height / cells)];
+  const colours = palette();
+  const pixels = new Uint32Array(columns * rows);
+  for (let row = 0; row < rows; row += 1) {
+    const from = row * cells * width;
+    const to = (rows - 1 - row) * columns;
+    for (let column = 0; column < columns; column += 1) pixels[to + column] = colours[data[from + column * cells] & 255];
+  }
+  const canvas = new OffscreenCanvas(columns, rows);
+  canvas.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(pixels.buffer), columns), 0, 0);
+  return { canvas, cells };
+}
+
+/** Return a colour for each value of a cell: 0 to 100 from free to occupied; others, as -1, are unknown. */
+function palette() {
+  const [free, occupied] = [octets(token("map-free")), octets(token("map-occupied"))];
+  const colours = new Uint32Array(256).fill(packed(octets(token("map-unknown"))));
+  for (let value = 0; value <= 100; value += 1) {
+    colours[value] = packed(free.map((each, index) => each + ((occupied[index] - each) * value) / 100));
+  }
+  return colours;
+}
+
+const octets = (colour) => [1, 3, 5].map((at) => Number.parseInt(colour.slice(at, at + 2), 16));
+const packed = ([red, green, blue]) => (0xff000000 | (blue << 16) | (green << 8) | red) >>> 0;

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// A canvas that shows the world from above. Metres and radians as REP 103 has them: x is right, y is up.
+
+import { element, token } from "../../shared/dom.js";
+
+const SIZE = 480; // pixels
+const MARGIN = 12;
+const ROBOT = 0.12; // metres from its middle to its nose
+const LEAST_ROBOT = 7; // pixels
+
+/** Return the heading of an orientation, seen from above. */
+export function yawOf({ x = 0, y = 0, z = 0, w = 1 }) {
+  return Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
+}
+
+/** A picture from above; `begin` says which part of the world it shows. */
+export class Plan {
+  #pen;
+  #scale = 1; // pixels per metre
+  #middle = { x: 0, y: 0, up: 0 };
+
+  /** @param {string} label for whoever does not see it */
+  constructor(label) {
+    this.element = element("canvas", { className: "picture", width: SIZE, height: SIZE, role: "img", aria: { label } });
+    this.#pen = this.element.getContext("2d");
+  }
+
+  /**
+   * Clear it, for what lies around a place.
+   * @param {{x: number, y: number}} middle
+   * @param {number} reach metres from there to the edge
+   * @param {number} up the heading that points up; by default that of y
+   */
+  begin({ x, y }, reach, up = Math.PI / 2) {
+    this.#pen.setTransform(1, 0, 0, 1, 0, 0);
+    this.#pen.clearRect(0, 0, SIZE, SIZE);
+    this.#middle = { x, y, up };
+    this.#scale = (SIZE / 2 - MARGIN) / reach;
+  }
+
+  /** Draw circles around a place, each with its distance. */
+  rings({ x, y }, farthest) {
+    const [middleX, middleY] = this.#at(x, y);
+    const step = stepOf(farthest);
+    this.#pen.strokeStyle = token("line");
+    for (let metres = step; metres <= farthest; metres += step) {
+      this.#pen.beginPath();
+      this.#pen.arc(middleX, middleY, metres * this.#scale, 0, 2 * Math.PI);
+      this.#pen.stroke();
+      this.#label(`${rounded(metres)} m`, middleX + 3, middleY - metres * this.#scale - 3);
+    }
+  }
+
+  /** Draw lines along x and y through what is shown. */
+  grid() {
+    const reach = SIZE / 2 / this.#scale;
+    const step = stepOf(reach);
+    this.#pen.strokeStyle = token("line");
+    this.#pen.beginPath();
+    for (let x = Math.ceil((this.#middle.x - reach) / step) * step; x <= this.#middle.x + reach; x += step) {
+      const [left] = this.#at(x, 0);
+      this.#pen.moveTo(left, 0);
+      this.#pen.lineTo(left, SIZE);
+      this.#label(`${rounded(x)}`, left + 3, SIZE - 4);
+    }
+    for (let y = Math.ceil((this.#middle.y - reach) / step) * step; y <= this.#middle.y + reach; y += step) {
+      const [, top] = this.#at(0, y);
+      this.#pen.moveTo(0, top);
+      this.#pen.lineTo(SIZE, top);
+      this.#label(`${rounded(y)} m`, 3, top - 3);
+    }
+    this.#pen.stroke();
+  }
+
+  /** Draw what an offscreen canvas has, a pixel of it as wide as *resolution* metres, its lower left corner at *origin*. */
+  image(canvas, origin, resolution) {
+    const [left, bottom] = this.#at(origin.x, origin.y);
+    this.#pen.save();
+    this.#pen.imageSmoothingEnabled = false;
+    this.#pen.translate(left, bottom);
+    this.#pen.rotate(-origin.yaw);
+    this.#pen.scale(resolution * this.#scale, resolution * this.#scale);
+    this.#pen.drawImage(canvas, 0, -canvas.height);
+    this.#pen.restore();
+  }
+
+  /** Draw the hits of a laser scan that was taken at a pose. */
+  scan({ ranges, angle_min: first, angle_increment: step, range_min: least, range_max: most }, { x, y, yaw }) {
+    this.#pen.fillStyle = token("accent");
+    ranges.forEach((range, index) => {
+      if (!(range >= least && range <= most)) return;
+      const heading = yaw + first + index * step;
+      const [left, top] = this.#at(x + Math.cos(heading) * range, y + Math.sin(heading) * range);
+      this.#pen.fillRect(left - 1.5, top - 1.5, 3, 3);
+    });
+  }
+
+  /** Draw a line through places. */
+  line(places, colour = "accent") {
+    this.#pen.strokeStyle = token(colour);
+    this.#pen.lineWidth = 2;
+    this.#pen.beginPath();
+    for (const { x, y } of places) this.#pen.lineTo(...this.#at(x, y));
+    this.#pen.stroke();
+    this.#pen.lineWidth = 1;
+  }
+
+  /** Draw the robot, its nose forward. */
+  robot({ x, y, yaw }) {
+    const length = Math.max(LEAST_ROBOT, ROBOT * this.#scale);
+    const [left, top] = this.#at(x, y);
+    const turned = yaw - this.#middle.up + Math.PI / 2;
+    this.#pen.fillStyle = token("warning");
+    this.#pen.beginPath();
+    for (const [share, angle] of [[1, 0], [0.9, 2.5], [0.9, -2.5]]) {
+      this.#pen.lineTo(left + Math.cos(turned + angle) * share * length, top - Math.sin(turned + angle) * share * length);
+    }
+    this.#pen.fill();
+  }
+
+  #label(text, left, bottom) {
+    this.#pen.fillStyle = token("quiet");
+    this.#pen.font = "12px system-ui";
+    this.#pen.fillText(text, left, bottom);
+  }
+
+  #at(x, y) {
+    const turn = Math.PI / 2 - this.#middle.up;
+    const [right, ahead] = [x - this.#middle.x, y - this.#middle.y];
+    return [
+      SIZE / 2 + (Math.cos(turn) * right - Math.sin(turn) * ahead) * this.#scale,
+      SIZE / 2 - (Math.sin(turn) * right + Math.cos(turn) * ahead) * this.#scale,
+    ];
+  }
+}
+
+/** Return the distance between lines: 1, 2 or 5 of a power of ten, three to seven of them. */
+function stepOf(metres) {
+  const power = 10 ** Math.floor(Math.log10(metres / 3));
+  return power * ([5, 2, 1].find((each) => each * power <= metres / 3) ?? 1);
+}
+
+const rounded = (metres) => Number(metres.toPrecision(3));

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+import { Plan, yawOf } from "./plan.js";
+
+const MOST_PLACES = 2000;
+const LEAST_STEP = 0.01; // metres
+const LEAST_REACH = 1;
+
+/** The way of something that moves, from above; of a path all of it. */
+export class TrailView {
+  options = { throttle_rate: 30 };
+  #plan;
+  #trail = [];
+  #pose = null;
+
+  constructor(card) {
+    this.#plan = new Plan(`way of ${card.topic}, seen from above`);
+    this.element = this.#plan.element;
+  }
+
+  /** How many places are kept. */
+  get length() {
+    return this.#trail.length;
+  }
+
+  keep(message) {
+    if (Array.isArray(message.poses)) this.#take(message.poses.map((each) => poseOf(each)));
+    else this.#extend(poseOf(message));
+  }
+
+  show() {
+    if (!this.#pose) return;
+    const xs = this.#trail.map(({ x }) => x);
+    const ys = this.#trail.map(({ y }) => y);
+    const [left, right, low, high] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
+    const middle = { x: (left + right) / 2, y: (low + high) / 2 };
+    this.#plan.begin(middle, Math.max(LEAST_REACH, right - left, high - low) * 0.55);
+    this.#plan.grid();
+    this.#plan.line(this.#trail);
+    this.#plan.robot(this.#pose);
+  }
+
+  #take(poses) {
+    this.#trail = poses.slice(-MOST_PLACES);
+    this.#pose = poses.at(-1) ?? null;
+  }
+
+  #extend(pose) {
+    const last = this.#trail.at(-1);
+    this.#pose = pose;
+    if (last && Math.hypot(pose.x - last.x, pose.y - last.y) < LEAST_STEP) return;
+    this.#trail.push(pose);
+    if (this.#trail.length > MOST_PLACES) this.#trail.shift();
+  }
+}
+
+/** Return the pose of a PoseStamped, or of a message that holds one beside its covariance. */
+function poseOf({ pose }) {
+  const { position, orientation } = pose.pose ?? pose;
+  return { x: position.x, y: position.y, yaw: yawOf(orientation) };
+}

@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What shows the robot's world: map, scan, trail and battery, in a real browser."""
+
+import math
+
+import cbor2
+import pytest
+
+from tests.client import client
+from tests.demonstration import until_it_can_be_driven
+from tests.pages.conftest import page_address
+from tests.pages.test_debug_page import card, until, until_painted
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+# the number of pixels of a canvas that have the colour of a token, as good as
+COUNT = """([selector, name]) => {
+    const canvas = document.querySelector(selector);
+    const colour = getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+    const wanted = [1, 3, 5].map((at) => Number.parseInt(colour.slice(at, at + 2), 16));
+    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
+    copy.drawImage(canvas, 0, 0);
+    const { data } = copy.getImageData(0, 0, canvas.width, canvas.height);
+    let count = 0;
+    for (let at = 0; at < data.length; at += 4) {
+        count += wanted.every((each, index) => Math.abs(each - data[at + index]) < 3);
+    }
+    return count;
+}"""
+# where the middle of these pixels is
+MIDDLE = (
+    COUNT.replace("let count = 0", "let count = 0, sum = 0")
+    .replace(
+        "count += wanted.every((each, index) => Math.abs(each - data[at + index]) < 3);",
+        """if (wanted.every((each, index) => Math.abs(each - data[at + index]) < 3)) {
+            count += 1;
+            sum += (at / 4) % canvas.width;
+        }""",
+    )
+    .replace("return count", "return sum / count")
+)
+GRID = {
+    "info": {"resolution": 0.5, "width": 4, "height": 2},
+    "data": [0, 0, 0, 100, -1, 0, 0, 100],
+}
+
+
+async def test_a_map_shows_walls_the_robot_and_its_scan(demo, open_page):
+    async with open_page(page_address(demo) + "#card=map+0+/map") as page:
+        await until_painted(page, f"{card('/map')} canvas")
+        # walls, free floor, hits of the laser, the robot
+        for name in ("--map-occupied", "--map-free", "--accent", "--warning"):
+            await until(page, f"about => ({COUNT})(about) > 20", [f"{card('/map')} canvas", name])
+
+
+async def test_the_robot_moves_on_the_map(demo, open_page):
+    async with (
+        client(demo.url) as speaker,
+        open_page(page_address(demo) + "#card=map+0+/map") as page,
+    ):
+        await until_it_can_be_driven(speaker)
+        robot = [f"{card('/map')} canvas", "--warning"]
+        await until(page, f"about => ({COUNT})(about) > 20", robot)
+        before = await page.evaluate(MIDDLE, robot)
+        await speaker.send(op="publish", topic="/cmd_vel", msg={"linear": {"x": 0.2}})
+        await until(page, f"([before, about]) => ({MIDDLE})(about) > before + 1", [before, robot])
+
+
+async def test_a_map_whose_numbers_contradict_each_other_is_told_of(demo, open_page):
+    async with (
+        client(demo.url) as speaker,
+        open_page(page_address(demo) + "#card=map+0+/plan") as page,
+    ):
+        await speaker.send(op="advertise", topic="/plan", type="nav_msgs/OccupancyGrid", latch=True)
+        await speaker.send(op="publish", topic="/plan", msg=GRID | {"data": [0, 0, 0]})
+        problem = "() => document.querySelector('.problem').textContent"
+        await until(page, f"{problem}.includes('4 x 2 cells, but 3 values')")
+        await speaker.send(op="publish", topic="/plan", msg=GRID)
+        await until_painted(page, f"{card('/plan')} canvas")
+        flat = GRID | {"info": GRID["info"] | {"resolution": 0.0}}
+        await speaker.send(op="publish", topic="/plan", msg=flat)
+        await until(page, f"{problem}.includes('cells are 0 m wide')")
+
+
+async def test_a_huge_map_is_drawn_with_some_of_its_cells(demo, open_page):
+    async with open_page(page_address(demo) + "#card=map+0+/map") as page:
+        width, height, cells, colours = await page.evaluate("""async () => {
+            const { draw } = await import("/debug/views/occupancy.js");
+            const data = new Int8Array(5000 * 3000).fill(-1);
+            data.fill(100, 0, 5000 * 1500);
+            const { canvas, cells } = draw({ info: { width: 5000, height: 3000 }, data });
+            const { data: found } = canvas.getContext("2d").getImageData(0, 0, 1, canvas.height);
+            const colours = new Set(new Uint32Array(found.buffer));
+            return [canvas.width, canvas.height, cells, colours.size];
+        }""")
+        assert (width, height, cells, colours) == (2500, 1500, 2, 2)
+
+
+async def test_a_trail_is_drawn_and_keeps_its_newest_places_alone(demo, open_page):
+    async with open_page(page_address(demo) + "#card=trail+0+/odom") as page:
+        robot = [f"{card('/odom')} canvas", "--warning"]
+        await until(page, f"about => ({COUNT})(about) > 20", robot)
+        length = await page.evaluate("""async () => {
+            const { TrailView } = await import("/debug/views/trail.js");
+            const view = new TrailView({ topic: "/x" });
+            for (let x = 0; x < 2500; x += 1) {
+                const pose = { position: { x, y: 0 }, orientation: {} };
+                view.keep({ pose: { pose } });
+            }
+            view.show();
+            return view.length;
+        }""")
+        assert length == 2000
+
+
+async def test_a_battery_in_words(demo, open_page):
+    async with (
+        client(demo.url) as speaker,
+        open_page(page_address(demo) + "#card=battery+0+/charge") as page,
+    ):
+        await speaker.send(
+            op="advertise", topic="/charge", type="sensor_msgs/BatteryState", latch=True
+        )
+        await speaker.send(
+            op="publish",
+            topic="/charge",
+            msg={"percentage": 0.12, "voltage": 11.1, "power_supply_status": 2},
+        )
+        text = "() => document.querySelector('.battery')?.textContent"
+        await until(page, f"{text}?.includes('12 %, low')")
+        await until(page, f"{text}?.includes('discharging') && {text[6:]}?.includes('11.1 V')")
+        await speaker.send(op="publish", topic="/charge", msg={"percentage": None})
+        await until(page, f"{text}?.includes('charge not measured')")
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        {"a": [0, 23, 24, 255, 256, 65536, 2**40], "b": [-1, -25, -(2**33)], "c": "x" * 300},
+        [1.5, -2.25, True, False, None, "ü", {}],
+    ],
+)
+async def test_pages_read_what_another_library_writes_in_cbor(demo, open_page, value):
+    async with open_page(page_address(demo)) as page:
+        assert await read(page, cbor2.dumps(value)) == value
+
+
+@pytest.mark.parametrize(
+    ("tag", "octets", "numbers"),
+    [
+        (69, "0100feff", [1, 65534]),
+        (70, "01000000ffffffff", [1, 2**32 - 1]),
+        (71, "0100000000000000", [1]),
+        (72, "01ff", [1, -1]),
+        (77, "0100ffff", [1, -1]),
+        (78, "01000000ffffffff", [1, -1]),
+        (79, "ffffffffffffffff", [-1]),
+        (85, "0000c03f", [1.5]),
+        (86, "000000000000f83f", [1.5]),
+    ],
+)
+async def test_pages_read_typed_arrays_wherever_they_stand(demo, open_page, tag, octets, numbers):
+    async with open_page(page_address(demo)) as page:
+        for before in ("", "x"):  # at an even place and at an odd one
+            value = {before: cbor2.CBORTag(tag, bytes.fromhex(octets))}
+            assert await read(page, cbor2.dumps(value)) == {before: numbers}
+
+
+@pytest.mark.parametrize(
+    "octets", ["", "61", "82", "1c", "5803ff", "00ff", "c101", "f8ff", "62c328"]
+)
+async def test_pages_refuse_what_is_no_cbor(demo, open_page, octets):
+    async with open_page(page_address(demo)) as page:
+        assert (await read(page, bytes.fromhex(octets))).startswith("refused: ")
+
+
+async def read(page, frame: bytes):
+    """Return what the page makes of a binary frame, as JSON has it."""
+    return await page.evaluate(
+        """async (frame) => {
+            const { decode } = await import("/shared/cbor.js");
+            const { json } = await import("/shared/json.js");
+            try {
+                return JSON.parse(json(decode(new Uint8Array(frame).buffer)));
+            } catch (error) {
+                return `refused: ${error.message}`;
+            }
+        }""",
+        list(frame),
+    )
+
+
+async def test_infinite_distances_are_drawn_as_nothing(demo, open_page):
+    async with (
+        client(demo.url) as speaker,
+        open_page(page_address(demo) + "#card=scan+0+/rays&card=raw+0+/rays") as page,
+    ):
+        await speaker.send(op="advertise", topic="/rays", type="sensor_msgs/LaserScan", latch=True)
+        scan = {"angle_increment": 0.1, "range_max": 5.0, "ranges": [math.inf, None, 1.0, 9.0]}
+        await speaker.send(op="publish", topic="/rays", msg=scan)
+        await until(page, f"about => ({COUNT})(about) > 4", [f"{card('/rays')} canvas", "--accent"])
+        text = "() => document.querySelector('.raw')?.textContent"
+        await until(page, f'{text}.includes(\'["Infinity","NaN",1,9]\')')
