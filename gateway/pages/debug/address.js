@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is shown, as the address of the page keeps it: after #, which no server gets to see.
 
-import { isView } from "./views/views.js";
+import { isKnown } from "./cards/cards.js";
 
 /** Return the cards that the address names, or null if it names none. */
 export function read() {
@@ -9,7 +9,7 @@ export function read() {
     const [view, rate, topic, ...fields] = text.split(" ");
     return { view, rate: Number(rate) || 0, topic, fields };
   });
-  return cards.length ? cards.filter(({ topic, view }) => topic?.startsWith("/") && isView(view)) : null;
+  return cards.length ? cards.filter(({ topic, view }) => topic?.startsWith("/") && isKnown(view)) : null;
 }
 
 /** Keep these cards in the address. */

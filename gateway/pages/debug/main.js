@@ -5,8 +5,10 @@ import * as bar from "../shared/bar.js";
 import { element } from "../shared/dom.js";
 import { Gateway } from "../shared/gateway.js";
 import * as page from "./address.js";
-import { Card } from "./card.js";
+import { makeCard } from "./cards/cards.js";
 import { Figures } from "./figures.js";
+import { NameList } from "./name_list.js";
+import * as tabs from "./tabs.js";
 import { TopicList } from "./topic_list.js";
 import { viewsFor } from "./views/views.js";
 
@@ -22,31 +24,27 @@ const NO_ROBOT = "Nobody publishes anything here yet. Start a robot, or the simu
 const find = (id) => document.getElementById(id);
 const gateway = new Gateway();
 const figures = new Figures(gateway);
-const topics = new TopicList(find("topics"), find("search"), gateway, open);
+const topics = new TopicList(find("topics"), find("search"), gateway, (name) => open(name), (name) => open(name, "publish"));
 const empty = element("p", { className: "empty" }, NO_ROBOT, element("code", {}, "ros2-gateway demo"), ".");
 let wanted = page.read();
 let isFirstVisit = wanted === null;
 const cards = [];
 
 function add(shown) {
-  const card = new Card(gateway, shown, gateway.graph.typeOf(shown.topic), { changed, close, plot });
+  const card = makeCard(gateway, shown, { changed, close, open });
   cards.push(card);
   find("cards").append(card.element);
   changed();
   return card;
 }
 
-function open(topic) {
+/** Open a name of the ROS graph, by default a topic in the view that fits it best; a plot takes a further field. */
+function open(topic, view = viewsFor(gateway.graph.typeOf(topic))[0], fields = []) {
   isFirstVisit = false;
-  const [view] = viewsFor(gateway.graph.typeOf(topic));
-  add({ topic, view, fields: [], rate: 0 }).element.scrollIntoView({ block: "nearest" });
-}
-
-function plot(topic, field) {
-  const same = cards.find((each) => each.view === "plot" && each.topic === topic && each.fields.length < MOST_FIELDS);
-  const fields = [...new Set([...(same?.fields ?? []), field])];
-  if (same) close(same);
-  add({ topic, view: "plot", fields, rate: 0 });
+  const plot = view === "plot" && cards.find((each) => each.view === "plot" && each.topic === topic && each.fields.length < MOST_FIELDS);
+  if (plot) close(plot);
+  const all = [...new Set([...(plot ? plot.fields : []), ...fields])];
+  add({ topic, view, fields: all, rate: 0 }).element.scrollIntoView({ block: "nearest" });
 }
 
 function close(card) {
@@ -88,6 +86,24 @@ gateway.addEventListener("graph", () => {
 });
 addEventListener("hashchange", () => location.reload()); // another address was typed or followed
 
+const everywhere = (types) => types.some((each) => each.startsWith("rcl_interfaces/")); // each node has these
+new NameList(find("services"), find("search"), gateway, {
+  kind: "service",
+  entries: ({ services }) => [...services.values()].map(({ name, types }) => ({ name, about: types.join(", "), isPlain: !everywhere(types) })),
+  open: (name) => open(name, "call"),
+});
+new NameList(find("actions"), find("search"), gateway, {
+  kind: "action",
+  entries: ({ actions }) => [...actions.values()].map(({ name, types }) => ({ name, about: types.join(", "), isPlain: true })),
+  open: (name) => open(name, "goal"),
+});
+new NameList(find("nodes"), find("search"), gateway, {
+  kind: "node",
+  entries: ({ nodes }) => [...nodes].map((name) => ({ name, about: "", isPlain: !name.includes("/_") })),
+  open: (name) => open(name, "node"),
+});
+find("graph").onclick = () => open("/", "graph");
+tabs.connect(find("tabs"));
 bar.connect(gateway, "Debug", figures.element);
 gateway.connect();
 tick();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../shared/dom.js";
+import { replace } from "./name_list.js";
 
 /** The topics of the ROS graph, as a list that can be searched; of those that this page receives with rate, size and age. */
 export class TopicList {
@@ -7,6 +8,7 @@ export class TopicList {
   #search;
   #gateway;
   #open;
+  #publish;
   #items = new Map(); // name -> what stands in the list
 
   /**
@@ -14,13 +16,15 @@ export class TopicList {
    * @param {HTMLInputElement} search
    * @param {import("../shared/gateway.js").Gateway} gateway
    * @param {(topic: string) => void} open
+   * @param {(topic: string) => void} publish
    */
-  constructor(list, search, gateway, open) {
+  constructor(list, search, gateway, open, publish) {
     this.#list = list;
     this.#search = search;
     this.#gateway = gateway;
     this.#open = open;
-    search.oninput = () => this.#arrange();
+    this.#publish = publish;
+    search.addEventListener("input", () => this.#arrange());
     gateway.addEventListener("graph", () => this.#arrange());
   }
 
@@ -31,13 +35,8 @@ export class TopicList {
       .filter(({ name, types }) => `${name} ${types.join(" ")}`.toLowerCase().includes(wanted))
       .sort((one, other) => one.name.localeCompare(other.name));
     for (const name of this.#items.keys()) if (!topics.has(name)) this.#items.delete(name);
-    const shown = found.map((each) => this.#item(each));
-    if (!found.length) {
-      const reason = topics.size ? `No topic has "${wanted}" in its name or type.` : "There are no topics yet.";
-      shown.push(element("li", { className: "empty" }, reason));
-    }
-    const isSame = shown.length === this.#list.childElementCount && shown.every((each, index) => each === this.#list.children[index]);
-    if (!isSame) this.#list.replaceChildren(...shown); // moved, an item would lose the focus
+    const reason = topics.size ? `No topic has "${wanted}" in its name or type.` : "There are no topics yet.";
+    replace(this.#list, found.map((each) => this.#item(each)), reason);
     this.#write();
   }
 
@@ -61,7 +60,9 @@ export class TopicList {
       const [title, types, figures] = [element("span", {}, topic.name), element("small"), element("small")];
       const button = element("button", { type: "button" }, title, types, figures);
       button.onclick = () => this.#open(topic.name);
-      item = { title, types, figures, element: element("li", {}, button) };
+      const publish = element("button", { type: "button", className: "publish", title: `publish to ${topic.name}`, aria: { label: `publish to ${topic.name}` } }, "✎");
+      publish.onclick = () => this.#publish(topic.name);
+      item = { title, types, figures, element: element("li", {}, button, publish) };
       this.#items.set(topic.name, item);
     }
     item.topic = topic;

@@ -2,6 +2,7 @@
 // The drive page: camera, the robot from above, and a robot that moves while something is held.
 
 import { ImageView } from "../debug/views/image.js";
+import { MapView } from "../debug/views/map.js";
 import { ScanView } from "../debug/views/scan.js";
 import * as bar from "../shared/bar.js";
 import { element } from "../shared/dom.js";

@@ -36,6 +36,7 @@ export class Gateway extends EventTarget {
   #socket = null;
   #subscriptions = new Map();
   #lookups = new Map(); // id -> a repeated lookup of a transform
+  #listeners = new Map(); // id -> what hears its frames
   #pending = new Map();
   #nextId = 1;
   #retryMs = FIRST_RETRY_MS;
@@ -71,20 +72,36 @@ export class Gateway extends EventTarget {
     this.connect();
   }
 
-  /** Send an operation; return whether there is a connection to send it by. */
-  send(operation) {
+  /**
+   * Send an operation; return whether there is a connection to send it by.
+   * @param {object} operation
+   * @param {Object<string, string>} [json] further members, as JSON: their integers may be larger than a number here
+   */
+  send(operation, json = {}) {
     if (this.#socket?.readyState !== WebSocket.OPEN) return false;
-    this.#socket.send(JSON.stringify(operation));
+    const members = Object.entries(json).map(([name, text]) => `,${JSON.stringify(name)}:${text}`);
+    this.#socket.send(`${JSON.stringify(operation).slice(0, -1)}${members.join("")}}`);
     return true;
   }
 
   /** Send an operation and return its answer; rejects with the gateway's words. */
-  ask(operation) {
+  ask(operation, json = {}) {
     const id = `page:${this.#nextId++}`;
     return new Promise((resolve, reject) => {
       this.#pending.set(id, { resolve, reject });
-      if (!this.send({ ...operation, id })) this.#settle(id, null, "not connected");
+      if (!this.send({ ...operation, id }, json)) this.#settle(id, null, "not connected");
     });
+  }
+
+  /**
+   * Hear all frames that name an id, for operations that have no answer, or several.
+   * @param {(frame: object) => void} onFrame
+   * @returns {{id: string, end: () => void}}
+   */
+  listen(onFrame) {
+    const id = `page:${this.#nextId++}`;
+    this.#listeners.set(id, onFrame);
+    return { id, end: () => this.#listeners.delete(id) };
   }
 
   /** Subscribe until the function that this returns is called. */
@@ -158,7 +175,9 @@ export class Gateway extends EventTarget {
       this.#tell(`the gateway sent what is no ${isText ? "JSON" : "CBOR"}: ${error.message}`);
       return;
     }
-    if (frame.op === "publish") {
+    if (this.#listeners.has(frame.id)) {
+      this.#listeners.get(frame.id)(frame);
+    } else if (frame.op === "publish") {
       this.#arrived(frame.topic).add(size, frame);
       for (const each of this.#subscriptions.values()) {
         if (each.topic === frame.topic) each.onMessage(frame.msg, size, frame);

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+import { element } from "../../shared/dom.js";
+
+/**
+ * What a card shows, as the address of the page keeps it: a name of the ROS graph in a view, at a rate, of a plot its fields.
+ * @typedef {{topic: string, view: string, fields: string[], rate: number}} Shown
+ */
+
+/**
+ * What a card asks of the page.
+ * @typedef {{changed: () => void, close: (card: Card) => void, open: (name: string, view?: string, fields?: string[]) => void}} Actions
+ */
+
+/** The frame of everything that lies on the page: a title with controls, what is wrong, a body and a footer. */
+export class Card {
+  body = element("div", { className: "body" });
+  footer = element("footer");
+  problem = element("p", { className: "problem", hidden: true, role: "status" });
+
+  /**
+   * @param {import("../../shared/gateway.js").Gateway} gateway
+   * @param {Shown} shown
+   * @param {Actions} actions
+   * @param {{label?: string, title?: string, hint?: string}} [words] by default those of the name that is shown
+   */
+  constructor(gateway, shown, actions, { label = shown.topic, title = shown.topic, hint = "" } = {}) {
+    /** For a view that needs more than its topic. */
+    this.gateway = gateway;
+    this.actions = actions;
+    Object.assign(this, shown);
+    this.controls = element("div", { className: "controls" });
+    const close = element("button", { type: "button", aria: { label: `close ${label}` } }, "✕");
+    close.onclick = () => actions.close(this);
+    const header = element("header", {}, element("h3", { title: hint }, title), this.controls, close);
+    this.element = element("article", { className: "card", aria: { label } }, header, this.problem, this.body, this.footer);
+  }
+
+  /** What the address of the page keeps of it. */
+  get shown() {
+    const { topic, view, fields, rate } = this;
+    return { topic, view, fields, rate };
+  }
+
+  /** Say what is wrong, or nothing. */
+  tell(text) {
+    this.problem.textContent = text;
+    this.problem.hidden = !text;
+  }
+
+  /** Draw what has come since the last frame of the screen. */
+  draw() {}
+
+  /** Write what changes with time; called once a second. */
+  tick() {}
+
+  close() {
+    this.element.remove();
+  }
+}

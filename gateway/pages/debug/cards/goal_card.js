@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+import { element, span } from "../../shared/dom.js";
+import { json } from "../../shared/json.js";
+import { Form } from "../forms/form.js";
+import { FormCard } from "./form_card.js";
+
+const STATUS = { 4: "succeeded", 5: "canceled", 6: "aborted" }; // of action_msgs/msg/GoalStatus
+
+/** A form that sends a goal to an action, its feedback and its result; closing it cancels the goal. */
+export class GoalCard extends FormCard {
+  #cancel = element("button", { type: "button", disabled: true }, "Cancel");
+  #feedback = element("pre", { className: "raw", aria: { live: "off", label: "feedback" } });
+  #result = element("pre", { className: "raw", aria: { live: "polite", label: "result" } });
+  #goal = null; // the listener to the goal that is on its way
+  #beganMs = 0;
+  #ended = ({ detail: { state } }) => state !== "open" && this.#end("the connection was lost; the gateway cancels the goal");
+
+  constructor(gateway, shown, actions) {
+    super(gateway, shown, actions, { verb: "Send goal", title: `Goal of ${shown.topic}`, type: gateway.graph.actions.get(shown.topic)?.types[0] ?? "" });
+    this.#cancel.onclick = () => this.#askToCancel();
+    this.buttons.append(this.#cancel);
+    this.body.append(this.#feedback, this.#result);
+    gateway.addEventListener("state", this.#ended);
+  }
+
+  formOf({ schema }) {
+    return new Form({ ...schema.properties.goal, $defs: schema.$defs });
+  }
+
+  submit() {
+    if (this.#goal) throw new Error("a goal is on its way: cancel it first");
+    const args = this.form.json();
+    this.tell("");
+    this.#feedback.textContent = this.#result.textContent = "";
+    this.#goal = this.gateway.listen((frame) => this.#heard(frame));
+    const request = { op: "send_action_goal", id: this.#goal.id, action: this.topic, feedback: true, nonfinite: "string" };
+    if (!this.gateway.send(request, { args })) {
+      this.#end("not connected");
+      return;
+    }
+    this.#beganMs = performance.now();
+    this.#cancel.disabled = false;
+    this.footer.textContent = "on its way";
+  }
+
+  close() {
+    if (this.#goal) this.#askToCancel();
+    this.#goal?.end();
+    this.gateway.removeEventListener("state", this.#ended);
+    super.close();
+  }
+
+  #askToCancel() {
+    this.gateway.send({ op: "cancel_action_goal", id: this.#goal.id, action: this.topic });
+  }
+
+  #heard({ op, values, status, result, msg }) {
+    if (op === "action_feedback") this.#feedback.textContent = json(values, 2);
+    else if (op === "status") this.tell(msg);
+    else if (op === "action_result") {
+      this.#result.textContent = result ? json(values, 2) : "";
+      this.#end(result ? "" : String(values));
+      this.footer.textContent = `${STATUS[status] ?? "not carried out"} after ${span(performance.now() - this.#beganMs)}`;
+    }
+  }
+
+  #end(problem) {
+    if (!this.#goal) return;
+    this.#goal.end();
+    this.#goal = null;
+    this.#cancel.disabled = true;
+    this.footer.textContent = "";
+    this.tell(problem);
+  }
+}

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+import { element } from "../../shared/dom.js";
+import { Form } from "../forms/form.js";
+import { FormCard } from "./form_card.js";
+
+const RATES_HZ = [1, 2, 5, 10, 20];
+
+/** A form that publishes to a topic: once, or again and again until it is told to stop, or nobody looks. */
+export class PublishCard extends FormCard {
+  #listener;
+  #timer = 0;
+  #count = 0;
+  #rates = element("select", { title: "so many messages a second", aria: { label: "rate" } });
+  #repeat = element("button", { type: "button", aria: { pressed: "false" } }, "Repeat");
+  #end = () => this.#stop();
+
+  constructor(gateway, shown, actions) {
+    super(gateway, shown, actions, { verb: "Publish", title: `Publish ${shown.topic}`, type: gateway.graph.typeOf(shown.topic) });
+    this.#listener = gateway.listen((frame) => this.#heard(frame));
+    for (const hz of RATES_HZ) this.#rates.append(new Option(`${hz} Hz`, hz));
+    this.#repeat.onclick = () => (this.#timer ? this.#stop() : this.#start());
+    this.#rates.onchange = () => this.#timer && this.#start();
+    this.buttons.append(this.#repeat, this.#rates);
+    gateway.addEventListener("state", this.#end);
+    document.addEventListener("visibilitychange", this.#end);
+  }
+
+  formOf(described) {
+    return new Form(described.schema);
+  }
+
+  submit() {
+    this.tell("");
+    const { topic, type } = this;
+    const isSent = this.gateway.send({ op: "publish", id: this.#listener.id, topic, type }, { msg: this.form.json() });
+    if (!isSent) throw new Error("not connected");
+    this.#count += 1;
+    this.footer.textContent = `${this.#count} sent`;
+  }
+
+  close() {
+    this.#stop();
+    this.#listener.end();
+    this.gateway.removeEventListener("state", this.#end);
+    document.removeEventListener("visibilitychange", this.#end);
+    super.close();
+  }
+
+  #start() {
+    this.#stop();
+    if (!this.act()) return;
+    this.#timer = setInterval(() => this.act() || this.#stop(), 1000 / this.#rates.value);
+    this.#repeat.setAttribute("aria-pressed", true);
+  }
+
+  #stop() {
+    clearInterval(this.#timer);
+    this.#timer = 0;
+    this.#repeat.setAttribute("aria-pressed", false);
+  }
+
+  #heard({ op, msg, level }) {
+    if (op !== "status") return;
+    this.tell(msg);
+    if (level === "error") this.#stop();
+  }
+}

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+import { Arrivals } from "../../shared/arrivals.js";
+import { element } from "../../shared/dom.js";
+import { json } from "../../shared/json.js";
+import { makeView, nameOf, viewsFor } from "../views/views.js";
+import { Card } from "./card.js";
+
+const RATES_HZ = [0, 30, 10, 5, 1]; // 0: as the robot publishes
+
+/** One topic in one view, with what the gateway says of it. */
+export class TopicCard extends Card {
+  #type;
+  #view;
+  #unsubscribe = () => {};
+  #newest = null;
+  #isPaused = false;
+  #isDirty = false;
+  #arrivals = new Arrivals();
+
+  constructor(gateway, shown, actions) {
+    const type = gateway.graph.typeOf(shown.topic);
+    super(gateway, shown, actions, { hint: type });
+    this.#type = type;
+    this.controls.append(...this.#controls());
+    this.footer.textContent = this.#arrivals.words;
+    this.#start();
+  }
+
+  /** Plot one of its numbers, in a card beside. */
+  plot(path) {
+    this.actions.open(this.topic, "plot", [path]);
+  }
+
+  draw() {
+    if (this.#isPaused) return;
+    if (this.#isDirty) this.#view.show(this.#newest.message, this.#newest.frame);
+    this.#isDirty = false;
+    this.#view.draw?.();
+  }
+
+  tick() {
+    this.#arrivals.tick();
+    this.element.classList.toggle("stale", this.#arrivals.isLate);
+    this.footer.textContent = this.#arrivals.words;
+  }
+
+  close() {
+    this.#unsubscribe();
+    this.#view.close?.();
+    super.close();
+  }
+
+  #controls() {
+    const views = element("select", { title: "how it is shown", aria: { label: "view" } });
+    for (const key of new Set([this.view, ...viewsFor(this.#type)])) views.append(new Option(nameOf(key), key, false, key === this.view));
+    views.onchange = () => this.#restart({ view: views.value });
+    const rates = element("select", { title: "at most so many messages a second", aria: { label: "rate" } });
+    for (const hz of RATES_HZ) rates.append(new Option(hz ? `${hz} Hz` : "all", hz, false, hz === this.rate));
+    rates.onchange = () => this.#restart({ rate: Number(rates.value) });
+    const pause = element("button", { type: "button", aria: { pressed: "false" } }, "Pause");
+    pause.onclick = () => {
+      this.#isPaused = !this.#isPaused;
+      pause.setAttribute("aria-pressed", this.#isPaused);
+    };
+    const copy = element("button", { type: "button", title: "copy the newest message as JSON" }, "Copy");
+    copy.onclick = () => this.#copy();
+    return [views, rates, pause, copy];
+  }
+
+  async #copy() {
+    try {
+      await navigator.clipboard.writeText(json(this.#newest?.message ?? null, 2));
+    } catch (error) {
+      this.tell(`not copied: ${error.message}`);
+    }
+  }
+
+  #restart(changed) {
+    Object.assign(this, changed);
+    this.#start();
+    this.actions.changed();
+  }
+
+  #start() {
+    this.#unsubscribe();
+    this.#view?.close?.();
+    this.tell("");
+    this.#isDirty = false;
+    this.#view = makeView(this.view, this);
+    this.body.replaceChildren(this.#view.element);
+    if (this.view === "plot") this.#view.show(); // before there is a message it says what to do
+    const { throttle_rate: least = 0, ...options } = this.#view.options;
+    const throttle = Math.max(least, this.rate ? Math.round(1000 / this.rate) : 0);
+    this.#unsubscribe = this.gateway.subscribe(
+      this.topic,
+      { ...options, throttle_rate: throttle },
+      (message, size, frame) => this.#receive(message, size, frame),
+      (status) => this.#status(status),
+    );
+  }
+
+  #receive(message, size, frame) {
+    this.#arrivals.add(size, frame);
+    this.#newest = { message, frame };
+    this.#isDirty = true;
+    if (this.#isPaused) return;
+    this.#view.keep?.(message);
+    if (this.problem.dataset.code === "not_found") this.tell(""); // somebody publishes now
+  }
+
+  #status(status) {
+    this.problem.dataset.code = status.code ?? "";
+    this.tell(status.msg);
+  }
+}

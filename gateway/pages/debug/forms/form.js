@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+import { element } from "../../shared/dom.js";
+import { counted, expected, fieldOf, jsonOf, size } from "./fields.js";
+
+const MOST_ITEMS = 100; // of a list, in a form
+const SMALL = 12; // values: so many are shown at once
+
+/** A form for a message, of which what is left empty has its default; or the same as JSON. */
+export class Form {
+  element = element("div", { className: "form" });
+  #group;
+  #text = null; // the field for JSON, while it is shown
+
+  /** @param {object} schema of a message, as `describe` gives it */
+  constructor(schema) {
+    this.#group = new Group(fieldOf(schema));
+    this.element.append(this.#group.content);
+    this.#group.build();
+  }
+
+  /** Whether the message is written as JSON. */
+  get isText() {
+    return this.#text !== null;
+  }
+
+  /**
+   * Return the message as JSON.
+   * @throws {Error} in words; what is wrong has the focus
+   */
+  json() {
+    if (!this.#text) return this.#group.json() ?? "{}";
+    try {
+      JSON.parse(this.#text.value);
+    } catch (error) {
+      this.#text.focus();
+      throw new Error(`this is no JSON: ${error.message}`, { cause: error });
+    }
+    return this.#text.value; // not what was parsed: large integers would lose their last digits
+  }
+
+  /** Write the message as JSON, or in fields again. */
+  toggle() {
+    const json = this.json();
+    if (this.#text) {
+      this.#group.fill(JSON.parse(json));
+      this.#text = null;
+      this.element.replaceChildren(this.#group.content);
+      return;
+    }
+    this.#text = element("textarea", { value: JSON.stringify(JSON.parse(json), null, 2), rows: 10, spellcheck: false, aria: { label: "message as JSON" } });
+    this.element.replaceChildren(this.#text);
+  }
+}
+
+/** The fields of a message within another; they are made when they are looked at, as some have hundreds. */
+class Group {
+  content = element("div", { className: "group" });
+  #field;
+  #controls = null;
+
+  constructor(field) {
+    this.#field = field;
+    const { name, about } = field;
+    this.element = element("details", {}, element("summary", { title: about }, name), this.content);
+    this.element.ontoggle = () => this.build();
+    this.element.open = size(field) <= SMALL;
+    if (this.element.open) this.build();
+  }
+
+  build() {
+    if (this.#controls) return;
+    this.#controls = this.#field.fields.map((each) => controlOf(each));
+    this.content.append(...this.#controls.map((each) => each.element));
+    if (!this.#controls.length) this.content.append(element("p", { className: "quiet" }, "It has no fields."));
+  }
+
+  json() {
+    const members = (this.#controls ?? []).map((each) => [each.name, each.json()]).filter(([, text]) => text !== undefined);
+    if (!members.length) return undefined;
+    return `{${members.map(([name, text]) => `${JSON.stringify(name)}:${text}`).join(",")}}`;
+  }
+
+  get name() {
+    return this.#field.name;
+  }
+
+  fill(value) {
+    this.build();
+    for (const each of this.#controls) each.fill(value?.[each.name]);
+    this.element.open = value !== undefined;
+  }
+}
+
+/** Messages in a list. */
+class List {
+  #field;
+  #items = [];
+  #list = element("div", { className: "group" });
+  #add = element("button", { type: "button" }, "Add");
+
+  constructor(field) {
+    this.#field = field;
+    this.name = field.name;
+    this.#add.onclick = () => this.#append().element.querySelector("input, select, textarea, summary")?.focus();
+    this.element = element("details", {}, element("summary", { title: field.about }, `${field.name} (${counted(field)})`), this.#list, this.#add);
+    for (let count = 0; count < Math.min(field.least, MOST_ITEMS); count += 1) this.#append();
+  }
+
+  json() {
+    const texts = this.#items.map((each) => each.json() ?? "{}");
+    if (!texts.length || (texts.length === this.#field.least && texts.every((each) => each === "{}"))) return undefined;
+    return `[${texts.join(",")}]`;
+  }
+
+  fill(value) {
+    while (this.#items.length > this.#field.least) this.#remove(this.#items.at(-1));
+    for (const [index, each] of (value ?? []).slice(0, MOST_ITEMS).entries()) (this.#items[index] ?? this.#append()).fill(each);
+    this.element.open = value !== undefined;
+  }
+
+  #append() {
+    const item = new Group({ ...this.#field.item, name: `${this.#items.length}` });
+    const remove = element("button", { type: "button", aria: { label: `remove ${this.name} ${this.#items.length}` } }, "✕");
+    remove.onclick = () => this.#remove(item);
+    item.row = element("div", { className: "item" }, item.element, remove);
+    remove.hidden = this.#items.length < this.#field.least;
+    item.element.open = true;
+    item.build(); // now, for the focus
+    this.#items.push(item);
+    this.#list.append(item.row);
+    this.#bound();
+    return item;
+  }
+
+  #remove(item) {
+    this.#items.splice(this.#items.indexOf(item), 1);
+    item.row.remove();
+    this.#bound();
+  }
+
+  #bound() {
+    this.#add.disabled = this.#items.length >= Math.min(this.#field.most ?? MOST_ITEMS, MOST_ITEMS);
+  }
+}
+
+/** One value, or several in one line. */
+class Value {
+  #field;
+  #input;
+  #problem = element("small", { className: "problem", role: "alert" });
+
+  constructor(field) {
+    this.#field = field;
+    this.name = field.name;
+    this.#input = inputOf(field);
+    this.#input.oninput = () => this.#check(); // not on a change: a line that appears under a click moves what was to be clicked
+    const title = element("span", { title: field.about }, field.name);
+    this.element = element("label", { className: "value" }, title, this.#input, this.#problem);
+  }
+
+  json() {
+    const text = this.#check();
+    if (text instanceof Error) {
+      this.#input.focus();
+      throw new Error(`${this.name}: ${text.message}`, { cause: text });
+    }
+    return text;
+  }
+
+  fill(value) {
+    this.#input.value = written(this.#field, value);
+    this.#check();
+  }
+
+  /** Return the JSON, or the error, and show the latter. */
+  #check() {
+    let found;
+    try {
+      found = jsonOf(this.#field, this.#input.value);
+    } catch (error) {
+      found = error;
+    }
+    const isWrong = found instanceof Error;
+    this.#problem.textContent = isWrong ? found.message : "";
+    this.#input.setAttribute("aria-invalid", isWrong);
+    return found;
+  }
+}
+
+function controlOf(field) {
+  if (field.kind === "group") return new Group(field);
+  return field.kind === "list" ? new List(field) : new Value(field);
+}
+
+let lists = 0;
+
+function inputOf(field) {
+  if (field.kind === "boolean") {
+    const choice = element("select");
+    for (const each of ["", "true", "false"]) choice.append(new Option(each || `default (${field.fallback ?? false})`, each));
+    return choice;
+  }
+  if (field.kind === "row" && field.item.kind === "text") return element("textarea", { rows: 2, placeholder: expected(field) });
+  const input = element("input", { type: "text", placeholder: expected(field), autocomplete: "off", spellcheck: false });
+  if (field.kind === "time") input.value = "now";
+  if (field.constants) {
+    const names = element("datalist", { id: `constants-${lists++}` });
+    for (const [name, value] of Object.entries(field.constants)) names.append(new Option(`${name} = ${value}`, value));
+    input.append(names);
+    input.setAttribute("list", names.id);
+  }
+  return input;
+}
+
+/** Return a value as it would be typed. */
+function written({ kind, item }, value) {
+  if (value === undefined) return "";
+  if (kind === "time" && typeof value === "object") return String(value.sec + value.nanosec / 1e9);
+  if (Array.isArray(value)) return value.join(item?.kind === "text" ? "\n" : ", ");
+  return String(value);
+}

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+import { element } from "../shared/dom.js";
+
+/**
+ * What stands in a list: a name, what is said of it, and whether it is shown though nobody searches it.
+ * @typedef {{name: string, about: string, isPlain: boolean}} Entry
+ */
+
+/** Names of the ROS graph, as a list that can be searched. */
+export class NameList {
+  #list;
+  #search;
+  #kind;
+  #entries;
+  #open;
+  #items = new Map(); // name -> its item; one that stays keeps the focus
+
+  /**
+   * @param {HTMLElement} list
+   * @param {HTMLInputElement} search
+   * @param {import("../shared/gateway.js").Gateway} gateway
+   * @param {{kind: string, entries: (graph: import("../shared/graph.js").Graph) => Entry[], open: (name: string) => void}} about
+   */
+  constructor(list, search, gateway, { kind, entries, open }) {
+    this.#list = list;
+    this.#search = search;
+    this.#kind = kind;
+    this.#entries = () => entries(gateway.graph);
+    this.#open = open;
+    search.addEventListener("input", () => this.#write());
+    gateway.addEventListener("graph", () => this.#write());
+  }
+
+  #write() {
+    const entries = this.#entries();
+    const wanted = this.#search.value.trim().toLowerCase();
+    const found = entries
+      .filter(({ name, about, isPlain }) => (wanted ? `${name} ${about}`.toLowerCase().includes(wanted) : isPlain))
+      .sort((one, other) => one.name.localeCompare(other.name));
+    const names = new Set(entries.map(({ name }) => name));
+    for (const name of this.#items.keys()) if (!names.has(name)) this.#items.delete(name);
+    replace(this.#list, found.map((each) => this.#item(each)), wanted ? `No ${this.#kind} has "${wanted}" in its name or type.` : `There is no ${this.#kind} yet.`);
+  }
+
+  #item({ name, about }) {
+    if (!this.#items.has(name)) {
+      const button = element("button", { type: "button" }, element("span", {}, name), element("small", {}, about));
+      button.onclick = () => this.#open(name);
+      this.#items.set(name, element("li", {}, button));
+    }
+    return this.#items.get(name);
+  }
+}
+
+/** Put items into a list, or the reason why there is none; nothing moves that is where it should be, or it would lose the focus. */
+export function replace(list, items, reason) {
+  const shown = items.length ? items : [element("li", { className: "empty" }, reason)];
+  const isSame = shown.length === list.childElementCount && shown.every((each, index) => each === list.children[index]);
+  if (!isSame) list.replaceChildren(...shown);
+}

@@ -1,0 +1,265 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the debug page sends: messages, calls, goals and parameters, in a real browser."""
+
+import pytest
+
+from tests.client import client
+from tests.demonstration import until_it_can_be_driven
+from tests.pages.conftest import page_address
+from tests.pages.test_debug_page import until
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+# what the pure part makes of a schema and of what is typed
+FIELDS = """async ([schema, typed]) => {
+    const { fieldOf, jsonOf } = await import("/debug/forms/fields.js");
+    try {
+        return jsonOf(fieldOf(schema), typed) ?? null;
+    } catch (error) {
+        return `refused: ${error.message}`;
+    }
+}"""
+UINT8 = {"type": "integer", "minimum": 0, "maximum": 255}
+INT64 = {"type": "integer", "minimum": -(2**63), "maximum": 2**63 - 1}
+FLOAT32 = {
+    "type": ["number", "null", "string"],
+    "exclusiveMinimum": -3.5e38,
+    "exclusiveMaximum": 3.5e38,
+}
+TIME = {"anyOf": [{"type": "object"}, {"const": "now"}]}
+OCTETS = {"anyOf": [{"contentEncoding": "base64"}, {"type": "array"}]}
+
+
+def form(title: str) -> str:
+    return f'article[aria-label="{title}"]'
+
+
+def field(page, title: str, *names: str):
+    """Return the input of a field, in the groups that hold it."""
+    place = page.locator(form(title))
+    for name in names[:-1]:
+        place = place.locator(f"details:has(> summary:text-is('{name}'))")
+    return place.locator(f"label:has(> span:text-is('{names[-1]}'))").locator(
+        "input, select, textarea"
+    )
+
+
+@pytest.mark.parametrize(
+    ("schema", "typed", "json"),
+    [
+        (UINT8, "", None),
+        (UINT8, " 255 ", "255"),
+        (UINT8, "256", "refused: expected 0 to 255"),
+        (UINT8, "-1", "refused: expected 0 to 255"),
+        (UINT8, "1.5", 'refused: expected a whole number, not "1.5"'),
+        (UINT8, "constructor", 'refused: expected a whole number, not "constructor"'),
+        (INT64, "9007199254740993", "9007199254740993"),
+        (FLOAT32, "1e-3", "0.001"),
+        (FLOAT32, "NaN", '"NaN"'),
+        (FLOAT32, "-Infinity", '"-Infinity"'),
+        (FLOAT32, "1e39", "refused: too large for a float32"),
+        (FLOAT32, "fast", "refused: expected a number, NaN, Infinity or -Infinity"),
+        ({"type": "boolean"}, "true", "true"),
+        ({"type": "boolean"}, "yes", 'refused: expected true or false, not "yes"'),
+        ({"type": "string"}, ' a "b" ', '" a \\"b\\" "'),
+        ({"type": "string", "maxLength": 3}, "äöüß", "refused: at most 3 characters"),
+        ({"type": "array", "items": UINT8, "maxItems": 2}, "1, 2", "[1,2]"),
+        ({"type": "array", "items": UINT8, "maxItems": 2}, "1 2 3", "refused: expected at most 2"),
+        ({"type": "array", "items": UINT8, "maxItems": 2}, "1 x", "refused: expected a whole"),
+        (
+            {"type": "array", "items": FLOAT32, "minItems": 2, "maxItems": 2},
+            "1",
+            "refused: expected 2 values, not 1",
+        ),
+        ({"type": "array", "items": {"type": "string"}}, "a b\nc", '["a b","c"]'),
+        (TIME, "now", '"now"'),
+        (TIME, "1.5", '{"sec":1,"nanosec":500000000}'),
+        (TIME, "-0.25", '{"sec":-1,"nanosec":750000000}'),
+        (TIME, "soon", 'refused: expected now, or seconds, not "soon"'),
+        (OCTETS, "1, 255", "[1,255]"),
+        (OCTETS, "256", "refused: expected 0 to 255"),
+        (OCTETS, "AP8=", '"AP8="'),
+        (OCTETS, "#", "refused: expected numbers from 0 to 255, or base64"),
+    ],
+)
+async def test_what_is_typed_becomes_json_or_a_refusal_in_words(
+    demo, open_page, schema, typed, json
+):
+    async with open_page(page_address(demo)) as page:
+        found = await page.evaluate(FIELDS, [schema, typed])
+        if json is not None and json.startswith("refused: "):
+            assert found.startswith(json)
+        else:
+            assert found == json
+
+
+async def test_a_form_publishes_what_another_client_hears(demo, open_page):
+    async with client(demo.url) as hearer, open_page(page_address(demo)) as page:
+        await hearer.send(op="subscribe", topic="/goal_pose", type="geometry_msgs/PoseStamped")
+        await page.click("button[aria-label='publish to /goal_pose']")
+        title = "Publish /goal_pose"
+        await field(page, title, "header", "frame_id").fill("map")
+        await field(page, title, "pose", "position", "x").fill("1.25")
+        await page.click(f"{form(title)} button:text-is('Publish')")
+        heard = await hearer.receive(lambda frame: frame.get("topic") == "/goal_pose", 120)
+        assert heard["msg"]["header"]["frame_id"] == "map"
+        assert heard["msg"]["header"]["stamp"]["sec"] > 0
+        assert heard["msg"]["pose"]["position"]["x"] == 1.25
+        assert heard["msg"]["pose"]["orientation"]["w"] == 1  # the type's own default
+        await until(page, "() => cards.textContent.includes('1 sent')")
+
+
+async def test_a_wrong_number_is_told_of_and_nothing_is_sent(demo, open_page):
+    async with open_page(page_address(demo) + "#card=publish+0+/cmd_vel") as page:
+        title = "Publish /cmd_vel"
+        speed = field(page, title, "linear", "x")
+        await speed.fill("fast")
+        await page.click(f"{form(title)} button:text-is('Publish')")
+        problem = page.locator(f"{form(title)} > .problem")
+        assert "x: expected a number" in await problem.inner_text()
+        assert await speed.get_attribute("aria-invalid") == "true"
+        assert "sent" not in await page.inner_text(f"{form(title)} footer")
+        await speed.fill("0")
+        await page.click(f"{form(title)} button:text-is('Publish')")
+        await until(page, "() => cards.textContent.includes('1 sent')")
+        assert not await problem.is_visible()
+
+
+async def test_what_the_gateway_refuses_is_shown_in_its_words(demo, open_page):
+    async with (
+        client(demo.url) as other,
+        open_page(page_address(demo) + "#card=publish+0+/cmd_vel") as page,
+    ):
+        await until_it_can_be_driven(other)
+        await other.send(op="acquire_control", topic="/cmd_vel")
+        title = "Publish /cmd_vel"
+        await field(page, title, "angular", "z").fill("0.1")
+        await page.click(f"{form(title)} button:text-is('Repeat')")
+        await until(page, "() => /control/.test(document.querySelector('.problem').textContent)")
+        pressed = "() => document.querySelector('.buttons [aria-pressed]').ariaPressed"
+        await until(page, f"{pressed} === 'false'")  # it gives up
+        await other.send(op="release_control", topic="/cmd_vel")
+
+
+async def test_repeating_goes_on_until_the_card_is_closed(demo, open_page):
+    async with client(demo.url) as hearer, open_page(page_address(demo)) as page:
+        await hearer.send(op="subscribe", topic="/initialpose")
+        await page.click("button[aria-label='publish to /initialpose']")
+        title = "Publish /initialpose"
+        await page.select_option(f"{form(title)} select[aria-label=rate]", "20")
+        await page.click(f"{form(title)} button:text-is('Repeat')")
+        for _ in range(3):
+            await hearer.receive(lambda frame: frame.get("topic") == "/initialpose", 120)
+        count = "() => Number.parseInt(document.querySelector('footer').textContent)"
+        await until(page, f"{count} >= 3")
+        await page.click(f"button[aria-label='close {title}']")
+        assert await page.locator("article[aria-label^=Publish]").count() == 0
+
+
+async def test_a_message_is_written_as_json_too(demo, open_page):
+    async with (
+        client(demo.url) as hearer,
+        open_page(page_address(demo) + "#card=publish+0+/goal_pose") as page,
+    ):
+        await hearer.send(op="subscribe", topic="/goal_pose", type="geometry_msgs/PoseStamped")
+        title = "Publish /goal_pose"
+        await field(page, title, "pose", "position", "y").fill("2")
+        await page.click(f"{form(title)} button:text-is('JSON')")
+        text = page.locator(f"{form(title)} textarea")
+        assert '"y": 2' in await text.input_value()
+        await text.fill('{"pose": ')
+        await page.click(f"{form(title)} button:text-is('Publish')")
+        await until(page, "() => cards.textContent.includes('this is no JSON')")
+        await text.fill('{"pose": {"position": {"y": 3}}}')
+        await page.click(f"{form(title)} button:text-is('Publish')")
+        heard = await hearer.receive(lambda frame: frame.get("topic") == "/goal_pose", 120)
+        assert heard["msg"]["pose"]["position"]["y"] == 3
+        await page.click(f"{form(title)} button:text-is('JSON')")
+        assert await field(page, title, "pose", "position", "y").input_value() == "3"
+
+
+async def test_a_service_is_called_and_what_it_refuses_is_shown(demo, open_page):
+    async with open_page(page_address(demo)) as page:
+        await page.click("#tab-services")
+        await page.click("#services button:has-text('/motor_power')")
+        title = "Call /motor_power"
+        await field(page, title, "data").select_option("true")
+        await page.click(f"{form(title)} button:text-is('Call')")
+        await until(page, '() => /"success": true/.test(cards.textContent)')
+        await page.click(f"{form(title)} button:text-is('JSON')")
+        await page.fill(f"{form(title)} textarea", '{"data": "on"}')
+        await page.click(f"{form(title)} button:text-is('Call')")
+        await until(page, "() => cards.textContent.includes('expected true or false')")
+
+
+async def test_a_goal_tells_its_feedback_and_is_cancelled(demo, open_page):
+    async with client(demo.url) as other, open_page(page_address(demo)) as page:
+        await until_it_can_be_driven(other)
+        await page.click("#tab-actions")
+        await page.click("#actions button:has-text('/navigate_to_pose')")
+        title = "Goal of /navigate_to_pose"
+        await field(page, title, "pose", "pose", "position", "x").fill("3")
+        await page.click(f"{form(title)} button:text-is('Send goal')")
+        await until(page, "() => /distance_remaining/.test(cards.textContent)")
+        await page.click(f"{form(title)} button:text-is('Send goal')")
+        await until(page, "() => cards.textContent.includes('a goal is on its way')")
+        await page.click(f"{form(title)} button:text-is('Cancel')")
+        await until(page, "() => /canceled after/.test(cards.textContent)")
+
+
+async def test_a_parameter_is_set_and_a_refusal_is_shown(demo, open_page):
+    async with open_page(page_address(demo)) as page:
+        await page.click("#tab-nodes")
+        await page.click("#nodes button:has-text('/simulated_robot')")
+        title = "node /simulated_robot"
+        value = page.locator(f"{form(title)} label:has-text('use_sim_time') input")
+        for wrong, words in (("maybe", "expected a value as JSON has it"), ("3", "expected true")):
+            await value.fill(wrong)
+            await value.press("Tab")
+            await until(page, f"() => cards.textContent.includes('{words}')")
+        await value.fill("false")
+        await value.press("Tab")
+        await until(page, "() => cards.textContent.includes('use_sim_time is set')")
+        fixed = page.locator(f"{form(title)} label:has-text('read-only') input")
+        assert await fixed.get_attribute("readonly") is not None
+
+
+async def test_the_graph_opens_nodes_and_topics_also_by_keyboard(demo, open_page):
+    async with open_page(page_address(demo) + "#card=graph+0+/") as page:
+        await page.click("svg [aria-label='topic /odom']")
+        await page.wait_for_selector(form("/odom"))
+        await page.focus("svg [aria-label='node /simulated_robot']")
+        assert await page.locator("svg path.on").count() > 5
+        await page.keyboard.press("Enter")
+        await page.wait_for_selector(form("node /simulated_robot"))
+        assert await page.locator("svg [aria-label='topic /rosout']").count() == 0
+        await page.check("text=all")
+        await page.wait_for_selector("svg [aria-label='topic /rosout']")
+
+
+async def test_a_service_is_called_by_keyboard_alone(demo, open_page):
+    async with open_page(page_address(demo)) as page:
+        await page.wait_for_selector("#topics button")
+        await page.focus("#tab-topics")
+        await page.keyboard.press("ArrowRight")
+        assert await page.get_attribute("#tab-services", "aria-selected") == "true"
+        await page.focus("#search")
+        await page.keyboard.type("motor")
+        await page.keyboard.press("Tab")  # the tabs
+        await page.keyboard.press("Tab")  # what was found
+        await page.keyboard.press("Enter")
+        await page.wait_for_selector(f"{form('Call /motor_power')} button:enabled:text-is('Call')")
+        await page.focus(f"{form('Call /motor_power')} select")
+        await page.keyboard.press("Tab")
+        await page.keyboard.press("Enter")
+        await until(page, '() => /"success":/.test(cards.textContent)')
+
+
+async def test_what_is_gone_is_said(demo, open_page):
+    async with open_page(
+        page_address(demo) + "#card=call+0+/motor_powr&card=node+0+/nobody"
+    ) as page:
+        await until(page, "() => cards.textContent.includes('/motor_powr is not there')")
+        await until(
+            page, "() => /nobody/.test(document.querySelectorAll('.problem')[1].textContent)"
+        )
