@@ -16,6 +16,7 @@ pytestmark = pytest.mark.asyncio(loop_scope="module")
 # the number of pixels of a canvas that have the colour of a token, as good as
 COUNT = """([selector, name]) => {
     const canvas = document.querySelector(selector);
+    if (!canvas) return 0;
     const colour = getComputedStyle(document.documentElement).getPropertyValue(name).trim();
     const wanted = [1, 3, 5].map((at) => Number.parseInt(colour.slice(at, at + 2), 16));
     const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
