@@ -2,7 +2,7 @@
 // The debug page: what the robot says, and STOP.
 
 import * as bar from "../shared/bar.js";
-import { element } from "../shared/dom.js";
+import { element, find } from "../shared/dom.js";
 import { Gateway } from "../shared/gateway.js";
 import * as page from "./address.js";
 import { makeCard } from "./cards/cards.js";
@@ -21,7 +21,6 @@ const FIRST_VIEWS = [
 ];
 const NO_ROBOT = "Nobody publishes anything here yet. Start a robot, or the simulated one by ";
 
-const find = (id) => document.getElementById(id);
 const gateway = new Gateway();
 const figures = new Figures(gateway);
 const topics = new TopicList(find("topics"), find("search"), gateway, (name) => open(name), (name) => open(name, "publish"));
@@ -79,7 +78,7 @@ function draw() {
   requestAnimationFrame(draw);
 }
 
-gateway.addEventListener("graph", () => {
+gateway.on("graph", () => {
   if (wanted) for (const shown of wanted) add(shown);
   wanted = null;
   if (isFirstVisit) welcome();

@@ -28,7 +28,7 @@ export class NameList {
     this.#entries = () => entries(gateway.graph);
     this.#open = open;
     search.addEventListener("input", () => this.#write());
-    gateway.addEventListener("graph", () => this.#write());
+    gateway.on("graph", () => this.#write());
   }
 
   #write() {

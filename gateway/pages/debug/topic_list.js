@@ -25,7 +25,7 @@ export class TopicList {
     this.#open = open;
     this.#publish = publish;
     search.addEventListener("input", () => this.#arrange());
-    gateway.addEventListener("graph", () => this.#arrange());
+    gateway.on("graph", () => this.#arrange());
   }
 
   #arrange() {

@@ -5,7 +5,7 @@ import { ImageView } from "../debug/views/image.js";
 import { MapView } from "../debug/views/map.js";
 import { ScanView } from "../debug/views/scan.js";
 import * as bar from "../shared/bar.js";
-import { element } from "../shared/dom.js";
+import { element, find } from "../shared/dom.js";
 import { Gateway } from "../shared/gateway.js";
 import { Driver } from "./driver.js";
 import { watch } from "./held.js";
@@ -17,7 +17,6 @@ const SCANS = ["sensor_msgs/msg/LaserScan"];
 const STAMPED = "geometry_msgs/msg/TwistStamped";
 const COMMANDS = ["geometry_msgs/msg/Twist", STAMPED];
 
-const find = (id) => document.getElementById(id);
 const gateway = new Gateway();
 const views = { camera: null, world: null };
 let command = null; // {topic, type} of what moves the robot
@@ -75,17 +74,17 @@ function told(state) {
   if (state.holder === "you" && state.state === "moving") bar.tell(""); // what was refused before
 }
 
-gateway.addEventListener("state", ({ detail: { state } }) => {
+gateway.on("state", ({ state }) => {
   letGo(); // what was held before belongs to another connection
   command = null;
   if (state === "closed") find("control").textContent = "Not connected: the gateway stops what you drove.";
 });
-gateway.addEventListener("graph", () => {
+gateway.on("graph", () => {
   show("camera", "Nobody publishes pictures.", [ImageView, IMAGES]);
   show("world", "Nobody publishes a map or a laser scan.", [MapView, MAPS], [ScanView, SCANS]);
   watchControl();
 });
-gateway.addEventListener("control", ({ detail }) => told(detail));
+gateway.on("control", told);
 
 addEventListener("keydown", (event) => {
   if (event.code !== "Space" || event.target instanceof HTMLButtonElement) return; // a button takes it itself

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What every page has at its top: the other pages, the connection in words, the token that may be asked for, and STOP.
 
-import { element } from "./dom.js";
+import { element, find } from "./dom.js";
 
 const PAGES = { Debug: "/", Drive: "/drive" };
 const WORDS = {
@@ -10,8 +10,6 @@ const WORDS = {
   closed: (reason) => `not connected${reason ? `: ${reason}` : ""}; trying again`,
   token: () => "a token is needed",
 };
-
-const find = (id) => document.getElementById(id);
 
 /** Show a sentence to everybody, or nothing. */
 export function tell(text) {
@@ -38,7 +36,7 @@ async function stop(gateway) {
 export function connect(gateway, here, ...more) {
   document.body.prepend(header(here, more), element("p", { id: "notice", className: "notice", role: "alert", hidden: true }));
   document.body.append(tokenDialog(gateway));
-  gateway.addEventListener("state", ({ detail: { state, reason } }) => {
+  gateway.on("state", ({ state, reason }) => {
     find("state").textContent = WORDS[state](reason);
     find("state").dataset.state = state;
     if (state === "open") tell("");
@@ -47,7 +45,7 @@ export function connect(gateway, here, ...more) {
       find("token").showModal();
     }
   });
-  gateway.addEventListener("status", ({ detail }) => tell(detail.msg));
+  gateway.on("status", ({ msg }) => tell(msg));
   find("stop").onclick = () => stop(gateway);
 }
 

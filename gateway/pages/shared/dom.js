@@ -4,8 +4,9 @@
 /**
  * Make an element.
  * @param {string} name
- * @param {object} properties of the element; `dataset` and `aria` are objects
+ * @param {Object<string, any>} [properties] of the element; `dataset` and `aria` are objects
  * @param {...(Node|string)} children
+ * @returns {any} of the kind that the name says
  */
 export function element(name, { dataset = {}, aria = {}, ...properties } = {}, ...children) {
   const made = Object.assign(document.createElement(name), properties);
@@ -14,6 +15,13 @@ export function element(name, { dataset = {}, aria = {}, ...properties } = {}, .
   made.append(...children);
   return made;
 }
+
+/**
+ * Return the element of an id, which the page has.
+ * @param {string} id
+ * @returns {any} of whatever kind it is
+ */
+export const find = (id) => document.getElementById(id);
 
 /** Return a number of bytes as people read it. */
 export function bytes(count) {

@@ -16,7 +16,7 @@ const TOKEN_KEY = "ros2-gateway.token";
  * @returns {string}
  */
 export function address() {
-  const path = document.querySelector('meta[name="websocket-path"]').content;
+  const path = document.querySelector('meta[name="websocket-path"]').getAttribute("content");
   return `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}${path}`;
 }
 
@@ -52,6 +52,17 @@ export class Gateway extends EventTarget {
   graph = new Graph();
   /** What has come of each topic. @type {Map<string, Arrivals>} */
   arrivals = new Map();
+
+  /**
+   * Hear an event until the function that this returns is called.
+   * @param {string} name
+   * @param {(detail: any) => void} take
+   */
+  on(name, take) {
+    const hear = (event) => take(event.detail);
+    this.addEventListener(name, hear);
+    return () => this.removeEventListener(name, hear);
+  }
 
   connect() {
     this.#announce("connecting");

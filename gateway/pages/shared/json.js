@@ -14,7 +14,7 @@ export function json(message, indent) {
 
 function plain(value) {
   if (value instanceof Uint8Array) return base64(value);
-  if (ArrayBuffer.isView(value)) return Array.from(value, plain);
+  if (ArrayBuffer.isView(value)) return Array.from(/** @type {any} */ (value), plain);
   return typeof value === "number" && !Number.isFinite(value) ? String(value) : value; // as `"nonfinite": "string"` has it
 }
 

@@ -13,6 +13,10 @@ import { element } from "../../shared/dom.js";
 
 /** The frame of everything that lies on the page: a title with controls, what is wrong, a body and a footer. */
 export class Card {
+  /** @type {string} */ topic;
+  /** @type {string} */ view;
+  /** @type {string[]} */ fields;
+  /** @type {number} */ rate;
   body = element("div", { className: "body" });
   footer = element("footer");
   problem = element("p", { className: "problem", hidden: true, role: "status" });

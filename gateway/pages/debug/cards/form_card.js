@@ -9,7 +9,12 @@ export class FormCard extends Card {
   buttons = element("div", { className: "buttons" });
   #act;
 
-  /** @param {{verb: string, title: string, type: string}} words what the button says, and the type that is described */
+  /**
+   * @param {import("../../shared/gateway.js").Gateway} gateway
+   * @param {import("./card.js").Shown} shown
+   * @param {import("./card.js").Actions} actions
+   * @param {{verb: string, title: string, type: string}} words what the button says, and the type that is described
+   */
   constructor(gateway, shown, actions, { verb, title, type }) {
     super(gateway, shown, actions, { label: title, title, hint: type });
     this.type = type;
@@ -21,6 +26,22 @@ export class FormCard extends Card {
     this.buttons.append(this.#act);
     this.#describe(text);
   }
+
+  /**
+   * Return the form for a type.
+   * @abstract
+   * @param {{schema: any}} described by the gateway
+   * @returns {import("../forms/form.js").Form}
+   */
+  formOf(described) {
+    throw new Error(`no form for ${described.schema.title}`);
+  }
+
+  /**
+   * Send what the form holds.
+   * @abstract
+   */
+  submit() {}
 
   /** Do what the button does; return whether that was possible. */
   act() {

@@ -13,14 +13,14 @@ export class GoalCard extends FormCard {
   #result = element("pre", { className: "raw", aria: { live: "polite", label: "result" } });
   #goal = null; // the listener to the goal that is on its way
   #beganMs = 0;
-  #ended = ({ detail: { state } }) => state !== "open" && this.#end("the connection was lost; the gateway cancels the goal");
+  #ignore = () => {};
 
   constructor(gateway, shown, actions) {
     super(gateway, shown, actions, { verb: "Send goal", title: `Goal of ${shown.topic}`, type: gateway.graph.actions.get(shown.topic)?.types[0] ?? "" });
     this.#cancel.onclick = () => this.#askToCancel();
     this.buttons.append(this.#cancel);
     this.body.append(this.#feedback, this.#result);
-    gateway.addEventListener("state", this.#ended);
+    this.#ignore = gateway.on("state", () => this.#end("the connection was lost: the gateway cancels the goal"));
   }
 
   formOf({ schema }) {
@@ -46,7 +46,7 @@ export class GoalCard extends FormCard {
   close() {
     if (this.#goal) this.#askToCancel();
     this.#goal?.end();
-    this.gateway.removeEventListener("state", this.#ended);
+    this.#ignore();
     super.close();
   }
 

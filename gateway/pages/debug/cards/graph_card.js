@@ -12,7 +12,7 @@ const EVERYWHERE = /^\/(rosout|parameter_events|diagnostics)$|\/_/;
 export class GraphCard extends Card {
   #picture = element("div", { className: "graph", tabIndex: 0 });
   #all = element("input", { type: "checkbox" });
-  #update = () => this.#write();
+  #ignore = () => {};
 
   constructor(gateway, shown, actions) {
     super(gateway, shown, actions, { label: "graph", title: "Nodes and topics" });
@@ -20,12 +20,12 @@ export class GraphCard extends Card {
     this.#all.onchange = () => this.#write();
     this.body.append(this.#picture);
     this.element.classList.add("wide");
-    gateway.addEventListener("graph", this.#update);
+    this.#ignore = gateway.on("graph", () => this.#write());
     this.#write();
   }
 
   close() {
-    this.gateway.removeEventListener("graph", this.#update);
+    this.#ignore();
     super.close();
   }
 

@@ -7,7 +7,7 @@ import { Card } from "./card.js";
 export class NodeCard extends Card {
   #links = element("div", { className: "group" });
   #parameters = element("div", { className: "form" });
-  #update = () => this.#writeLinks();
+  #ignore = () => {};
 
   constructor(gateway, shown, actions) {
     super(gateway, shown, actions, { label: `node ${shown.topic}`, title: `Node ${shown.topic}` });
@@ -15,13 +15,13 @@ export class NodeCard extends Card {
     again.onclick = () => this.#load();
     this.controls.append(again);
     this.body.append(this.#links, element("h4", {}, "Parameters"), this.#parameters);
-    gateway.addEventListener("graph", this.#update);
+    this.#ignore = gateway.on("graph", () => this.#writeLinks());
     this.#writeLinks();
     this.#load();
   }
 
   close() {
-    this.gateway.removeEventListener("graph", this.#update);
+    this.#ignore();
     super.close();
   }
 

@@ -12,16 +12,17 @@ export class PublishCard extends FormCard {
   #count = 0;
   #rates = element("select", { title: "so many messages a second", aria: { label: "rate" } });
   #repeat = element("button", { type: "button", aria: { pressed: "false" } }, "Repeat");
+  #ignore = () => {};
   #end = () => this.#stop();
 
   constructor(gateway, shown, actions) {
     super(gateway, shown, actions, { verb: "Publish", title: `Publish ${shown.topic}`, type: gateway.graph.typeOf(shown.topic) });
     this.#listener = gateway.listen((frame) => this.#heard(frame));
-    for (const hz of RATES_HZ) this.#rates.append(new Option(`${hz} Hz`, hz));
+    for (const hz of RATES_HZ) this.#rates.append(new Option(`${hz} Hz`, String(hz)));
     this.#repeat.onclick = () => (this.#timer ? this.#stop() : this.#start());
     this.#rates.onchange = () => this.#timer && this.#start();
     this.buttons.append(this.#repeat, this.#rates);
-    gateway.addEventListener("state", this.#end);
+    this.#ignore = gateway.on("state", this.#end);
     document.addEventListener("visibilitychange", this.#end);
   }
 
@@ -41,7 +42,7 @@ export class PublishCard extends FormCard {
   close() {
     this.#stop();
     this.#listener.end();
-    this.gateway.removeEventListener("state", this.#end);
+    this.#ignore();
     document.removeEventListener("visibilitychange", this.#end);
     super.close();
   }

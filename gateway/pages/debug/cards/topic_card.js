@@ -55,7 +55,7 @@ export class TopicCard extends Card {
     for (const key of new Set([this.view, ...viewsFor(this.#type)])) views.append(new Option(nameOf(key), key, false, key === this.view));
     views.onchange = () => this.#restart({ view: views.value });
     const rates = element("select", { title: "at most so many messages a second", aria: { label: "rate" } });
-    for (const hz of RATES_HZ) rates.append(new Option(hz ? `${hz} Hz` : "all", hz, false, hz === this.rate));
+    for (const hz of RATES_HZ) rates.append(new Option(hz ? `${hz} Hz` : "all", String(hz), false, hz === this.rate));
     rates.onchange = () => this.#restart({ rate: Number(rates.value) });
     const pause = element("button", { type: "button", aria: { pressed: "false" } }, "Pause");
     pause.onclick = () => {

@@ -115,6 +115,7 @@ function rowOf(field, texts) {
   return `[${items.map((each) => jsonOf(field.item, each)).join(",")}]`;
 }
 
+/** @param {Field} field */
 function textOf({ most }, text) {
   if (most !== undefined && [...text].length > most) throw new Error(`at most ${most} characters`);
   return JSON.stringify(text);

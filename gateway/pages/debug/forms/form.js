@@ -55,6 +55,8 @@ export class Form {
 /** The fields of a message within another; they are made when they are looked at, as some have hundreds. */
 class Group {
   content = element("div", { className: "group" });
+  /** @type {HTMLElement|null} where it stands in a list */
+  row = null;
   #field;
   #controls = null;
 

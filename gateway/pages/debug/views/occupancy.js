@@ -38,4 +38,5 @@ function palette() {
 }
 
 const octets = (colour) => [1, 3, 5].map((at) => Number.parseInt(colour.slice(at, at + 2), 16));
+/** @param {number[]} colour */
 const packed = ([red, green, blue]) => (0xff000000 | (blue << 16) | (green << 8) | red) >>> 0;

@@ -51,6 +51,7 @@ export class TreeView {
   }
 }
 
+/** @returns {value is any[]} or a typed array */
 const isList = (value) => Array.isArray(value) || ArrayBuffer.isView(value);
 
 function isNested(value) {
