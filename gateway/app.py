@@ -24,7 +24,7 @@ from gateway.codec.types import Types
 from gateway.config.model import Config
 from gateway.definitions import known_definitions
 from gateway.diagnostics import publishing
-from gateway.errors import BindError, ConfigError, system_reason
+from gateway.errors import ConfigError, system_reason
 from gateway.guard.supervisor import GuardProcess
 from gateway.log_fields import counted, text_of
 from gateway.log_rate import LogRate
@@ -34,7 +34,7 @@ from gateway.ros import RosOptions, open_ros
 from gateway.router.router import Router
 from gateway.security import Security, open_security
 from gateway.server.admission import Admission
-from gateway.server.server import Server
+from gateway.server.server import Door, Server
 from gateway.server.static_files import PAGES, StaticFiles
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table
@@ -56,6 +56,7 @@ class Listening:
     tokens: Path
     new_token: str | None
     certificate: str | None
+    tls_port: int | None = None  # if TLS has one of its own
 
     @property
     def port(self) -> int:
@@ -64,8 +65,8 @@ class Listening:
 
     @property
     def is_encrypted(self) -> bool:
-        """True if clients need ``wss://``."""
-        return self.certificate is not None
+        """True if clients need ``wss://`` on `port`."""
+        return self.certificate is not None and self.tls_port is None
 
 
 Announce = Callable[[Listening], None]
@@ -135,7 +136,11 @@ async def _serve(
             version=version("ros2-json-gateway"),
             find_faults=lambda: (*ros.faults(), *guard.faults(), *security.audit_faults()),
         )
-        addresses = await _listen(stack, server, config, security)
+        doors = [Door(config.port, security.tls)]
+        if config.tls.port is not None:
+            doors = [Door(config.port), Door(config.tls.port, security.tls)]
+        listening = server.listening(security.posture.hosts, *doors)
+        addresses, *encrypted = await stack.enter_async_context(listening)
         reloading = asyncio.create_task(_reload_whenever(hung_up, load, security, server))
         stack.callback(reloading.cancel)
         exempt_from_collection()
@@ -148,6 +153,7 @@ async def _serve(
                 tokens=security.token_path,
                 new_token=security.new_token,
                 certificate=config.tls.cert,
+                tls_port=encrypted[0][0][1] if encrypted else None,
             )
         )
         guard.start()  # last: nobody waits for it to listen
@@ -185,17 +191,6 @@ def _guard(config: Config) -> GuardProcess:
         config.ros.domain_id,
         deadline_s=config.control.deadline_s,
     )
-
-
-async def _listen(
-    stack: AsyncExitStack, server: Server, config: Config, security: Security
-) -> list[tuple[str, int]]:
-    hosts = security.posture.hosts
-    try:
-        listening = server.listening(hosts, config.port, security.tls)
-        return await stack.enter_async_context(listening)
-    except OSError as error:
-        raise BindError(hosts[0], config.port, error) from error
 
 
 def _handle_signals(stop: asyncio.Event, hung_up: asyncio.Event, streams: Sequence[int]) -> None:

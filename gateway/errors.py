@@ -7,8 +7,8 @@ from typing import Final
 
 _BIND_REASONS: Final = {
     errno.EADDRINUSE: "the port is in use: end the program that has it (`ss -ltnp` names it), or"
-    " choose another one with --port",
-    errno.EACCES: "ports below 1024 need privileges: choose another one with --port",
+    " choose another one with --port or --tls-port",
+    errno.EACCES: "ports below 1024 need privileges: choose another one with --port or --tls-port",
     errno.EADDRNOTAVAIL: "no interface of this machine has that address: `ip -br address` lists"
     " those that are up; --lan listens on all of them, and without --host this machine alone can"
     " connect",

@@ -73,6 +73,8 @@ def open_security(config: Config) -> Iterator[Security]:
         ConfigError: the configuration contradicts itself, or a file that it names is unusable.
     """
     posture = posture_of(config)
+    if config.tls.port is not None and config.tls.port == config.port != 0:
+        raise ConfigError(f"tls.port: {config.port} is the plain port already")
     tls = tls_context(config.tls)
     policy = Policy(config.access)
     authentication = Authentication(Tokens(), policy, posture.anonymous_role)
@@ -113,6 +115,8 @@ def tls_context(config: TlsConfig) -> ssl.SSLContext | None:
         ConfigError: the certificate or the key cannot be used.
     """
     if config.cert is None:
+        if config.port is not None:
+            raise ConfigError("tls.port: needs tls.cert here")
         if config.key is not None:
             raise ConfigError("tls.key: of no use without tls.cert")
         return None

@@ -9,7 +9,7 @@ from gateway.codec.types import Types
 from gateway.config.limits import Limits
 from gateway.ros import open_ros
 from gateway.router.router import Router
-from gateway.server.server import Server
+from gateway.server.server import Door, Server
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table
 
@@ -22,6 +22,6 @@ async def gateway_here(limits: Limits) -> AsyncIterator[str]:
             types = Types(InstalledDefinitions())
             router = Router(ros, types, Table.load(), limits=limits, workers=workers, version="t")
             server = Server(router, limits=limits)
-            async with server.listening(["127.0.0.1"], 0) as ((_, port),):
+            async with server.listening(["127.0.0.1"], Door(0)) as (((_, port),),):
                 yield f"ws://127.0.0.1:{port}/"
             router.close()

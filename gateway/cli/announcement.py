@@ -97,6 +97,9 @@ def _lines(listening: "Listening", addresses: Sequence[str]) -> Iterator[str]:
     else:
         for host, _ in listening.addresses[:1] if _is_here(listening) else listening.addresses:
             yield f"listening on {_url(listening, host)}"
+    if listening.tls_port is not None:
+        page = _tls_page(listening, addresses)
+        yield f"  for VR, by TLS    {page}   the browser warns of its certificate, once"
     if listening.posture.needs_token:
         yield from _token_lines(listening, addresses)
     elif listening.posture.is_open:
@@ -119,11 +122,18 @@ def _token_lines(listening: "Listening", addresses: Sequence[str]) -> Iterator[s
 
 def _wscat(listening: "Listening", url: str) -> str:
     command = f"npx wscat -c {url}"
-    if listening.certificate is not None:
-        command += f" --ca {shlex.quote(listening.certificate)}"
+    if listening.is_encrypted:
+        command += f" --ca {shlex.quote(listening.certificate or '')}"
     if listening.posture.needs_token:
         command += f" -H 'Authorization: Bearer {listening.new_token or 'TOKEN'}'"
     return command
+
+
+def _tls_page(listening: "Listening", addresses: Sequence[str]) -> str:
+    host = next(
+        (each for each in _hosts(listening, addresses) if each not in EVERYWHERE), "localhost"
+    )
+    return f"https://{_host(host)}:{listening.tls_port}/"
 
 
 def _page_url(listening: "Listening", host: str, path: str) -> str:

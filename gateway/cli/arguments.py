@@ -29,6 +29,11 @@ CONFIG_FLAGS: Final = {
     "--log-format": ("log.format", "FORMAT", "text or json (default text)"),
     "--tls-cert": ("tls.cert", "FILE", "certificate in PEM; then clients need wss://"),
     "--tls-key": ("tls.key", "FILE", "its private key in PEM"),
+    "--tls-port": (
+        "tls.port",
+        "PORT",
+        "a second port with TLS: for VR in a browser, https:// there",
+    ),
 }
 # Flags without a value: the key, and the value that they set.
 CONFIG_SWITCHES: Final = {

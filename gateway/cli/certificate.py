@@ -5,9 +5,10 @@ import contextlib
 import datetime as dt
 import errno
 import ipaddress
+import logging
 import os
 import socket
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -17,11 +18,53 @@ from gateway.errors import UsageError, system_reason
 if TYPE_CHECKING:
     from cryptography import x509
 
+logger = logging.getLogger(__name__)
+
 VALID_DAYS: Final = 825  # Apple's devices take none that is valid for longer
 
+_SIGNER: Final = "ros2-gateway"  # as the certificates that this machine has signed are named
 _HOW_TO_GET_IT: Final = (
     "making certificates needs the package cryptography: pip install 'ros2-json-gateway[tls]'"
 )
+
+
+def own_certificate(folder: Path) -> tuple[Path, Path]:
+    """Return the certificate and the key of this machine; they are made where they are needed.
+
+    One that this machine has signed is replaced when it has expired, or is for none of the
+    machine's present addresses; another's is taken as it is.
+
+    Raises:
+        UsageError: as `make_certificate`; or a file there is no certificate.
+    """
+    cert, key = folder / "cert.pem", folder / "key.pem"
+    why = _why_another(cert) if cert.exists() else "there was none"
+    if why is not None:
+        make_certificate(folder, (), replace=cert.exists())
+        logger.warning("signed a new certificate, %s, as %s; browsers ask once", cert, why)
+    return cert, key
+
+
+def _why_another(path: Path) -> str | None:
+    """Return why a certificate serves no longer, or ``None``."""
+    with _cryptography():
+        from cryptography import x509
+    try:
+        certificate = x509.load_pem_x509_certificate(path.read_bytes())
+    except ValueError as error:
+        raise UsageError(
+            f"{path} is no certificate in PEM; ros2-gateway cert --replace makes another"
+        ) from error
+    except OSError as error:
+        raise UsageError(f"cannot read {path}, {system_reason(error)}") from error
+    if not certificate.issuer.rfc4514_string().startswith(f"CN={_SIGNER}"):
+        return None
+    if certificate.not_valid_after_utc <= dt.datetime.now(dt.UTC):
+        return "the last one has expired"
+    names = certificate.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
+    known = {str(each) for each in names.get_values_for_type(x509.IPAddress)}
+    here = own_addresses()
+    return None if not here or known & set(here) else f"this machine is {here[0]} now"
 
 
 def make_certificate(folder: Path, names: Sequence[str], *, replace: bool = False) -> list[str]:
@@ -32,10 +75,8 @@ def make_certificate(folder: Path, names: Sequence[str], *, replace: bool = Fals
     Raises:
         UsageError: the package is missing, a file exists, or the folder cannot be written.
     """
-    try:
+    with _cryptography():
         import cryptography  # noqa: F401
-    except ImportError as error:
-        raise UsageError(_HOW_TO_GET_IT) from error
     subjects = list(dict.fromkeys([*names, *_own_names(), *_own_addresses()]))
     certificate, key = _signed(subjects)
     try:
@@ -49,6 +90,14 @@ def make_certificate(folder: Path, names: Sequence[str], *, replace: bool = Fals
     return subjects
 
 
+@contextlib.contextmanager
+def _cryptography() -> Iterator[None]:
+    try:
+        yield
+    except ImportError as error:
+        raise UsageError(_HOW_TO_GET_IT) from error
+
+
 def _signed(subjects: Sequence[str]) -> tuple[bytes, bytes]:
     from cryptography import x509
     from cryptography.hazmat.primitives import hashes, serialization
@@ -56,7 +105,7 @@ def _signed(subjects: Sequence[str]) -> tuple[bytes, bytes]:
     from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
     key = ec.generate_private_key(ec.SECP256R1())
-    name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, f"ros2-gateway {subjects[0]}"[:64])])
+    name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, f"{_SIGNER} {subjects[0]}"[:64])])
     now = dt.datetime.now(dt.UTC)
     try:
         alternatives = [_alternative(subject) for subject in subjects]

@@ -29,6 +29,7 @@ from gateway.errors import (
 if TYPE_CHECKING:
     from gateway.app import Listening
     from gateway.cli.foreign_output import OwnOutput
+    from gateway.config.model import Config
     from gateway.config.settings import Given, Loaded
     from schemas.installed import InstalledDefinitions
 
@@ -212,11 +213,23 @@ def _run_gateway(
             browser.open_page(announcement.own_page(listening))
 
     return app.run(
-        loaded.config,
+        _with_certificate(loaded.config),
         announce=announce,
-        load=lambda: _configuration(arguments).config,
+        load=lambda: _with_certificate(_configuration(arguments).config),
         streams=app.STANDARD_STREAMS if own is None else own.streams,
     )
+
+
+def _with_certificate(config: "Config") -> "Config":
+    """Return a configuration in which a port for TLS has a certificate, this machine's own."""
+    if config.tls.port is None or config.tls.cert is not None:
+        return config
+    from gateway.access.token_file import default_path
+    from gateway.cli.certificate import own_certificate
+
+    cert, key = own_certificate(default_path(os.environ).parent)
+    tls = config.tls.model_copy(update={"cert": str(cert), "key": str(key)})
+    return config.model_copy(update={"tls": tls})
 
 
 def _demo(arguments: argparse.Namespace) -> int:

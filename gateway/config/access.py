@@ -129,8 +129,15 @@ class TlsConfig(Section):
     """Encryption, by a certificate."""
 
     cert: FileName | None = Field(
-        None, description="the certificate and those that vouch for it, in PEM; then wss:// only"
+        None,
+        description="the certificate and those that vouch for it, in PEM;"
+        " then wss:// only, unless TLS has a port of its own",
     )
     key: FileName | None = Field(
         None, description="its private key, in PEM; unset, it is in the file of the certificate"
+    )
+    port: Annotated[int, Field(ge=0, le=65535)] | None = Field(
+        None,
+        description="TCP port with TLS beside the plain one, 0 for any free one; without a"
+        " certificate this machine signs one itself",
     )

@@ -88,6 +88,7 @@ class Connection(asyncio.BufferedProtocol):
         self._transport = transport = cast("asyncio.Transport", transport)
         self._write_batch = batch_writer(transport)
         transport.set_write_buffer_limits(high=WRITE_HIGH_WATER_BYTES)
+        self.is_encrypted = transport.get_extra_info("sslcontext") is not None
         peer = transport.get_extra_info("peername")
         self.address = str(peer[0]) if peer else "?"
         tune(transport.get_extra_info("socket"), self._limits.send_deadline_s)

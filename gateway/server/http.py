@@ -92,6 +92,8 @@ class Asker(Protocol):
     def close(self, code: int, reason: str) -> None:
         """End the connection."""
 
+    is_encrypted: bool  # by TLS
+
     def limit_messages(self, max_bytes: int) -> None:
         """Accept messages of at most so many bytes from now on."""
 
@@ -101,7 +103,7 @@ AnswerLater = Callable[[ServerProtocol, Request, Asker], Response | None]
 
 
 class HttpFront:
-    """Answers HTTP requests; `is_encrypted` says whether clients need ``wss://``."""
+    """Answers HTTP requests."""
 
     def __init__(
         self,
@@ -119,7 +121,6 @@ class HttpFront:
         self._health = find_health
         self._details = details
         self._answer_later = dict.fromkeys(PICTURE_PATHS, pictures) | {"/metrics": metrics}
-        self.is_encrypted = False
 
     def respond(self, protocol: ServerProtocol, request: Request, asker: Asker) -> Response | None:
         """Return the response; its status is 101 if a WebSocket begins.
@@ -169,7 +170,9 @@ class HttpFront:
             return self._origin_refusal(protocol, request, host) or self._answer_later[path](
                 protocol, request, asker
             )
-        if request.headers.get("Upgrade") is None and (found := self._page(protocol, request)):
+        if request.headers.get("Upgrade") is None and (
+            found := self._page(protocol, request, asker)
+        ):
             return found
         if path != self._path:
             return protocol.reject(404, f"nothing here; the WebSocket is at {self._path}\n")
@@ -184,14 +187,14 @@ class HttpFront:
             or protocol.accept(request)
         )
 
-    def _page(self, protocol: ServerProtocol, request: Request) -> Response | None:
+    def _page(self, protocol: ServerProtocol, request: Request, asker: Asker) -> Response | None:
         """Return a page or a part of one; the start page is a text for who asks for no HTML."""
         path = urlsplit(request.path).path
         if path in {"/", self._path}:
             check_target(request.path)
             image_format(request.path)
             if not (is_browser(request) and self._files.find(INDEX)):
-                scheme = "wss" if self.is_encrypted else "ws"
+                scheme = "wss" if asker.is_encrypted else "ws"
                 address = f"{scheme}://{request.headers['Host']}{self._path}"
                 return page(protocol, request, _WELCOME.format(address=address).encode())
             path = INDEX

@@ -11,6 +11,7 @@ import ssl
 import time
 from collections import Counter
 from collections.abc import AsyncIterator, Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import reduce
 from typing import Any, Final
 
@@ -21,6 +22,7 @@ from gateway.access.permissions import Identity, Policy
 from gateway.access.tokens import Tokens
 from gateway.access.web_rules import WebRules
 from gateway.config.limits import Limits
+from gateway.errors import BindError
 from gateway.faults import Fault
 from gateway.metrics.page import CONTENT_TYPE
 from gateway.metrics.state import AddressState, ClientCounts, ClientState, State, Summary
@@ -68,6 +70,14 @@ MAX_GOODBYE_S: Final = 1.0  # of the 2 s for the whole shutdown
 TICK_S: Final = 0.25  # how exactly times are kept; 4 wake-ups a second are not measurable
 
 
+@dataclass(frozen=True, slots=True)
+class Door:
+    """A port to listen on, 0 for any free one; with *tls* clients need ``wss://`` there."""
+
+    port: int
+    tls: ssl.SSLContext | None = None
+
+
 class Server:
     """The connected clients, and the listening sockets."""
 
@@ -107,34 +117,50 @@ class Server:
 
     @contextlib.asynccontextmanager
     async def listening(
-        self, hosts: Sequence[str], port: int, tls: ssl.SSLContext | None = None
-    ) -> AsyncIterator[list[tuple[str, int]]]:
-        """Serve inside the context; yield the addresses that it listens on, all on one port.
+        self, hosts: Sequence[str], *doors: Door
+    ) -> AsyncIterator[list[list[tuple[str, int]]]]:
+        """Serve inside the context; yield of each door the addresses, all on its port.
 
-        With *tls* clients need ``wss://``. A machine may have no IPv6: all *hosts* but the first
-        may fail.
+        All share the clients, their limits and rules. A machine may have no IPv6: all *hosts* but
+        the first may fail.
 
         Raises:
-            OSError: the first address or the port cannot be listened on.
+            BindError: the first address or a port cannot be listened on.
         """
-        loop = asyncio.get_running_loop()
-        self._http.is_encrypted = tls is not None
-        if tls is not None:
-            log_failed_handshakes(tls)
         listeners: list[asyncio.Server] = []
+        try:
+            addresses = [await self._open(door, hosts, listeners) for door in doors]
+            ticking = asyncio.create_task(self._tick())
+            try:
+                yield addresses
+            finally:
+                ticking.cancel()
+        finally:
+            for listener in listeners:
+                listener.close()
+            self._scrapes.close()
+            await self._close_all()
+
+    async def _open(
+        self, door: Door, hosts: Sequence[str], listeners: list[asyncio.Server]
+    ) -> list[tuple[str, int]]:
+        """Listen on a door, and add what does so to *listeners*; return its addresses."""
+        if door.tls is not None:
+            log_failed_handshakes(door.tls)
         addresses: list[tuple[str, int]] = []
         for host in hosts:
+            port = addresses[0][1] if addresses else door.port
             try:
-                listener = await loop.create_server(
+                listener = await asyncio.get_running_loop().create_server(
                     lambda: Connection(self),
                     host,
-                    addresses[0][1] if addresses else port,
-                    ssl=tls,
-                    ssl_handshake_timeout=self.limits.open_timeout_s if tls else None,
+                    port,
+                    ssl=door.tls,
+                    ssl_handshake_timeout=self.limits.open_timeout_s if door.tls else None,
                 )
             except OSError as error:
-                if not listeners:
-                    raise
+                if not addresses:
+                    raise BindError(host, port, error) from error
                 # Python 3.13 has no number for it
                 lacks_it = error.errno is None or error.errno in _NO_SUCH_ADDRESS
                 level = logging.DEBUG if lacks_it else logging.INFO
@@ -142,15 +168,7 @@ class Server:
                 continue
             listeners.append(listener)
             addresses += [sock.getsockname()[:2] for sock in listener.sockets]
-        ticking = loop.create_task(self._tick())
-        try:
-            yield addresses
-        finally:
-            for listener in listeners:
-                listener.close()
-            ticking.cancel()
-            self._scrapes.close()
-            await self._close_all()
+        return addresses
 
     def judged(self) -> Health:
         """Return what is wrong with the gateway."""

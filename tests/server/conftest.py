@@ -19,7 +19,7 @@ from gateway.codec.types import Types
 from gateway.config.limits import Limits
 from gateway.router.router import Router
 from gateway.server.http import own_names
-from gateway.server.server import Server
+from gateway.server.server import Door, Server
 from schemas.folders import SHIPPED
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table
@@ -90,7 +90,7 @@ def serve() -> Serve:
                 web_rules=WebRules(own_names(), (), allowed_origins),
                 **options,
             )
-            async with server.listening(["127.0.0.1"], 0, tls) as ((_, port),):
+            async with server.listening(["127.0.0.1"], Door(0, tls)) as (((_, port),),):
                 yield Served(server, ros, types, port)
             assert server.health()["clients"] == 0
             router.close()

@@ -11,11 +11,12 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.frames import Frame, Opcode
 
+from gateway.errors import BindError
 from gateway.ports import Qos
 from gateway.router.topics.encoding import Encoding
 from gateway.server.connection import Connection
 from gateway.server.end import End, Why
-from gateway.server.server import TICK_S
+from gateway.server.server import TICK_S, Door
 from tests.client import TIMEOUT_S, Client, client, eventually
 from tests.server.conftest import Serve, Served
 
@@ -629,10 +630,10 @@ async def test_all_addresses_but_the_first_may_be_taken(serve: Serve, caplog):
             other.listen()
             port = other.getsockname()[1]
             hosts = ["127.0.0.3", "127.0.0.2", "192.0.2.1"]
-            async with served.server.listening(hosts, port) as addresses:
+            async with served.server.listening(hosts, Door(port)) as (addresses,):
                 assert addresses == [("127.0.0.3", port)]
-            with pytest.raises(OSError, match=r"127\.0\.0\.2"):
-                async with served.server.listening(["127.0.0.2", "127.0.0.3"], port):
+            with pytest.raises(BindError, match=r"127\.0\.0\.2"):
+                async with served.server.listening(["127.0.0.2", "127.0.0.3"], Door(port)):
                     pass
     lines = [record.message for record in caplog.records if "not listening" in record.message]
     assert [line.partition(":")[0] for line in lines] == ["not listening on 127.0.0.2"]

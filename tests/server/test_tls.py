@@ -12,11 +12,13 @@ from websockets.frames import Opcode
 
 from gateway.cli.certificate import make_certificate
 from gateway.config.access import TlsConfig
+from gateway.errors import BindError
 from gateway.log_rate import BURST, LogRate
 from gateway.security import tls_context
+from gateway.server.server import Door
 from tests.client import TIMEOUT_S, client, eventually
 from tests.server.conftest import Serve, Served
-from tests.server.test_server import masked, upgrade
+from tests.server.test_server import closing, masked, upgrade
 
 pytest.importorskip("cryptography")
 
@@ -163,3 +165,45 @@ def distrust(port: int) -> None:
 
 def lines(caplog) -> list[str]:
     return [each.message for each in caplog.records if "handshake" in each.message]
+
+
+async def test_a_second_port_with_tls_shares_clients_and_their_limits(serve: Serve, tls, trusting):
+    async with (
+        serve({"max_clients": 2}) as served,
+        served.server.listening(["127.0.0.1"], Door(0), Door(0, tls)) as (plain, encrypted),
+    ):
+        (_, port), (_, tls_port) = plain[0], encrypted[0]
+        secure = f"wss://localhost:{tls_port}/"
+        async with client(f"ws://127.0.0.1:{port}/") as one, client(secure, ssl=trusting) as other:
+            await other.send(op="subscribe", topic="/talk", type="std_msgs/String")
+            await one.send(op="advertise", topic="/talk", type="std_msgs/String")
+            await eventually(lambda: served.ros.publishers)
+            assert served.server.health()["clients"] == 2
+            async with client(secure, ssl=trusting) as third:
+                assert await closing(third) == (1013, "over capacity: at most 2 clients")
+
+
+async def test_the_text_for_people_names_the_scheme_of_its_port(serve: Serve, tls, trusting):
+    async with (
+        serve() as served,
+        served.server.listening(["127.0.0.1"], Door(0), Door(0, tls)) as (plain, encrypted),
+    ):
+        for (_, port), context, scheme in (
+            (plain[0], None, b"ws"),
+            (encrypted[0], trusting, b"wss"),
+        ):
+            reader, writer = await asyncio.open_connection("localhost", port, ssl=context)
+            writer.write(f"GET / HTTP/1.1\r\nHost: localhost:{port}\r\n\r\n".encode())
+            assert b" %s://localhost:%d/" % (scheme, port) in await reader.read()
+            writer.close()
+
+
+async def test_when_one_port_is_taken_the_other_is_closed_again(serve: Serve, tls):
+    async with serve() as served:
+        with socket.socket() as other:
+            other.bind(("127.0.0.1", 0))
+            other.listen()
+            taken = other.getsockname()[1]
+            with pytest.raises(BindError, match=f"127.0.0.1:{taken}, "):
+                async with served.server.listening(["127.0.0.1"], Door(0), Door(taken, tls)):
+                    pass
