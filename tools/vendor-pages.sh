@@ -4,13 +4,26 @@
 # They are committed: a robot's network reaches no registry, and installing needs no node.
 set -eu
 uplot=1.6.32
+three=0.187.0
 esbuild=0.28.2
 target=$(cd "$(dirname "$0")/.." && pwd)/gateway/pages/vendor
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
-npm install --silent --no-save "uplot@$uplot" "esbuild@$esbuild"
+npm install --silent --no-save "uplot@$uplot" "three@$three" "esbuild@$esbuild"
 from=node_modules/uplot
 npx esbuild "$from/dist/uPlot.esm.js" --minify "--banner:js=/* uPlot $uplot, MIT: uplot.LICENSE */" --outfile="$target/uplot.js" --log-level=warning
 cp "$from/dist/uPlot.min.css" "$target/uplot.css"
 cp "$from/LICENSE" "$target/uplot.LICENSE"
+
+# of three what the lab imports, and no more
+cat >three.js <<'END'
+export {
+  BoxGeometry, BufferAttribute, BufferGeometry, CanvasTexture, Color, CylinderGeometry, DynamicDrawUsage, GridHelper, Group,
+  HemisphereLight, Line, LineBasicMaterial, LinearFilter, Mesh, MeshBasicMaterial, MeshLambertMaterial, PerspectiveCamera, PlaneGeometry,
+  Points, PointsMaterial, Raycaster, RingGeometry, SRGBColorSpace, Scene, SphereGeometry, Texture, Vector2, Vector3, WebGLRenderer,
+} from "three";
+END
+npx esbuild three.js --bundle --format=esm --minify --legal-comments=none "--banner:js=/* three $three, MIT: three.LICENSE */" --outfile="$target/three.js" --log-level=warning
+cp node_modules/three/LICENSE "$target/three.LICENSE"
+(cd "$target" && sha256sum three.js uplot.css uplot.js >SHA256SUMS)

@@ -3,7 +3,7 @@
 
 import { element, find } from "./dom.js";
 
-const PAGES = { Debug: "/", Drive: "/drive" };
+const PAGES = { Debug: "/", Drive: "/drive", Lab: "/lab" };
 const WORDS = {
   open: () => "connected",
   connecting: () => "connecting",

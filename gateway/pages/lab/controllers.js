@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is held in VR: a ray each, drawn by shapes of our own, as others fetch theirs from elsewhere.
+// Trigger or pinch: a target. Squeeze, or a pinch of the left hand: stop. Stick pushed ahead or pressed, or touchpad pressed: teleport, when let go.
+
+import {
+  BoxGeometry, BufferGeometry, Line, LineBasicMaterial, Mesh, Raycaster, SphereGeometry, Vector3,
+} from "../vendor/three.js";
+import { along, meet } from "./floor.js";
+import { mark } from "./room.js";
+
+const PUSHED = -0.7; // of a stick, which springs back past
+const LET_GO = -0.5;
+const RAY_M = 5;
+const JOINT_M = 0.008;
+
+/** Both hands, with whatever is in them. */
+export class Controllers {
+  #hands;
+
+  /**
+   * @param {import("three").WebXRManager} xr
+   * @param {import("three").Object3D} rig which they move with
+   * @param {import("./room.js").Room} room
+   * @param {{target: (ray: Raycaster) => void, stop: () => void, teleport: (place: Vector3) => void}} to
+   */
+  constructor(xr, rig, room, to) {
+    const shapes = {
+      grip: [new BoxGeometry(0.035, 0.035, 0.12), room.material("quiet")],
+      joint: [new SphereGeometry(JOINT_M, 8, 6), room.material("quiet")],
+      ray: [new BufferGeometry().setFromPoints([new Vector3(), new Vector3(0, 0, -RAY_M)]), room.material("accent", LineBasicMaterial)],
+    };
+    this.#hands = [0, 1].map((index) => new Hand(xr, index, rig, shapes, room.marker("accent", 0.2), to));
+  }
+
+  /** Look at what is pushed; nothing is made anew here. */
+  step() {
+    for (const hand of this.#hands) hand.step();
+  }
+
+  /** Forget what is pushed: for the end of a session, or of its being seen. */
+  letGo() {
+    for (const hand of this.#hands) hand.letGo();
+  }
+}
+
+/** One hand. */
+class Hand {
+  #source = null; // XRInputSource
+  #joints;
+  #jointShape;
+  #controller;
+  #marker;
+  #raycaster = new Raycaster();
+  #place = new Vector3();
+  #isAiming = false;
+  #hasPlace = false;
+  #to;
+
+  constructor(xr, index, rig, { grip, joint, ray }, marker, to) {
+    this.#to = to;
+    this.#marker = marker;
+    this.#controller = xr.getController(index);
+    this.#controller.add(new Line(...ray));
+    const body = new Mesh(...grip);
+    xr.getControllerGrip(index).add(body);
+    this.#joints = xr.getHand(index);
+    this.#jointShape = joint;
+    rig.add(this.#controller, xr.getControllerGrip(index), this.#joints);
+    this.#controller.addEventListener("connected", ({ data }) => {
+      this.#source = data;
+      body.visible = !data.hand;
+    });
+    this.#controller.addEventListener("disconnected", () => {
+      this.#source = null;
+      this.letGo();
+    });
+    this.#controller.addEventListener("selectstart", ({ data }) => {
+      if (data.hand && data.handedness === "left") to.stop(); // bare hands have nothing to squeeze
+      else to.target(this.#ray());
+    });
+    this.#controller.addEventListener("squeezestart", () => to.stop());
+  }
+
+  step() {
+    this.#dress();
+    const { axes = [], buttons = [] } = this.#source?.gamepad ?? {};
+    const isPressed = Boolean(buttons[2]?.pressed || buttons[3]?.pressed); // touchpad, stick
+    const isPushed = isPressed || axes[3] < (this.#isAiming ? LET_GO : PUSHED);
+    if (isPushed) this.#hasPlace = meet(this.#ray().ray, this.#place);
+    if (isPushed && this.#hasPlace) mark(this.#marker, this.#place);
+    else this.#marker.visible = false;
+    if (this.#isAiming && !isPushed && this.#hasPlace) this.#to.teleport(this.#place);
+    this.#isAiming = isPushed;
+  }
+
+  letGo() {
+    this.#isAiming = this.#hasPlace = false;
+    this.#marker.visible = false;
+  }
+
+  #ray() {
+    along(this.#controller, this.#raycaster.ray);
+    return this.#raycaster;
+  }
+
+  /** Draw the joints that have come. */
+  #dress() {
+    for (const joint of this.#joints.children) {
+      if (!joint.children.length) joint.add(new Mesh(...this.#jointShape));
+    }
+  }
+}

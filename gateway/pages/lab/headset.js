@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Into VR and out of it, or why there is none, in words.
+
+/**
+ * Make a button enter VR and leave it.
+ * @param {import("three").WebXRManager} xr
+ * @param {HTMLButtonElement} button
+ * @param {HTMLElement} note where the words go
+ * @param {{began: () => void, ended: () => void, unseen: () => void}} tell `unseen`: the headset shows something else
+ */
+export async function connectHeadset(xr, button, note, tell) {
+  xr.setReferenceSpaceType("local-floor");
+  let session = null;
+
+  async function enter() {
+    button.disabled = true;
+    try {
+      session = await navigator.xr.requestSession("immersive-vr", { requiredFeatures: ["local-floor"], optionalFeatures: ["hand-tracking"] });
+      session.addEventListener("visibilitychange", ({ target }) => target.visibilityState !== "visible" && tell.unseen());
+      session.addEventListener("end", ended);
+      tell.began();
+      await xr.setSession(session);
+      button.textContent = "Leave VR";
+      note.textContent = "";
+    } catch (error) {
+      note.textContent = `VR did not start: ${error.message}`;
+      await session?.end().catch(() => {}); // it may have ended by itself
+    }
+    button.disabled = false;
+  }
+
+  function ended() {
+    session = null;
+    button.textContent = "Enter VR";
+    tell.ended();
+  }
+
+  button.onclick = () => (session ? session.end() : enter());
+  const refusal = await whyNot();
+  note.textContent = refusal;
+  button.disabled = Boolean(refusal);
+}
+
+async function whyNot() {
+  if (!isSecureContext) return "VR needs https: open this page by https (the gateway's option --tls-port).";
+  if (!navigator.xr) return "This browser has no WebXR.";
+  const isThere = await navigator.xr.isSessionSupported("immersive-vr").catch(() => false);
+  return isThere ? "" : "No headset is connected to this browser.";
+}

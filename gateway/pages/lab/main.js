@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+// The lab: a room with the robot's twin, its camera on a television, and screens; with a headset or without.
+
+import { Vector3, WebGLRenderer } from "../vendor/three.js";
+import { sentence } from "../drive/words.js";
+import * as bar from "../shared/bar.js";
+import { element } from "../shared/dom.js";
+import { Gateway } from "../shared/gateway.js";
+import { Controllers } from "./controllers.js";
+import { meet, toRos } from "./floor.js";
+import { connectHeadset } from "./headset.js";
+import { watchKeys } from "./keys.js";
+import { Pilot } from "./pilot.js";
+import { Room, mark } from "./room.js";
+import { Screen } from "./screens.js";
+import { Sources } from "./sources.js";
+import { teleport } from "./teleport.js";
+import { Television } from "./television.js";
+import { Twin } from "./twin.js";
+import { Viewer } from "./walk.js";
+
+const STAMPED = "geometry_msgs/msg/TwistStamped";
+const COMMANDS = ["geometry_msgs/msg/Twist", STAMPED];
+const DRIVING = { ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowLeft: [0, 1], ArrowRight: [0, -1] };
+
+const find = (id) => document.getElementById(id);
+const gateway = new Gateway();
+bar.connect(gateway, "Lab");
+
+const room = new Room();
+const viewer = new Viewer();
+const twin = new Twin(room);
+const television = new Television(bar.tell);
+const screens = {
+  state: new Screen("Robot"), topic: new Screen("Topic"), commands: new Screen("Commands"), log: new Screen("Log"),
+};
+const sources = new Sources(gateway, bar.tell);
+const target = room.marker("warning", 0.15);
+const place = new Vector3();
+const head = new Vector3();
+let command = null; // {topic, type} of what moves the robot
+let topic = ""; // that the screen shows
+let endTopic = () => {};
+
+/** The parts, for tests. */
+export const lab = { room, viewer, twin, television, screens, work, render };
+
+const pilot = new Pilot(publish, (words) => {
+  find("approach").textContent = words;
+  showState();
+});
+lab.pilot = pilot;
+const letGo = watchKeys(DRIVING, (linear, angular) => pilot.hold(linear, angular));
+furnish();
+room.scene.add(viewer.rig);
+const renderer = begin();
+const controllers = renderer && new Controllers(renderer.xr, viewer.rig, room, { target: point, stop: pressStop, teleport: go });
+lab.renderer = renderer;
+
+/** Hang television and screens on the walls. */
+function furnish() {
+  const hang = (mesh, x, y, z, turn = 0) => {
+    mesh.position.set(x, y, z);
+    mesh.rotation.y = turn;
+    room.scene.add(mesh);
+  };
+  hang(television.mesh, 0, 1.8, -3.5);
+  hang(screens.state.mesh, -2.6, 1.8, -3.2, 0.35);
+  hang(screens.topic.mesh, 2.6, 1.8, -3.2, -0.35);
+  hang(screens.log.mesh, -4.2, 1.8, -0.8, 1.1);
+  hang(screens.commands.mesh, 4.2, 1.8, -0.8, -1.1);
+}
+
+/** Return what draws, or null where there is no WebGL. */
+function begin() {
+  const label = "Room with the robot: Enter sends it to the middle of the view";
+  const canvas = element("canvas", { tabIndex: 0, role: "application", aria: { label } });
+  let made;
+  try {
+    made = new WebGLRenderer({ canvas, antialias: devicePixelRatio < 2 });
+  } catch (error) {
+    find("view").replaceChildren(element("p", {}, `This browser draws no rooms (WebGL): ${error.message}`));
+    return null;
+  }
+  find("view").replaceChildren(canvas);
+  made.setPixelRatio(Math.min(devicePixelRatio, 2));
+  made.xr.enabled = true;
+  viewer.listen(canvas, point);
+  new ResizeObserver(([{ contentRect: { width, height } }]) => {
+    if (made.xr.isPresenting || !width || !height) return;
+    made.setSize(width, height, false);
+    viewer.camera.aspect = width / height;
+    viewer.camera.updateProjectionMatrix();
+  }).observe(find("view"));
+  let before = 0;
+  made.setAnimationLoop((now, frame) => {
+    work(now, (now - before) / 1000, frame);
+    before = now;
+    render();
+  });
+  connectHeadset(made.xr, find("vr"), find("vr-note"), {
+    began: () => letGoOfAll("Stopped: VR began."),
+    unseen: () => letGoOfAll("Stopped: the headset shows something else."),
+    ended: () => {
+      letGoOfAll("Stopped: VR has ended.");
+      viewer.stand();
+    },
+  });
+  return made;
+}
+
+/** The page's own part of a frame; makes nothing anew. */
+function work(now, seconds, frame) {
+  if (frame) {
+    const pose = frame.getViewerPose(renderer.xr.getReferenceSpace())?.transform.position;
+    if (pose) viewer.rig.localToWorld(head.set(pose.x, pose.y, pose.z));
+    controllers.step();
+  } else {
+    viewer.step(seconds);
+  }
+  target.visible &&= pilot.isActive;
+  for (const name in screens) if (screens[name].step(now)) break; // one a frame
+}
+
+function render() {
+  renderer.render(room.scene, viewer.camera);
+}
+
+/** Send the robot to where a ray meets the floor; if a screen of any topic is before it, show the next one there. */
+function point(raycaster) {
+  if (raycaster.intersectObject(screens.topic.mesh).length) return next();
+  if (meet(raycaster.ray, place) && pilot.aim(toRos(place))) mark(target, place);
+}
+
+function go(where) {
+  teleport(viewer.rig, head, where);
+}
+
+/** Stop as the button does: robot and approach. */
+function pressStop() {
+  find("stop").click();
+}
+
+function letGoOfAll(words) {
+  letGo();
+  controllers?.letGo();
+  pilot.stop(pilot.isActive ? words : "");
+}
+
+function publish(linear, angular) {
+  if (!command) return;
+  const twist = { linear: { x: linear }, angular: { z: angular } };
+  const { topic: name, type } = command;
+  const msg = type === STAMPED ? { twist } : twist;
+  if (!gateway.send({ op: "publish", topic: name, type, msg, monotonic_ms: Math.round(performance.now()) })) return;
+  screens.commands.add(`${name}  ${linear.toFixed(2)} m/s  ${angular.toFixed(2)} rad/s`);
+}
+
+/** Ask for the state of the topic that moves the robot, once there is one; its changes follow. */
+async function watchControl() {
+  if (command) return;
+  try {
+    const state = await gateway.ask({ op: "control", watch: true });
+    const type = gateway.graph.typeOf(state.topic);
+    if (COMMANDS.includes(type)) command = { topic: state.topic, type };
+    told(state);
+  } catch (error) {
+    find("control").textContent = error.message;
+  }
+}
+
+function told(state) {
+  find("control").textContent = command ? sentence(state) : `Nobody listens on ${state.topic}: there is nothing to drive.`;
+  find("take").hidden = state.holder !== "other";
+  pilot.told(command ? state : null);
+  showState();
+}
+
+function showState() {
+  const { x, y, yaw } = twin.pose;
+  const where = `x ${x.toFixed(2)} m, y ${y.toFixed(2)} m\nheading ${Math.round((yaw * 180) / Math.PI)} degrees`;
+  screens.state.show("Robot", `${find("state").textContent}\n${find("control").textContent}\n${pilot.words}\n\n${where}`);
+}
+
+function listTopics() {
+  const names = sources.readable;
+  if (topic && !names.includes(topic)) names.unshift(topic);
+  find("topic").replaceChildren(...names.map((name) => element("option", { value: name }, name)));
+  find("topic").value = topic;
+}
+
+function read(name) {
+  endTopic();
+  topic = name;
+  endTopic = sources.read(name, screens.topic);
+  listTopics();
+}
+
+function next() {
+  const names = sources.readable;
+  if (names.length) read(names[(names.indexOf(topic) + 1) % names.length]);
+}
+
+gateway.addEventListener("state", ({ detail: { state } }) => {
+  letGoOfAll("Stopped: the connection was lost.");
+  command = null;
+  pilot.told(null);
+  if (state === "closed") find("control").textContent = "Not connected: the gateway stops what you drove.";
+  showState();
+});
+gateway.addEventListener("graph", () => {
+  sources.watch({ pilot, twin, television, log: screens.log });
+  if (!topic && sources.favourite) read(sources.favourite);
+  else listTopics();
+  watchControl();
+});
+gateway.addEventListener("control", ({ detail }) => told(detail));
+
+find("topic").onchange = () => read(find("topic").value);
+// Before anything else: what is still held would drive on, as the gateway takes this page's STOP for a stop of its own.
+find("stop").addEventListener("click", () => letGoOfAll("Stopped: STOP was pressed."), { capture: true });
+find("take").onclick = async () => {
+  try {
+    told(await gateway.ask({ op: "acquire_control", topic: command.topic }));
+    pilot.ready();
+  } catch (error) {
+    bar.tell(error.message);
+  }
+};
+addEventListener("keydown", (event) => {
+  if (event.code !== "Space" || event.target.matches?.("button, select, input")) return; // they take it themselves
+  event.preventDefault();
+  pressStop();
+});
+addEventListener("blur", () => letGoOfAll("Stopped: the window lost the focus."));
+addEventListener("pagehide", () => letGoOfAll("Stopped: the page was left."));
+document.addEventListener("visibilitychange", () => document.hidden && letGoOfAll("Stopped: the page is hidden."));
+matchMedia("(prefers-color-scheme: light)").addEventListener("change", () => {
+  room.paint();
+  for (const name in screens) screens[name].dirty();
+});
+setInterval(showState, 500);
+
+gateway.connect();

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+// What moves the robot: keys that are held, or a target that it approaches; and everything that ends either.
+
+import { Driver } from "../drive/driver.js";
+import { sentence } from "../drive/words.js";
+import { Approach, MOST, STALE_S } from "./approach.js";
+
+const STEP_MS = 50;
+const REARM_MS = 3000; // for the zeros that the gateway wants after a stop of its own
+
+/** Drives by keys or to a target, never both. */
+export class Pilot {
+  /** What becomes of it, in words. */
+  words = "";
+  approach = new Approach();
+  #publish;
+  #tell;
+  #driver;
+  #pose = null;
+  #poseMs = -Infinity;
+  #state = null; // what the gateway says of the command topic
+  #aimedMs = 0;
+  #isMoving = false; // whether the approach has begun to
+
+  /**
+   * @param {(linear: number, angular: number) => void} publish in m/s and rad/s
+   * @param {(words: string) => void} tell
+   */
+  constructor(publish, tell) {
+    this.#publish = publish;
+    this.#tell = tell;
+    this.#driver = new Driver(({ linear, angular }) => this.#publish(linear * MOST.linear, angular * MOST.angular));
+    setInterval(() => this.step(performance.now()), STEP_MS);
+  }
+
+  /** Whether a target is being approached. */
+  get isActive() {
+    return this.approach.isActive;
+  }
+
+  /** Take where the robot is now. */
+  odometry(pose) {
+    this.#pose = pose;
+    this.#poseMs = performance.now();
+  }
+
+  /** Approach a place of the odometry's frame; return whether that begins. */
+  aim({ x, y }) {
+    const now = performance.now();
+    const refusal = this.#refusal(now);
+    if (refusal) {
+      this.stop(refusal);
+      return false;
+    }
+    this.#driver.hold(0, 0);
+    if (this.#state.tripped) this.#driver.ready();
+    this.#aimedMs = now;
+    this.#isMoving = false;
+    this.approach.begin(x, y, now / 1000);
+    this.#say(`Approaching ${x.toFixed(2)}, ${y.toFixed(2)} m.`);
+    return true;
+  }
+
+  /** Take what is held, in shares; keys end an approach. */
+  hold(linear, angular) {
+    if (linear || angular) this.#drop("Stopped: the keys drive.");
+    if (!this.isActive) this.#driver.hold(linear, angular);
+  }
+
+  /** Send zeros, so that the gateway lets the robot be driven. */
+  ready() {
+    this.#driver.ready();
+  }
+
+  /** Stop the robot and the approach. */
+  stop(words) {
+    this.#drop(words);
+    if (words) this.#say(words);
+    this.#driver.hold(0, 0);
+  }
+
+  /** Take the state of the command topic, or null when it is not known any more. */
+  told(state) {
+    this.#state = state;
+    if (!this.isActive) return;
+    if (!state) this.stop("Stopped: there is nothing to drive.");
+    else if (state.holder === "other" || (state.tripped && this.#isMoving)) this.stop(sentence(state));
+  }
+
+  /** Go on with the approach. */
+  step(now) {
+    if (!this.isActive) return;
+    if (!this.#isMoving && this.#state.tripped) {
+      if (now - this.#aimedMs > REARM_MS) this.stop(sentence(this.#state));
+      return;
+    }
+    this.#isMoving = true;
+    const { linear, angular } = this.approach.step(this.#pose, this.#poseMs / 1000, now / 1000);
+    this.#driver.hold(linear / MOST.linear, angular / MOST.angular);
+    if (this.approach.state === "arrived") this.#say("Arrived.");
+    if (this.approach.state === "failed") this.#say(`Stopped: ${this.approach.reason}.`);
+  }
+
+  #refusal(now) {
+    if (!this.#state) return "There is nothing to drive.";
+    if (this.#state.holder === "other" || this.#state.guard !== "ready") return sentence(this.#state);
+    if (now - this.#poseMs > STALE_S * 1000) return `Nothing moves: no odometry for ${STALE_S} s.`;
+    return "";
+  }
+
+  #drop(words) {
+    if (!this.isActive) return;
+    this.approach.stop();
+    this.#say(words);
+  }
+
+  #say(words) {
+    this.words = words;
+    this.#tell(words);
+  }
+}

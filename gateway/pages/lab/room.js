@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// The room: floor, walls, light. Its middle is where the odometry began, and its far wall is where the robot looked.
+
+import {
+  BoxGeometry, Color, GridHelper, HemisphereLight, Mesh, MeshBasicMaterial, MeshLambertMaterial, PlaneGeometry, RingGeometry, Scene,
+} from "../vendor/three.js";
+import { token } from "../shared/dom.js";
+
+const HALF_M = 5;
+const WALL_M = 3;
+const THICK_M = 0.1;
+
+/** The scene, in the colours of the page. */
+export class Room {
+  scene = new Scene();
+  #painted = []; // [material, name of its colour]
+
+  constructor() {
+    this.scene.add(new HemisphereLight(0xffffff, 0x888888, 3));
+    const floor = new Mesh(new PlaneGeometry(2 * HALF_M, 2 * HALF_M), this.material("surface"));
+    floor.rotation.x = -Math.PI / 2;
+    floor.position.y = -0.02; // below the grid's lines
+    const grid = new GridHelper(2 * HALF_M, 2 * HALF_M, 0xffffff, 0xffffff); // a metre each
+    grid.material.vertexColors = false;
+    this.#paint(grid.material, "quiet");
+    this.scene.add(floor, grid);
+    const material = this.material("line");
+    for (const [x, z, turn] of [[0, -1, 0], [0, 1, 0], [-1, 0, 1], [1, 0, 1]]) {
+      const wall = new Mesh(new BoxGeometry(2 * HALF_M, WALL_M, THICK_M), material);
+      wall.position.set(x * (HALF_M + THICK_M), WALL_M / 2, z * (HALF_M + THICK_M));
+      wall.rotation.y = (turn * Math.PI) / 2;
+      this.scene.add(wall);
+    }
+    this.paint();
+  }
+
+  /** Return a material in a colour of style.css, which follows from dark to light. */
+  material(name, Material = MeshLambertMaterial) {
+    const material = new Material();
+    this.#paint(material, name);
+    return material;
+  }
+
+  /** Return a ring for the floor, which marks a place; hidden at first. */
+  marker(colour, radius) {
+    const marker = new Mesh(new RingGeometry(radius * 0.7, radius, 32), this.material(colour, MeshBasicMaterial));
+    marker.rotation.x = -Math.PI / 2;
+    marker.visible = false;
+    this.scene.add(marker);
+    return marker;
+  }
+
+  /** Take the colours from the page anew. */
+  paint() {
+    for (const [material, name] of this.#painted) material.color.set(token(name));
+    this.scene.background = new Color(token("ground"));
+  }
+
+  #paint(material, name) {
+    this.#painted.push([material, name]);
+    material.color.set(token(name));
+  }
+}
+
+/** Put a mark on the floor, a little above its lines. */
+export function mark(marker, { x, z }) {
+  marker.position.set(x, 0.01, z);
+  marker.visible = true;
+}

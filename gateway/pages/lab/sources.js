@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which topics the lab shows: the first that somebody publishes of each kind, once there is one.
+
+import { json } from "../shared/json.js";
+
+const ODOMETRY = ["nav_msgs/msg/Odometry"];
+const SCANS = ["sensor_msgs/msg/LaserScan"];
+const IMAGES = ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"];
+const LOGS = ["rcl_interfaces/msg/Log"];
+const FAVOURITES = ["sensor_msgs/msg/BatteryState", "std_msgs/msg/String"]; // for the screen that shows any topic
+const FAST_MS = 33;
+const SLOW_MS = 250;
+
+/** Subscriptions of the lab. */
+export class Sources {
+  #gateway;
+  #tell;
+  #known = new Set();
+  #frame = ""; // of the scan
+
+  constructor(gateway, tell) {
+    this.#gateway = gateway;
+    this.#tell = tell;
+  }
+
+  /** Subscribe to what has come: call it after each change of the graph. */
+  watch({ pilot, twin, television, log }) {
+    this.#first("odometry", ODOMETRY, { compression: "cbor", throttle_rate: FAST_MS }, (message) => {
+      twin.odometry(message);
+      pilot.odometry(twin.pose);
+      this.base = message.child_frame_id;
+    });
+    this.#first("scan", SCANS, { compression: "cbor", throttle_rate: 100 }, (message) => {
+      twin.scan(message);
+      this.#mount(message.header.frame_id, twin);
+    });
+    this.#first("camera", IMAGES, television.options, (message) => television.show(message));
+    this.#first("log", LOGS, {}, ({ name, msg }) => log.add(`${name}: ${msg}`));
+  }
+
+  /** Return the topics that a screen can show as text; pictures are none. */
+  get readable() {
+    return [...this.#gateway.graph.topics.values()]
+      .filter(({ publishers, types }) => publishers.length && !IMAGES.includes(types[0]))
+      .map(({ name }) => name).sort();
+  }
+
+  /** Return the topic that a screen shows at first, or "". */
+  get favourite() {
+    for (const type of FAVOURITES) {
+      const topic = this.#gateway.graph.published(type);
+      if (topic) return topic.name;
+    }
+    return this.readable[0] ?? "";
+  }
+
+  /** Show a topic on a screen as text; return what ends that. */
+  read(topic, screen) {
+    screen.show(topic, "nothing yet");
+    return this.#gateway.subscribe(
+      topic, { throttle_rate: SLOW_MS },
+      (message) => screen.show(topic, typeof message.data === "string" ? message.data : json(message, 1).replace(/["{},]/g, "").replace(/\n\s*\n/g, "\n")),
+      ({ msg }) => this.#tell(msg),
+    );
+  }
+
+  #first(kind, types, options, onMessage) {
+    const topic = !this.#known.has(kind) && this.#gateway.graph.published(...types);
+    if (!topic) return;
+    this.#known.add(kind);
+    this.#gateway.subscribe(topic.name, options, onMessage, ({ msg }) => this.#tell(msg));
+  }
+
+  #mount(frame, twin) {
+    if (!this.base || frame === this.#frame) return;
+    this.#frame = frame;
+    this.#end?.();
+    this.#end = this.#gateway.followTransform(this.base, frame, 1, (transform) => twin.mount(transform));
+  }
+
+  #end = null;
+}

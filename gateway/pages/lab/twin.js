@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// The digital twin: a body that stands where the odometry says, with what its laser sees.
+
+import {
+  BoxGeometry, BufferAttribute, BufferGeometry, CylinderGeometry, DynamicDrawUsage, Group, Mesh, Points, PointsMaterial,
+} from "../vendor/three.js";
+import { yawOf } from "../debug/views/plan.js";
+import { asRos } from "./floor.js";
+
+const MOST_POINTS = 4096; // of a scan; what is beyond is not drawn
+
+/** The robot, in its own metres. */
+export class Twin {
+  /** Where it is: metres and radians of the odometry's frame. */
+  pose = { x: 0, y: 0, yaw: 0 };
+  world = asRos(new Group());
+  #body = new Group();
+  #laser = new Group();
+  #places = new BufferAttribute(new Float32Array(3 * MOST_POINTS), 3).setUsage(DynamicDrawUsage);
+  #geometry = new BufferGeometry().setAttribute("position", this.#places);
+
+  /** @param {import("./room.js").Room} room */
+  constructor(room) {
+    const box = (colour, [length, width, height], [x, y, z]) => {
+      const part = new Mesh(new BoxGeometry(length, width, height), room.material(colour));
+      part.position.set(x, y, z);
+      return part;
+    };
+    const mast = new Mesh(new CylinderGeometry(0.035, 0.035, 0.05, 24), room.material("quiet"));
+    mast.rotation.x = Math.PI / 2;
+    mast.position.z = 0.16;
+    this.#body.add(
+      box("warning", [0.24, 0.22, 0.1], [0, 0, 0.08]),
+      box("line", [0.07, 0.03, 0.07], [0, 0.13, 0.035]),
+      box("line", [0.07, 0.03, 0.07], [0, -0.13, 0.035]),
+      box("accent", [0.03, 0.1, 0.04], [0.13, 0, 0.1]), // its nose
+      mast,
+      this.#laser,
+    );
+    this.#laser.position.z = 0.16; // until the robot says where it is
+    this.#geometry.setDrawRange(0, 0);
+    const points = new Points(this.#geometry, room.material("accent", PointsMaterial));
+    points.material.size = 0.04;
+    points.frustumCulled = false; // they are around whoever looks
+    this.#laser.add(points);
+    this.world.add(this.#body);
+    room.scene.add(this.world);
+  }
+
+  /** Take a `nav_msgs/msg/Odometry`. */
+  odometry({ pose: { pose: { position, orientation } } }) {
+    this.pose.x = position.x;
+    this.pose.y = position.y;
+    this.pose.yaw = yawOf(orientation);
+    this.#body.position.set(position.x, position.y, position.z);
+    this.#body.quaternion.copy(orientation);
+  }
+
+  /** Take where the laser is on the robot. */
+  mount({ translation, rotation }) {
+    this.#laser.position.copy(translation);
+    this.#laser.quaternion.copy(rotation);
+  }
+
+  /** Take a `sensor_msgs/msg/LaserScan`. */
+  scan({ ranges, angle_min: first, angle_increment: step, range_min: least, range_max: most }) {
+    let count = 0;
+    for (let at = 0; at < ranges.length && count < MOST_POINTS; at += 1) {
+      const range = ranges[at];
+      if (!(range >= least && range <= most)) continue;
+      this.#places.setXYZ(count, Math.cos(first + at * step) * range, Math.sin(first + at * step) * range, 0);
+      count += 1;
+    }
+    this.#places.needsUpdate = true;
+    this.#geometry.setDrawRange(0, count);
+  }
+
+  /** How many points are drawn. */
+  get points() {
+    return this.#geometry.drawRange.count;
+  }
+}

@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The lab without a headset, in a real browser with the simulated robot."""
+
+import pytest
+import pytest_asyncio
+
+from tests.client import client
+from tests.demonstration import until_it_can_be_driven
+from tests.pages.conftest import page_address
+from tests.pages.lab import frames, opened, send, send_and_arrive, until_it_stands_at
+from tests.pages.test_drive_page import Watched
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+# where a place of the floor is on the page
+WHERE = """([x, y]) => {
+    const place = lab.viewer.rig.position.clone().set(-y, 0, -x).project(lab.viewer.camera);
+    const { left, top, width, height } = lab.renderer.domElement.getBoundingClientRect();
+    return [left + (place.x + 1) * width / 2, top + (1 - place.y) * height / 2];
+}"""
+HIDE = """() => {
+    Object.defineProperty(document, 'hidden', { value: true, configurable: true });
+    document.dispatchEvent(new Event('visibilitychange'));
+}"""
+
+
+@pytest_asyncio.fixture(loop_scope="module")
+async def speaker(demo):
+    async with client(demo.url) as speaker:
+        await until_it_can_be_driven(speaker)
+        yield speaker
+
+
+@pytest.fixture
+def lab(demo, speaker, open_page):
+    """Return a function that opens the lab."""
+    return lambda **options: opened(open_page, page_address(demo), **options)
+
+
+def click_on(page, x, y):
+    """Return what clicks on a place of the floor."""
+
+    async def click():
+        await page.mouse.click(*await page.evaluate(WHERE, [x, y]))
+
+    return click
+
+
+async def test_it_shows_camera_twin_and_text(lab):
+    async with lab() as page:
+        await page.wait_for_function("() => lab.television.shown > 1")
+        await page.wait_for_function("() => lab.screens.state.text.includes('connected')")
+        await page.wait_for_function("() => lab.screens.topic.text.includes('voltage')")
+        await page.wait_for_function("() => lab.screens.log.text.includes('gateway')")
+        await page.select_option("#topic", "/odom")
+        await page.wait_for_function("() => lab.screens.topic.text.includes('child_frame_id')")
+        assert await page.evaluate("() => document.scrollingElement.scrollWidth <= innerWidth")
+        assert await page.get_attribute(".pages a[aria-current]", "href") == "/lab"
+
+
+async def test_a_click_on_the_floor_sends_the_robot_there(lab, speaker):
+    async with lab() as page:
+        for x, y in [(0.4, 0.2), (0.1, -0.2)]:
+            await send_and_arrive(page, click_on(page, x, y))
+            await until_it_stands_at(speaker, x, y)
+            pose = await page.evaluate("() => lab.twin.pose")
+            assert abs(pose["x"] - x) < 0.05
+        await page.wait_for_function("() => lab.screens.commands.text.includes('/cmd_vel')")
+
+
+async def test_enter_sends_the_robot_to_the_middle_of_the_view(lab):
+    async with lab() as page:
+        await page.focus("#view canvas")
+        await send(page, lambda: page.keyboard.press("Enter"))
+        await page.keyboard.press("Space")
+        await page.wait_for_function("() => !lab.pilot.isActive")
+
+
+@pytest.mark.parametrize(
+    ("by", "words"),
+    [
+        ("() => document.getElementById('stop').click()", "STOP"),
+        ("() => { dispatchEvent(new Event('blur')); }", "focus"),
+        (HIDE, "hidden"),
+        ("() => { lab.pilot.odometry = () => {}; }", "no odometry"),
+    ],
+)
+async def test_what_ends_an_approach_stops_the_robot_and_says_why(lab, speaker, by, words):
+    watched = Watched(speaker)
+    async with lab() as page:
+        await speaker.send(op="control", topic="/cmd_vel", watch=True)
+        await send(page, click_on(page, 1.2, 0))
+        await watched.until(state="moving")
+        await page.evaluate(by)
+        await page.wait_for_function("words => lab.pilot.words.includes(words)", arg=words)
+        await watched.until(state="stopped")
+        assert not await page.evaluate("() => lab.pilot.isActive")
+
+
+async def test_a_stop_by_somebody_else_ends_an_approach(lab, speaker):
+    async with lab() as page:
+        await send(page, click_on(page, -0.5, 0))
+        await page.wait_for_function("() => control.textContent === 'Driving.'")
+        await speaker.send(op="stop")
+        await page.wait_for_function("() => !lab.pilot.isActive")
+        # and a new target is approached, though the gateway wants a zero first
+        await send_and_arrive(page, click_on(page, 0.2, 0))
+
+
+async def test_a_lost_connection_ends_an_approach_and_says_so(lab):
+    script = """{
+        const Real = WebSocket;
+        window.WebSocket = class extends Real {
+            constructor(...about) {
+                super(...about);
+                window.sockets = [...(window.sockets ?? []), this];
+            }
+        };
+    }"""
+    async with lab(script=script) as page:
+        await send(page, click_on(page, -0.5, 0))
+        await page.evaluate("() => sockets.at(-1).close()")
+        await page.wait_for_function("() => /connection/.test(lab.pilot.words)")
+        assert not await page.evaluate("() => lab.pilot.isActive")
+
+
+async def test_arrow_keys_drive_and_end_an_approach(lab, speaker):
+    watched = Watched(speaker)
+    async with lab() as page:
+        await speaker.send(op="control", topic="/cmd_vel", watch=True)
+        await page.keyboard.down("ArrowLeft")
+        await watched.until(state="moving")
+        await page.keyboard.up("ArrowLeft")
+        await watched.until(state="stopped", cause="zero")
+        await send(page, click_on(page, 0.8, 0.1))
+        await page.keyboard.down("ArrowLeft")
+        await page.wait_for_function("() => lab.pilot.words === 'Stopped: the keys drive.'")
+        await page.keyboard.up("ArrowLeft")
+        await watched.until(state="stopped")
+
+
+async def test_wasd_and_the_mouse_move_the_viewer_alone(lab):
+    async with lab() as page:
+        await page.keyboard.down("KeyW")
+        await page.wait_for_function("() => lab.viewer.rig.position.z < 2")
+        await page.keyboard.up("KeyW")
+        await page.keyboard.down("KeyD")
+        await page.wait_for_function("() => lab.viewer.rig.position.x > 0.2")
+        await page.keyboard.up("KeyD")
+        box = await page.locator("#view canvas").bounding_box()
+        await page.mouse.move(box["x"] + 100, box["y"] + 80)
+        await page.mouse.down()
+        await page.mouse.move(box["x"] + 200, box["y"] + 80, steps=4)
+        await page.mouse.up()
+        await page.wait_for_function("() => lab.viewer.rig.rotation.y > 0.2")
+        assert await page.evaluate("() => lab.pilot.words") == ""
+
+
+async def test_nothing_is_sent_where_another_client_drives(lab, speaker):
+    async with lab() as page:
+        await speaker.send(op="acquire_control", topic="/cmd_vel")
+        await page.wait_for_function("() => control.textContent === 'Another client drives.'")
+        await click_on(page, 0.3, 0)()
+        await page.wait_for_function("() => lab.pilot.words === 'Another client drives.'")
+        await page.click("#take")
+        await page.wait_for_selector("#take", state="hidden")
+
+
+@pytest.mark.parametrize(
+    ("script", "words"),
+    [
+        ("Object.defineProperty(window, 'isSecureContext', { value: false })", "https"),
+        ("Object.defineProperty(navigator, 'xr', { value: undefined })", "no WebXR"),
+        ("", "No headset"),
+    ],
+)
+async def test_why_there_is_no_vr_is_said(lab, script, words):
+    async with lab(script=script) as page:
+        await page.wait_for_function(
+            "words => document.getElementById('vr-note').textContent.includes(words)", arg=words
+        )
+        assert await page.is_disabled("#vr")
+
+
+async def test_the_colours_follow_the_desktop(lab):
+    async with lab(color_scheme="dark") as page:
+        dark = await page.evaluate("() => lab.room.scene.background.getHex()")
+        await page.emulate_media(color_scheme="light")
+        await page.wait_for_function(
+            "dark => lab.room.scene.background.getHex() !== dark", arg=dark
+        )
+        await frames(page)

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The lab's way to a target, without a robot: pose and time are made up."""
+
+import math
+
+import pytest
+
+from tests.pages.conftest import page_address
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+# a robot that obeys, stepped at 20 Hz until the approach ends
+RUN = """async ({ pose, target, steps = 4000, obeys = 1, staleAt = Infinity }) => {
+    const { Approach, MOST } = await import("/lab/approach.js");
+    const approach = new Approach();
+    approach.begin(...target, 0);
+    let count = 0, worst = 0, posed = 0, both = 0;
+    for (; approach.isActive && count < steps; count += 1) {
+        const now = count / 20;
+        if (now < staleAt) posed = now;
+        const { linear, angular } = approach.step(pose, posed, now);
+        worst = Math.max(worst, Math.abs(linear) / MOST.linear, Math.abs(angular) / MOST.angular);
+        pose.yaw += obeys * angular / 20;
+        pose.x += obeys * linear / 20 * Math.cos(pose.yaw);
+        pose.y += obeys * linear / 20 * Math.sin(pose.yaw);
+    }
+    const { linear, angular } = approach.step(pose, posed, count / 20);
+    const rest = Math.hypot(pose.x - target[0], pose.y - target[1]);
+    const { state, reason } = approach;
+    return { state, reason, seconds: count / 20, rest, worst, after: [linear, angular] };
+}"""
+
+
+@pytest.fixture
+def run(demo, open_page):
+    """Return a function that lets the approach run in a page."""
+
+    async def run_it(pose, target, **options):
+        start = dict(zip(("x", "y", "yaw"), pose, strict=True))
+        async with open_page(page_address(demo)) as page:
+            return await page.evaluate(RUN, {"pose": start, "target": target, **options})
+
+    return run_it
+
+
+@pytest.mark.parametrize(
+    "target",
+    [(1, 0), (-1, 0.001), (0, 1.5), (0.05, 0.05), (-0.03, 0), (3, -2)],
+)
+async def test_it_arrives_within_the_tolerance_and_the_limits(run, target):
+    ended = await run((0, 0, 0), target)
+    assert ended["state"] == "arrived"
+    assert ended["rest"] <= 0.03
+    assert ended["worst"] <= 1 + 1e-9
+    assert ended["after"] == [0, 0]
+
+
+@pytest.mark.parametrize("yaw", [math.pi, -math.pi / 2, 7.0])
+async def test_it_arrives_whatever_the_heading_was(run, yaw):
+    assert (await run((0.5, 0.5, yaw), (0, 0)))["state"] == "arrived"
+
+
+async def test_without_odometry_it_ends(run):
+    ended = await run((0, 0, 0), (3, 0), staleAt=2)
+    assert (ended["state"], ended["reason"]) == ("failed", "no odometry for 0.5 s")
+    assert ended["seconds"] < 3
+    assert ended["after"] == [0, 0]
+
+
+async def test_a_robot_that_does_not_move_is_given_up(run):
+    ended = await run((0, 0, 0), (1, 0), obeys=0)
+    assert ended["state"] == "failed"
+    assert ended["reason"].startswith("no progress for 5 s")
+
+
+async def test_a_robot_that_is_too_slow_is_given_up(run):
+    ended = await run((0, 0, 0), (2, 0), obeys=0.05)
+    assert ended["state"] == "failed"
+    assert ended["reason"].startswith("not there after")
+
+
+async def test_a_pose_or_a_target_that_is_not_finite_ends_it(run):
+    assert (await run((0, 0, 0), ("x", 0)))["state"] == "failed"
+    assert (await run(("x", 0, 0), (1, 0)))["state"] == "failed"
+
+
+async def test_a_pid_stays_within_its_limit_and_does_not_wind_up(demo, open_page):
+    async with open_page(page_address(demo)) as page:
+        outputs = await page.evaluate("""async () => {
+            const { Pid } = await import("/lab/pid.js");
+            const pid = new Pid({ proportional: 1, integral: 1, derivative: 0 }, 1);
+            const outputs = [];
+            for (let at = 0; at < 200; at += 1) outputs.push(pid.step(5, at / 10));
+            const after = pid.step(-0.5, 20);
+            pid.reset();
+            return { most: Math.max(...outputs), after, broken: pid.step(NaN, 1) };
+        }""")
+        assert outputs["most"] == 1
+        assert outputs["after"] < 0
+        assert outputs["broken"] == 0
