@@ -1,0 +1,254 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The lab with an emulated headset, in a real browser with the simulated robot."""
+
+import contextlib
+
+import pytest
+import pytest_asyncio
+
+from tests.client import client
+from tests.clients.driver import INSTALLED
+from tests.demonstration import until_it_can_be_driven
+from tests.pages.conftest import page_address
+from tests.pages.lab import frames, opened, send, send_and_arrive, until_it_stands_at
+from tests.pages.test_drive_page import Watched
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+IWER = INSTALLED / "iwer-2.5.0/node_modules/iwer/build/iwer.min.js"
+
+QUEST = "IWER.metaQuest3"
+# touchpads instead of sticks, and a trigger that is no more than one
+VIVE = """(() => {
+    const gamepad = {
+        mapping: "xr-standard",
+        buttons: [
+            { id: "trigger", type: "analog", eventTrigger: "select" },
+            { id: "squeeze", type: "analog", eventTrigger: "squeeze" },
+            { id: "touchpad", type: "binary" },
+        ],
+        axes: [{ id: "touchpad", type: "x-axis" }, { id: "touchpad", type: "y-axis" }],
+    };
+    const hand = { gamepad, numHapticActuators: 1 };
+    const controllerConfig = {
+        profileId: "htc-vive",
+        fallbackProfileIds: ["generic-trigger-squeeze-touchpad"],
+        layout: { left: hand, right: hand },
+    };
+    return { ...IWER.metaQuest3, name: "Vive", controllerConfig };
+})()"""
+# the native navigator.xr has to give way
+INSTALL = """
+    window.device = new IWER.XRDevice(HEADSET);
+    device.installRuntime({ forceInstall: true });
+"""
+# a hand that points at a place of the floor; positions of the device are relative to the rig
+POINT = """([hand, x, y]) => {
+    const source = device[device.primaryInputMode === "hand" ? "hands" : "controllers"][hand];
+    const from = [hand === "left" ? -0.2 : 0.2, 1.3, -0.3];
+    source.position.set(...from);
+    const place = lab.viewer.rig.worldToLocal(lab.viewer.rig.position.clone().set(-y, 0, -x));
+    const way = place.sub(place.clone().set(...from)).normalize();
+    const turn = lab.viewer.camera.quaternion.clone();
+    turn.setFromUnitVectors(way.clone().set(0, 0, -1), way);
+    source.quaternion.set(turn.x, turn.y, turn.z, turn.w);
+}"""
+PRESS = "([hand, button, value]) => device.controllers[hand].updateButtonValue(button, value)"
+# where the head is, in the robot's metres
+HEAD = """() => {
+    const { x, y, z } = device.position;
+    const place = lab.viewer.rig.localToWorld(lab.viewer.rig.position.clone().set(x, y, z));
+    return [-place.z, -place.x];
+}"""
+
+
+@pytest_asyncio.fixture(loop_scope="module")
+async def speaker(demo):
+    async with client(demo.url) as speaker:
+        await until_it_can_be_driven(speaker)
+        yield speaker
+
+
+@pytest.fixture
+def enter(demo, speaker, open_page):
+    """Return a function that opens the lab and enters VR."""
+    if not IWER.exists():
+        pytest.skip(f"no {IWER}: `sh tools/make-clients.sh VENV` installs it")
+
+    @contextlib.asynccontextmanager
+    async def enter_it(headset=QUEST):
+        script = IWER.read_text() + INSTALL.replace("HEADSET", headset)
+        async with opened(open_page, page_address(demo), script=script) as page:
+            await page.wait_for_function("() => !vr.disabled")
+            await page.click("#vr")
+            await page.wait_for_function("() => vr.textContent === 'Leave VR'")
+            await frames(page)
+            yield page
+
+    return enter_it
+
+
+async def press(page, button, hand="right"):
+    for value in (1, 0):
+        await page.evaluate(PRESS, [hand, button, value])
+        await frames(page)
+
+
+def trigger(page, x, y, hand="right"):
+    """Return what points at a place of the floor and pulls the trigger."""
+
+    async def pull():
+        await page.evaluate(POINT, [hand, x, y])
+        await frames(page)
+        await press(page, "trigger", hand)
+
+    return pull
+
+
+@pytest.mark.parametrize(
+    ("headset", "place"), [(QUEST, (0.4, -0.2)), (VIVE, (0.1, 0.2))], ids=["quest", "vive"]
+)
+async def test_a_trigger_sends_the_robot_to_where_its_ray_meets_the_floor(
+    enter, speaker, headset, place
+):
+    async with enter(headset) as page:
+        await send_and_arrive(page, trigger(page, *place))
+        await until_it_stands_at(speaker, *place)
+
+
+@pytest.mark.parametrize(
+    ("headset", "push", "let_go"),
+    [
+        (
+            QUEST,
+            "device.controllers.right.updateAxes('thumbstick', 0, -1)",
+            "device.controllers.right.updateAxes('thumbstick', 0, 0)",
+        ),
+        (
+            QUEST,
+            "device.controllers.right.updateButtonValue('thumbstick', 1)",
+            "device.controllers.right.updateButtonValue('thumbstick', 0)",
+        ),
+        (
+            VIVE,
+            "device.controllers.right.updateButtonValue('touchpad', 1)",
+            "device.controllers.right.updateButtonValue('touchpad', 0)",
+        ),
+    ],
+    ids=["stick", "stick pressed", "touchpad"],
+)
+async def test_a_stick_or_a_touchpad_moves_the_user_and_not_the_robot(enter, headset, push, let_go):
+    async with enter(headset) as page:
+        # whoever has walked away from the middle of his room, too
+        await page.evaluate("() => { device.position.x = 0.3; }")
+        before = await page.evaluate("() => ({ ...lab.twin.pose })")
+        await page.evaluate(POINT, ["right", 0.5, 0.6])
+        await frames(page)
+        start = await page.evaluate(HEAD)
+        await page.evaluate(f"() => {{ {push}; }}")
+        await frames(page)
+        assert await page.evaluate(HEAD) == pytest.approx(start, abs=1e-3)
+        await page.evaluate(f"() => {{ {let_go}; }}")
+        await frames(page)
+        assert await page.evaluate(HEAD) == pytest.approx([0.5, 0.6], abs=1e-3)
+        after = await page.evaluate("() => ({ ...lab.twin.pose })")
+        assert after == pytest.approx(before, abs=0.01)
+        assert await page.evaluate("() => lab.pilot.words") == ""
+
+
+async def test_a_ray_to_the_ceiling_moves_nobody(enter):
+    async with enter() as page:
+        await page.evaluate("() => device.controllers.right.quaternion.set(0.7, 0, 0, 0.7)")
+        await frames(page)
+        start = await page.evaluate(HEAD)
+        await press(page, "thumbstick")
+        await press(page, "trigger")
+        assert await page.evaluate(HEAD) == pytest.approx(start, abs=1e-3)
+        assert await page.evaluate("() => lab.pilot.words") == ""
+
+
+@pytest.mark.parametrize("headset", [QUEST, VIVE], ids=["quest", "vive"])
+async def test_a_squeeze_stops_the_robot_and_the_approach(enter, speaker, headset):
+    watched = Watched(speaker)
+    async with enter(headset) as page:
+        await speaker.send(op="control", topic="/cmd_vel", watch=True)
+        await send(page, trigger(page, -0.8, 0.3))
+        await watched.until(state="moving")
+        await press(page, "squeeze", "left")
+        await page.wait_for_function("() => lab.pilot.words.includes('STOP')")
+        await watched.until(state="stopped")
+        assert not await page.evaluate("() => lab.pilot.isActive")
+
+
+@pytest.mark.parametrize(
+    ("by", "words"),
+    [
+        ("() => { device.activeSession.end(); }", "VR has ended"),
+        ("() => device.updateVisibilityState('hidden')", "something else"),
+        ("() => device.updateVisibilityState('visible-blurred')", "something else"),
+    ],
+    ids=["ended", "hidden", "blurred"],
+)
+async def test_a_session_that_ends_or_is_not_seen_stops_the_robot(enter, speaker, by, words):
+    watched = Watched(speaker)
+    async with enter() as page:
+        await speaker.send(op="control", topic="/cmd_vel", watch=True)
+        await send(page, trigger(page, 0.9, 0))
+        await watched.until(state="moving")
+        await page.evaluate(by)
+        await page.wait_for_function("words => lab.pilot.words.includes(words)", arg=words)
+        await watched.until(state="stopped")
+
+
+async def test_bare_hands_point_and_the_left_one_stops(enter, speaker):
+    pinch = "([hand, value]) => device.hands[hand].updatePinchValue(value)"
+    async with enter() as page:
+        await page.evaluate("() => { device.primaryInputMode = 'hand'; }")
+        await frames(page)
+
+        async def point():
+            await page.evaluate(POINT, ["right", -0.6, 0])
+            await frames(page)
+            for value in (1, 0):
+                await page.evaluate(pinch, ["right", value])
+                await frames(page)
+
+        await send(page, point)
+        for value in (1, 0):
+            await page.evaluate(pinch, ["left", value])
+            await frames(page)
+        await page.wait_for_function("() => lab.pilot.words.includes('STOP')")
+        joints = """() => lab.renderer.xr.getHand(0).children.filter(
+            (joint) => joint.children.length
+        ).length"""
+        assert await page.evaluate(joints) == 25
+
+
+async def test_the_user_leaves_vr_and_stands_in_the_room_again(enter):
+    async with enter() as page:
+        await page.evaluate("() => vr.click()")
+        await page.wait_for_function("() => vr.textContent === 'Enter VR'")
+        assert await page.evaluate("() => lab.viewer.camera.position.y") == 1.6
+        await page.click("#vr")
+        await page.wait_for_function("() => vr.textContent === 'Leave VR'")
+
+
+async def test_a_ray_on_the_screen_of_any_topic_shows_the_next_one(enter):
+    async with enter() as page:
+        shown = await page.evaluate("() => document.getElementById('topic').value")
+        await page.evaluate("""() => {
+            const place = lab.screens.topic.mesh.position;
+            const rig = lab.viewer.rig.position;
+            const way = place.clone().sub(rig);
+            way.y -= 1.3;
+            const turn = lab.viewer.camera.quaternion.clone();
+            turn.setFromUnitVectors(way.clone().set(0, 0, -1), way.normalize());
+            device.controllers.right.position.set(0, 1.3, 0);
+            device.controllers.right.quaternion.set(turn.x, turn.y, turn.z, turn.w);
+        }""")
+        await frames(page)
+        await press(page, "trigger")
+        await page.wait_for_function(
+            "shown => document.getElementById('topic').value !== shown", arg=shown
+        )
+        assert await page.evaluate("() => lab.pilot.words") == ""
