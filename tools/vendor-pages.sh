@@ -19,8 +19,8 @@ cp "$from/LICENSE" "$target/uplot.LICENSE"
 # of three what the lab imports, and no more
 cat >three.js <<'END'
 export {
-  BoxGeometry, BufferAttribute, BufferGeometry, CanvasTexture, Color, CylinderGeometry, DynamicDrawUsage, GridHelper, Group,
-  HemisphereLight, Line, LineBasicMaterial, LinearFilter, Mesh, MeshBasicMaterial, MeshLambertMaterial, PerspectiveCamera, PlaneGeometry,
+  BoxGeometry, BufferAttribute, BufferGeometry, CanvasTexture, Color, CylinderGeometry, DynamicDrawUsage, Group,
+  HemisphereLight, Line, LineBasicMaterial, LineSegments, LinearFilter, Mesh, MeshBasicMaterial, MeshLambertMaterial, PerspectiveCamera, PlaneGeometry,
   Points, PointsMaterial, Raycaster, RingGeometry, SRGBColorSpace, Scene, SphereGeometry, Texture, Vector2, Vector3, WebGLRenderer,
 } from "three";
 END

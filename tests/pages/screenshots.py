@@ -35,6 +35,9 @@ async def main() -> None:
             )
             await page.wait_for_timeout(SETTLED_MS)
         await page.screenshot(path=FOLDER / "debug.png")
+        await page.goto(f"{page_address(gateway)}lab")
+        await page.wait_for_timeout(SETTLED_MS)
+        await page.screenshot(path=FOLDER / "lab.png")
         await browser.close()
 
 

@@ -64,11 +64,11 @@ function furnish() {
     mesh.rotation.y = turn;
     room.scene.add(mesh);
   };
-  hang(television.mesh, 0, 1.8, -3.5);
-  hang(screens.state.mesh, -2.6, 1.8, -3.2, 0.35);
-  hang(screens.topic.mesh, 2.6, 1.8, -3.2, -0.35);
-  hang(screens.log.mesh, -4.2, 1.8, -0.8, 1.1);
-  hang(screens.commands.mesh, 4.2, 1.8, -0.8, -1.1);
+  hang(television.mesh, 0, 1.9, -2.4);
+  hang(screens.state.mesh, -2.4, 1.9, -2, 0.4);
+  hang(screens.topic.mesh, 2.4, 1.9, -2, -0.4);
+  hang(screens.log.mesh, -3.9, 1.9, 0, 1.1);
+  hang(screens.commands.mesh, 3.9, 1.9, 0, -1.1);
 }
 
 /** Return what draws, or null where there is no WebGL. */

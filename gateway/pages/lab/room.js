@@ -2,7 +2,8 @@
 // The room: floor, walls, light. Its middle is where the odometry began, and its far wall is where the robot looked.
 
 import {
-  BoxGeometry, Color, GridHelper, HemisphereLight, Mesh, MeshBasicMaterial, MeshLambertMaterial, PlaneGeometry, RingGeometry, Scene,
+  BoxGeometry, BufferGeometry, Color, HemisphereLight, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshLambertMaterial,
+  PlaneGeometry, RingGeometry, Scene, Vector3,
 } from "../vendor/three.js";
 import { token } from "../shared/dom.js";
 
@@ -20,10 +21,7 @@ export class Room {
     const floor = new Mesh(new PlaneGeometry(2 * HALF_M, 2 * HALF_M), this.material("surface"));
     floor.rotation.x = -Math.PI / 2;
     floor.position.y = -0.02; // below the grid's lines
-    const grid = new GridHelper(2 * HALF_M, 2 * HALF_M, 0xffffff, 0xffffff); // a metre each
-    grid.material.vertexColors = false;
-    this.#paint(grid.material, "quiet");
-    this.scene.add(floor, grid);
+    this.scene.add(floor, new LineSegments(squares(), this.material("quiet", LineBasicMaterial)));
     const material = this.material("line");
     for (const [x, z, turn] of [[0, -1, 0], [0, 1, 0], [-1, 0, 1], [1, 0, 1]]) {
       const wall = new Mesh(new BoxGeometry(2 * HALF_M, WALL_M, THICK_M), material);
@@ -60,6 +58,18 @@ export class Room {
     this.#painted.push([material, name]);
     material.color.set(token(name));
   }
+}
+
+/** Return the lines of the floor, a metre apart, in pieces: a line that reaches behind the camera is not drawn everywhere. */
+function squares() {
+  const ends = [];
+  for (let across = -HALF_M; across <= HALF_M; across += 1) {
+    for (let from = -HALF_M; from < HALF_M; from += 1) {
+      ends.push(new Vector3(across, 0, from), new Vector3(across, 0, from + 1));
+      ends.push(new Vector3(from, 0, across), new Vector3(from + 1, 0, across));
+    }
+  }
+  return new BufferGeometry().setFromPoints(ends);
 }
 
 /** Put a mark on the floor, a little above its lines. */

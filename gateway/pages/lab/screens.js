@@ -22,6 +22,7 @@ export class Screen {
   #texture = new CanvasTexture(this.#canvas);
   mesh = new Mesh(new PlaneGeometry(WIDE_M, (WIDE_M * HIGH_PX) / WIDE_PX), new MeshBasicMaterial({ map: this.#texture }));
   #title;
+  #given = "";
   #lines = [];
   #isDirty = true;
   #drawnMs = -Infinity;
@@ -36,6 +37,9 @@ export class Screen {
 
   /** Show a title and a text. */
   show(title, text) {
+    const given = `${title}\n${text}`;
+    if (given === this.#given) return;
+    this.#given = given;
     this.#title = title;
     this.#lines = wrapped(text).slice(0, LINES);
     this.dirty();

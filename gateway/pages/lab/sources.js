@@ -59,7 +59,7 @@ export class Sources {
     screen.show(topic, "nothing yet");
     return this.#gateway.subscribe(
       topic, { throttle_rate: SLOW_MS },
-      (message) => screen.show(topic, typeof message.data === "string" ? message.data : json(message, 1).replace(/["{},]/g, "").replace(/\n\s*\n/g, "\n")),
+      (message) => screen.show(topic, readable(message)),
       ({ msg }) => this.#tell(msg),
     );
   }
@@ -79,4 +79,10 @@ export class Sources {
   }
 
   #end = null;
+}
+
+/** Return a message as text for people: a string as it is, the rest without what only programs need. */
+function readable(message) {
+  if (typeof message.data === "string") return message.data;
+  return json(message, 1).replace(/["{},]/g, "").replace(/\n\s*(?=\n|$)/g, "").replace(/^\n/, "").replace(/^ /gm, "");
 }
