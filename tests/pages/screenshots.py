@@ -13,6 +13,8 @@ from tests.pages.conftest import CHROMIUM, page_address
 FOLDER = Path(__file__).parents[2] / "docs"
 SIZE = {"width": 1440, "height": 900}
 SETTLED_MS = 12_000  # the plot has something to show
+FLOOR = (560, 560)  # of the lab
+APPROACHED_MS = 3_000
 GOAL = {
     "op": "send_action_goal",
     "id": "go",
@@ -37,6 +39,8 @@ async def main() -> None:
         await page.screenshot(path=FOLDER / "debug.png")
         await page.goto(f"{page_address(gateway)}lab")
         await page.wait_for_timeout(SETTLED_MS)
+        await page.mouse.click(*FLOOR)
+        await page.wait_for_timeout(APPROACHED_MS)
         await page.screenshot(path=FOLDER / "lab.png")
         await browser.close()
 

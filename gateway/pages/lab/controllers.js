@@ -12,6 +12,7 @@ const PUSHED = -0.7; // of a stick, which springs back past
 const LET_GO = -0.5;
 const RAY_M = 5;
 const JOINT_M = 0.008;
+const NO_GAMEPAD = { axes: [], buttons: [] };
 
 /** Both hands, with whatever is in them. */
 export class Controllers {
@@ -83,7 +84,7 @@ class Hand {
 
   step() {
     this.#dress();
-    const { axes = [], buttons = [] } = this.#source?.gamepad ?? {};
+    const { axes, buttons } = this.#source?.gamepad ?? NO_GAMEPAD;
     const isPressed = Boolean(buttons[2]?.pressed || buttons[3]?.pressed); // touchpad, stick
     const isPushed = isPressed || axes[3] < (this.#isAiming ? LET_GO : PUSHED);
     if (isPushed) this.#hasPlace = meet(this.#ray().ray, this.#place);

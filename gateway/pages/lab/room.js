@@ -24,7 +24,7 @@ export class Room {
     this.scene.add(floor, new LineSegments(squares(), this.material("quiet", LineBasicMaterial)));
     const material = this.material("line");
     for (const [x, z, turn] of [[0, -1, 0], [0, 1, 0], [-1, 0, 1], [1, 0, 1]]) {
-      const wall = new Mesh(new BoxGeometry(2 * HALF_M, WALL_M, THICK_M), material);
+      const wall = new Mesh(new BoxGeometry(2 * HALF_M + 3 * THICK_M, WALL_M, THICK_M), material);
       wall.position.set(x * (HALF_M + THICK_M), WALL_M / 2, z * (HALF_M + THICK_M));
       wall.rotation.y = (turn * Math.PI) / 2;
       this.scene.add(wall);
