@@ -125,5 +125,5 @@ $(READY_ON_KILTED): pyproject.toml
 	@touch $@
 
 $(CLIENTS): tools/make-clients.sh $(wildcard tests/clients/*/package-lock.json) | $(READY_FOR_TESTS)
-	@echo "installing the clients that the tests drive, some 110 MB ..."
+	@echo "installing the clients that the tests drive, some 115 MB ..."
 	@sh tools/make-clients.sh $(VENV)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Measure the lab's own part of a frame: ``python -m tests.pages.frame_work``.
 
-It runs in an emulated headset. The work before drawing and three's own work on the processor are told apart; what the GPU does is
-in neither. A test would only measure the machine, so there is none.
+It runs in an emulated headset. The work before drawing and three's own work on the processor are
+told apart; what the GPU does is in neither. A test would only measure the machine, so there is none.
 """
 
 import asyncio

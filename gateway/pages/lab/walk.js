@@ -41,7 +41,7 @@ export class Viewer {
     watchKeys(WALKING, (ahead, right) => Object.assign(this.#walking, { ahead, right }));
     watchKeys(TURNING, (turn) => (this.#walking.turn = turn));
     canvas.addEventListener("pointerdown", (event) => {
-      if (!event.isPrimary) return;
+      if (!event.isPrimary || event.button) return;
       canvas.setPointerCapture(event.pointerId);
       this.#drag = { x: event.clientX, y: event.clientY, isLook: false };
     });
