@@ -135,3 +135,50 @@ async def test_it_shows_camera_and_scan(drive):
         await page.wait_for_selector("#camera canvas")
         await page.wait_for_selector("#world canvas")
         assert await page.evaluate("() => document.scrollingElement.scrollWidth <= innerWidth")
+
+
+# the rings of the board behind the dock in the camera's picture: their middle and their width
+RINGS = """(() => {
+    const canvas = document.querySelector("#camera canvas");
+    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
+    copy.drawImage(canvas, 0, 0);
+    const { data } = copy.getImageData(0, 0, canvas.width, canvas.height);
+    let [left, right] = [canvas.width, 0];
+    for (let at = 0; at < data.length; at += 4) {
+        if (data[at] < 185 || data[at + 1] > 80 || data[at + 2] > 80) continue;
+        const x = (at / 4) % canvas.width;
+        left = Math.min(left, x);
+        right = Math.max(right, x);
+    }
+    return { middle: (left + right) / 2 / canvas.width, width: (right - left) / canvas.width };
+})()"""
+
+
+async def hold_until(page, key: str, condition: str) -> None:
+    """Hold a key until a person who looks at the picture would let go of it."""
+    seen = f"() => {{ const rings = {RINGS}; return {condition}; }}"
+    stopped = "control.textContent.startsWith('Stopped:')"  # as commands are late: press it anew
+    while not await page.evaluate(seen):
+        await page.keyboard.down(key)
+        await page.wait_for_function(f"() => ({seen})() || {stopped}")
+        await page.keyboard.up(key)
+        await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
+
+
+async def test_the_robot_parks_before_the_dock_by_camera_and_keys(demo, drive, watched):
+    async with client(demo.url) as speaker, drive() as page:
+        await speaker.send(op="call_service", id="reset", service="/reset")
+        await speaker.receive(lambda frame: frame.get("id") == "reset", LATE_S)
+        await page.fill("#angular", "0.2")
+        await page.locator("#angular").blur()
+        await page.wait_for_selector("#camera canvas")
+        # the start looks past the board, which is to the right, and far
+        start = "rings.middle > 0.58 && rings.middle < 0.65 && rings.width < 0.1"
+        await page.wait_for_function(f"() => {{ const rings = {RINGS}; return {start}; }}")
+        for far in ("0.15", "0.3"):
+            await hold_until(page, "ArrowRight", "rings.middle < 0.52")
+            await hold_until(page, "ArrowUp", f"rings.width > {far}")
+        assert 0.3 < await page.evaluate(f"() => {RINGS}.middle") < 0.7
+        await speaker.send(op="subscribe", topic="/odom")
+        pose = (await speaker.message("/odom"))["pose"]["pose"]["position"]
+        assert 0.4 < 4 - pose["x"] < 1.5  # metres to the wall

@@ -74,7 +74,7 @@ function tick() {
 }
 
 function draw() {
-  for (const card of cards) card.draw();
+  for (const card of cards) if (card.isSeen) card.draw();
   requestAnimationFrame(draw);
 }
 

@@ -19,6 +19,9 @@ export class Card {
   /** @type {number} */ rate;
   body = element("div", { className: "body" });
   footer = element("footer");
+  /** Whether it is on the screen: nobody needs to draw the others. */
+  isSeen = false;
+  #observer = new IntersectionObserver((entries) => (this.isSeen = entries.at(-1).isIntersecting));
   problem = element("p", { className: "problem", hidden: true, role: "status" });
 
   /**
@@ -37,6 +40,7 @@ export class Card {
     close.onclick = () => actions.close(this);
     const header = element("header", {}, element("h3", { title: hint }, title), this.controls, close);
     this.element = element("article", { className: "card", aria: { label } }, header, this.problem, this.body, this.footer);
+    this.#observer.observe(this.element);
   }
 
   /** What the address of the page keeps of it. */
@@ -58,6 +62,7 @@ export class Card {
   tick() {}
 
   close() {
+    this.#observer.disconnect();
     this.element.remove();
   }
 }

@@ -29,8 +29,7 @@ export class ImageView {
         const bitmap = await createImageBitmap(new Blob([data], { type }));
         this.#canvas.width = bitmap.width;
         this.#canvas.height = bitmap.height;
-        this.#canvas.getContext("2d").drawImage(bitmap, 0, 0);
-        bitmap.close();
+        this.#canvas.getContext("bitmaprenderer").transferFromImageBitmap(bitmap); // closes it, and copies nothing
       } catch (error) {
         this.card.tell(`this picture (${format}) cannot be shown: ${error.message}`);
       }

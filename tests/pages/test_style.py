@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The colours of the pages: what is read stands out from what is behind it (WCAG 2, 1.4.3)."""
+
+import itertools
+import re
+from pathlib import Path
+
+import pytest
+
+STYLE = (Path(__file__).parents[2] / "gateway" / "pages" / "style.css").read_text()
+LEAST = 4.5
+READ = ("text", "quiet", "accent", "warning", "series-4")
+BEHIND = ("ground", "surface", "raised")
+
+
+def colours(scheme: str) -> dict[str, str]:
+    """Return the tokens of a scheme; light says only what is different from dark."""
+    dark, light = (
+        dict(re.findall(r"--([a-z0-9-]+): (#[0-9a-f]{6});", block))
+        for block in re.findall(r":root \{(.*?)\}", STYLE, re.DOTALL)
+    )
+    return dark if scheme == "dark" else dark | light
+
+
+def luminance(colour: str) -> float:
+    parts = [int(colour[at : at + 2], 16) / 255 for at in (1, 3, 5)]
+    linear = [
+        each / 12.92 if each <= 0.03928 else ((each + 0.055) / 1.055) ** 2.4 for each in parts
+    ]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def contrast(one: str, other: str) -> float:
+    lighter, darker = sorted((luminance(one), luminance(other)), reverse=True)
+    return (lighter + 0.05) / (darker + 0.05)
+
+
+@pytest.mark.parametrize("scheme", ["dark", "light"])
+def test_what_is_read_stands_out(scheme):
+    tokens = colours(scheme)
+    pairs = [*itertools.product(READ, BEHIND), ("on-danger", "danger")]
+    found = {pair: round(contrast(*(tokens[name] for name in pair)), 2) for pair in pairs}
+    assert {pair: ratio for pair, ratio in found.items() if ratio < LEAST} == {}
+
+
+@pytest.mark.parametrize("scheme", ["dark", "light"])
+def test_walls_of_a_map_stand_out_from_its_floor(scheme):
+    tokens = colours(scheme)
+    assert contrast(tokens["map-occupied"], tokens["map-free"]) >= LEAST
+
+
+def test_rules_use_the_names_of_colours_alone():
+    rules = re.sub(r":root \{.*?\}", "", STYLE, flags=re.DOTALL)
+    assert re.findall(r"#[0-9a-fA-F]{3,8}\b(?=[;\s])", rules) == []
