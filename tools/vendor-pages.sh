@@ -17,13 +17,19 @@ cp "$from/dist/uPlot.min.css" "$target/uplot.css"
 cp "$from/LICENSE" "$target/uplot.LICENSE"
 
 # of three what the lab imports, and no more
-cat >three.js <<'END'
-export {
-  BoxGeometry, BufferAttribute, BufferGeometry, CanvasTexture, Color, CylinderGeometry, DynamicDrawUsage, Group,
-  HemisphereLight, Line, LineBasicMaterial, LineSegments, LinearFilter, Mesh, MeshBasicMaterial, MeshLambertMaterial, PerspectiveCamera, PlaneGeometry,
-  Points, PointsMaterial, Raycaster, RingGeometry, SRGBColorSpace, Scene, SphereGeometry, Texture, Vector2, Vector3, WebGLRenderer,
-} from "three";
-END
+names='
+  BoxGeometry BufferAttribute BufferGeometry CanvasTexture Color CylinderGeometry DynamicDrawUsage Group
+  HemisphereLight Line LineBasicMaterial LineSegments LinearFilter Mesh MeshBasicMaterial MeshLambertMaterial
+  PerspectiveCamera PlaneGeometry Points PointsMaterial Raycaster RingGeometry SRGBColorSpace Scene
+  SphereGeometry Texture Vector2 Vector3 WebGLRenderer
+'
+for name in $names; do echo "export { $name } from 'three';"; done >three.js
 npx esbuild three.js --bundle --format=esm --minify --legal-comments=none "--banner:js=/* three $three, MIT: three.LICENSE */" --outfile="$target/three.js" --log-level=warning
+# TypeScript, which reads the pages in the tests, guesses wrongly at what is minified
+{
+    echo '// by tools/vendor-pages.sh'
+    for name in $names; do echo "export const $name: any;"; done
+    for name in Object3D Ray Raycaster Vector3 WebXRManager; do echo "export type $name = any;"; done
+} >"$target/three.d.ts"
 cp node_modules/three/LICENSE "$target/three.LICENSE"
 (cd "$target" && sha256sum three.js uplot.css uplot.js >SHA256SUMS)

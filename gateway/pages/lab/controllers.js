@@ -19,8 +19,8 @@ export class Controllers {
   #hands;
 
   /**
-   * @param {import("three").WebXRManager} xr
-   * @param {import("three").Object3D} rig which they move with
+   * @param {import("../vendor/three.js").WebXRManager} xr
+   * @param {import("../vendor/three.js").Object3D} rig which they move with
    * @param {import("./room.js").Room} room
    * @param {{target: (ray: Raycaster) => void, stop: () => void, teleport: (place: Vector3) => void}} to
    */

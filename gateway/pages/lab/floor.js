@@ -17,8 +17,8 @@ export const toRos = ({ x, z }) => ({ x: -z, y: -x });
 
 /**
  * Put into *place* where a ray meets the floor, which has no edges; return whether it does.
- * @param {import("three").Ray} ray
- * @param {import("three").Vector3} place
+ * @param {import("../vendor/three.js").Ray} ray
+ * @param {import("../vendor/three.js").Vector3} place
  */
 export function meet(ray, place) {
   if (ray.direction.y >= 0 || ray.origin.y <= 0) return false;

@@ -3,7 +3,7 @@
 
 /**
  * Make a button enter VR and leave it.
- * @param {import("three").WebXRManager} xr
+ * @param {import("../vendor/three.js").WebXRManager} xr
  * @param {HTMLButtonElement} button
  * @param {HTMLElement} note where the words go
  * @param {{began: () => void, ended: () => void, unseen: () => void}} tell `unseen`: the headset shows something else
@@ -15,7 +15,7 @@ export async function connectHeadset(xr, button, note, tell) {
   async function enter() {
     button.disabled = true;
     try {
-      session = await navigator.xr.requestSession("immersive-vr", { requiredFeatures: ["local-floor"], optionalFeatures: ["hand-tracking"] });
+      session = await system().requestSession("immersive-vr", { requiredFeatures: ["local-floor"], optionalFeatures: ["hand-tracking"] });
       session.addEventListener("visibilitychange", ({ target }) => target.visibilityState !== "visible" && tell.unseen());
       session.addEventListener("end", ended);
       tell.began();
@@ -41,9 +41,12 @@ export async function connectHeadset(xr, button, note, tell) {
   button.disabled = Boolean(refusal);
 }
 
+/** @returns {any} what the browser has of WebXR */
+const system = () => Reflect.get(navigator, "xr");
+
 async function whyNot() {
   if (!isSecureContext) return "VR needs https: open this page by https (the gateway's option --tls-port).";
-  if (!navigator.xr) return "This browser has no WebXR.";
-  const isThere = await navigator.xr.isSessionSupported("immersive-vr").catch(() => false);
+  if (!system()) return "This browser has no WebXR.";
+  const isThere = await system().isSessionSupported("immersive-vr").catch(() => false);
   return isThere ? "" : "No headset is connected to this browser.";
 }

@@ -9,7 +9,8 @@
  */
 export function watchKeys(keys, report) {
   const pressed = new Set();
-  const tell = () => report(...[0, 1].map((axis) => [...pressed].reduce((sum, code) => sum + keys[code][axis], 0)));
+  const sum = (axis) => [...pressed].reduce((all, code) => all + keys[code][axis], 0);
+  const tell = () => report(sum(0), sum(1));
   const letGo = () => {
     if (!pressed.size) return;
     pressed.clear();

@@ -4,7 +4,7 @@
 import { Vector3, WebGLRenderer } from "../vendor/three.js";
 import { sentence } from "../drive/words.js";
 import * as bar from "../shared/bar.js";
-import { element } from "../shared/dom.js";
+import { element, find } from "../shared/dom.js";
 import { Gateway } from "../shared/gateway.js";
 import { Controllers } from "./controllers.js";
 import { meet, toRos } from "./floor.js";
@@ -23,7 +23,6 @@ const STAMPED = "geometry_msgs/msg/TwistStamped";
 const COMMANDS = ["geometry_msgs/msg/Twist", STAMPED];
 const DRIVING = { ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowLeft: [0, 1], ArrowRight: [0, -1] };
 
-const find = (id) => document.getElementById(id);
 const gateway = new Gateway();
 bar.connect(gateway, "Lab");
 
@@ -201,20 +200,20 @@ function next() {
   if (names.length) read(names[(names.indexOf(topic) + 1) % names.length]);
 }
 
-gateway.addEventListener("state", ({ detail: { state } }) => {
+gateway.on("state", ({ state }) => {
   letGoOfAll("Stopped: the connection was lost.");
   command = null;
   pilot.told(null);
   if (state === "closed") find("control").textContent = "Not connected: the gateway stops what you drove.";
   showState();
 });
-gateway.addEventListener("graph", () => {
+gateway.on("graph", () => {
   sources.watch({ pilot, twin, television, log: screens.log });
   if (!topic && sources.favourite) read(sources.favourite);
   else listTopics();
   watchControl();
 });
-gateway.addEventListener("control", ({ detail }) => told(detail));
+gateway.on("control", told);
 
 find("topic").onchange = () => read(find("topic").value);
 // Before anything else: what is still held would drive on, as the gateway takes this page's STOP for a stop of its own.
@@ -228,7 +227,7 @@ find("take").onclick = async () => {
   }
 };
 addEventListener("keydown", (event) => {
-  if (event.code !== "Space" || event.target.matches?.("button, select, input")) return; // they take it themselves
+  if (event.code !== "Space" || (event.target instanceof Element && event.target.matches("button, select, input"))) return; // they take it themselves
   event.preventDefault();
   pressStop();
 });

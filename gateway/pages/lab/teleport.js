@@ -2,7 +2,7 @@
 
 /**
  * Move a rig so that the head in it stands above a place: in one go, as motion that nobody makes himself causes sickness.
- * @param {import("three").Object3D} rig
+ * @param {import("../vendor/three.js").Object3D} rig
  * @param {{x: number, z: number}} head where it is now, in the room
  * @param {{x: number, z: number}} place
  */
