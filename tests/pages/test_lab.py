@@ -124,19 +124,19 @@ async def test_a_lost_connection_ends_an_approach_and_says_so(lab):
         assert not await page.evaluate("() => lab.pilot.isActive")
 
 
-async def test_arrow_keys_drive_and_end_an_approach(lab, speaker):
-    watched = Watched(speaker)
+async def test_arrow_keys_drive_and_end_an_approach(lab):
     async with lab() as page:
-        await speaker.send(op="control", topic="/cmd_vel", watch=True)
+        await page.keyboard.press("ArrowLeft")  # what was stopped before wants a zero first
+        await page.wait_for_function("() => /^Stopped(?!.*Let go)/.test(control.textContent)")
         await page.keyboard.down("ArrowLeft")
-        await watched.until(state="moving")
+        await page.wait_for_function("() => control.textContent.startsWith('Driving')")
         await page.keyboard.up("ArrowLeft")
-        await watched.until(state="stopped", cause="zero")
+        await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
         await send(page, click_on(page, 0.8, 0.1))
         await page.keyboard.down("ArrowLeft")
         await page.wait_for_function("() => lab.pilot.words === 'Stopped: the keys drive.'")
         await page.keyboard.up("ArrowLeft")
-        await watched.until(state="stopped")
+        await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
 
 
 async def test_wasd_and_the_mouse_move_the_viewer_alone(lab):
