@@ -15,6 +15,8 @@ pytestmark = pytest.mark.asyncio(loop_scope="module")
 # where a place of the floor is on the page
 WHERE = """([x, y]) => {
     const place = lab.viewer.rig.position.clone().set(-y, 0, -x).project(lab.viewer.camera);
+    // what the gateway says above it may push it out of a small window
+    lab.renderer.domElement.scrollIntoView({ block: "end" });
     const { left, top, width, height } = lab.renderer.domElement.getBoundingClientRect();
     return [left + (place.x + 1) * width / 2, top + (1 - place.y) * height / 2];
 }"""
