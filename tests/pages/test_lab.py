@@ -130,6 +130,7 @@ async def test_arrow_keys_drive_and_end_an_approach(lab):
     async with lab() as page:
         await page.keyboard.press("ArrowLeft")  # what was stopped before wants a zero first
         await page.wait_for_function("() => /^Stopped(?!.*Let go)/.test(control.textContent)")
+        await page.wait_for_timeout(300)  # in which the gateway wants nothing that moves
         await page.keyboard.down("ArrowLeft")
         await page.wait_for_function("() => control.textContent.startsWith('Driving')")
         await page.keyboard.up("ArrowLeft")

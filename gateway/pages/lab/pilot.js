@@ -6,6 +6,7 @@ import { sentence } from "../drive/words.js";
 import { Approach, MOST, STALE_S } from "./approach.js";
 
 const STEP_MS = 50;
+const SETTLE_MS = 300; // after such a stop it wants nothing that moves for 250 ms
 const REARM_MS = 3000; // for the zeros that the gateway wants after a stop of its own
 
 /** Drives by keys or to a target, never both. */
@@ -19,6 +20,7 @@ export class Pilot {
   #pose = null;
   #poseMs = -Infinity;
   #state = null; // what the gateway says of the command topic
+  #clearedMs = -Infinity; // when such a stop was over
   #aimedMs = 0;
   #isMoving = false; // whether the approach has begun to
 
@@ -81,6 +83,7 @@ export class Pilot {
 
   /** Take the state of the command topic, or null when it is not known any more. */
   told(state) {
+    if (this.#state?.tripped && !state?.tripped) this.#clearedMs = performance.now();
     this.#state = state;
     if (!this.isActive) return;
     if (!state) this.stop("Stopped: there is nothing to drive.");
@@ -90,7 +93,7 @@ export class Pilot {
   /** Go on with the approach. */
   step(now) {
     if (!this.isActive) return;
-    if (!this.#isMoving && this.#state.tripped) {
+    if (!this.#isMoving && (this.#state.tripped || now - this.#clearedMs < SETTLE_MS)) {
       if (now - this.#aimedMs > REARM_MS) this.stop(sentence(this.#state));
       return;
     }
