@@ -11,36 +11,47 @@ from tests.demonstration import demonstration
 from tests.pages.conftest import CHROMIUM, page_address
 
 FOLDER = Path(__file__).parents[2] / "docs"
-SIZE = {"width": 1440, "height": 900}
+DESK = {"width": 1440, "height": 900}
+PHONE = {"width": 390, "height": 844}
 SETTLED_MS = 12_000  # the plot has something to show
+OPENED_MS = 3_000
 FLOOR = (560, 560)  # of the lab
-APPROACHED_MS = 3_000
-GOAL = {
-    "op": "send_action_goal",
-    "id": "go",
-    "action": "/navigate_to_pose",
-    "args": {"pose": {"pose": {"position": {"x": 2.5, "y": 1.5}}}},
-}
+GOAL = {"pose": {"pose": {"position": {"x": 2.5, "y": 1.5}}}}
+FORMS = "#card=publish+0+/cmd_vel&card=goal+0+/navigate_to_pose&card=graph+0+/"
 
 
 async def main() -> None:
-    """Open the page as on a first visit, drive a little, and take the picture."""
-    async with demonstration() as gateway, async_playwright() as driver:
+    """Open each page while the robot drives to a place, and take its picture."""
+    async with (
+        demonstration() as gateway,
+        async_playwright() as driver,
+        client(gateway.url) as speaker,
+    ):
         browser = await driver.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        page = await browser.new_page(viewport=SIZE, color_scheme="dark")
-        await page.goto(page_address(gateway))
+        address = page_address(gateway)
+        page = await browser.new_page(viewport=DESK, color_scheme="dark")
+        await page.goto(address)
         await page.wait_for_selector(".uplot")
         await page.click("#topics button:has-text('/imu')")
-        async with client(gateway.url) as speaker:
-            await speaker.send(
-                op="send_action_goal", id="go", action="/navigate_to_pose", args=GOAL
-            )
-            await page.wait_for_timeout(SETTLED_MS)
-        await page.screenshot(path=FOLDER / "debug.png")
-        await page.goto(f"{page_address(gateway)}lab")
+        await speaker.send(
+            op="send_action_goal", id="go", action="/navigate_to_pose", args=GOAL, keep=True
+        )
         await page.wait_for_timeout(SETTLED_MS)
+        await page.screenshot(path=FOLDER / "debug.png")
+        for name, path, size in (
+            ("forms", FORMS, DESK),
+            ("drive", "drive", DESK),
+            ("phone", "", PHONE),
+        ):
+            other = await browser.new_page(viewport=size, color_scheme="dark")
+            await other.goto(address + path)
+            await other.wait_for_timeout(OPENED_MS)
+            await other.screenshot(path=FOLDER / f"{name}.png")
+            await other.close()
+        await page.goto(f"{address}lab")
+        await page.wait_for_timeout(OPENED_MS)
         await page.mouse.click(*FLOOR)
-        await page.wait_for_timeout(APPROACHED_MS)
+        await page.wait_for_timeout(OPENED_MS)
         await page.screenshot(path=FOLDER / "lab.png")
         await browser.close()
 

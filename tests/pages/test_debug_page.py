@@ -54,7 +54,7 @@ async def test_a_first_visit_opens_picture_map_and_plot(demo, open_page):
         await until_painted(page, f"{card('/camera/image_raw')} canvas")
         await until_painted(page, f"{card('/map')} canvas")
         await until_painted(page, f"{card('/odom')} .uplot canvas")
-        await until(page, "() => /Hz/.test(document.querySelector('footer').textContent)")
+        await until(page, "() => /Hz/.test(document.querySelector('footer')?.textContent)")
         assert await page.inner_text("#state") == "connected"
         await until(page, "() => /round trip ?[0-9.]+ ms/.test(figures.textContent)")
         await until(page, "() => /messages ?[1-9][0-9]*\\/s/.test(figures.textContent)")
@@ -81,7 +81,7 @@ async def test_the_views_of_a_topic(demo, open_page):
         await until(page, "() => document.querySelector('.tree')?.textContent.includes('odom')")
         await page.select_option(f"{odom} select[aria-label=view]", "raw")
         await page.wait_for_selector(f"{odom} .raw")
-        await until(page, "() => document.querySelector('.raw').textContent.startsWith('{')")
+        await until(page, "() => document.querySelector('.raw')?.textContent?.startsWith('{')")
         frame = json.loads(await page.inner_text(f"{odom} .raw"))
         assert (frame["op"], frame["topic"]) == ("publish", "/odom")
         await page.select_option(f"{odom} select[aria-label=view]", "plot")
@@ -93,18 +93,18 @@ async def test_the_views_of_a_topic(demo, open_page):
 async def test_pausing_a_rate_cap_and_closing(demo, open_page):
     async with open_page(page_address(demo) + "#card=raw+0+/odom") as page:
         odom = card("/odom")
-        text = "() => document.querySelector('.raw').textContent"
-        await until(page, "() => document.querySelector('.raw').textContent.length > 0")
+        text = "() => document.querySelector('.raw')?.textContent"
+        await until(page, "() => document.querySelector('.raw')?.textContent?.length > 0")
         await page.click(f"{odom} button:text-is('Pause')")
         shown = await page.evaluate(text)
-        newest = "document.querySelector('footer').textContent"
+        newest = "document.querySelector('footer')?.textContent"
         await until(page, f"before => {newest} !== before", await page.evaluate(f"() => {newest}"))
         assert await page.evaluate(text) == shown
         await page.click(f"{odom} button:text-is('Pause')")
-        await until(page, "before => document.querySelector('.raw').textContent !== before", shown)
+        await until(page, "before => document.querySelector('.raw')?.textContent !== before", shown)
         await page.select_option(f"{odom} select[aria-label=rate]", "1")
         await until(
-            page, "() => /^[012](\\.[0-9])? Hz/.test(document.querySelector('footer').textContent)"
+            page, "() => /^[012](\\.[0-9])? Hz/.test(document.querySelector('footer')?.textContent)"
         )
         await page.click(f"{odom} button[aria-label='close /odom']")
         assert await page.locator("article").count() == 0

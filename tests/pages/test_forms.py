@@ -135,8 +135,8 @@ async def test_what_the_gateway_refuses_is_shown_in_its_words(demo, open_page):
         title = "Publish /cmd_vel"
         await field(page, title, "angular", "z").fill("0.1")
         await page.click(f"{form(title)} button:text-is('Repeat')")
-        await until(page, "() => /control/.test(document.querySelector('.problem').textContent)")
-        pressed = "() => document.querySelector('.buttons [aria-pressed]').ariaPressed"
+        await until(page, "() => /control/.test(document.querySelector('.problem')?.textContent)")
+        pressed = "() => document.querySelector('.buttons [aria-pressed]')?.ariaPressed"
         await until(page, f"{pressed} === 'false'")  # it gives up
         await other.send(op="release_control", topic="/cmd_vel")
 
@@ -150,7 +150,7 @@ async def test_repeating_goes_on_until_the_card_is_closed(demo, open_page):
         await page.click(f"{form(title)} button:text-is('Repeat')")
         for _ in range(3):
             await hearer.receive(lambda frame: frame.get("topic") == "/initialpose", 120)
-        count = "() => Number.parseInt(document.querySelector('footer').textContent)"
+        count = "() => Number.parseInt(document.querySelector('footer')?.textContent)"
         await until(page, f"{count} >= 3")
         await page.click(f"button[aria-label='close {title}']")
         assert await page.locator("article[aria-label^=Publish]").count() == 0
@@ -229,7 +229,7 @@ async def test_the_graph_opens_nodes_and_topics_also_by_keyboard(demo, open_page
         await page.click("svg [aria-label='topic /odom']")
         await page.wait_for_selector(form("/odom"))
         await page.focus("svg [aria-label='node /simulated_robot']")
-        assert await page.locator("svg path.on").count() > 5
+        await until(page, "() => document.querySelectorAll('svg path.on').length > 5")
         await page.keyboard.press("Enter")
         await page.wait_for_selector(form("node /simulated_robot"))
         assert await page.locator("svg [aria-label='topic /rosout']").count() == 0
@@ -261,5 +261,13 @@ async def test_what_is_gone_is_said(demo, open_page):
     ) as page:
         await until(page, "() => cards.textContent.includes('/motor_powr is not there')")
         await until(
-            page, "() => /nobody/.test(document.querySelectorAll('.problem')[1].textContent)"
+            page, "() => /nobody/.test(document.querySelectorAll('.problem')[1]?.textContent)"
         )
+
+
+async def test_the_limits_of_the_connection_are_shown(demo, open_page):
+    async with open_page(page_address(demo) + "#card=tree+0+/odom") as page:
+        await page.click("header button:text-is('Limits')")
+        await page.wait_for_selector(form("connection"))
+        await until(page, "() => /message_bytes ?[1-9]/.test(cards.textContent)")
+        await until(page, "() => /Topics.*odom.* Hz/.test(cards.textContent)")

@@ -74,19 +74,19 @@ async def test_a_map_whose_numbers_contradict_each_other_is_told_of(demo, open_p
     ):
         await speaker.send(op="advertise", topic="/plan", type="nav_msgs/OccupancyGrid", latch=True)
         await speaker.send(op="publish", topic="/plan", msg=GRID | {"data": [0, 0, 0]})
-        problem = "() => document.querySelector('.problem').textContent"
-        await until(page, f"{problem}.includes('4 x 2 cells, but 3 values')")
+        problem = "() => document.querySelector('.problem')?.textContent"
+        await until(page, f"{problem}?.includes('4 x 2 cells, but 3 values')")
         await speaker.send(op="publish", topic="/plan", msg=GRID)
         await until_painted(page, f"{card('/plan')} canvas")
         flat = GRID | {"info": GRID["info"] | {"resolution": 0.0}}
         await speaker.send(op="publish", topic="/plan", msg=flat)
-        await until(page, f"{problem}.includes('cells are 0 m wide')")
+        await until(page, f"{problem}?.includes('cells are 0 m wide')")
 
 
 async def test_a_huge_map_is_drawn_with_some_of_its_cells(demo, open_page):
     async with open_page(page_address(demo) + "#card=map+0+/map") as page:
         width, height, cells, colours = await page.evaluate("""async () => {
-            const { draw } = await import("/debug/views/occupancy.js");
+            const { draw } = await import("/views/occupancy.js");
             const data = new Int8Array(5000 * 3000).fill(-1);
             data.fill(100, 0, 5000 * 1500);
             const { canvas, cells } = draw({ info: { width: 5000, height: 3000 }, data });
@@ -102,14 +102,14 @@ async def test_a_trail_is_drawn_and_keeps_its_newest_places_alone(demo, open_pag
         robot = [f"{card('/odom')} canvas", "--warning"]
         await until(page, f"about => ({COUNT})(about) > 20", robot)
         length = await page.evaluate("""async () => {
-            const { TrailView } = await import("/debug/views/trail.js");
+            const { TrailView } = await import("/views/trail.js");
             const view = new TrailView({ topic: "/x" });
             for (let x = 0; x < 2500; x += 1) {
                 const pose = { position: { x, y: 0 }, orientation: {} };
                 view.keep({ pose: { pose } });
             }
             view.show();
-            return view.length;
+            return view.places.length;
         }""")
         assert length == 2000
 

@@ -200,10 +200,14 @@ async def test_the_text_for_people_names_the_scheme_of_its_port(serve: Serve, tl
 
 async def test_when_one_port_is_taken_the_other_is_closed_again(serve: Serve, tls):
     async with serve() as served:
-        with socket.socket() as other:
-            other.bind(("127.0.0.1", 0))
+        with socket.socket() as free, socket.socket() as other:
+            for each in (free, other):
+                each.bind(("127.0.0.1", 0))
             other.listen()
-            taken = other.getsockname()[1]
+            (_, port), (_, taken) = free.getsockname(), other.getsockname()
+            free.close()
             with pytest.raises(BindError, match=f"127.0.0.1:{taken}, "):
-                async with served.server.listening(["127.0.0.1"], Door(0), Door(taken, tls)):
+                async with served.server.listening(["127.0.0.1"], Door(port), Door(taken, tls)):
                     pass
+        with pytest.raises(ConnectionRefusedError):
+            await asyncio.open_connection("127.0.0.1", port)

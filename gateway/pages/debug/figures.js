@@ -48,8 +48,6 @@ export class Figures {
   }
 
   #write(figures) {
-    const limits = this.#gateway.hello?.limits ?? {};
-    this.element.title = Object.entries(limits).map(([name, value]) => `${name}: ${value}`).join("\n");
     this.element.replaceChildren(
       ...Object.entries(figures).map(([name, value]) => element("div", {}, element("dt", {}, name), element("dd", {}, value))),
     );

@@ -10,7 +10,7 @@ import { Figures } from "./figures.js";
 import { NameList } from "./name_list.js";
 import * as tabs from "./tabs.js";
 import { TopicList } from "./topic_list.js";
-import { viewsFor } from "./views/views.js";
+import { viewsFor } from "../views/views.js";
 
 const MOST_FIELDS = 4; // in one plot
 const FIRST_VIEWS = [
@@ -101,9 +101,11 @@ new NameList(find("nodes"), find("search"), gateway, {
   entries: ({ nodes }) => [...nodes].map((name) => ({ name, about: "", isPlain: !name.includes("/_") })),
   open: (name) => open(name, "node"),
 });
+const limits = element("button", { type: "button", title: "the limits of this connection, and what came" }, "Limits");
+limits.onclick = () => open("/", "connection");
 find("graph").onclick = () => open("/", "graph");
 tabs.connect(find("tabs"));
-bar.connect(gateway, "Debug", figures.element);
+bar.connect(gateway, "Debug", figures.element, limits);
 gateway.connect();
 tick();
 setInterval(tick, 1000);

@@ -1,37 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 // The drive page: camera, the robot from above, and a robot that moves while something is held.
 
-import { ImageView } from "../debug/views/image.js";
-import { MapView } from "../debug/views/map.js";
-import { ScanView } from "../debug/views/scan.js";
 import * as bar from "../shared/bar.js";
+import { CommandTopic } from "../shared/command_topic.js";
 import { element, find } from "../shared/dom.js";
+import { Driver } from "../shared/driver.js";
 import { Gateway } from "../shared/gateway.js";
-import { Driver } from "./driver.js";
+import { ImageView } from "../views/image.js";
+import { MapView } from "../views/map.js";
+import { ScanView } from "../views/scan.js";
 import { watch } from "./held.js";
-import { sentence } from "./words.js";
 
 const IMAGES = ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"];
 const MAPS = ["nav_msgs/msg/OccupancyGrid"];
 const SCANS = ["sensor_msgs/msg/LaserScan"];
-const STAMPED = "geometry_msgs/msg/TwistStamped";
-const COMMANDS = ["geometry_msgs/msg/Twist", STAMPED];
 
 const gateway = new Gateway();
 const views = { camera: null, world: null };
-let command = null; // {topic, type} of what moves the robot
+gateway.on("state", () => letGo()); // what was held before belongs to another connection
+const command = new CommandTopic(gateway, told);
 
 bar.connect(gateway, "Drive");
-const driver = new Driver(({ linear, angular }) => {
-  if (!command) return;
-  const twist = {
-    linear: { x: linear * find("linear").valueAsNumber },
-    angular: { z: angular * find("angular").valueAsNumber },
-  };
-  const { topic, type } = command;
-  const msg = type === STAMPED ? { twist } : twist;
-  gateway.send({ op: "publish", topic, type, msg, monotonic_ms: Math.round(performance.now()) });
-});
+const driver = new Driver(({ linear, angular }) => command.publish(linear * find("linear").valueAsNumber, angular * find("angular").valueAsNumber));
 const letGo = watch(find("stick"), find("knob"), (linear, angular) => driver.hold(linear, angular));
 
 /** Show a topic in the first of some views, each with its types, that the robot has something for. */
@@ -55,36 +45,17 @@ function draw() {
   requestAnimationFrame(draw);
 }
 
-/** Ask for the state of the topic that moves the robot, once there is one; its changes follow. */
-async function watchControl() {
-  if (command) return;
-  try {
-    const state = await gateway.ask({ op: "control", watch: true });
-    const type = gateway.graph.typeOf(state.topic);
-    if (COMMANDS.includes(type)) command = { topic: state.topic, type };
-    told(state);
-  } catch (error) {
-    find("control").textContent = error.message;
-  }
+function told() {
+  const { state, words } = command;
+  find("control").textContent = words;
+  find("take").hidden = state?.holder !== "other";
+  if (state?.holder === "you" && state.state === "moving") bar.tell(""); // what was refused before
 }
 
-function told(state) {
-  find("control").textContent = command ? sentence(state) : `Nobody listens on ${state.topic}: there is nothing to drive.`;
-  find("take").hidden = state.holder !== "other";
-  if (state.holder === "you" && state.state === "moving") bar.tell(""); // what was refused before
-}
-
-gateway.on("state", ({ state }) => {
-  letGo(); // what was held before belongs to another connection
-  command = null;
-  if (state === "closed") find("control").textContent = "Not connected: the gateway stops what you drove.";
-});
 gateway.on("graph", () => {
   show("camera", "Nobody publishes pictures.", [ImageView, IMAGES]);
   show("world", "Nobody publishes a map or a laser scan.", [MapView, MAPS], [ScanView, SCANS]);
-  watchControl();
 });
-gateway.on("control", told);
 
 addEventListener("keydown", (event) => {
   if (event.code !== "Space" || event.target instanceof HTMLButtonElement) return; // a button takes it itself
@@ -95,7 +66,7 @@ addEventListener("keydown", (event) => {
 find("stop").addEventListener("click", letGo, { capture: true });
 find("take").onclick = async () => {
   try {
-    told(await gateway.ask({ op: "acquire_control", topic: command.topic }));
+    await command.acquire();
     driver.ready();
   } catch (error) {
     bar.tell(error.message);

@@ -2,8 +2,8 @@
 // The lab: a room with the robot's twin, its camera on a television, and screens; with a headset or without.
 
 import { Vector3, WebGLRenderer } from "../vendor/three.js";
-import { sentence } from "../drive/words.js";
 import * as bar from "../shared/bar.js";
+import { CommandTopic } from "../shared/command_topic.js";
 import { element, find } from "../shared/dom.js";
 import { Gateway } from "../shared/gateway.js";
 import { Controllers } from "./controllers.js";
@@ -19,8 +19,6 @@ import { Television } from "./television.js";
 import { Twin } from "./twin.js";
 import { Viewer } from "./walk.js";
 
-const STAMPED = "geometry_msgs/msg/TwistStamped";
-const COMMANDS = ["geometry_msgs/msg/Twist", STAMPED];
 const DRIVING = { ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowLeft: [0, 1], ArrowRight: [0, -1] };
 
 const gateway = new Gateway();
@@ -37,7 +35,6 @@ const sources = new Sources(gateway, bar.tell);
 const target = room.marker("warning", 0.15);
 const place = new Vector3();
 const head = new Vector3();
-let command = null; // {topic, type} of what moves the robot
 let topic = ""; // that the screen shows
 let endTopic = () => {};
 
@@ -49,6 +46,8 @@ const pilot = new Pilot(publish, (words) => {
   showState();
 });
 lab.pilot = pilot;
+gateway.on("state", () => letGoOfAll("Stopped: the connection was lost."));
+const command = new CommandTopic(gateway, told); // after that: what is lost first is the connection
 const letGo = watchKeys(DRIVING, (linear, angular) => pilot.hold(linear, angular));
 furnish();
 room.scene.add(viewer.rig);
@@ -147,31 +146,14 @@ function letGoOfAll(words) {
 }
 
 function publish(linear, angular) {
-  if (!command) return;
-  const twist = { linear: { x: linear }, angular: { z: angular } };
-  const { topic: name, type } = command;
-  const msg = type === STAMPED ? { twist } : twist;
-  if (!gateway.send({ op: "publish", topic: name, type, msg, monotonic_ms: Math.round(performance.now()) })) return;
-  screens.commands.add(`${name}  ${linear.toFixed(2)} m/s  ${angular.toFixed(2)} rad/s`);
+  if (!command.publish(linear, angular)) return;
+  screens.commands.add(`${command.name}  ${linear.toFixed(2)} m/s  ${angular.toFixed(2)} rad/s`);
 }
 
-/** Ask for the state of the topic that moves the robot, once there is one; its changes follow. */
-async function watchControl() {
-  if (command) return;
-  try {
-    const state = await gateway.ask({ op: "control", watch: true });
-    const type = gateway.graph.typeOf(state.topic);
-    if (COMMANDS.includes(type)) command = { topic: state.topic, type };
-    told(state);
-  } catch (error) {
-    find("control").textContent = error.message;
-  }
-}
-
-function told(state) {
-  find("control").textContent = command ? sentence(state) : `Nobody listens on ${state.topic}: there is nothing to drive.`;
-  find("take").hidden = state.holder !== "other";
-  pilot.told(command ? state : null);
+function told() {
+  find("control").textContent = command.words;
+  find("take").hidden = command.state?.holder !== "other";
+  pilot.told(command.state);
   showState();
 }
 
@@ -200,27 +182,18 @@ function next() {
   if (names.length) read(names[(names.indexOf(topic) + 1) % names.length]);
 }
 
-gateway.on("state", ({ state }) => {
-  letGoOfAll("Stopped: the connection was lost.");
-  command = null;
-  pilot.told(null);
-  if (state === "closed") find("control").textContent = "Not connected: the gateway stops what you drove.";
-  showState();
-});
 gateway.on("graph", () => {
   sources.watch({ pilot, twin, television, log: screens.log });
   if (!topic && sources.favourite) read(sources.favourite);
   else listTopics();
-  watchControl();
 });
-gateway.on("control", told);
 
 find("topic").onchange = () => read(find("topic").value);
 // Before anything else: what is still held would drive on, as the gateway takes this page's STOP for a stop of its own.
 find("stop").addEventListener("click", () => letGoOfAll("Stopped: STOP was pressed."), { capture: true });
 find("take").onclick = async () => {
   try {
-    told(await gateway.ask({ op: "acquire_control", topic: command.topic }));
+    await command.acquire();
     pilot.ready();
   } catch (error) {
     bar.tell(error.message);

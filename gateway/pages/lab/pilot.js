@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What moves the robot: keys that are held, or a target that it approaches; and everything that ends either.
 
-import { Driver } from "../drive/driver.js";
-import { sentence } from "../drive/words.js";
+import { sentence } from "../shared/control_words.js";
+import { Driver } from "../shared/driver.js";
 import { Approach, MOST, STALE_S } from "./approach.js";
 
 const STEP_MS = 50;

@@ -4,7 +4,7 @@
 import {
   BoxGeometry, BufferAttribute, BufferGeometry, CylinderGeometry, DynamicDrawUsage, Group, Mesh, Points, PointsMaterial,
 } from "../vendor/three.js";
-import { yawOf } from "../debug/views/plan.js";
+import { yawOf } from "../views/plan.js";
 import { asRos } from "./floor.js";
 
 const MOST_POINTS = 4096; // of a scan; what is beyond is not drawn

@@ -189,10 +189,13 @@ export class Gateway extends EventTarget {
     if (this.#listeners.has(frame.id)) {
       this.#listeners.get(frame.id)(frame);
     } else if (frame.op === "publish") {
-      this.#arrived(frame.topic).add(size, frame);
+      let isWhole = false;
       for (const each of this.#subscriptions.values()) {
-        if (each.topic === frame.topic) each.onMessage(frame.msg, size, frame);
+        if (each.topic !== frame.topic) continue;
+        each.onMessage(frame.msg, size, frame);
+        isWhole ||= !each.options.throttle_rate;
       }
+      this.#arrived(frame.topic).add(size, isWhole ? frame : {}); // what a throttle leaves out was asked for
     } else if (frame.op === "graph") {
       this.graph.update(frame);
       this.dispatchEvent(new CustomEvent("graph", { detail: frame }));

@@ -41,7 +41,9 @@ export class GraphCard extends Card {
       for (const node of new Set(subscribers)) picture.append(line(places, [1, name], [2, node]));
     }
     columns.forEach((names, column) => names.forEach((name, row) => picture.append(this.#box(picture, name, column, row))));
+    const focused = this.#picture.contains(document.activeElement) ? document.activeElement.getAttribute("aria-label") : null;
     this.#picture.replaceChildren(picture);
+    if (focused) /** @type {SVGElement|undefined} */ ([...picture.querySelectorAll("g")].find((each) => each.getAttribute("aria-label") === focused))?.focus();
     const count = new Set([...columns[0], ...columns[2]]).size;
     this.footer.textContent = `topics: ${topics.length} · nodes: ${count} · a click opens one`;
   }

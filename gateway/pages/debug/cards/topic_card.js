@@ -2,7 +2,7 @@
 import { Arrivals } from "../../shared/arrivals.js";
 import { element } from "../../shared/dom.js";
 import { json } from "../../shared/json.js";
-import { makeView, nameOf, viewsFor } from "../views/views.js";
+import { makeView, nameOf, viewsFor } from "../../views/views.js";
 import { Card } from "./card.js";
 
 const RATES_HZ = [0, 30, 10, 5, 1]; // 0: as the robot publishes
@@ -15,6 +15,8 @@ export class TopicCard extends Card {
   #newest = null;
   #isPaused = false;
   #isDirty = false;
+  #shownMs = -Infinity;
+  #throttle = 0; // milliseconds
   #arrivals = new Arrivals();
 
   constructor(gateway, shown, actions) {
@@ -33,8 +35,12 @@ export class TopicCard extends Card {
 
   draw() {
     if (this.#isPaused) return;
-    if (this.#isDirty) this.#view.show(this.#newest.message, this.#newest.frame);
-    this.#isDirty = false;
+    const now = performance.now();
+    if (this.#isDirty && now - this.#shownMs >= (this.#view.rest ?? 0)) {
+      this.#view.show(this.#newest.message, this.#newest.frame);
+      this.#isDirty = false;
+      this.#shownMs = now;
+    }
     this.#view.draw?.();
   }
 
@@ -90,17 +96,17 @@ export class TopicCard extends Card {
     this.body.replaceChildren(this.#view.element);
     if (this.view === "plot") this.#view.show(); // before there is a message it says what to do
     const { throttle_rate: least = 0, ...options } = this.#view.options;
-    const throttle = Math.max(least, this.rate ? Math.round(1000 / this.rate) : 0);
+    this.#throttle = Math.max(least, this.rate ? Math.round(1000 / this.rate) : 0);
     this.#unsubscribe = this.gateway.subscribe(
       this.topic,
-      { ...options, throttle_rate: throttle },
+      { ...options, throttle_rate: this.#throttle },
       (message, size, frame) => this.#receive(message, size, frame),
       (status) => this.#status(status),
     );
   }
 
   #receive(message, size, frame) {
-    this.#arrivals.add(size, frame);
+    this.#arrivals.add(size, this.#throttle ? {} : frame); // what a throttle leaves out was asked for
     this.#newest = { message, frame };
     this.#isDirty = true;
     if (this.#isPaused) return;

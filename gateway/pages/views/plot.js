@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-import { element, token } from "../../shared/dom.js";
-import uPlot from "../../vendor/uplot.js";
+import { element, token } from "../shared/dom.js";
+import uPlot from "../vendor/uplot.js";
 
 const SPAN_S = 30;
 const MOST_POINTS = 6000;
@@ -11,6 +11,8 @@ const COLOURS = ["series-1", "series-2", "series-3", "series-4"];
 
 /** Numeric fields over the last 30 s, by the time of arrival. */
 export class PlotView {
+  /** Milliseconds between two drawings: the eye sees no more of a line. */
+  rest = 66;
   element = element("div", { className: "plot" });
   #columns;
   #plot = null;

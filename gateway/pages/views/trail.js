@@ -9,17 +9,13 @@ const LEAST_REACH = 1;
 export class TrailView {
   options = { throttle_rate: 30 };
   #plan;
-  #trail = [];
+  /** The newest places, the last at the end. */
+  places = [];
   #pose = null;
 
   constructor(card) {
     this.#plan = new Plan(`way of ${card.topic}, seen from above`);
     this.element = this.#plan.element;
-  }
-
-  /** How many places are kept. */
-  get length() {
-    return this.#trail.length;
   }
 
   keep(message) {
@@ -29,27 +25,27 @@ export class TrailView {
 
   show() {
     if (!this.#pose) return;
-    const xs = this.#trail.map(({ x }) => x);
-    const ys = this.#trail.map(({ y }) => y);
+    const xs = this.places.map(({ x }) => x);
+    const ys = this.places.map(({ y }) => y);
     const [left, right, low, high] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
     const middle = { x: (left + right) / 2, y: (low + high) / 2 };
     this.#plan.begin(middle, Math.max(LEAST_REACH, right - left, high - low) * 0.55);
     this.#plan.grid();
-    this.#plan.line(this.#trail);
+    this.#plan.line(this.places);
     this.#plan.robot(this.#pose);
   }
 
   #take(poses) {
-    this.#trail = poses.slice(-MOST_PLACES);
+    this.places = poses.slice(-MOST_PLACES);
     this.#pose = poses.at(-1) ?? null;
   }
 
   #extend(pose) {
-    const last = this.#trail.at(-1);
+    const last = this.places.at(-1);
     this.#pose = pose;
     if (last && Math.hypot(pose.x - last.x, pose.y - last.y) < LEAST_STEP) return;
-    this.#trail.push(pose);
-    if (this.#trail.length > MOST_PLACES) this.#trail.shift();
+    this.places.push(pose);
+    if (this.places.length > MOST_PLACES) this.places.shift();
   }
 }
 

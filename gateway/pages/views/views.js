@@ -16,6 +16,7 @@ const POSES = ["nav_msgs/msg/Odometry", "nav_msgs/msg/Path", "geometry_msgs/msg/
 /**
  * A way to show the messages of one topic. `element` is what is seen, `options` are members of
  * `subscribe`; `show` gets the newest message before the next frame of the screen, `keep` every one.
+ * `rest` is the least number of milliseconds between two calls of `show`.
  * `draw` is called before each frame of the screen, `close` at the end.
  */
 const VIEWS = {

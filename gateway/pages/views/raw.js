@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-import { element } from "../../shared/dom.js";
-import { json } from "../../shared/json.js";
+import { element } from "../shared/dom.js";
+import { json } from "../shared/json.js";
 
 const MOST = 20_000; // characters; the rest of a point cloud helps nobody
 

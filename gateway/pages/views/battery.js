@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { element } from "../../shared/dom.js";
+import { element } from "../shared/dom.js";
 
 const STATUS = ["status unknown", "charging", "discharging", "not charging", "full"]; // POWER_SUPPLY_STATUS_*
 const HEALTH = ["", "good", "overheated", "dead", "overvoltage", "unspecified failure", "cold", "watchdog expired", "safety timer expired"];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A canvas that shows the world from above. Metres and radians as REP 103 has them: x is right, y is up.
 
-import { element, token } from "../../shared/dom.js";
+import { element, token } from "../shared/dom.js";
 
 const SIZE = 480; // pixels
 const MARGIN = 12;

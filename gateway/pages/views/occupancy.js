@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The cells of a nav_msgs/msg/OccupancyGrid as pixels.
 
-import { token } from "../../shared/dom.js";
+import { token } from "../shared/dom.js";
 
 const MOST_PIXELS = 2048 * 2048; // a larger map is drawn with every second, third ... of its cells
 

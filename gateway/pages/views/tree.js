@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { element } from "../../shared/dom.js";
+import { element } from "../shared/dom.js";
 
 const MOST_ITEMS = 12;
 const MOST_CHARACTERS = 120;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { element } from "../../shared/dom.js";
+import { element } from "../shared/dom.js";
 
 /** Pictures: the newest one, decoded beside the page's own thread. */
 export class ImageView {
