@@ -228,6 +228,7 @@ async def test_the_graph_opens_nodes_and_topics_also_by_keyboard(demo, open_page
     async with open_page(page_address(demo) + "#card=graph+0+/") as page:
         await page.click("svg [aria-label='topic /odom']")
         await page.wait_for_selector(form("/odom"))
+        await page.mouse.move(0, 0)  # what it points at is marked, too
         await page.focus("svg [aria-label='node /simulated_robot']")
         await until(page, "() => document.querySelectorAll('svg path.on').length > 5")
         await page.keyboard.press("Enter")
