@@ -9,6 +9,7 @@ than that.
 import asyncio
 import logging
 import threading
+from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Any, Final
 
@@ -21,6 +22,8 @@ from gateway.ros.rclpy_private import EntityWaitSet, Kind
 # After a failure that may come back at once, of waiting and of handling: neither may fill the log.
 WAIT_PAUSE_S: Final = 1.0
 HANDLING_PAUSE_S: Final = 0.1
+# For the thread to end its wait, which takes microseconds; a machine may be busy.
+RELEASE_S: Final = 1.0
 
 _logger = logging.getLogger(__name__)
 
@@ -37,6 +40,7 @@ class WaitSetReadyEvents:
         self._loop = loop
         self._wait_set = EntityWaitSet(context)
         self._awaited: dict[WaitSetSource, None] = {}
+        self._removals: deque[threading.Event] = deque()  # each set by the end of a wait
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._run, name="ros_ready", daemon=True)
         self._thread.start()
@@ -59,9 +63,16 @@ class WaitSetReadyEvents:
         self._wait_set.wake()
 
     def remove(self, source: "WaitSetSource") -> None:
-        """Wait for a source no more."""
+        """Wait for a source no more; return once the wait that holds its entity has ended.
+
+        Who opens its topic again at once may want another type, which rmw refuses while it exists.
+        """
         self._awaited.pop(source, None)
+        has_let_go = threading.Event()
+        self._removals.append(has_let_go)
         self._wait_set.wake()
+        if self._thread.is_alive():
+            has_let_go.wait(RELEASE_S)
 
     def faults(self) -> Sequence[Fault]:
         """Return whether the thread has ended."""
@@ -88,7 +99,12 @@ class WaitSetReadyEvents:
 
     def _wait(self) -> None:
         sources = tuple(self._awaited)  # at once, as the loop's thread changes it
-        for index in self._wait_set.wait([(source.kind, source.entity) for source in sources]):
+        try:
+            ready = self._wait_set.wait([(source.kind, source.entity) for source in sources])
+        finally:
+            while self._removals:
+                self._removals.popleft().set()
+        for index in ready:
             self._awaited.pop(sources[index], None)
             self._loop.call_soon_threadsafe(sources[index].notify)
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the router relies on, asked of the fake and of rclpy in both ways of taking samples."""
 
+import asyncio
 import contextlib
 import itertools
 from collections.abc import Callable, Iterator, Sequence
@@ -235,6 +236,13 @@ async def test_a_topic_is_open_with_one_type_at_a_time(robot: Robot) -> None:
         subscribe(robot, "/count", STRING)
     subscription.close()
     subscribe(robot, "/count", STRING)
+
+
+async def test_a_topic_that_was_just_closed_may_have_another_type(robot: Robot) -> None:
+    for type_name in (INT32, STRING) * 20:
+        _, subscription = subscribe(robot, "/count", type_name)
+        await asyncio.sleep(0.005)  # whatever waits for messages waits for its, too
+        subscription.close()
 
 
 async def test_a_later_subscription_gets_the_retained_samples(robot: Robot) -> None:
