@@ -149,6 +149,10 @@ class RosSubscription(Protocol):
     def publishers(self) -> int:
         """The number of publishers that it is matched with."""
 
+    @property
+    def lost(self) -> int:
+        """The number of samples that were published and never came, as far as that is known."""
+
     def join_late(self, on_samples: Callable[[Sequence[Sample]], None]) -> "LateReader":
         """Subscribe once more, with the profile in force, and get what late joiners get.
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The types of this machine, each message with its codecs, made when first needed."""
 
+import math
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -23,7 +24,7 @@ from gateway.codec.error_text import truncate
 from gateway.codec.errors import CodecError
 from gateway.codec.validation import InvalidValueError, explain_misfit
 from schemas.build import json_schema
-from schemas.definition import Definition, DefinitionError
+from schemas.definition import PRIMITIVES, STRINGS, Definition, DefinitionError, FieldType
 from schemas.derived import hashed
 from schemas.generate.json_schemas import Schema, interface_schema
 from schemas.installed import InstalledDefinitions, UnknownTypeError
@@ -34,6 +35,8 @@ from schemas.json_forms import Clock
 # milliseconds, tens of them for the largest types. A client that keeps inventing selections must
 # not fill the memory.
 MAX_DECODERS: Final = 32
+# Elements of an array from which on it makes its message large.
+LARGE_ARRAY: Final = 4096
 
 
 class MessageType:
@@ -76,6 +79,21 @@ class MessageType:
             if misfit is None:  # unreachable, unless the encoder has a bug
                 raise CodecError(f"{root}: {self.definition.title} cannot be encoded") from error
             raise misfit from None
+
+    @cached_property
+    def may_be_large(self) -> bool:
+        """True if an array in it may have `LARGE_ARRAY` numbers, or messages of numbers alone.
+
+        Pictures, clouds and maps are such; odometry, transforms and texts are not.
+        """
+        numbers = set(PRIMITIVES - STRINGS)  # and the messages that hold nothing else
+        for definition in self.closure:
+            types = [field.type for field in definition.fields]
+            if any(each.base in numbers and _most(each) >= LARGE_ARRAY for each in types):
+                return True
+            if all(each.base in numbers and not each.is_sequence for each in types):
+                numbers.add(definition.name)
+        return False
 
     def json_schema(self) -> Schema:
         """Return the JSON Schema of the messages on the wire, nested types included."""
@@ -286,6 +304,13 @@ class _Compiled(Generic[_Codec]):
             self._known[key] = known
         self._known.move_to_end(key)
         return known
+
+
+def _most(field: FieldType) -> float:
+    """Return how many elements a field may have."""
+    if field.is_sequence:
+        return math.inf if field.bound is None else field.bound
+    return field.length or 1
 
 
 def _sorted(fields: tuple[str, ...] | None) -> tuple[str, ...]:

@@ -254,6 +254,13 @@ FAMILIES: Final[tuple[Family, ...]] = (
         _TOPIC,
     ),
     Family(
+        "topic_lost",
+        "counter",
+        "Samples that were published and never came.",
+        _of_topics(lambda topic: topic.lost),
+        _TOPIC,
+    ),
+    Family(
         "topic_clients",
         "gauge",
         "Clients that subscribe.",

@@ -49,6 +49,7 @@ class TopicState(NamedTuple):
     topic: str
     received: int  # from ROS
     received_bytes: int
+    lost: int  # on the way from ROS
     clients: int  # that subscribe to it
     delivery: Delivery
     published: int  # by clients

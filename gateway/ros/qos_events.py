@@ -11,8 +11,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
+from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.ports import Qos, TopicEvent
 from gateway.ros import rclpy_private
+from gateway.ros.samples import Reader
 
 LOOK_S: Final = 0.5
 # What lasts is reported again after so long, with the number of times since.
@@ -67,20 +69,25 @@ class QosEvents:
         self._timer: asyncio.TimerHandle | None = None
 
     def of_subscription(
-        self, entity: Any, topic: str, qos: Qos, on_event: Callable[[TopicEvent], None]
+        self, reader: Reader, topic: str, qos: Qos, on_event: Callable[[TopicEvent], None]
     ) -> QosWatch:
-        """Watch rclpy's subscription with a profile in force."""
-        kinds: list[tuple[rclpy_private.SubscriptionCount, Callable[[int], TopicEvent]]] = [
-            ("messages_lost", lambda times: _messages_lost(topic, times))
-        ]
+        """Watch a reader with a profile in force."""
+        entity, lost = reader.entity, reader.lost
+        take_lost, destroy = rclpy_private.subscription_count(entity, "messages_lost")
+
+        def take() -> int:
+            return lost.take(by_dds=take_lost())
+
+        counts = [_Count(take, destroy, lambda times: _messages_lost(topic, qos, times))]
+        kinds: list[tuple[rclpy_private.SubscriptionCount, Callable[[int], TopicEvent]]] = []
         if qos.deadline_ns is not None:
             late = f"no message within the deadline of {_ms(qos.deadline_ns)}"
             kinds.append(("deadline_missed", lambda times: _deadline(f"{topic}: {late}", times)))
         if qos.lease_ns is not None:
             kinds.append(("liveliness_lost", lambda times: _liveliness_lost(topic, times)))
-        counts = [
+        counts.extend(
             _Count(*rclpy_private.subscription_count(entity, kind), event) for kind, event in kinds
-        ]
+        )
         return self._watch(on_event, counts)
 
     def of_publisher(
@@ -120,9 +127,13 @@ def _deadline(what: str, times: int) -> TopicEvent:
     return TopicEvent("deadline_missed", f"topic {what}{_times(times)}")
 
 
-def _messages_lost(topic: str, times: int) -> TopicEvent:
+def _messages_lost(topic: str, qos: Qos, times: int) -> TopicEvent:
     number = "a message was" if times == 1 else f"{times} messages were"
-    remedy = "ask for reliable if its publishers offer that, or have it publish less"
+    remedy = "have it publish less"
+    if qos.reliability != "reliable":
+        remedy = f"ask for reliable if its publishers offer that, or {remedy}"
+    elif qos.depth is not None and qos.depth < MAX_QUEUE_DEPTH:
+        remedy = f"ask for a depth above {qos.depth}, or {remedy}"
     return TopicEvent("messages_lost", f"topic {topic}: {number} lost on the way here", remedy)
 
 

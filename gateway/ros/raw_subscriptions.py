@@ -14,7 +14,7 @@ from gateway.ros.name_checks import check_topic
 from gateway.ros.profile import to_profile
 from gateway.ros.qos import Endpoint, adopt, gone, is_same_request, unmatched_publishers
 from gateway.ros.qos_events import QosEvents, QosWatch
-from gateway.ros.samples import Reader, Samples
+from gateway.ros.samples import OnLost, Reader, Samples, unheard
 from gateway.ros.type_versions import other_versions
 
 
@@ -80,6 +80,7 @@ class RawSubscriptions:
         found: type,
         qos: Qos,
         on_samples: Callable[[Sequence[Sample]], None],
+        on_lost: OnLost = unheard,
     ) -> Reader:
         """Create rclpy's subscription.
 
@@ -87,7 +88,7 @@ class RawSubscriptions:
             RosError: ROS refuses it, or gives it another name.
         """
         with creation(f"topic {topic}"):
-            reader = self._samples.read(found, topic, to_profile(qos), on_samples)
+            reader = self._samples.read(found, topic, to_profile(qos), on_samples, on_lost)
         given = reader.topic_name
         if given != topic:
             reader.close()
@@ -134,6 +135,7 @@ class RawSubscription:
         # why the profile that the offers require is not in force
         self._refusals: list[TopicEvent] = []
         self._reported: list[TopicEvent] = []
+        self.lost = 0
         self.qos = adopt(asked, self._matching(offers))  # complete
         self._reader: Reader | None = self._read(self.qos)
         self._watch: QosWatch | None = self._watched(self._reader)
@@ -207,7 +209,7 @@ class RawSubscription:
 
     def _watched(self, reader: Reader) -> QosWatch:
         events = self._subscriptions.events
-        return events.of_subscription(reader.entity, self.topic, self.qos, self._on_event)
+        return events.of_subscription(reader, self.topic, self.qos, self._on_event)
 
     def _unwatch(self) -> None:
         watch, self._watch = self._watch, None
@@ -215,7 +217,12 @@ class RawSubscription:
             watch.close()
 
     def _read(self, qos: Qos) -> Reader:
-        return self._subscriptions.read(self.topic, self._message_class, qos, self._on_samples)
+        return self._subscriptions.read(
+            self.topic, self._message_class, qos, self._on_samples, self._on_lost
+        )
+
+    def _on_lost(self, number: int) -> None:
+        self.lost += number
 
     def _matching(self, offers: Sequence[Endpoint]) -> list[Endpoint]:
         return [offer for offer in offers if offer.type_name == self.type_name]

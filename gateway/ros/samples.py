@@ -11,9 +11,17 @@ from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.ports import MAX_TAKES_PER_TURN, Sample
 from gateway.ros import rclpy_private
 from gateway.ros.groups import group_of_one
+from gateway.ros.lost_samples import NO_NUMBER, LostSamples
 from gateway.ros.ready_events import NO_EVENTS, ReadyEvents
 
 OnSamples = Callable[[Sequence[Sample]], None]
+OnLost = Callable[[int], None]
+"""Take the number of samples that never came, once that is known."""
+
+
+def unheard(_: int) -> None:
+    """Serve as `OnLost` where nobody asks."""
+
 
 # as many as can be waiting when a flush begins; what arrives during a flood is not waited for
 _TURNS_PER_FLUSH: Final = MAX_QUEUE_DEPTH // MAX_TAKES_PER_TURN
@@ -27,10 +35,17 @@ class Samples:
         self._ready_events = ready_events
 
     def read(
-        self, message_class: type, topic: str, profile: QoSProfile, on_samples: OnSamples
+        self,
+        message_class: type,
+        topic: str,
+        profile: QoSProfile,
+        on_samples: OnSamples,
+        on_lost: OnLost = unheard,
     ) -> "Reader":
         """Create a subscription; raises what rclpy raises."""
-        return Reader(self._node, self._ready_events, message_class, topic, profile, on_samples)
+        return Reader(
+            self._node, self._ready_events, message_class, topic, profile, on_samples, on_lost
+        )
 
 
 class Reader:
@@ -44,6 +59,7 @@ class Reader:
         topic: str,
         profile: QoSProfile,
         on_samples: OnSamples,
+        on_lost: OnLost,
     ) -> None:
         def create() -> Any:
             return node.create_subscription(
@@ -64,6 +80,8 @@ class Reader:
         )
         self._subscription = self._source.entity
         self._take_message = rclpy_private.message_taker(self._subscription)
+        self.lost = LostSamples(self._subscription.get_publisher_count, on_lost)
+        self._expected = NO_NUMBER  # of the next sample, while there is one publisher
 
     @property
     def topic_name(self) -> str:
@@ -105,6 +123,7 @@ class Reader:
         """Take until empty, whatever was counted: one arrival may complete several samples."""
         take = self._take_message
         message_class = self._message_class
+        expected = self._expected
         samples: list[Sample] = []
         while len(samples) < MAX_TAKES_PER_TURN:
             taken = take(message_class, True)  # True: raw
@@ -113,7 +132,11 @@ class Reader:
             cdr, info = taken
             received_ns, source_ns = info["received_timestamp"], info["source_timestamp"]
             number = info["publication_sequence_number"]
+            if number != expected:
+                expected = self.lost.jump(expected, number)
+            expected += 1
             samples.append(Sample(cdr, received_ns, source_ns, number))
+        self._expected = expected
         return samples
 
 

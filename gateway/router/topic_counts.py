@@ -19,6 +19,7 @@ class TopicCounts:
     __slots__ = (
         "delivery",
         "latency",
+        "lost",
         "published",
         "published_bytes",
         "received",
@@ -30,6 +31,7 @@ class TopicCounts:
         self.users = 0
         self.received = 0  # from ROS
         self.received_bytes = 0
+        self.lost = 0  # on the way from ROS
         self.published = 0  # by clients
         self.published_bytes = 0
         self.delivery = NOTHING_DELIVERED
@@ -91,6 +93,7 @@ class CountsByTopic:
                 topic=topic,
                 received=counts.received,
                 received_bytes=counts.received_bytes,
+                lost=counts.lost,
                 clients=len(ours),
                 delivery=delivery,
                 published=counts.published + sum(each.messages for each in sent),

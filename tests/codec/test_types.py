@@ -37,6 +37,42 @@ SET_BOOL = "std_srvs/srv/SetBool"
 FIBONACCI = "test_msgs/action/Fibonacci"
 
 
+@pytest.mark.parametrize(
+    ("type_name", "may_be_large"),
+    [
+        ("std_msgs/msg/String", False),
+        ("geometry_msgs/msg/Twist", False),
+        (ODOMETRY, False),  # 36 numbers, twice
+        ("geometry_msgs/msg/TransformStamped", False),
+        ("tf2_msgs/msg/TFMessage", False),  # each of which has names
+        ("diagnostic_msgs/msg/DiagnosticArray", False),
+        ("sensor_msgs/msg/Image", True),
+        ("sensor_msgs/msg/LaserScan", True),
+        ("nav_msgs/msg/OccupancyGrid", True),
+        ("geometry_msgs/msg/PoseArray", True),  # of messages that are numbers alone
+        ("visualization_msgs/msg/MarkerArray", True),  # deep inside
+    ],
+)
+def test_a_message_with_an_array_of_numbers_without_a_bound_may_be_large(type_name, may_be_large):
+    assert Types(DEFINITIONS).get(type_name).may_be_large is may_be_large
+
+
+@pytest.mark.parametrize(
+    ("field", "may_be_large"),
+    [
+        ("float64[4095]", False),
+        ("float64[4096]", True),
+        ("float64[<=4095]", False),
+        ("float64[<=4096]", True),
+        ("string[]", False),
+    ],
+)
+def test_an_array_is_large_from_4096_elements_on(tmp_path, field, may_be_large):
+    write_definition(tmp_path, "made_msgs/msg/Made", f"{field} data\n")
+    types = Types(InstalledDefinitions([tmp_path]))
+    assert types.get("made_msgs/msg/Made").may_be_large is may_be_large
+
+
 @pytest.fixture(scope="module")
 def types():
     return Types(DEFINITIONS)

@@ -74,7 +74,7 @@ def state(clients: int = 1, topics: int = 1) -> State:
             tuple(ClientTopic(label, name, delivery) for label in labels for name in names),
             (ClientPublication(labels[0], "/cmd_vel", 7, 70),),
             tuple(
-                TopicState(name, 10, 100, clients, delivery, 0, 0, NOTHING_OBSERVED)
+                TopicState(name, 10, 100, 0, clients, delivery, 0, 0, NOTHING_OBSERVED)
                 for name in names
             ),
         ),

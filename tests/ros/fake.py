@@ -107,6 +107,7 @@ class FakeSubscription:
     waiting: deque[Sample] = field(default_factory=deque)
     reported: list[TopicEvent] = field(default_factory=list)
     is_scheduled: bool = False
+    lost: int = 0
 
     def __post_init__(self) -> None:
         self.offers = self.matching()
@@ -167,6 +168,7 @@ class FakeSubscription:
         self.waiting.append(sample)
         if self.qos.history == "keep_last" and len(self.waiting) > (self.qos.depth or 1):
             self.waiting.popleft()
+            self.lost += self.publishers == 1
         self._schedule()
 
     def _schedule(self) -> None:

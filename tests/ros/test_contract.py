@@ -120,6 +120,31 @@ async def test_the_newest_samples_win_when_the_loop_falls_behind(robot: Robot) -
     assert len(received.cdrs) < 200
 
 
+async def test_samples_that_newer_ones_replace_are_counted(robot: Robot) -> None:
+    received, subscription = subscribe(robot, "/count", qos=Qos(depth=3))
+    publisher = robot.world.add_publisher("/count", INT32, Qos(depth=500))
+    await until_it_flows(publisher, received)
+    publisher.publish(number(777))
+    await eventually(lambda: number(777) in received.cdrs)  # and so nothing waits
+    lost, taken = subscription.lost, len(received.cdrs)
+    for value in range(200):
+        publisher.publish(number(value))
+    await eventually(lambda: number(199) in received.cdrs)
+    assert subscription.lost - lost == 200 - (len(received.cdrs) - taken) > 0
+
+
+async def test_nothing_is_lost_of_a_burst_that_fits(robot: Robot) -> None:
+    received, subscription = subscribe(robot, "/count", qos=Qos(depth=MAX_QUEUE_DEPTH))
+    publisher = robot.world.add_publisher("/count", INT32, Qos(depth=MAX_QUEUE_DEPTH))
+    await until_it_flows(publisher, received)
+    lost = subscription.lost
+    for value in range(500):
+        publisher.publish(number(value))
+    await eventually(lambda: number(499) in received.cdrs)
+    assert received.cdrs[-500:] == [number(value) for value in range(500)]
+    assert subscription.lost == lost
+
+
 async def test_what_is_published_reaches_an_outside_subscription(robot: Robot) -> None:
     received = Received()
     robot.world.add_subscription("/command", INT32, received.on_samples)

@@ -3,9 +3,27 @@
 
 from dataclasses import replace
 
+from gateway.codec.types import MessageType
 from gateway.config.limits import MAX_QUEUE_DEPTH
-from gateway.ports import BRIEF_LIFESPAN_NS, Qos
+from gateway.ports import BRIEF_LIFESPAN_NS, MAX_TAKES_PER_TURN, Qos
 from gateway.protocol.operations.topics import Advertise, Duration, QosRequest, SecsNsecs
+from gateway.protocol.subscription_options import SubscriptionOptions
+
+
+def subscribed(options: SubscriptionOptions, message_type: MessageType) -> Qos:
+    """Return the request of a subscription.
+
+    Where the depth is left open, DDS keeps so many small messages that a burst is complete; large
+    ones would fill the memory, and wait where a newer one should take their place.
+    """
+    asked = requested(options.qos)
+    if asked.depth is not None:
+        return asked
+    depth: int | None = MAX_QUEUE_DEPTH
+    if message_type.may_be_large:
+        wanted = min(options.queue_length or 0, MAX_QUEUE_DEPTH)
+        depth = wanted if wanted > MAX_TAKES_PER_TURN else None
+    return replace(asked, depth=depth)
 
 
 def requested(request: QosRequest) -> Qos:

@@ -59,6 +59,7 @@ class Subscription:
         "_throttle",
         "_timer",
         "last_refusal",
+        "lost_before",
         "offered",
         "options",
         "past",
@@ -91,6 +92,7 @@ class Subscription:
         self.source: Source | None = None
         self.last_refusal = ""  # of another source, as the client was warned
         self.offered = 0
+        self.lost_before = 0  # samples that never came to be offered
         self.queue = session.outbox.open_queue(*options.queue_bounds)
         self.queue.on_timed = self._on_timed
         self._counts = counts
@@ -119,8 +121,8 @@ class Subscription:
 
     @property
     def lost(self) -> int:
-        """The samples that the client will never get, as it or its throttle was too slow."""
-        return self.queue.dropped + self.queue.coalesced
+        """The samples that the client will never get, as it, its throttle or DDS was too slow."""
+        return self.lost_before + self.queue.dropped + self.queue.coalesced
 
     def offer(self, entry: Entry, now_ns: int, *, more: bool) -> None:
         """Take an entry, now or at the end of the throttle's interval; *more* follow at once."""

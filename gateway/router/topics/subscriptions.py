@@ -23,7 +23,7 @@ from gateway.protocol.websocket_frames import Compression
 from gateway.router.topic_counts import CountsByTopic
 from gateway.router.topic_events import TopicEvents
 from gateway.router.topic_types import TopicTypes, TypeAskedError
-from gateway.router.topics.requested_qos import requested
+from gateway.router.topics.requested_qos import subscribed
 from gateway.router.topics.silence_watch import SilenceWatch
 from gateway.router.topics.subscription import EncodingKey, Source, Subscription, TopicKey
 from gateway.router.topics.topic import Topic
@@ -225,7 +225,7 @@ class Subscriptions:
         is_json = options.compression in {"none", "png"} and image is None
         nonfinite = options.nonfinite if is_json else "null"
         return Source(
-            TopicKey(name, message_type.name, requested(options.qos)),
+            TopicKey(name, message_type.name, subscribed(options, message_type)),
             EncodingKey(requested_name, options.fields, image, options.compression, nonfinite),
         )
 

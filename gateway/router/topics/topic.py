@@ -60,6 +60,7 @@ class Topic:
         self._received: deque[tuple[int, int]] = deque(maxlen=RATE_BATCHES)  # times and numbers
         self._late_joins: dict[Subscription, LateJoin] = {}
         self._faults: dict[EncodingKey, SampleFaults] = {}  # of a picture, or of the message
+        self._lost = 0  # samples, before they came here
         self._timed_ns = 0  # when the next batch is timed
         self._ros_subscription = ros.subscribe(
             key.name, key.type_name, key.qos, self._on_samples, self._on_event
@@ -129,6 +130,8 @@ class Topic:
         """Offer what arrived, oldest first."""
         now_ns = time.monotonic_ns()
         count = len(samples)
+        if self._ros_subscription.lost != self._lost:
+            self._note_lost(self._ros_subscription.lost)
         first_seq = self._seq + 1
         self._seq += count
         self._received.append((now_ns, self._seq))
@@ -150,6 +153,15 @@ class Topic:
             self._timed_ns = now_ns + TIMING_PERIOD_NS
             self._time(samples[0].received_ns)
         self._wake_all()
+
+    def _note_lost(self, lost: int) -> None:
+        """Count samples that never came, and leave out their numbers."""
+        new, self._lost = lost - self._lost, lost
+        self._seq += new
+        self._counts.lost += new
+        for encoding in self._encodings.values():
+            for subscription in encoding.subscriptions:
+                subscription.lost_before += new
 
     def _time(self, received_ns: int) -> None:
         """Note how long it has taken until the clients had their frames."""

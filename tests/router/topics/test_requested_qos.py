@@ -1,8 +1,34 @@
 # SPDX-License-Identifier: Apache-2.0
 import pytest
 
-from gateway.protocol.operations.topics import Advertise, QosRequest
-from gateway.router.topics.requested_qos import offered, requested
+from gateway.codec.types import Types
+from gateway.protocol.operations.topics import Advertise, QosRequest, Subscribe
+from gateway.protocol.subscription_options import SubscriptionOptions
+from gateway.router.topics.requested_qos import offered, requested, subscribed
+from schemas.installed import InstalledDefinitions
+
+TYPES = Types(InstalledDefinitions())
+
+
+@pytest.mark.parametrize(
+    ("type_name", "options", "depth"),
+    [
+        ("nav_msgs/msg/Odometry", {}, 1024),
+        ("nav_msgs/msg/Odometry", {"queue_length": 1}, 1024),
+        ("nav_msgs/msg/Odometry", {"qos": {"reliability": "best_effort"}}, 1024),
+        ("nav_msgs/msg/Odometry", {"qos": {"depth": 7}}, 7),
+        ("sensor_msgs/msg/Image", {}, None),
+        ("sensor_msgs/msg/Image", {"queue_length": 32}, None),
+        ("sensor_msgs/msg/Image", {"queue_length": 33}, 33),
+        ("sensor_msgs/msg/Image", {"queue_length": 5000}, 1024),
+        ("sensor_msgs/msg/Image", {"queue_length": 100, "qos": {"depth": 2}}, 2),
+    ],
+)
+def test_dds_keeps_many_small_messages_and_of_large_ones_what_a_client_asks_for(
+    type_name, options, depth
+):
+    merged = SubscriptionOptions.merge([Subscribe(topic="/t", **options)])
+    assert subscribed(merged, TYPES.get(type_name)).depth == depth
 
 
 @pytest.mark.parametrize(("queue_size", "depth"), [(0, None), (1, 1), (1024, 1024), (1025, 1024)])

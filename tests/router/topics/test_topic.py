@@ -288,6 +288,29 @@ def test_a_slow_topic_keeps_its_rate_for_three_periods(
     assert topic.rate_hz(now_ns + 6 * SECOND + 1) == 0
 
 
+async def test_what_dds_has_lost_is_counted_and_its_numbers_are_left_out(
+    ros: FakeRos, workers: Executor
+):
+    topic = open_topic(ros, workers, Qos(depth=3))
+    told, silent = subscription(meta=True), subscription()
+    topic.add(told, PLAIN)
+    topic.add(silent, PLAIN)
+    publisher = ros.add_publisher("/t", STRING)
+    publisher.publish(sample("first").cdr)
+    await eventually(lambda: topic.heard_ns)
+    for _ in range(10):  # before the loop takes any
+        publisher.publish(sample("burst").cdr)
+    await eventually(lambda: told.offered == 4)
+    wires = told.session.outbox.take(1 << 20)
+    frames = [frame for wire in wires for frame in unpacked(wire)]
+    assert [(frame["seq"], frame["dropped"]) for frame in frames] == [
+        *((1, 7), (9, 7), (10, 7), (11, 7))
+    ]
+    late = subscription()
+    topic.add(late, PLAIN)
+    assert (silent.lost, late.lost) == (7, 0)
+
+
 async def test_a_throttled_subscription_gets_the_newest_at_the_end_and_counts_the_others(
     topic: Topic,
 ):
