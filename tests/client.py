@@ -58,7 +58,13 @@ class Client:
 @contextlib.asynccontextmanager
 async def client(url: str, **options: Any) -> AsyncIterator[Client]:
     """Connect a client, without proxies, compression or limits in the way."""
-    options = {"compression": None, "max_size": None, "proxy": None, **options}
+    options = {
+        "compression": None,
+        "max_size": None,
+        "proxy": None,
+        "ping_interval": None,
+        **options,
+    }
     async with connect(url, **options) as socket:
         yield Client(socket)
 

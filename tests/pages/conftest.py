@@ -14,8 +14,8 @@ from tests.demonstration import demonstration
 from tests.gateway_process import GatewayProcess
 
 TIMEOUT_S = 120  # a busy machine starts a browser for a while
-CHROMIUM = Path("/usr/lib/chromium/chromium-headless-shell")
-HAS_CHROMIUM = CHROMIUM.exists()
+HAS_CHROMIUM = Path("/usr/lib/chromium/chromium-headless-shell").exists()
+CHROMIUM = Path(__file__).with_name("chromium.sh")
 DESK = {"width": 1280, "height": 800}
 HOW = "no browser: apt install chromium-headless-shell, then pip install playwright"
 
@@ -75,9 +75,11 @@ def open_page(browser) -> OpenPage:
             lambda each: urlsplit(each.url).netloc in {host, ""} or wrong.append(each.url),
         )
         page.wrong = wrong
-        await page.goto(address)
-        yield page
-        await context.close()
+        try:
+            await page.goto(address)
+            yield page
+        finally:  # or it would go on drawing beside all later tests
+            await context.close()
         assert wrong == []
 
     return open_it

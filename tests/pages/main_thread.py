@@ -20,6 +20,8 @@ TOPICS = 60
 RATE_HZ = 25
 SETTLED_S = 5
 MEASURED_S = 15
+# of a robot in the next room, by its own WiFi: ms there and back, bytes/s
+WIFI = {"offline": False, "latency": 20, "downloadThroughput": 2_500_000, "uploadThroughput": 1e6}
 FIRST_PAINT = """() => {
     const found = performance.getEntriesByName("first-contentful-paint")[0];
     return found && found.startTime;
@@ -52,12 +54,19 @@ async def main() -> None:
     plots = "&".join(f"card=plot+0+/load{number}+pose.position.x" for number in range(TOPICS))
     async with demonstration() as gateway, async_playwright() as driver:
         browser = await driver.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        page = await browser.new_page(viewport=SIZE)
-        await page.goto(page_address(gateway))
-        await page.wait_for_selector("article canvas")
-        drawn = await page.evaluate("() => performance.now()")
-        paint = await page.evaluate(FIRST_PAINT)
-        print(f"first paint after {paint:.0f} ms, first card after {drawn:.0f} ms")  # noqa: T201
+        for link, conditions in (("here", None), ("by WiFi of 20 Mbit/s and 20 ms", WIFI)):
+            page = await browser.new_page(viewport=SIZE)
+            if conditions is not None:
+                session = await page.context.new_cdp_session(page)
+                await session.send("Network.enable")
+                await session.send("Network.emulateNetworkConditions", conditions)
+            await page.goto(page_address(gateway))
+            await page.wait_for_selector("article canvas")
+            drawn = await page.evaluate("() => performance.now()")
+            paint = await page.evaluate(FIRST_PAINT)
+            told = f"first paint after {paint:.0f} ms, first card after {drawn:.0f} ms"
+            print(f"{link}: {told}")  # noqa: T201
+            await page.close()
         loading = asyncio.create_task(publish(gateway.url))
         page = await browser.new_page(viewport=SIZE)
         await page.goto(f"{page_address(gateway)}#card=image+0+/camera/image_raw&{plots}")
