@@ -15,12 +15,14 @@ _SERVICES = {"/motor_power", "/reset", f"{ROBOT}/list_parameters"}
 
 
 @contextlib.asynccontextmanager
-async def demonstration(*arguments: str) -> AsyncIterator[GatewayProcess]:
+async def demonstration(
+    *arguments: str, module: str = "tests.patient_gateway"
+) -> AsyncIterator[GatewayProcess]:
     """Run ``ros2-gateway demo`` until the context ends, and enter once the robot is known.
 
     And once it is known alone: a robot that an earlier test has killed stays in the graph for 20 s.
     """
-    async with gateway_process("demo", *arguments) as gateway:
+    async with gateway_process("demo", *arguments, module=module) as gateway:
         await _wait_for_the_robot(gateway.url)
         yield gateway
 

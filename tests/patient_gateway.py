@@ -7,6 +7,12 @@ On a machine that is ten times slower an orderly end takes longer, and tests wan
 from gateway import app
 from gateway.__main__ import run
 
-if __name__ == "__main__":
+
+def main() -> None:
+    """Run it."""
     app.SHUTDOWN_S = 60  # type: ignore[misc]  # final everywhere else
     run()
+
+
+if __name__ == "__main__":
+    main()

@@ -12,6 +12,7 @@ import pytest_asyncio
 
 from tests.demonstration import demonstration
 from tests.gateway_process import GatewayProcess
+from tests.pages.patient_demo import PATIENT
 
 TIMEOUT_S = 120  # a busy machine starts a browser for a while
 HAS_CHROMIUM = Path("/usr/lib/chromium/chromium-headless-shell").exists()
@@ -37,7 +38,7 @@ async def browser():
 
 @pytest_asyncio.fixture(scope="module", loop_scope="module")
 async def demo() -> AsyncIterator[GatewayProcess]:
-    async with demonstration() as gateway:
+    async with demonstration(*PATIENT, module="tests.pages.patient_demo") as gateway:
         yield gateway
 
 

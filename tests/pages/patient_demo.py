@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: Apache-2.0
+"""``ros2-gateway demo`` with more time for commands and for its guard process.
+
+Beside a browser that draws in software a busy machine holds each up for seconds, and a robot that
+is rightly stopped for it arrives nowhere. What stops a robot in time has tests of its own.
+"""
+
+from gateway.drive import freshness
+from gateway.guard import supervisor
+from tests.patient_gateway import main
+
+PATIENT = (
+    *("--set", "control.deadline_s=2"),
+    *("--set", "control.lease_s=60"),
+    *("--set", "limits.ping_timeout_s=60"),
+)
+
+if __name__ == "__main__":
+    freshness.MAX_AGE_NS = 60 * 10**9  # type: ignore[misc]  # final everywhere else
+    supervisor.MARGIN_S = 30  # type: ignore[misc]
+    supervisor.UNANSWERED_S = 60  # type: ignore[misc]
+    main()
