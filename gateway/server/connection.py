@@ -240,8 +240,7 @@ class Connection(asyncio.BufferedProtocol):
         if self._closing_s is not None:
             if now_s - self._closing_s > limits.close_timeout_s:
                 self.abort()
-        elif self._protocol.close_expected():
-            # messages often come in one packet with a close
+        elif self._protocol.close_expected():  # messages often come in one packet with a close
             if not self._inbound and not self._is_sending_page(now_s):
                 self._closing_s = now_s
         elif self._viewer is not None:
@@ -390,7 +389,9 @@ class Connection(asyncio.BufferedProtocol):
         for data in output:
             if data:
                 self._transport.write(data)
-            elif self._transport.can_write_eof():
+            elif self.is_encrypted:  # TLS has no half that could be closed alone
+                self._transport.close()
+            else:
                 with contextlib.suppress(OSError):  # the peer closed first
                     self._transport.write_eof()
         if may_be_large:  # a page, which is no flood
@@ -413,8 +414,7 @@ class Connection(asyncio.BufferedProtocol):
         return replace(end, messages_in=session.received, frames_out=session.outbox.sent)
 
     def _check(self, now_s: float, session: Session) -> None:
-        unsent_bytes = self._transport.get_write_buffer_size()
-        sending = Sending(session.outbox, unsent_bytes, self.is_paused)
+        sending = Sending(session.outbox, self._transport.get_write_buffer_size(), self.is_paused)
         is_read = self._viewer is None and not self._inbound.is_paused  # a viewer says nothing
         match self._keep_alive.check(now_s, sending, is_read=is_read):
             case Ping():

@@ -157,6 +157,7 @@ class Server:
                     port,
                     ssl=door.tls,
                     ssl_handshake_timeout=self.limits.open_timeout_s if door.tls else None,
+                    ssl_shutdown_timeout=self.limits.send_deadline_s if door.tls else None,
                 )
             except OSError as error:
                 if not addresses:

@@ -15,7 +15,9 @@ from gateway.config.access import TlsConfig
 from gateway.errors import BindError
 from gateway.log_rate import BURST, LogRate
 from gateway.security import tls_context
-from gateway.server.server import Door
+from gateway.server.connection import Connection
+from gateway.server.scrapes import Scrapes
+from gateway.server.server import TICK_S, Door
 from tests.client import TIMEOUT_S, client, eventually
 from tests.server.conftest import Serve, Served
 from tests.server.test_server import closing, masked, upgrade
@@ -118,6 +120,40 @@ async def test_a_peer_that_vanishes_leaves_nothing_behind(serve: Serve, tls, tru
             speaker.socket.transport.abort()
         await eventually(lambda: not served.server._connections)
     assert "Traceback" not in caplog.text
+
+
+@pytest.mark.parametrize("is_client", [True, False])
+async def test_who_is_done_is_not_kept_waiting(serve: Serve, tls, trusting, is_client, monkeypatch):
+    monkeypatch.setattr(Connection, "tick", lambda *_: None)  # which ends by force
+    async with serve(tls=tls) as served, asyncio.timeout(TIMEOUT_S):
+        if is_client:
+            async with client(url(served), ssl=trusting, close_timeout=None) as speaker:
+                await speaker.sync()
+        else:
+            reader, writer = await asyncio.open_connection("localhost", served.port, ssl=trusting)
+            writer.write(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n")
+            assert (await reader.read()).startswith(b"HTTP/1.1 200 ")
+            writer.close()
+        await eventually(lambda: not served.server._connections)
+
+
+async def test_a_large_page_comes_whole_to_who_reads_it_late(
+    serve: Serve, tls, trusting, monkeypatch
+):
+    page = b"# a comment\n" * 700_000
+
+    async def write(*_: object) -> bytes:
+        return page
+
+    monkeypatch.setattr(Scrapes, "_write", write)
+    async with serve(tls=tls) as served, asyncio.timeout(TIMEOUT_S):
+        reader, writer = await asyncio.open_connection("localhost", served.port, ssl=trusting)
+        writer.write(b"GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        await eventually(lambda: any(each.awaits_page for each in served.server._connections))
+        await asyncio.sleep(3 * TICK_S)
+        assert (await reader.read()).endswith(b"\r\n\r\n" + page)
+        writer.close()
+        await eventually(lambda: not served.server._connections)
 
 
 async def test_a_failed_handshake_is_one_line_of_the_log_with_its_reason(
