@@ -61,9 +61,6 @@ class Transport(asyncio.Transport):
     def get_write_buffer_size(self) -> int:
         return 0
 
-    def can_write_eof(self) -> bool:
-        return True
-
     def write_eof(self) -> None:
         pass
 
