@@ -19,6 +19,7 @@ from benchmarks.scenarios import (
     hostile,
     idle,
     inbound,
+    links,
     many_topics,
     slow_client,
     start_up,
@@ -56,6 +57,7 @@ SCENARIOS: Final[dict[str, Scenario]] = {
     "slow-client": Scenario(
         "one client that reads nothing beside 3 that do", "1 min", slow_client.measure
     ),
+    "links": Scenario("slow links: how old is what arrives", "6 min", links.measure),
     "start-up": Scenario("from start to the first handshake", "15 s", start_up.measure),
     "idle": Scenario("60 subscriptions to silent topics", "40 s", idle.measure),
     "growth": Scenario("cost by rate, clients, idle topics and uptime", "5 min", growth.measure),

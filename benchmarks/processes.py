@@ -122,10 +122,13 @@ def running(name: str, *command: str, is_asked: bool = False) -> Iterator[Proces
 
 
 @contextlib.contextmanager
-def acting(name: str, *arguments: object) -> Iterator[Process]:
-    """Run a program of `benchmarks.actors`, whose first answer is still to be read."""
+def acting(name: str, *arguments: object, before: tuple[str, ...] = ()) -> Iterator[Process]:
+    """Run a program of `benchmarks.actors`, whose first answer is still to be read.
+
+    *before* is a command that runs it, such as one that enters a network.
+    """
     command = [sys.executable, "-m", f"benchmarks.actors.{name}", *map(str, arguments)]
-    with running(name, *command, is_asked=True) as actor:
+    with running(name, *before, *command, is_asked=True) as actor:
         yield actor
 
 

@@ -115,10 +115,15 @@ class ReceivingClient:
 
 @contextlib.contextmanager
 def publishing(
-    sample: str, rate_hz: float = 0.0, *, topics: int = 1, share: str = "0/1"
+    sample: str,
+    rate_hz: float = 0.0,
+    *,
+    topics: int = 1,
+    share: str = "0/1",
+    before: tuple[str, ...] = (),
 ) -> Iterator[Process]:
     """Publish at a rate until the end; with 0, as ordered."""
-    with acting("publisher", sample, topics, share, "now") as publisher:
+    with acting("publisher", sample, topics, share, "now", before=before) as publisher:
         publisher.answer()
         if rate_hz:
             publisher.ask("go", rate_hz)

@@ -5,6 +5,7 @@ import contextlib
 import shlex
 import socket
 import sys
+import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
@@ -13,6 +14,8 @@ from benchmarks.errors import BenchmarkError
 from benchmarks.processes import Process, running, wait_until
 
 Limits = Mapping[str, int]
+
+_START_S: Final = 5.0
 
 # for scenarios that measure speed, not the limits that protect a robot's network
 NO_INBOUND_LIMITS: Final[Limits] = {
@@ -29,6 +32,22 @@ class MeasuredServer:
     name: str = "gateway"
     command: tuple[str, ...] = ()
     port: int = 0
+
+    @contextlib.contextmanager
+    def running_in(self, network: tuple[str, ...], host: str) -> Iterator[tuple[str, Process]]:
+        """Run it in another network, which a command enters, until the end; yield as `running`.
+
+        Another server is to listen on all addresses there.
+        """
+        if not self.command:
+            open_to_all = ("--host", host, "--no-auth", "--anyone-may-drive")
+            command = (*network, *gateway_command(0), *open_to_all)
+            with running(self.name, *command) as process:
+                yield process.line_with(r"ws://\d\S+"), process
+            return
+        with running(self.name, *network, *self.command) as process:
+            time.sleep(_START_S)  # its port cannot be asked from here
+            yield f"ws://{host}:{self.port}", process
 
     @contextlib.contextmanager
     def running(self, limits: Limits | None = None) -> Iterator[tuple[str, Process]]:

@@ -37,6 +37,7 @@ class ImageOptions:
     max_width: int | None = None
     max_height: int | None = None
     depth_range_m: tuple[float, float] = (0.0, 10.0)
+    reduction: int = 1  # within these bounds, one pixel stands for so many in each direction
 
     def __post_init__(self) -> None:
         if self.format not in PICTURE_FORMATS:
@@ -141,6 +142,7 @@ def _fitted(image: RawImage, options: ImageOptions) -> tuple[int, int]:
         (options.max_width or image.width) / image.width,
         (options.max_height or image.height) / image.height,
     )
+    scale /= options.reduction
     return max(1, round(image.width * scale)), max(1, round(image.height * scale))
 
 

@@ -18,6 +18,11 @@ class PictureFormat:
     has_8_bits: bool  # per channel, and no more; others keep 16 bits, and depth in millimetres
     quality_parameter: int | None = None  # of OpenCV's encoder; None: lossless
 
+    @property
+    def is_lossy(self) -> bool:
+        """True if a lower quality takes fewer bytes."""
+        return self.quality_parameter is not None
+
     def parameters(self, quality: int) -> list[int]:
         """Return what OpenCV's encoder is told for a quality of 1 to 100."""
         return [] if self.quality_parameter is None else [self.quality_parameter, quality]

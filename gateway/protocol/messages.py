@@ -71,11 +71,16 @@ def publish_prefix(topic: str) -> bytes:
     return b'{"op":"publish","topic":' + orjson.dumps(topic) + b',"msg":'
 
 
-def publish_meta_prefix(topic: str, seq: int, received_ns: int, dropped: int) -> bytes:
+def publish_meta_prefix(
+    topic: str, seq: int, received_ns: int, dropped: int, quality: int | None
+) -> bytes:
     """Return the beginning of a `publish` frame with meta: true, up to the message."""
     return (
-        b'{"op":"publish","topic":%b,"seq":%d,"received":{"sec":%d,"nanosec":%d},"dropped":%d,"msg":'
-        % (orjson.dumps(topic), seq, *divmod(received_ns, 1_000_000_000), dropped)
+        b'{"op":"publish","topic":%b,"seq":%d,"received":{"sec":%d,"nanosec":%d},"dropped":%d,%b"msg":'
+        % (
+            *(orjson.dumps(topic), seq, *divmod(received_ns, 1_000_000_000), dropped),
+            b"" if quality is None else b'"quality":%d,' % quality,
+        )
     )
 
 

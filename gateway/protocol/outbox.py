@@ -3,11 +3,15 @@
 
 No entry is encoded before its turn to be sent: a sample that is dropped was never decoded. An entry
 that comes while nothing waits and the socket takes has its turn at once; it is written directly.
+
+Where the link is too slow for everything, it is shared by bytes: between what is small (state) and
+what is large (pictures, scans, maps), and among the queues of each kind by start-time fair queueing
+(Goyal, Vin and Cheng, 1996). A queue that has less to send than its share does not wait.
 """
 
 import enum
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Final, Literal, Protocol, TypeAlias
 
 
@@ -49,8 +53,18 @@ WriteDirectly = Callable[[Entry], int]
 OnTimed = Callable[[int], None]
 """Take the time at which an entry arrived that was just handed to the socket."""
 
+OnSent = Callable[[int], None]
+"""Take the bytes of a frame that was just handed to the socket."""
+
 # Of so many entries of a queue that have waited, one is timed when it is sent.
 TIMED_EVERY: Final = 16
+
+# Odometry with its covariances is smaller, a scan of 1,000 rays larger.
+LARGE_BYTES: Final = 4096
+# Of a link that is too slow for both: a robot is driven by its state, a picture can be smaller.
+LARGE_SHARE: Final = 0.2
+# What the link does not drain in this time is old when it arrives: newer entries take its place.
+FRESH_S: Final = 0.05
 
 
 class Queue:
@@ -67,10 +81,12 @@ class Queue:
         "discarded",
         "dropped",
         "max_bytes",
+        "on_sent",
         "on_timed",
         "sent",
         "sent_bytes",
         "size",
+        "turn",
         "waiting",
     )
 
@@ -87,11 +103,31 @@ class Queue:
         self.discarded = 0  # could not be encoded, or nobody wanted them any more
         self.coalesced = 0  # never came here: a throttle let a newer one pass in their place
         self.on_timed: OnTimed | None = None  # gets one in `TIMED_EVERY` of what has waited
+        self.on_sent: OnSent | None = None  # gets all of what has waited
+        self.turn = 0.0  # the bytes after which it is served, by the clock of its kind
 
     @property
     def pending(self) -> int:
         """The number of entries that wait."""
         return len(self.waiting) + (self.claimed is not None)
+
+    @property
+    def kind(self) -> "_Kind":
+        """The queues that it shares the link with, by its next entry; there must be one."""
+        entry = self.waiting[0] if self.claimed is None else self.claimed
+        return self._outbox.large if entry.size > LARGE_BYTES else self._outbox.small
+
+    @property
+    def behind_bytes(self) -> float:
+        """About what the link has to drain before the newest entry, if older ones may be dropped.
+
+        They may unless the client has asked for a length.
+        """
+        behind = len(self.waiting) - 1
+        if behind <= 0 or self.max_bytes is None:
+            return 0.0
+        # frames are longer than what they are made of
+        return behind * (self.sent_bytes / self.sent if self.sent else self.waiting[0].size)
 
     def put(self, entry: Entry, *, more: bool = False) -> None:
         """Write an entry directly if possible, else append it and drop what does not fit.
@@ -135,6 +171,8 @@ class Queue:
             if frame is not NOTHING:
                 self.sent += 1
                 self.sent_bytes += len(frame)
+                if self.on_sent is not None:
+                    self.on_sent(len(frame))
                 if not self.sent % TIMED_EVERY and self.on_timed is not None:
                     self.on_timed(entry.arrived_ns)
                 return frame
@@ -170,7 +208,11 @@ class Outbox:
         self.control_sent = 0
         self._control: deque[bytes] = deque()
         self._control_size = 0
-        self._queues: deque[Queue] = deque()  # the first is served next
+        self.bytes_per_s: float | None = None  # of the link; None: it was never too slow
+        self._queues: list[Queue] = []
+        self.small = _Kind(1 - LARGE_SHARE)
+        self.large = _Kind(LARGE_SHARE)
+        self._clock = 0.0  # the turn of the kind that was served last
         # of queues that were closed
         self._past_coalesced = 0
         self._past_dropped = 0
@@ -228,7 +270,7 @@ class Outbox:
         self.shed()
 
     def take(self, max_bytes: int) -> list[bytes]:
-        """Take what is ready: control frames first, then one frame per queue in turn.
+        """Take what is ready: control frames first, then frames of the queues by fair shares.
 
         Stops once *max_bytes* are reached, so it exceeds them by one frame at most.
         """
@@ -241,18 +283,21 @@ class Outbox:
             self.control_sent += 1
             taken.append(frame)
             left -= len(frame)
-        queues = self._queues if self.size else ()
-        idle = 0
-        while left > 0 and idle < len(queues):
-            ready = self._queues[0].next()
-            self._queues.rotate(-1)
-            if ready is None:
-                idle += 1
-            else:
-                idle = 0
-                taken.append(ready)
-                left -= len(ready)
+        ready = [queue for queue in self._queues if queue.pending] if self.size else []
+        while left > 0 and ready:
+            kind, queue = self._next(ready)
+            next_frame = queue.next()
+            if next_frame is not None:
+                taken.append(next_frame)
+                left -= len(next_frame)
+                kind.serve(queue, len(next_frame))
+            if next_frame is None or not queue.pending:
+                ready.remove(queue)
         return taken
+
+    def drains(self, bytes_per_s: float) -> None:
+        """Take note of the rate at which the link drains."""
+        self.bytes_per_s = bytes_per_s
 
     @property
     def _oldest_control_size(self) -> int:
@@ -264,6 +309,8 @@ class Outbox:
 
     def shed(self) -> None:
         """Drop until the budget holds, or until one last entry is left to send."""
+        if self.bytes_per_s is not None:
+            self._freshen(self.bytes_per_s * FRESH_S)
         if self.size <= self.max_bytes:
             return
         waiting = sum(len(queue.waiting) for queue in self._queues)
@@ -271,3 +318,45 @@ class Outbox:
             filled = (queue for queue in self._queues if queue.waiting)
             max(filled, key=lambda queue: queue.size).drop_oldest()
             waiting -= 1
+
+    def _freshen(self, drained_bytes: float) -> None:
+        """Drop what the link does not drain in time, but for the newest entry of each queue."""
+        for kind in (self.small, self.large):
+            queues = [queue for queue in self._queues if queue.waiting and queue.kind is kind]
+            behind_bytes = sum(queue.behind_bytes for queue in queues)
+            while behind_bytes > drained_bytes * kind.share:
+                longest = max(queues, key=lambda queue: queue.behind_bytes)
+                before = longest.behind_bytes
+                longest.drop_oldest()
+                behind_bytes += longest.behind_bytes - before
+
+    def _next(self, ready: Sequence[Queue]) -> tuple["_Kind", Queue]:
+        """Return the queue whose turn it is; one that had nothing to send is owed nothing."""
+        kinds = {queue.kind for queue in ready}
+        for kind in kinds:
+            kind.turn = max(kind.turn, self._clock)
+        kind = min(kinds, key=lambda kind: (kind.turn, kind is self.large))
+        self._clock = kind.turn
+        return kind, kind.next([queue for queue in ready if queue.kind is kind])
+
+
+class _Kind:
+    """Queues whose next entry is small, or large; they share their part of the link equally."""
+
+    __slots__ = ("_clock", "share", "turn")
+
+    def __init__(self, share: float) -> None:
+        self.share = share
+        self.turn = 0.0  # bytes of the whole link, by the clock of the outbox
+        self._clock = 0.0  # the turn of the queue that was served last
+
+    def next(self, queues: Sequence[Queue]) -> Queue:
+        """Return the queue that has had least, and has waited longest among equals."""
+        queue = min(queues, key=lambda queue: max(queue.turn, self._clock))
+        self._clock = queue.turn = max(queue.turn, self._clock)
+        return queue
+
+    def serve(self, queue: Queue, size: int) -> None:
+        """Count a frame that was taken from a queue."""
+        queue.turn += size
+        self.turn += size / self.share

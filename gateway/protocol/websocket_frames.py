@@ -67,11 +67,17 @@ class Meta:
     seq: int
     received_ns: int
     dropped: int
+    quality: int | None = None  # of a picture that fits the link
 
     def members(self) -> dict[str, object]:
         """Return them by their names on the wire."""
         received = messages.time(self.received_ns)
-        return {"seq": self.seq, "received": received, "dropped": self.dropped}
+        members: dict[str, object] = {
+            "seq": self.seq,
+            "received": received,
+            "dropped": self.dropped,
+        }
+        return members if self.quality is None else members | {"quality": self.quality}
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +125,11 @@ class JsonFrames:
         prefix = self._prefix
         if own.meta is not None:
             prefix = messages.publish_meta_prefix(
-                self._topic, own.meta.seq, own.meta.received_ns, own.meta.dropped
+                self._topic,
+                own.meta.seq,
+                own.meta.received_ns,
+                own.meta.dropped,
+                own.meta.quality,
             )
         text = b"".join((prefix, message, messages.PUBLISH_SUFFIX))
         if own.is_ascii:

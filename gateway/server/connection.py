@@ -7,7 +7,6 @@ socket takes them. So the rest waits in the outbox, where it can be dropped.
 """
 
 import asyncio
-import contextlib
 import logging
 import time
 from dataclasses import replace
@@ -43,13 +42,15 @@ from gateway.server.end import (
 from gateway.server.http import new_protocol
 from gateway.server.inbound import READ_CHUNK_BYTES, Inbound, not_utf8
 from gateway.server.keep_alive import Abort, Close, KeepAlive, Ping, Sending
+from gateway.server.message_assembly import MessageAssembly
+from gateway.server.pacing import Pacing
 from gateway.server.picture_streams import Viewer
+from gateway.server.protocol_output import ProtocolOutput
 from gateway.server.socket_options import tune
 
 logger = logging.getLogger(__name__)
 
 WRITE_HIGH_WATER_BYTES: Final = 64 * 1024  # beyond this, frames wait where they can be dropped
-MAX_PROTOCOL_BACKLOG_BYTES: Final = 64 * 1024  # pongs for a peer that pings and never reads
 
 
 class Connection(asyncio.BufferedProtocol):
@@ -62,11 +63,11 @@ class Connection(asyncio.BufferedProtocol):
         self._buffer = bytearray(READ_CHUNK_BYTES)
         self._transport: asyncio.Transport
         self._inbound: Inbound
+        self._pacing: Pacing
+        self._output: ProtocolOutput
         self._session: Session | None = None
         self._viewer: Viewer | None = None  # of pictures, by plain HTTP
-        self._fragments: list[bytes] = []
-        self._fragments_are_text = False
-        self.is_paused = False  # the socket is full
+        self._assembly = MessageAssembly()
         self._flushing = False
         now_ns = time.monotonic_ns()
         self._frames = TokenBucket(self._limits.frames_per_s, self._limits.frame_burst, now_ns)
@@ -74,7 +75,6 @@ class Connection(asyncio.BufferedProtocol):
         self._keep_alive = KeepAlive(self._limits, self._opened_s)
         self._closing_s: float | None = None
         self._why: Why | None = None  # it ends
-        self._protocol_backlog = 0
         self._start = b""  # of the HTTP request
         self._gets_page = False  # of those that are written later
         self._bytes_in = 0
@@ -88,12 +88,14 @@ class Connection(asyncio.BufferedProtocol):
         self._transport = transport = cast("asyncio.Transport", transport)
         self._write_batch = batch_writer(transport)
         transport.set_write_buffer_limits(high=WRITE_HIGH_WATER_BYTES)
-        self.is_encrypted = transport.get_extra_info("sslcontext") is not None
+        self._output = ProtocolOutput(self._protocol, transport)
+        self.is_encrypted = self._output.is_encrypted
         peer = transport.get_extra_info("peername")
         self.address = str(peer[0]) if peer else "?"
         tune(transport.get_extra_info("socket"), self._limits.send_deadline_s)
         self.spending = self._acceptor.budgets.open(self.address)
         self._inbound = Inbound(self, self._protocol, transport, self.spending)
+        self._pacing = Pacing(transport, self._go_on, self._note_rate)
         self._acceptor.arrive(self)
 
     def get_buffer(self, sizehint: int) -> bytearray:
@@ -126,19 +128,17 @@ class Connection(asyncio.BufferedProtocol):
             now_s = time.monotonic()
             self.spending.spend(now_s - start_s, now_s)
             self._inbound.close()
+            self._pacing.close()
 
     def pause_writing(self) -> None:
         """Stop taking from the outbox: the socket is full."""
-        self.is_paused = True
+        self._pacing.socket_full()
         self._keep_alive.blocked(time.monotonic())
 
     def resume_writing(self) -> None:
         """Continue: the socket has sent most of its bytes."""
-        self.is_paused = False
-        self._protocol_backlog = 0
-        self.flush()
-        if self._viewer is not None:
-            self._viewer.flush()
+        self._output.taken()
+        self._pacing.socket_ready()
 
     # Called by the server
 
@@ -151,6 +151,11 @@ class Connection(asyncio.BufferedProtocol):
     def name(self) -> str:
         """The address and number of the client, for the log."""
         return f"{self.address}#{self._number}"
+
+    @property
+    def is_paused(self) -> bool:
+        """True while the socket or the link is full."""
+        return self._pacing.is_paused
 
     @property
     def is_half_open(self) -> bool:
@@ -176,13 +181,14 @@ class Connection(asyncio.BufferedProtocol):
         if self._flushing or self.is_paused or self._session is None:
             return
         self._flushing = True  # encoding may report an error, which wakes us again
-        outbox = self._session.outbox
+        outbox, pacing = self._session.outbox, self._pacing
         try:
-            while outbox.size and not self.is_paused and self._protocol.state is OPEN:
-                batch = outbox.take(WRITE_HIGH_WATER_BYTES)
+            while outbox.size and not pacing.is_paused and self._protocol.state is OPEN:
+                batch = outbox.take(min(pacing.room_bytes, WRITE_HIGH_WATER_BYTES))
                 if not batch and not outbox.has_control:  # encoding may have added a status
                     break
                 self._write_batch(batch)
+                pacing.wrote(sum(map(len, batch)))
         except Exception as bug:  # noqa: BLE001  # of one client's
             self.fail(bug)
         finally:
@@ -223,6 +229,7 @@ class Connection(asyncio.BufferedProtocol):
         """Send a part of the response to the HTTP request, unless the peer is gone."""
         if not self._transport.is_closing():
             self._transport.write(data)
+            self._pacing.wrote(len(data))
 
     def limit_messages(self, max_bytes: int) -> None:
         """Accept messages of at most so many bytes from now on."""
@@ -278,18 +285,10 @@ class Connection(asyncio.BufferedProtocol):
             self.close(POLICY_VIOLATION, f"at most {self._limits.frames_per_s:g} frames per second")
             return
         match event.opcode:
-            case Opcode.TEXT | Opcode.BINARY if event.fin:
-                self._receive(bytes(event.data), is_text=event.opcode is Opcode.TEXT)
-            case Opcode.TEXT | Opcode.BINARY:
-                self._fragments = [bytes(event.data)]
-                self._fragments_are_text = event.opcode is Opcode.TEXT
-            case Opcode.CONT:
-                # `websockets` bounds their total size, and so their number
-                if event.data:
-                    self._fragments.append(bytes(event.data))
-                if event.fin:
-                    message, self._fragments = b"".join(self._fragments), []
-                    self._receive(message, is_text=self._fragments_are_text)
+            case Opcode.TEXT | Opcode.BINARY | Opcode.CONT:
+                message = self._assembly.add(event)
+                if message is not None:
+                    self._receive(message, is_text=self._assembly.is_text)
             case _:
                 pass  # `websockets` answers pings, records pongs and closes
 
@@ -369,7 +368,8 @@ class Connection(asyncio.BufferedProtocol):
 
     def _write_directly(self, entry: Entry) -> int:
         """Send an entry that need not wait; see `gateway.protocol.outbox.WriteDirectly`."""
-        if self._flushing or self.is_paused or self._protocol.state is not OPEN:
+        pacing = self._pacing
+        if self._flushing or pacing.is_paused or self._protocol.state is not OPEN:
             return 0
         try:
             frame = entry.frame()
@@ -379,26 +379,24 @@ class Connection(asyncio.BufferedProtocol):
         except Exception as bug:  # noqa: BLE001  # of one client's
             self.fail(bug)
             return 0
-        return len(frame)
+        size = len(frame)
+        pacing.unseen_bytes -= size  # `wrote` without the call
+        if pacing.unseen_bytes < 0:
+            pacing.look()
+        return size
+
+    def _go_on(self) -> None:
+        self.flush()
+        if self._viewer is not None:
+            self._viewer.flush()
+
+    def _note_rate(self, bytes_per_s: float) -> None:
+        session = self._session if self._viewer is None else self._viewer.session
+        if session is not None:
+            session.outbox.drains(bytes_per_s)
 
     def _write_protocol_output(self, *, may_be_large: bool = False) -> None:
-        output = self._protocol.data_to_send()
-        if not output or self._transport.is_closing():
-            return
-        backlog = self._transport.get_write_buffer_size()
-        for data in output:
-            if data:
-                self._transport.write(data)
-            elif self.is_encrypted:  # TLS has no half that could be closed alone
-                self._transport.close()
-            else:
-                with contextlib.suppress(OSError):  # the peer closed first
-                    self._transport.write_eof()
-        if may_be_large:  # a page, which is no flood
-            return
-        grown = self._transport.get_write_buffer_size() - backlog
-        self._protocol_backlog = self._protocol_backlog + grown if self.is_paused else 0
-        if self._protocol_backlog > MAX_PROTOCOL_BACKLOG_BYTES:
+        if self._output.write(is_paused=self.is_paused, may_be_large=may_be_large):
             self.abort(Why("gateway", "abuse", "it sends pings and reads nothing"))
 
     # Time
@@ -414,7 +412,7 @@ class Connection(asyncio.BufferedProtocol):
         return replace(end, messages_in=session.received, frames_out=session.outbox.sent)
 
     def _check(self, now_s: float, session: Session) -> None:
-        sending = Sending(session.outbox, self._transport.get_write_buffer_size(), self.is_paused)
+        sending = Sending(session.outbox, self._pacing.taken_bytes, self.is_paused)
         is_read = self._viewer is None and not self._inbound.is_paused  # a viewer says nothing
         match self._keep_alive.check(now_s, sending, is_read=is_read):
             case Ping():

@@ -63,7 +63,10 @@ class Asker(Protocol):
     """A connection, as far as what takes longer is concerned: a page, or pictures."""
 
     address: str
-    is_paused: bool  # the socket is full
+
+    @property
+    def is_paused(self) -> bool:
+        """True while the socket or the link is full."""
 
     @property
     def awaits_page(self) -> bool:

@@ -17,8 +17,8 @@ class Sending:
     """The way out of a connection, as it is now."""
 
     outbox: Outbox
-    unsent_bytes: int  # in the socket's own buffer
-    is_paused: bool  # the socket is full
+    taken_bytes: int  # grows as the client takes what it is sent
+    is_paused: bool  # the socket or the link is full
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +53,7 @@ class KeepAlive:
         self._heard_s = now_s
         self._pinged_s: float | None = None
         self._progress_s = now_s
-        self._unsent_bytes = 0
+        self._taken_bytes = 0
         self._crowded_s: float | None = None
 
     def heard(self, now_s: float) -> None:
@@ -74,8 +74,8 @@ class KeepAlive:
         )
 
     def _check_progress(self, now_s: float, sending: Sending) -> Verdict | None:
-        unsent_bytes, self._unsent_bytes = self._unsent_bytes, sending.unsent_bytes
-        if not sending.is_paused or sending.unsent_bytes < unsent_bytes:
+        taken_bytes, self._taken_bytes = self._taken_bytes, sending.taken_bytes
+        if not sending.is_paused or sending.taken_bytes > taken_bytes:
             self._progress_s = now_s
             if sending.is_paused and self._pinged_s is not None:
                 self._pinged_s = now_s  # our ping is still behind the bytes being taken

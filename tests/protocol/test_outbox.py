@@ -113,6 +113,15 @@ def test_an_entry_that_is_not_ready_waits_without_holding_up_other_queues():
     assert outbox.take(EVERYTHING) == [b"picture", b"newer"]
 
 
+def test_what_cannot_be_encoded_is_counted_and_holds_up_nothing():
+    outbox = Outbox(1000)
+    queue = outbox.open_queue(10, None)
+    for text in (b"", b"next"):
+        queue.put(Item(text))
+    assert outbox.take(EVERYTHING) == [b"next"]
+    assert (queue.discarded, queue.sent) == (1, 1)
+
+
 def test_an_entry_that_nobody_encodes_yet_gives_way_to_a_newer_one():
     outbox = Outbox(1000)
     queue = outbox.open_queue(1, None)

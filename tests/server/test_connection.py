@@ -2,6 +2,7 @@
 """One connection without a socket: its transport, its clock and its timers are ours."""
 
 import asyncio
+import errno
 import json
 import re
 import socket
@@ -47,6 +48,9 @@ class Transport(asyncio.Transport):
 
     def setsockopt(self, level: int, option: int, value: int) -> None:
         self.options[level, option] = value
+
+    def getsockopt(self, level: int, option: int, size: int) -> bytes:
+        raise OSError(errno.EOPNOTSUPP, "this is no TCP")
 
     def set_write_buffer_limits(self, high: int | None = None, low: int | None = None) -> None:
         self.high_water_bytes = high

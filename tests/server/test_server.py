@@ -796,15 +796,18 @@ async def test_one_answer_beyond_the_send_queue_reaches_a_client_that_reads(
         reader, writer = await handshake(served)
         writer.write(masked(Opcode.TEXT, b'{"op":"subscribe","topic":"/big","queue_length":1}'))
         await eventually(lambda: served.ros.entity_count() == 1)
+        (connection,) = served.server._connections
+        session = connection.session
+        assert session is not None
+        sent = -1
         async with asyncio.timeout(TIMEOUT_S):
-            while not served.server.health()["dropped"]:  # the socket is full
+            while sent != session.outbox.sent or ticks < 5:  # the socket is full, and stays so
+                if sent != session.outbox.sent:
+                    sent, ticks = session.outbox.sent, 0
                 publisher.publish(served.cdr(STRING, data="x" * 20_000))
                 await asyncio.sleep(0)
         question = {"op": "ping", "id": "large", "value": "y" * 150_000}
         writer.write(masked(Opcode.TEXT, json.dumps(question).encode()))
-        (connection,) = served.server._connections
-        session = connection.session
-        assert session is not None
         await eventually(lambda: session.outbox.size > 150_000)
         ticks = 0
         await eventually(lambda: ticks > 3)

@@ -5,7 +5,7 @@ const HIGH_M = 1.5;
 
 /** The camera's newest picture, decoded beside the page's own thread. */
 export class Television {
-  options = { compression: "cbor", image: { quality: 70, max_width: 640 } };
+  options = { compression: "cbor", image: { quality: 70, max_width: 640, adapt: true } };
   shown = 0; // pictures so far
   #material = new MeshBasicMaterial({ color: 0x111111 });
   mesh = new Mesh(new PlaneGeometry(HIGH_M * 4 / 3, HIGH_M), this.#material);

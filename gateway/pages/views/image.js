@@ -3,7 +3,7 @@ import { element } from "../shared/dom.js";
 
 /** Pictures: the newest one, decoded beside the page's own thread. */
 export class ImageView {
-  options = { compression: "cbor", image: { quality: 70, max_width: 640 } };
+  options = { compression: "cbor", image: { quality: 70, max_width: 640, adapt: true } };
   #canvas = element("canvas", { className: "picture", width: 320, height: 240, role: "img" });
   #isDecoding = false;
   #next = null;

@@ -60,6 +60,7 @@ class ImageRequest(OperationPart):
     max_width: Annotated[int, Field(ge=1, le=8192)] | None = None
     max_height: Annotated[int, Field(ge=1, le=8192)] | None = None
     max_fps: Annotated[float, Field(ge=MIN_RATE_HZ, le=1000)] | None = None
+    adapt: bool | None = None  # None: unless a quality is asked for
     depth_range_m: (
         Annotated[tuple[float, float], Field(strict=False, description="nearest and farthest")]
         | None
@@ -68,7 +69,12 @@ class ImageRequest(OperationPart):
     @property
     def asks_for_picture(self) -> bool:
         """Return whether anything but a rate is asked for."""
-        return not self.model_fields_set <= {"max_fps"}
+        return bool(self.adapt) or not self.model_fields_set <= {"max_fps", "adapt"}
+
+    @property
+    def adapts(self) -> bool:
+        """Return whether pictures may be smaller than asked for on a slow link."""
+        return "quality" not in self.model_fields_set if self.adapt is None else self.adapt
 
     @model_validator(mode="after")
     def _range_is_ordered(self) -> "ImageRequest":

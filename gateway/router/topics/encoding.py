@@ -39,6 +39,7 @@ class Encoding:
         self, key: EncodingKey, encode: Encode, on_error: Callable[[CodecError], None]
     ) -> None:
         self.subscriptions: list[Subscription] = []
+        self.image = key.image
         self.frames = publish_frames(key.requested_name, key.compression)
         self._encode = encode
         self._on_error = on_error
@@ -197,7 +198,9 @@ class PerClientFrame:
         options = subscription.options
         meta = None
         if options.meta and self._received_ns is not None:
-            meta = Meta(shared.seq, self._received_ns, subscription.lost)
+            image = shared.encoding.image if subscription.follows_link else None
+            quality = None if image is None else image.quality
+            meta = Meta(shared.seq, self._received_ns, subscription.lost, quality)
         own = PerClient(shared.seq, meta, options.fragment_size, subscription.session.is_ros_sharp)
         return shared.encoding.frames.per_client(message, own)
 

@@ -3,7 +3,7 @@
 
 import asyncio
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from gateway.codec.image import ImageOptions
@@ -14,6 +14,7 @@ from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import TopicName
 from gateway.protocol.operations.topics import Subscribe
 from gateway.protocol.outbox import Entry
+from gateway.protocol.picture_adaptation import PictureAdaptation
 from gateway.protocol.session import Session
 from gateway.protocol.subscription_options import SubscriptionOptions
 from gateway.protocol.throttle import Throttle
@@ -56,8 +57,10 @@ class Subscription:
     __slots__ = (
         "_counts",
         "_is_late",
+        "_on_step",
         "_throttle",
         "_timer",
+        "adaptation",
         "last_refusal",
         "lost_before",
         "offered",
@@ -80,8 +83,12 @@ class Subscription:
         requests: Mapping[str | int | None, Subscribe],
         options: SubscriptionOptions,
         counts: TopicCounts,
+        on_step: Callable[["Subscription"], None],
     ) -> None:
-        """Open its queue; *requests* stand by their ids, oldest first, and amount to *options*."""
+        """Open its queue; *requests* stand by their ids, oldest first, and amount to *options*.
+
+        *on_step* is called when its pictures are to have another size.
+        """
         self.session = session
         self.requested_name = requested_name
         self.topic_name = topic_name
@@ -97,6 +104,8 @@ class Subscription:
         self.queue.on_timed = self._on_timed
         self._counts = counts
         self.past = NOTHING_DELIVERED  # of others of this client and topic, which have ended
+        self.adaptation = PictureAdaptation()
+        self._on_step = on_step
         self._throttle = _throttle(options)
         self._timer: asyncio.TimerHandle | None = None  # while the throttle holds an entry
 
@@ -150,6 +159,16 @@ class Subscription:
         self.set_late(is_late=self._is_late)
         self.queue.depth, self.queue.max_bytes = options.queue_bounds
 
+    def follow_link(self, *, adapts: bool) -> None:
+        """Note whether the frames that are sent from now on are pictures that fit the link."""
+        self.adaptation.stepped(self.queue.pending)
+        self.queue.on_sent = self._fit if adapts else None
+
+    @property
+    def follows_link(self) -> bool:
+        """True while its pictures are to fit the link."""
+        return self.queue.on_sent is not None
+
     def set_late(self, *, is_late: bool) -> None:
         """Note whether it gets retained samples, of which others have got frames long ago."""
         self._is_late = is_late
@@ -169,7 +188,7 @@ class Subscription:
         *heir* is another one of the client to the topic: the counts of both must not fall.
         """
         self.clear()
-        self.queue.on_timed = None
+        self.queue.on_timed = self.queue.on_sent = None
         self.session.outbox.close_queue(self.queue)
         if heir is None:
             self._counts.delivery = self._counts.delivery.plus(self.delivery)
@@ -186,6 +205,13 @@ class Subscription:
         throttle = self._throttle
         if not self.queue.pending and not throttle:
             self._on_timed(arrived_ns)
+
+    def _fit(self, size: int) -> None:
+        """Judge by a picture that is sent whether the next ones need another size."""
+        bytes_per_s = self.session.outbox.bytes_per_s
+        if self.adaptation.sent(size, bytes_per_s, time.monotonic_ns()):
+            # now, queues and encodings are being gone through
+            asyncio.get_running_loop().call_soon(self._on_step, self)
 
     def _on_timed(self, arrived_ns: int) -> None:
         """Note how long an entry took that is handed to the socket now."""

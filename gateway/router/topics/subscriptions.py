@@ -11,12 +11,14 @@ from gateway.codec.error_text import truncate
 from gateway.codec.errors import FieldError
 from gateway.codec.image import ImageOptions
 from gateway.codec.picture import COMPRESSED_IMAGE, IMAGE
+from gateway.codec.picture_formats import PICTURE_FORMATS
 from gateway.codec.types import MessageType
 from gateway.metrics.state import ClientTopic, Delivery
 from gateway.ports import Graph, Ros, RosError
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import TopicName, resolve_topic
 from gateway.protocol.operations.topics import ImageFormat, Subscribe, Unsubscribe
+from gateway.protocol.picture_adaptation import STEPS, Step
 from gateway.protocol.session import Session
 from gateway.protocol.subscription_options import SubscriptionOptions, compression
 from gateway.protocol.websocket_frames import Compression
@@ -108,7 +110,8 @@ class Subscriptions:
             )
         source, asked = None, None
         try:
-            source = self._find_source(session, name, request.topic, options)
+            step = STEPS[0] if subscription is None else subscription.adaptation.step
+            source = self._find_source(session, name, request.topic, options, step)
         except TypeAskedError as error:
             asked = error
         if source is not None:
@@ -118,7 +121,9 @@ class Subscriptions:
             self._open(source.topic)
         if subscription is None:
             counts = self._counts.open(name)
-            subscription = Subscription(session, request.topic, name, requests, options, counts)
+            subscription = Subscription(
+                session, request.topic, name, requests, options, counts, self._on_step
+            )
             self._subscriptions.setdefault(session, {})[request.topic] = subscription
         self._apply(subscription, requests, options, source)
         self._report(session, request, name, source, asked)
@@ -215,13 +220,20 @@ class Subscriptions:
         name: TopicName,
         requested_name: str,
         options: SubscriptionOptions,
+        step: Step,
     ) -> Source | None:
-        """Return what feeds a subscription with these options; ``None``: the type is not known."""
+        """Return what feeds a subscription with these options; ``None``: the type is not known.
+
+        *step* says how much smaller than asked for pictures that fit the link are.
+        """
         message_type = self._types.on_topic(name, options.type)
         if message_type is None:
             return None
         _check_fields(message_type, options.fields, options.compression)
         image = _image_options(message_type, options, session.image_format)
+        if image is not None and _adapts(options, image):
+            quality = min(image.quality, step.quality)
+            image = replace(image, quality=quality, reduction=step.reduction)
         is_json = options.compression in {"none", "png"} and image is None
         nonfinite = options.nonfinite if is_json else "null"
         return Source(
@@ -243,6 +255,7 @@ class Subscriptions:
                 subscription.topic_name,
                 subscription.requested_name,
                 options,
+                subscription.adaptation.step,
             )
             if source is not None:
                 self._open(source.topic)
@@ -266,6 +279,9 @@ class Subscriptions:
     ) -> None:
         subscription.change(requests, options)
         self._move(subscription, source)
+        image = None if source is None else source.encoding.image
+        adapts = image is not None and _adapts(options, image)
+        subscription.follow_link(adapts=adapts)
         self._silence_watch.follow(subscription)
         subscription.session.wake()
 
@@ -285,6 +301,12 @@ class Subscriptions:
         if former is not None:
             self._topics[former.topic].remove(subscription, former.encoding)
             self._close_if_idle(former.topic)
+
+    def _on_step(self, subscription: Subscription) -> None:
+        """Feed a subscription with pictures of another size, if it is still there."""
+        own = self._subscriptions.get(subscription.session, {})
+        if own.get(subscription.requested_name) is subscription:
+            self._reapply(subscription, subscription.requests)
 
     def _open(self, key: TopicKey) -> None:
         """Open a topic unless it is open; it is closed with its last subscription."""
@@ -374,6 +396,11 @@ def _image_options(
         return replace(asked, depth_range_m=image.depth_range_m)
     except ValueError as error:
         raise ProtocolError("bad_request", f"image: {error}") from error
+
+
+def _adapts(options: SubscriptionOptions, image: ImageOptions) -> bool:
+    """Return whether pictures are made smaller for a slow link; what is lossless stays so."""
+    return options.image.adapts and PICTURE_FORMATS[image.format].is_lossy
 
 
 def _did_you_mean(topic: str, graph: Graph, session: Session) -> str:

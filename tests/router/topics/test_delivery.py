@@ -47,7 +47,8 @@ class Client:
         self.session.outbox.write_directly = self._write
         self.counts = TopicCounts()
         self.subscription = Subscription(
-            self.session, "/t", TopicName("/t"), *requested(**options), self.counts
+            *(self.session, "/t", TopicName("/t"), *requested(**options)),
+            *(self.counts, lambda _: None),
         )
         self.is_busy = False
         self.written = 0

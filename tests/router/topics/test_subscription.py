@@ -28,7 +28,8 @@ def requested(**options: Any) -> tuple[dict[str | int | None, Subscribe], Subscr
 
 def subscribed(**options: Any) -> Subscription:
     session = Session(Limits(), lambda: None)
-    return Subscription(session, "/t", TopicName("/t"), *requested(**options), TopicCounts())
+    asked = requested(**options)
+    return Subscription(session, "/t", TopicName("/t"), *asked, TopicCounts(), lambda _: None)
 
 
 def offer(subscription: Subscription, number: int, now_ns: int = 0) -> None:

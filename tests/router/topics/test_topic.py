@@ -65,7 +65,8 @@ def subscription(**options: Any) -> Subscription:
     request = Subscribe(topic="/t", **options)
     session = Session(Limits(), lambda: None)
     merged = SubscriptionOptions.merge([request])
-    return Subscription(session, "/t", NAME, {None: request}, merged, TopicCounts())
+    requests = {None: request}
+    return Subscription(session, "/t", NAME, requests, merged, TopicCounts(), lambda _: None)
 
 
 def sample(text: str) -> Sample:

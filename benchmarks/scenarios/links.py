@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Slow links: how old are odometry, pictures and commands when they arrive?"""
+
+import contextlib
+import time
+from collections.abc import Iterator
+from functools import partial
+from typing import Any, Final
+
+from benchmarks.figures import Figure
+from benchmarks.plan import Plan
+from benchmarks.processes import Process, acting, wait_until
+from benchmarks.receivers import publishing
+from benchmarks.servers import MeasuredServer
+from benchmarks.two_networks import TwoNetworks, reason_against, two_networks
+
+_SCENARIO: Final = "links"
+_SENT_HZ: Final = {"odometry": 50.0, "image": 15.0}
+_COMMANDS_HZ: Final = 20.0
+_LINKS_BITS_PER_S: Final = (400_000, 2_000_000, 5_000_000, 20_000_000)
+_LOSS_PERCENT: Final = 2
+_WARM_UP_S: Final = 8.0  # the rate of the link, and pictures that fit it, are found meanwhile
+_SECONDS: Final = 20.0
+
+
+def measure(plan: Plan) -> list[Figure]:
+    """Print a table and return the figures."""
+    sent = " and ".join(f"{name} at {rate_hz:g} Hz" for name, rate_hz in _SENT_HZ.items())
+    print(f"{sent} to one client, commands at {_COMMANDS_HZ:g} Hz from it, over one slow link")
+    reason = reason_against()
+    if reason is not None:
+        print(f"  SKIPPED: {reason}")
+        return []
+    heads = [f"{f'{name}, Hz':>14}{'p50 ms':>8}{'p99 ms':>8}" for name in (*_SENT_HZ, "commands")]
+    print(f"  {'':16}{'link':>18}", *heads, sep="")
+    figures: list[Figure] = []
+    for server in plan.servers:
+        for bits_per_s in _LINKS_BITS_PER_S:
+            for loss_percent in (0, _LOSS_PERCENT):
+                figures += _measure(server, bits_per_s, loss_percent)
+    return figures
+
+
+def _measure(server: MeasuredServer, bits_per_s: int, loss_percent: int) -> list[Figure]:
+    link = f"{bits_per_s / 1e6:g} Mbit/s" + (f", {loss_percent} % lost" if loss_percent else "")
+    with two_networks() as networks:
+        networks.shape(bits_per_s)
+        if loss_percent and not networks.lose(loss_percent):
+            print(f"  {server.name:16}{link:>18}  SKIPPED: nft is not installed")
+            return []
+        with _receiving(server, networks) as (client, listener, publishers):
+            time.sleep(_WARM_UP_S)
+            client.ask("clear")
+            listener.ask("clear")
+            time.sleep(_SECONDS)
+            seen = client.ask("report") | {"commands": listener.ask("report")["twist"]}
+            del publishers
+    line = f"  {server.name:16}{link:>18}"
+    figures = []
+    for name, one in seen.items():
+        rate_hz = one["count"] / _SECONDS
+        p50_ms, p99_ms = one.get("p50_ms", float("nan")), one.get("p99_ms", float("nan"))
+        line += f"{rate_hz:14.1f}{p50_ms:8.0f}{p99_ms:8.0f}"
+        case = f"{server.name} at {link}, {name}"
+        figures.append(Figure(_SCENARIO, f"{case}, rate", rate_hz, "Hz"))
+        figures.append(Figure(_SCENARIO, f"{case}, p50", p50_ms, "ms"))
+        figures.append(Figure(_SCENARIO, f"{case}, p99", p99_ms, "ms"))
+    print(line, flush=True)
+    return figures
+
+
+@contextlib.contextmanager
+def _receiving(
+    server: MeasuredServer, networks: TwoNetworks
+) -> Iterator[tuple[Process, Process, list[Process]]]:
+    """Have everything run; yield the client, who hears its commands, and the publishers."""
+    with contextlib.ExitStack() as stack:
+        publishers = [
+            stack.enter_context(publishing(name, rate_hz, before=networks.near))
+            for name, rate_hz in _SENT_HZ.items()
+        ]
+        running = server.running_in(networks.near, networks.url_host)
+        url, _ = stack.enter_context(running)
+        listener = stack.enter_context(acting("floor", "twist", "raw", before=networks.near))
+        listener.answer()
+        client = stack.enter_context(acting("client", url, *_SENT_HZ, before=networks.far))
+        client.answer()
+        speaker = stack.enter_context(acting("speaker", url, "0/1", before=networks.far))
+        speaker.answer()
+        speaker.ask("go", _COMMANDS_HZ)
+        wait_until(partial(_has_all, client), f"a client gets {list(_SENT_HZ)}")
+        yield client, listener, publishers
+
+
+def _has_all(client: Process) -> bool:
+    seen: dict[str, Any] = client.ask("report")
+    return all(one["count"] > 0 for one in seen.values())

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The rate at which a client's link drains, and its window: the bytes that may be on the way.
+
+What the kernel or a router holds can neither be dropped nor overtaken, so no more is written than
+the link drains within its round trip and a moment. The rate is measured while bytes are on the way
+without a pause. A window that is too small corrects itself: it is drained in a round trip without a
+queue, and the rate at which that happens gives a larger one.
+"""
+
+from typing import Final, NamedTuple
+
+# What stands before the slowest hop: enough to bridge the wait for a timer on a busy machine.
+QUEUE_S: Final = 0.05
+# Two full segments: less, and each would wait until the one before is acknowledged.
+MIN_WINDOW_BYTES: Final = 3 * 1024
+# Of a link that was never full: 32 messages, which one turn of the event loop takes from DDS.
+FIRST_WINDOW_BYTES: Final = 64 * 1024
+# A shorter sample would take a router's burst, or the acknowledgements that WiFi collects, for the
+# rate of the link.
+SAMPLE_NS: Final = 50_000_000
+# No byte for so long is a hole in the radio, of which nothing can be learned about the rate.
+STALL_NS: Final = 250_000_000
+# A rate that was measured once says little some seconds later. While the link is not full it is
+# taken for faster, by half and more each second, until it is full again, or nobody cares.
+GROWTH_PER_S: Final = 0.5
+FAST_BYTES_PER_S: Final = 4e6
+
+_NS_PER_S: Final = 1e9
+
+
+class Reading(NamedTuple):
+    """A connection at one moment, as the kernel knows it."""
+
+    acked_bytes: int  # that the peer has acknowledged, of all that were sent
+    on_the_way_bytes: int  # written, and not acknowledged yet
+    min_rtt_s: float
+
+
+class Link:
+    """The rate of one connection, and its window."""
+
+    __slots__ = (
+        "_began",
+        "_began_ns",
+        "_has_paused",
+        "_last",
+        "_moved_ns",
+        "_rate",
+        "bytes_per_s",
+        "window_bytes",
+    )
+
+    def __init__(self) -> None:
+        self.window_bytes = FIRST_WINDOW_BYTES
+        self.bytes_per_s: float | None = None  # until the link was full for the first time
+        self._rate = FIRST_WINDOW_BYTES / QUEUE_S
+        self._began: Reading | None = None  # of the sample
+        self._began_ns = 0
+        self._last = Reading(0, 0, 0.0)
+        self._moved_ns = 0  # when something had been acknowledged last
+        self._has_paused = True
+
+    def read(self, reading: Reading, now_ns: int) -> None:
+        """Learn from a reading; they may come at any times."""
+        last, self._last = self._last, reading
+        if reading.acked_bytes > last.acked_bytes:
+            if now_ns - self._moved_ns >= STALL_NS:
+                self._began = None
+            self._moved_ns = now_ns
+        # else some of what was on the way then still is, and there was no pause
+        self._has_paused |= reading.acked_bytes - last.acked_bytes >= last.on_the_way_bytes
+        if self._began is None:
+            self._begin(reading, now_ns)
+            return
+        took_ns = now_ns - self._began_ns
+        drained = reading.acked_bytes - self._began.acked_bytes
+        if took_ns < SAMPLE_NS or not drained:
+            return
+        self._learn(drained * _NS_PER_S / took_ns, took_ns / _NS_PER_S)
+        window_bytes = round(self._rate * (reading.min_rtt_s + QUEUE_S))
+        self.window_bytes = max(MIN_WINDOW_BYTES, window_bytes)
+        self._begin(reading, now_ns)
+
+    def _begin(self, reading: Reading, now_ns: int) -> None:
+        self._began, self._began_ns = reading, now_ns
+        self._has_paused = False
+
+    def _learn(self, rate: float, took_s: float) -> None:
+        """Take a sample: of a full link its rate, of one that has paused a lower bound of it."""
+        known = self._rate
+        rate = min(rate, 2 * known)  # what a router passes on at once is no rate
+        if self._has_paused:
+            grown = min(known * (1 + GROWTH_PER_S * took_s), FAST_BYTES_PER_S)
+            self._rate = max(known, rate, grown)
+        else:
+            # a link that has become bad must be noticed at once, single samples are uneven
+            self._rate = rate if rate < known / 2 else known + (rate - known) / 4
+        if self.bytes_per_s is not None or not self._has_paused:
+            self.bytes_per_s = self._rate

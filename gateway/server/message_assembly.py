@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: Apache-2.0
+"""WebSocket messages out of their fragments (RFC 6455, section 5.4)."""
+
+from websockets.frames import Frame, Opcode
+
+
+class MessageAssembly:
+    """Joins the frames of a message.
+
+    `websockets` has checked their order, and bounds their total size.
+    """
+
+    __slots__ = ("_fragments", "is_text")
+
+    def __init__(self) -> None:
+        self._fragments: list[bytes] = []
+        self.is_text = False  # the message that was added last
+
+    def add(self, frame: Frame) -> bytes | None:
+        """Take a data frame; return the message that it completes."""
+        data = bytes(frame.data)
+        if frame.opcode is not Opcode.CONT:
+            self.is_text = frame.opcode is Opcode.TEXT
+            if frame.fin:
+                return data
+        if data:  # else any number of them would be kept
+            self._fragments.append(data)
+        if not frame.fin:
+            return None
+        message, self._fragments = b"".join(self._fragments), []
+        return message

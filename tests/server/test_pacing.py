@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: Apache-2.0
+"""When a connection may write, by a link, a clock and timers of the test's own."""
+
+from typing import Any
+
+import pytest
+
+from gateway.server import pacing as pacing_module
+from gateway.server.link import FIRST_WINDOW_BYTES, Reading
+from gateway.server.pacing import MAX_UNSEEN_BYTES, MAX_WAIT_S, SECOND_WAIT_S, Pacing
+from tests.server.timers import Timers
+
+
+class Paced(Timers):
+    """A connection whose peer takes what the test says."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        super().__init__(monkeypatch, pacing_module)
+        monkeypatch.setattr(pacing_module, "read_tcp_info", lambda _: self._read())
+        self.is_known = True
+        self.written = self.acked = self.looks = 0
+        self.unsent = 0  # in the transport's own buffer
+        self.resumed = 0
+        self.rates: list[float] = []
+        self.pacing = Pacing(self, self._resume, self.rates.append)  # type: ignore[arg-type]
+
+    def get_extra_info(self, name: str) -> Any:
+        assert name == "socket"
+
+    def get_write_buffer_size(self) -> int:
+        return self.unsent
+
+    def write(self, size: int) -> None:
+        self.written += size
+        self.pacing.wrote(size)
+
+    def drain(self, bytes_per_s: float, seconds: float) -> None:
+        """Let the peer take something, millisecond by millisecond, while it is written to."""
+        for _ in range(round(seconds * 1000)):
+            self.acked = min(self.written, self.acked + round(bytes_per_s / 1000))
+            self.run(0.001)
+            while not self.pacing.is_paused:
+                self.write(500)
+
+    def _read(self) -> Reading | None:
+        self.looks += 1
+        on_the_way = self.written - self.acked - self.unsent
+        return Reading(self.acked, on_the_way, 0.0) if self.is_known else None
+
+    def _resume(self) -> None:
+        assert not self.pacing.is_paused
+        self.resumed += 1
+
+
+@pytest.fixture
+def paced(monkeypatch: pytest.MonkeyPatch) -> Paced:
+    return Paced(monkeypatch)
+
+
+def test_a_window_is_written_and_no_more_until_some_of_it_is_taken(paced: Paced):
+    paced.write(FIRST_WINDOW_BYTES)
+    assert not paced.pacing.is_paused
+    paced.write(1)
+    assert paced.pacing.is_paused
+    paced.acked = 1
+    paced.run(1)
+    assert (paced.pacing.is_paused, paced.resumed) == (False, 1)
+
+
+def test_bytes_that_the_transport_keeps_count(paced: Paced):
+    paced.unsent = FIRST_WINDOW_BYTES + 1
+    paced.write(FIRST_WINDOW_BYTES + 1)
+    assert paced.pacing.is_paused
+
+
+def test_a_link_that_takes_everything_at_once_is_looked_at_once_in_a_while(paced: Paced):
+    for _ in range(100):
+        paced.written += 1000
+        paced.acked += 1000
+        paced.pacing.wrote(1000)
+    assert paced.looks == 1
+    assert not paced.pacing.is_paused
+
+
+def test_a_link_that_was_fast_is_looked_at_often_all_the_same(paced: Paced):
+    paced.drain(100e6, 0.5)  # the window is large by now
+    paced.acked = paced.written
+    paced.looks = 0
+    for _ in range(10):
+        paced.write(MAX_UNSEEN_BYTES + 1)
+        paced.acked = paced.written
+    assert paced.looks >= 10
+
+
+def test_the_first_look_again_is_in_the_next_turn_and_later_ones_are_rarer(paced: Paced):
+    paced.write(10 * FIRST_WINDOW_BYTES)
+    waits = [paced.next_turn() for _ in range(12)]
+    assert waits[0] == 0
+    assert waits[1:4] == pytest.approx([SECOND_WAIT_S, 2 * SECOND_WAIT_S, 4 * SECOND_WAIT_S])
+    assert waits[-1] == pytest.approx(MAX_WAIT_S)
+    assert paced.resumed == 0
+
+
+def test_after_a_pause_looks_are_frequent_again(paced: Paced):
+    paced.write(10 * FIRST_WINDOW_BYTES)
+    for _ in range(6):
+        paced.next_turn()
+    paced.acked = paced.written
+    paced.run(1)
+    paced.write(10 * FIRST_WINDOW_BYTES)
+    assert paced.next_turn() == 0
+
+
+def test_a_slow_link_is_looked_at_when_it_has_drained(paced: Paced):
+    paced.drain(50e3, 3)
+    paced.acked = paced.written  # begin anew, with a link that is known
+    paced.run(0.06)
+    while not paced.pacing.is_paused:
+        paced.write(500)
+    looks = paced.looks
+    assert 0.001 < paced.next_turn() <= MAX_WAIT_S
+    assert paced.looks == looks + 1
+
+
+def test_the_rate_of_a_full_link_is_told(paced: Paced):
+    paced.drain(50e3, 3)
+    assert paced.rates[-1] == pytest.approx(50e3, rel=0.3)
+    assert paced.pacing.is_paused
+
+
+def test_a_full_socket_pauses_too_and_both_must_be_ready(paced: Paced):
+    paced.write(FIRST_WINDOW_BYTES + 1)
+    paced.pacing.socket_full()
+    paced.acked = paced.written
+    paced.run(1)
+    assert (paced.pacing.is_paused, paced.resumed) == (True, 0)
+    paced.pacing.socket_ready()
+    assert (paced.pacing.is_paused, paced.resumed) == (False, 1)
+
+
+def test_a_ready_socket_does_not_resume_a_full_link(paced: Paced):
+    paced.pacing.socket_full()
+    paced.write(FIRST_WINDOW_BYTES + 1)
+    paced.pacing.socket_ready()
+    assert (paced.pacing.is_paused, paced.resumed) == (True, 0)
+
+
+def test_closed_it_looks_no_more(paced: Paced):
+    paced.write(FIRST_WINDOW_BYTES + 1)
+    paced.pacing.close()
+    looks = paced.looks
+    paced.run(1)
+    assert (paced.looks, paced.resumed) == (looks, 0)
+
+
+def test_where_the_kernel_says_nothing_only_the_socket_pauses(paced: Paced):
+    paced.is_known = False
+    for _ in range(10):
+        paced.write(FIRST_WINDOW_BYTES)
+    assert not paced.pacing.is_paused
+    before, paced.unsent = paced.pacing.taken_bytes, 1000
+    assert paced.pacing.taken_bytes < before
+    paced.unsent = 0
+    assert paced.pacing.taken_bytes == before
+
+
+def test_what_the_peer_has_taken_is_what_it_has_acknowledged(paced: Paced):
+    paced.write(1000)
+    assert paced.pacing.taken_bytes == 0
+    paced.acked = 600
+    assert paced.pacing.taken_bytes == 600

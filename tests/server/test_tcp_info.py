@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the kernel says of real connections."""
+
+import fcntl
+import socket
+import struct
+import sys
+import termios
+from collections.abc import Iterator
+from contextlib import closing
+
+import pytest
+
+from gateway.server.tcp_info import read_tcp_info
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="other kernels do not say it")
+
+
+@pytest.fixture
+def pair() -> Iterator[tuple[socket.socket, socket.socket]]:
+    with closing(socket.create_server(("127.0.0.1", 0))) as server:
+        far = socket.create_connection(server.getsockname())
+        near, _ = server.accept()  # as the gateway does: it has acknowledged no SYN
+    with closing(near), closing(far):
+        yield near, far
+
+
+def unacknowledged(sock: socket.socket) -> int:
+    """Ask in another way (tcp(7), SIOCOUTQ)."""
+    return int(struct.unpack("i", fcntl.ioctl(sock, termios.TIOCOUTQ, b"\0" * 4))[0])
+
+
+def test_what_the_peer_has_acknowledged_is_counted(pair):
+    near, far = pair
+    near.sendall(b"x" * 5000)
+    far.recv(5000, socket.MSG_WAITALL)
+    reading = read_tcp_info(near)
+    assert reading is not None
+    assert (reading.acked_bytes, reading.on_the_way_bytes) == (5000, 0)
+    assert 0 < reading.min_rtt_s < 60
+
+
+def test_what_the_kernel_keeps_is_on_the_way(pair):
+    near, far = pair
+    near.setblocking(False)
+    written = 0
+    try:
+        while True:
+            written += near.send(b"x" * 65536)
+    except BlockingIOError:
+        pass
+    reading = read_tcp_info(near)
+    assert reading is not None
+    assert reading.on_the_way_bytes == unacknowledged(near) > 0
+    assert reading.acked_bytes + reading.on_the_way_bytes == written
+    del far
+
+
+def test_of_what_is_no_tcp_or_closed_nothing_is_known(pair):
+    near, _ = pair
+    near.close()
+    assert read_tcp_info(near) is None
+    with closing(socket.socket(socket.AF_UNIX)) as local:
+        assert read_tcp_info(local) is None
+    assert read_tcp_info(None) is None
+
+
+def test_bytes_that_were_sent_again_are_on_the_way_once():
+    class Lossy:
+        def getsockopt(self, *_: int) -> bytes:
+            info = bytearray(216)
+            struct.pack_into("=Q", info, 120, 500)  # acknowledged
+            struct.pack_into("=II", info, 144, 50, 1500)  # not sent yet; us
+            struct.pack_into("=QQ", info, 200, 1000, 200)  # sent, of these again
+            return bytes(info)
+
+    reading = read_tcp_info(Lossy())  # type: ignore[arg-type]  # as far as it is used
+    assert reading == (500, 350, 0.0015)
+
+
+def test_of_an_old_kernel_nothing_is_known(pair):
+    class Old:
+        def getsockopt(self, *_: int) -> bytes:
+            return bytes(192)
+
+    assert read_tcp_info(Old()) is None  # type: ignore[arg-type]  # as far as it is used
