@@ -21,12 +21,12 @@ _HEAD_END: Final = b"\r\n\r\n"
 class RawConnection:
     """Connected on return; operations go out, payloads come in."""
 
-    def __init__(self, url: str, room: int = 1 << 20) -> None:
+    def __init__(self, url: str, room: int = 1 << 20, *, handshake_s: float = _HANDSHAKE_S) -> None:
         uri = parse_uri(url)
         self._writing = threading.Lock()
         self._walker = FrameWalker(room)
         self.is_over = False  # by `stop`
-        self._socket = socket.create_connection((uri.host, uri.port), timeout=_HANDSHAKE_S)
+        self._socket = socket.create_connection((uri.host, uri.port), timeout=handshake_s)
         try:
             self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             self._shake_hands(ClientProtocol(uri))

@@ -21,6 +21,8 @@ _LINKS_BITS_PER_S: Final = (400_000, 2_000_000, 5_000_000, 20_000_000)
 _LOSS_PERCENT: Final = 2
 _WARM_UP_S: Final = 8.0  # the rate of the link, and pictures that fit it, are found meanwhile
 _SECONDS: Final = 20.0
+_OUTAGE_BITS_PER_S: Final = 5_000_000
+_OUTAGE_S: Final = 20.0
 
 
 def measure(plan: Plan) -> list[Figure]:
@@ -38,7 +40,39 @@ def measure(plan: Plan) -> list[Figure]:
         for bits_per_s in _LINKS_BITS_PER_S:
             for loss_percent in (0, _LOSS_PERCENT):
                 figures += _measure(server, bits_per_s, loss_percent)
+    print(f"a link of {_OUTAGE_BITS_PER_S / 1e6:g} Mbit/s that was dead for {_OUTAGE_S:g} s")
+    for server in plan.servers:
+        figures += _return(server)
     return figures
+
+
+def _return(server: MeasuredServer) -> list[Figure]:
+    """Let a client come back after an outage, and look for a picture."""
+    with two_networks() as networks:
+        networks.shape(_OUTAGE_BITS_PER_S)
+        with (
+            _serving(server, networks) as url,
+            acting("client", url, "image", before=networks.far) as client,
+            acting("returning", url, "image", before=networks.far) as returning,
+        ):
+            client.answer()
+            returning.answer()
+            time.sleep(_WARM_UP_S)
+            networks.cut(is_cut=True)
+            returning.send("begin")
+            time.sleep(_OUTAGE_S)
+            networks.cut(is_cut=False)
+            back_ns = time.time_ns()
+            seen = returning.answer()
+    connected_ms = (seen["connected_ns"] - back_ns) / 1e6
+    picture_ms = (seen["first_ns"] - seen["connected_ns"]) / 1e6
+    print(
+        f"  {server.name:16}connected after {connected_ms:.0f} ms, a picture {picture_ms:.0f} later"
+    )
+    return [
+        Figure(_SCENARIO, f"{server.name} after an outage, connected", connected_ms, "ms"),
+        Figure(_SCENARIO, f"{server.name} after an outage, a picture", picture_ms, "ms"),
+    ]
 
 
 def _measure(server: MeasuredServer, bits_per_s: int, loss_percent: int) -> list[Figure]:
@@ -48,13 +82,12 @@ def _measure(server: MeasuredServer, bits_per_s: int, loss_percent: int) -> list
         if loss_percent and not networks.lose(loss_percent):
             print(f"  {server.name:16}{link:>18}  SKIPPED: nft is not installed")
             return []
-        with _receiving(server, networks) as (client, listener, publishers):
+        with _receiving(server, networks) as (client, listener):
             time.sleep(_WARM_UP_S)
             client.ask("clear")
             listener.ask("clear")
             time.sleep(_SECONDS)
             seen = client.ask("report") | {"commands": listener.ask("report")["twist"]}
-            del publishers
     line = f"  {server.name:16}{link:>18}"
     figures = []
     for name, one in seen.items():
@@ -70,26 +103,30 @@ def _measure(server: MeasuredServer, bits_per_s: int, loss_percent: int) -> list
 
 
 @contextlib.contextmanager
-def _receiving(
-    server: MeasuredServer, networks: TwoNetworks
-) -> Iterator[tuple[Process, Process, list[Process]]]:
-    """Have everything run; yield the client, who hears its commands, and the publishers."""
+def _serving(server: MeasuredServer, networks: TwoNetworks) -> Iterator[str]:
+    """Publish in the near network, and serve it; yield the URL."""
     with contextlib.ExitStack() as stack:
-        publishers = [
+        for name, rate_hz in _SENT_HZ.items():
             stack.enter_context(publishing(name, rate_hz, before=networks.near))
-            for name, rate_hz in _SENT_HZ.items()
-        ]
         running = server.running_in(networks.near, networks.url_host)
         url, _ = stack.enter_context(running)
-        listener = stack.enter_context(acting("floor", "twist", "raw", before=networks.near))
-        listener.answer()
-        client = stack.enter_context(acting("client", url, *_SENT_HZ, before=networks.far))
-        client.answer()
-        speaker = stack.enter_context(acting("speaker", url, "0/1", before=networks.far))
-        speaker.answer()
+        yield url
+
+
+@contextlib.contextmanager
+def _receiving(server: MeasuredServer, networks: TwoNetworks) -> Iterator[tuple[Process, Process]]:
+    """Have everything run; yield the client, and who hears its commands."""
+    with (
+        _serving(server, networks) as url,
+        acting("floor", "twist", "raw", before=networks.near) as listener,
+        acting("client", url, *_SENT_HZ, before=networks.far) as client,
+        acting("speaker", url, "0/1", before=networks.far) as speaker,
+    ):
+        for actor in (listener, client, speaker):
+            actor.answer()
         speaker.ask("go", _COMMANDS_HZ)
         wait_until(partial(_has_all, client), f"a client gets {list(_SENT_HZ)}")
-        yield client, listener, publishers
+        yield client, listener
 
 
 def _has_all(client: Process) -> bool:

@@ -44,6 +44,12 @@ def _of_clients(value: Callable[[ClientState], float]) -> Callable[[State], Rows
     return lambda state: (((each.client,), value(each)) for each in state.summary.clients)
 
 
+def _links(state: State) -> Iterator[tuple[tuple[str, ...], float]]:
+    for each in state.summary.clients:
+        if each.link_bytes_per_s is not None:
+            yield (each.client,), each.link_bytes_per_s
+
+
 def _of_topics(value: Callable[[TopicState], float]) -> Callable[[State], Rows]:
     return lambda state: (((each.topic,), value(each)) for each in state.traffic.topics)
 
@@ -209,6 +215,13 @@ FAMILIES: Final[tuple[Family, ...]] = (
         "counter",
         "Frames sent to a client, answers included.",
         _of_clients(lambda client: client.counts.frames),
+        _CLIENT,
+    ),
+    Family(
+        "client_link_bytes_per_second",
+        "gauge",
+        "Rate of the link to a client, once it was too slow for what the client gets.",
+        _links,
         _CLIENT,
     ),
     Family(

@@ -109,6 +109,7 @@ class ClientState(NamedTuple):
     time_s: float  # of the event loop, for what it has sent
     pauses: int
     latency: Observed
+    link_bytes_per_s: float | None  # None: it was never too slow for what goes there
 
 
 class AddressState(NamedTuple):

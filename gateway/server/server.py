@@ -406,6 +406,7 @@ def _client_state(session: Session, spending: Spending) -> ClientState:
         time_s=spending.spent_s,
         pauses=spending.pauses,
         latency=session.latency.observed(),
+        link_bytes_per_s=session.outbox.bytes_per_s,
     )
 
 

@@ -10,7 +10,7 @@ from prometheus_client.parser import text_string_to_metric_families
 from gateway.metrics.families import FAMILIES, PREFIX, TIME_FAMILIES
 from gateway.metrics.page import PIECE_HISTOGRAMS, PIECE_SAMPLES, pieces
 from gateway.metrics.state import State, seen_by
-from tests.metrics.states import state
+from tests.metrics.states import client_state, state, summary
 
 PAGE = Path(__file__).parents[2] / "docs" / "observability.md"
 ALL = [*FAMILIES, *TIME_FAMILIES]
@@ -51,7 +51,14 @@ def test_the_values_of_a_state_are_read_back():
     assert read["ros2_gateway_tasks",] == 4
     assert read["ros2_gateway_drive_guarded", "topic=/cmd_vel"] == 1
     assert read["ros2_gateway_client_latency_seconds_count", "client=10.0.0.0#0"] == 0
+    assert read["ros2_gateway_client_link_bytes_per_second", "client=10.0.0.0#0"] == 50_000
     assert read["process_resident_memory_bytes",] > 1e6
+
+
+def test_a_link_that_was_never_full_has_no_rate():
+    fast = client_state()._replace(link_bytes_per_s=None)
+    read = samples(State(summary(clients=(fast,)), state().traffic))
+    assert not [name for name, *_ in read if "link" in name]
 
 
 def test_a_family_of_several_pieces_is_introduced_once():
