@@ -39,7 +39,7 @@ namespace Ros2Gateway.Tests
                 CompressedImageMsg picture = null;
                 live.Client.Subscribe<CompressedImageMsg>(
                     "/camera/image_raw", "sensor_msgs/msg/Image", () => new CompressedImageMsg(), message => picture = message,
-                    new SubscribeOptions { Image = new ImageOptions { Quality = 50, MaxWidth = 320 } });
+                    new SubscribeOptions { Image = new ImageOptions { Quality = 50, Adapt = true, MaxWidth = 320 } });
                 live.Until(() => picture != null, "for a picture");
                 Assert.AreEqual("jpeg", picture.format);
                 Assert.AreEqual(0xFF, picture.data[0]);

@@ -34,6 +34,9 @@ namespace Ros2Gateway
         /// <summary>1 to 100, of JPEG; 0 for the gateway's default.</summary>
         public int Quality;
 
+        /// <summary>Whether pictures may be smaller than asked for on a slow link; null: unless a quality is set.</summary>
+        public bool? Adapt;
+
         /// <summary>Scaled down to fit, in pixels; 0 for no bound.</summary>
         public int MaxWidth;
 
@@ -53,6 +56,10 @@ namespace Ros2Gateway
             if (Quality > 0)
             {
                 writer.Member("quality", Quality);
+            }
+            if (Adapt.HasValue)
+            {
+                writer.Member("adapt", Adapt.Value);
             }
             if (MaxWidth > 0)
             {

@@ -54,6 +54,10 @@ namespace Ros2Gateway.Unity
         private int _imageQuality = 80;
 
         [SerializeField]
+        [Tooltip("Of pictures: lower quality, and fewer pixels, while the link is too slow")]
+        private bool _imageAdapts = true;
+
+        [SerializeField]
         [Tooltip("Of pictures: scaled down to fit, in pixels; 0 for no bound")]
         private int _imageMaxWidth;
 
@@ -144,6 +148,7 @@ namespace Ros2Gateway.Unity
                 {
                     Format = "jpeg",
                     Quality = _imageQuality,
+                    Adapt = _imageAdapts,
                     MaxWidth = _imageMaxWidth,
                     MaxHeight = _imageMaxHeight,
                     MaxFps = _maxRate,
