@@ -12,9 +12,11 @@ from gateway.codec.cdr import (
     Decoder,
     Encoder,
     Octets,
+    PiecewiseTranscoder,
     Transcoder,
     compile_decoder,
     compile_encoder,
+    compile_piecewise_transcoder,
     compile_transcoder,
 )
 from gateway.codec.cdr.bounds import TooManyFieldsError
@@ -50,6 +52,7 @@ class MessageType:
         self._types = types
         self._decoders: _Compiled[Decoder] = _Compiled()
         self._transcoders: _Compiled[Transcoder] = _Compiled()
+        self._piecewise_transcoders: _Compiled[PiecewiseTranscoder] = _Compiled()
 
     @cached_property
     def decode(self) -> Decoder:
@@ -130,6 +133,18 @@ class MessageType:
         wanted = _sorted(fields)
         return self._transcoders.get(
             wanted, lambda: compile_transcoder(self.definition, self._definitions, wanted)
+        )
+
+    def piecewise_transcoder(self, fields: tuple[str, ...] | None = None) -> PiecewiseTranscoder:
+        """Return such a function that does not join the pieces of the CBOR.
+
+        Raises:
+            FieldError: a name in *fields* is not a field.
+        """
+        wanted = _sorted(fields)
+        return self._piecewise_transcoders.get(
+            wanted,
+            lambda: compile_piecewise_transcoder(self.definition, self._definitions, wanted),
         )
 
     def named(self, values: Sequence[object], root: str = "args") -> dict[str, object]:

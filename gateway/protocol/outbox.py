@@ -10,6 +10,8 @@ from collections import deque
 from collections.abc import Callable
 from typing import Final, Literal, Protocol, TypeAlias
 
+from gateway.codec.pieces import Piece, Pieces
+
 
 class NoFrame(enum.Enum):
     """Why an entry has no frame to send."""
@@ -21,7 +23,7 @@ class NoFrame(enum.Enum):
 NOT_READY: Final[Literal[NoFrame.NOT_READY]] = NoFrame.NOT_READY
 NOTHING: Final[Literal[NoFrame.NOTHING]] = NoFrame.NOTHING
 
-Frame: TypeAlias = bytes | Literal[NoFrame.NOT_READY, NoFrame.NOTHING]
+Frame: TypeAlias = bytes | Pieces | Literal[NoFrame.NOT_READY, NoFrame.NOTHING]
 
 
 class Entry(Protocol):
@@ -120,7 +122,7 @@ class Queue:
         self._forget(self.waiting.popleft())
         self.dropped += 1
 
-    def next(self) -> bytes | None:
+    def next(self) -> bytes | Pieces | None:
         """Take the oldest entry's frame; ``None`` if no entry is ready."""
         while self.claimed is not None or self.waiting:
             entry = self.claimed if self.claimed is not None else self.waiting[0]
@@ -227,12 +229,13 @@ class Outbox:
         self.grow(len(frame))
         self.shed()
 
-    def take(self, max_bytes: int) -> list[bytes]:
+    def take(self, max_bytes: int) -> list[Piece]:
         """Take what is ready: control frames first, then one frame per queue in turn.
 
-        Stops once *max_bytes* are reached, so it exceeds them by one frame at most.
+        Stops once *max_bytes* are reached, so it exceeds them by one frame at most. A frame in
+        pieces is taken as these.
         """
-        taken: list[bytes] = []
+        taken: list[Piece] = []
         left = max_bytes
         while self._control and left > 0:
             frame = self._control.popleft()
@@ -250,7 +253,10 @@ class Outbox:
                 idle += 1
             else:
                 idle = 0
-                taken.append(ready)
+                if isinstance(ready, bytes):
+                    taken.append(ready)
+                else:
+                    taken += ready.parts
                 left -= len(ready)
         return taken
 

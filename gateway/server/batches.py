@@ -5,7 +5,9 @@ import asyncio
 import sys
 from collections.abc import Callable, Iterable
 
-_Write = Callable[[Iterable[bytes]], object]
+from gateway.codec.pieces import Piece
+
+_Write = Callable[[Iterable[Piece]], object]
 
 
 def batch_writer(

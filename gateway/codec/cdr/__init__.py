@@ -5,7 +5,14 @@ The format is plain CDR, encoding version 1 (DDS-XTypes 1.3, 7.4.3; what ROS 2 u
 encapsulation header, then every primitive aligned to its size, counted from after the header.
 """
 
-from gateway.codec.cdr.decoder import Decoder, Transcoder, compile_decoder, compile_transcoder
+from gateway.codec.cdr.decoder import (
+    Decoder,
+    PiecewiseTranscoder,
+    Transcoder,
+    compile_decoder,
+    compile_piecewise_transcoder,
+    compile_transcoder,
+)
 from gateway.codec.cdr.encoder import Encoder, compile_encoder
 from gateway.codec.cdr.target import Octets
 
@@ -13,8 +20,10 @@ __all__ = [
     "Decoder",
     "Encoder",
     "Octets",
+    "PiecewiseTranscoder",
     "Transcoder",
     "compile_decoder",
     "compile_encoder",
+    "compile_piecewise_transcoder",
     "compile_transcoder",
 ]

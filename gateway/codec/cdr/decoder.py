@@ -31,13 +31,15 @@ from gateway.codec.cdr.rows import each_row, row
 from gateway.codec.cdr.selection import Selection, select
 from gateway.codec.cdr.source import SourceCode, variable
 from gateway.codec.cdr.target import NATIVE, Octets, Target, Value, Values
-from gateway.codec.cdr.to_cbor import Cbor
+from gateway.codec.cdr.to_cbor import Cbor, CborPieces
 from gateway.codec.errors import CodecError
+from gateway.codec.pieces import Piece
 from schemas.definition import Definition, FieldType
 from schemas.installed import InstalledDefinitions
 
 Decoder: TypeAlias = Callable[[bytes], dict[str, object]]
 Transcoder: TypeAlias = Callable[[bytes], bytes]
+PiecewiseTranscoder: TypeAlias = Callable[[bytes], Sequence[Piece]]
 
 # RTPS 2.5, 10.2: CDR_LE is the octets {0x00, 0x01}, CDR_BE {0x00, 0x00}, each in its own order.
 _ENCAPSULATIONS: Final = {"<": 0x0100, ">": 0x0000}
@@ -84,6 +86,19 @@ def compile_transcoder(
         UnknownTypeError: a nested type is not installed.
     """
     return _compile(definition, definitions, fields, Cbor(), "CDR to CBOR transcoder", "")
+
+
+def compile_piecewise_transcoder(
+    definition: Definition, definitions: InstalledDefinitions, fields: Iterable[str] | None = None
+) -> PiecewiseTranscoder:
+    """Compile such a function that returns the item in pieces: large arrays are not copied.
+
+    Raises:
+        FieldError: a name in *fields* is not a field.
+        UnknownTypeError: a nested type is not installed.
+    """
+    note = ", in pieces"
+    return _compile(definition, definitions, fields, CborPieces(), "CDR to CBOR transcoder", note)
 
 
 def _compile(
@@ -176,7 +191,7 @@ class _DecoderWriter(Generic[Value]):
             with source.block("except StructError:"):
                 source.line("raise truncated(offset, length, size) from None")
             message = self._message(definition, (), selection)
-            source.line(f"return {self._target.expression(message, source)}")
+            source.line(f"return {self._target.result(message, source)}")
         names = {
             **self._target.names,
             "FLOAT32": np.dtype(f"{self._order}f"),

@@ -53,6 +53,9 @@ class Target(Protocol[Value]):
     def expression(self, value: Value, source: SourceCode) -> str:
         """Return the source that makes a value."""
 
+    def result(self, value: Value, source: SourceCode) -> str:
+        """Return the source that makes what the function returns of the whole message."""
+
 
 class Values:
     """Makes dicts that `gateway.codec.json.dumps` can write."""
@@ -108,3 +111,7 @@ class Values:
         """Return the source unchanged."""
         del source
         return value
+
+    def result(self, value: str, source: SourceCode) -> str:
+        """Return the source unchanged."""
+        return self.expression(value, source)

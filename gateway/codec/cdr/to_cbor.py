@@ -91,13 +91,30 @@ class Cbor:
 
     def expression(self, value: Pieces, source: SourceCode) -> str:
         """Join the pieces, neighbours of fixed size in one."""
-        parts = []
-        for is_fixed, group in groupby(value, key=lambda piece: piece.is_fixed):
-            if is_fixed:
-                parts.append(_packed(group, source))
-            else:
-                parts += [str(piece.content) for piece in group]
+        parts = _parts(value, source)
         return parts[0] if len(parts) == 1 else f'b"".join(({", ".join(parts)}))'
+
+    def result(self, value: Pieces, source: SourceCode) -> str:
+        """Join the pieces of the message as well."""
+        return self.expression(value, source)
+
+
+class CborPieces(Cbor):
+    """Makes one CBOR item, too, but leaves the pieces of the message apart."""
+
+    def result(self, value: Pieces, source: SourceCode) -> str:
+        """Return a tuple: neighbours of fixed size are one piece, each array is one."""
+        return f"({', '.join(_parts(value, source))},)"
+
+
+def _parts(pieces: Pieces, source: SourceCode) -> list[str]:
+    parts = []
+    for is_fixed, group in groupby(pieces, key=lambda piece: piece.is_fixed):
+        if is_fixed:
+            parts.append(_packed(group, source))
+        else:
+            parts += [str(piece.content) for piece in group]
+    return parts
 
 
 def _text(name: str) -> Pieces:

@@ -23,6 +23,7 @@ from gateway.protocol.websocket_frames import Compression
 from gateway.router.topic_counts import CountsByTopic
 from gateway.router.topic_events import TopicEvents
 from gateway.router.topic_types import TopicTypes, TypeAskedError
+from gateway.router.topics.large_samples import EncodingResources
 from gateway.router.topics.requested_qos import subscribed
 from gateway.router.topics.silence_watch import SilenceWatch
 from gateway.router.topics.subscription import EncodingKey, Source, Subscription, TopicKey
@@ -47,7 +48,7 @@ class Subscriptions:
     ) -> None:
         self._ros = ros
         self._types = types
-        self._workers = workers
+        self._resources = EncodingResources(workers)
         self._counts = counts
         self._events = events
         self._topics: dict[TopicKey, Topic] = {}
@@ -294,7 +295,7 @@ class Subscriptions:
             try:
                 report = partial(self._events.report, key.name)
                 self._topics[key] = Topic(
-                    key, message_type, self._ros, self._workers, counts, report
+                    key, message_type, self._ros, self._resources, counts, report
                 )
             except RosError:
                 self._counts.close(key.name)

@@ -173,7 +173,7 @@ async def test_a_sample_is_encoded_once_for_shared_and_per_client_frames(
         (seen,) = await client.sees(1, op)
         assert ("seq" in seen) == metas[clients.index(client)]
         # what it is now, it is instead of what it was
-        held = (shared.cdr, isinstance(shared._message, bytes), shared._frame)
+        held = (shared.sample.cdr, isinstance(shared._message, bytes), shared._frame)
         assert sum(map(bool, held)) == 1
     assert len(encoded) == 1
 
