@@ -12,11 +12,13 @@ from gateway.codec.cdr import (
     Decoder,
     Encoder,
     Octets,
-    PiecewiseTranscoder,
+    SlicedDecoder,
+    SlicedTranscoder,
     Transcoder,
     compile_decoder,
     compile_encoder,
-    compile_piecewise_transcoder,
+    compile_sliced_decoder,
+    compile_sliced_transcoder,
     compile_transcoder,
 )
 from gateway.codec.cdr.bounds import TooManyFieldsError
@@ -52,7 +54,8 @@ class MessageType:
         self._types = types
         self._decoders: _Compiled[Decoder] = _Compiled()
         self._transcoders: _Compiled[Transcoder] = _Compiled()
-        self._piecewise_transcoders: _Compiled[PiecewiseTranscoder] = _Compiled()
+        self._sliced_decoders: _Compiled[SlicedDecoder] = _Compiled()
+        self._sliced_transcoders: _Compiled[SlicedTranscoder] = _Compiled()
 
     @cached_property
     def decode(self) -> Decoder:
@@ -135,16 +138,26 @@ class MessageType:
             wanted, lambda: compile_transcoder(self.definition, self._definitions, wanted)
         )
 
-    def piecewise_transcoder(self, fields: tuple[str, ...] | None = None) -> PiecewiseTranscoder:
-        """Return such a function that does not join the pieces of the CBOR.
+    def sliced_decoder(self, fields: tuple[str, ...] | None = None) -> SlicedDecoder:
+        """Return a decoder of some fields for large messages; see `compile_sliced_decoder`.
 
         Raises:
             FieldError: a name in *fields* is not a field.
         """
         wanted = _sorted(fields)
-        return self._piecewise_transcoders.get(
-            wanted,
-            lambda: compile_piecewise_transcoder(self.definition, self._definitions, wanted),
+        return self._sliced_decoders.get(
+            wanted, lambda: compile_sliced_decoder(self.definition, self._definitions, wanted)
+        )
+
+    def sliced_transcoder(self, fields: tuple[str, ...] | None = None) -> SlicedTranscoder:
+        """Return a transcoder for large messages; see `compile_sliced_transcoder`.
+
+        Raises:
+            FieldError: a name in *fields* is not a field.
+        """
+        wanted = _sorted(fields)
+        return self._sliced_transcoders.get(
+            wanted, lambda: compile_sliced_transcoder(self.definition, self._definitions, wanted)
         )
 
     def named(self, values: Sequence[object], root: str = "args") -> dict[str, object]:

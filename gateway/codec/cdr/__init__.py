@@ -7,10 +7,12 @@ encapsulation header, then every primitive aligned to its size, counted from aft
 
 from gateway.codec.cdr.decoder import (
     Decoder,
-    PiecewiseTranscoder,
+    SlicedDecoder,
+    SlicedTranscoder,
     Transcoder,
     compile_decoder,
-    compile_piecewise_transcoder,
+    compile_sliced_decoder,
+    compile_sliced_transcoder,
     compile_transcoder,
 )
 from gateway.codec.cdr.encoder import Encoder, compile_encoder
@@ -20,10 +22,12 @@ __all__ = [
     "Decoder",
     "Encoder",
     "Octets",
-    "PiecewiseTranscoder",
+    "SlicedDecoder",
+    "SlicedTranscoder",
     "Transcoder",
     "compile_decoder",
     "compile_encoder",
-    "compile_piecewise_transcoder",
+    "compile_sliced_decoder",
+    "compile_sliced_transcoder",
     "compile_transcoder",
 ]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """CDR to values that `gateway.codec.json.dumps` can write, or to CBOR."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cache
 from struct import error as StructError  # noqa: N812
@@ -29,17 +29,22 @@ from gateway.codec.cdr.layout import (
 )
 from gateway.codec.cdr.rows import each_row, row
 from gateway.codec.cdr.selection import Selection, select
+from gateway.codec.cdr.sliced_elements import CHUNK_ELEMENTS
 from gateway.codec.cdr.source import SourceCode, variable
-from gateway.codec.cdr.target import NATIVE, Octets, Target, Value, Values
-from gateway.codec.cdr.to_cbor import Cbor, CborPieces
+from gateway.codec.cdr.target import NATIVE, Octets, SlicedValues, Target, Value, Values
+from gateway.codec.cdr.to_cbor import Cbor, SlicedCbor
 from gateway.codec.errors import CodecError
+from gateway.codec.json_slices import Write
 from gateway.codec.pieces import Piece
 from schemas.definition import Definition, FieldType
 from schemas.installed import InstalledDefinitions
 
 Decoder: TypeAlias = Callable[[bytes], dict[str, object]]
 Transcoder: TypeAlias = Callable[[bytes], bytes]
-PiecewiseTranscoder: TypeAlias = Callable[[bytes], Sequence[Piece]]
+SlicedDecoder: TypeAlias = Callable[[bytes, Write], Generator[bytes, None, dict[str, object]]]
+SlicedTranscoder: TypeAlias = Callable[[bytes], Generator[bytes, None, Sequence[Piece]]]
+
+_PAUSE: Final = 'yield b""'
 
 # RTPS 2.5, 10.2: CDR_LE is the octets {0x00, 0x01}, CDR_BE {0x00, 0x00}, each in its own order.
 _ENCAPSULATIONS: Final = {"<": 0x0100, ">": 0x0000}
@@ -88,17 +93,35 @@ def compile_transcoder(
     return _compile(definition, definitions, fields, Cbor(), "CDR to CBOR transcoder", "")
 
 
-def compile_piecewise_transcoder(
+def compile_sliced_decoder(
     definition: Definition, definitions: InstalledDefinitions, fields: Iterable[str] | None = None
-) -> PiecewiseTranscoder:
-    """Compile such a function that returns the item in pieces: large arrays are not copied.
+) -> SlicedDecoder:
+    """Compile a decoder for large messages, as a generator: whoever runs it can pause it.
+
+    It yields empty pieces and returns the dict, for `json_slices`: octet arrays are views, and
+    arrays of messages or strings are JSON already, written by a function that it is given.
 
     Raises:
         FieldError: a name in *fields* is not a field.
         UnknownTypeError: a nested type is not installed.
     """
-    note = ", in pieces"
-    return _compile(definition, definitions, fields, CborPieces(), "CDR to CBOR transcoder", note)
+    note = ", in slices"
+    return _compile(definition, definitions, fields, SlicedValues(), "CDR decoder", note)
+
+
+def compile_sliced_transcoder(
+    definition: Definition, definitions: InstalledDefinitions, fields: Iterable[str] | None = None
+) -> SlicedTranscoder:
+    """Compile a transcoder for large messages, as such a generator.
+
+    It returns the item in pieces; large arrays are not copied.
+
+    Raises:
+        FieldError: a name in *fields* is not a field.
+        UnknownTypeError: a nested type is not installed.
+    """
+    note = ", in slices"
+    return _compile(definition, definitions, fields, SlicedCbor(), "CDR to CBOR transcoder", note)
 
 
 def _compile(
@@ -108,7 +131,7 @@ def _compile(
     target: Target[Value],
     what: str,
     note: str,
-) -> Callable[[bytes], Any]:
+) -> Callable[..., Any]:
     paths = tuple(fields or ())
     selection = select(definition, definitions, paths)
     title = f"{what} of {definition.name}"
@@ -118,18 +141,18 @@ def _compile(
     members = flatten(definition, definitions, selection)
 
     @cache
-    def big_endian() -> Callable[[bytes], Any]:
+    def big_endian() -> Callable[..., Any]:
         writer = _DecoderWriter(">", target, definitions)
         return writer.write(definition, members, selection, f"{title}, big-endian", _refuse)
 
-    def other_encapsulation(cdr: bytes) -> object:
-        return big_endian()(cdr)
+    def other_encapsulation(cdr: bytes, *rest: object) -> object:
+        return big_endian()(cdr, *rest)
 
     writer = _DecoderWriter("<", target, definitions)
     return writer.write(definition, members, selection, title, other_encapsulation)
 
 
-def _refuse(cdr: bytes) -> object:
+def _refuse(cdr: bytes, *_: object) -> object:
     raise CodecError(
         f"encapsulation 0x{cdr[:2].hex()} is not plain CDR, 0x0000 or 0x0001", offset=0
     )
@@ -176,10 +199,13 @@ class _DecoderWriter(Generic[Value]):
         members: Sequence[Member],
         selection: Selection,
         title: str,
-        other_encapsulation: Callable[[bytes], object],
-    ) -> Callable[[bytes], Any]:
+        other_encapsulation: Callable[..., object],
+    ) -> Callable[..., Any]:
         source = self._source
-        with source.block("def decode(data):"):
+        arguments = ", ".join(("data", *self._target.arguments))
+        with source.block(f"def decode({arguments}):"):
+            if self._target.pauses:
+                source.line(_PAUSE)
             source.line("size = len(data)")
             source.line("offset = 0")
             with source.block("try:"):
@@ -316,14 +342,22 @@ class _DecoderWriter(Generic[Value]):
         need = f"count * {least_size(member.members)}"
         self._check(need, f"offset + {need}")
         name = variable(member.path)
+        pauses = self._target.pauses
         if member.wanted:
-            source.line(f"{name} = []")
+            source.line(f"{name} = {self._target.elements}")
         self._residue = None
         with source.block("for _ in range(count):"):
+            if pauses and not member.wanted:
+                source.line(f"if not _ % {CHUNK_ELEMENTS}: {_PAUSE}")
             self._members(member.members)
             self._flush()
-            if member.wanted:
+            if member.wanted and pauses:
+                with source.block(f"if {name}.add({self._element(member)}):"):
+                    source.line(f"yield from {name}.write()")
+            elif member.wanted:
                 source.line(f"{name}.append({self._element(member)})")
+        if member.wanted and pauses:
+            source.line(f"yield from {name}.end()")
         self._residue = None
 
     def _rows(self, member: Elements, run: Run) -> None:
@@ -336,7 +370,12 @@ class _DecoderWriter(Generic[Value]):
         if member.wanted:
             keep = self._target.keeps_float32
             rows = each_row(member.members, run, self._order, source, keeps_float32=keep)
-            source.line(f"{variable(member.path)} = [{self._element(member)} {rows}]")
+            name = variable(member.path)
+            if self._target.pauses:
+                source.line(f"{name} = {self._target.elements}")
+                source.line(f"yield from {name}.take({self._element(member)} {rows})")
+            else:
+                source.line(f"{name} = [{self._element(member)} {rows}]")
         source.line("offset = end")
         self._residue = None
 
@@ -400,7 +439,11 @@ class _DecoderWriter(Generic[Value]):
         source.line("offset += length")
         if "encapsulation" in self._targets:
             with source.block(f"if encapsulation != {_ENCAPSULATIONS[self._order]}:"):
-                source.line("return other_encapsulation(data)")
+                arguments = ", ".join(("data", *self._target.arguments))
+                other = f"other_encapsulation({arguments})"
+                source.line(
+                    f"return (yield from {other})" if self._target.pauses else f"return {other}"
+                )
         for octets, names in self._floats:
             source.line(self._floats_of(octets, names))
         self._residue = run.residue_after(self._residue)

@@ -286,7 +286,8 @@ def _to_json_slices(message_type: MessageType, key: EncodingKey) -> EncodeInSlic
 
     def encode(cdr: bytes) -> Iterator[Piece]:
         # compiled when the first large sample has come
-        return json_slices(message_type.decoder(key.fields, "raw")(cdr), write)
+        value = yield from message_type.sliced_decoder(key.fields)(cdr, write)
+        yield from json_slices(value, write)
 
     return encode
 
@@ -298,7 +299,10 @@ def _to_cbor(message_type: MessageType, key: EncodingKey) -> Encode:
 
 
 def _to_cbor_slices(message_type: MessageType, key: EncodingKey) -> EncodeInSlices:
-    return lambda cdr: iter(message_type.piecewise_transcoder(key.fields)(cdr))
+    def encode(cdr: bytes) -> Iterator[Piece]:
+        yield from (yield from message_type.sliced_transcoder(key.fields)(cdr))
+
+    return encode
 
 
 def _to_raw_cbor(now_ns: Callable[[], int]) -> Encode:

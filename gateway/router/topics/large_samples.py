@@ -26,7 +26,10 @@ LARGE_BYTES: Final = 256 * 1024
 PIECE_BYTES: Final = 64 * 1024
 
 EncodeInSlices: TypeAlias = Callable[[bytes], Iterator[Piece]]
-"""From CDR to the pieces of a message, a slice of the work for each; raises `CodecError`."""
+"""From CDR to the pieces of a message, a slice of the work for each, some empty.
+
+It raises `CodecError`.
+"""
 
 
 class LargeSample(Protocol):
@@ -164,7 +167,8 @@ class _Job:
             self._join()
             self.parts.append(piece)
             return
-        self._small.append(piece)
+        if piece:
+            self._small.append(piece)
         self._small_size += len(piece)
         if self._small_size >= PIECE_BYTES:
             self._join()
