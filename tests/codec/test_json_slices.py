@@ -124,6 +124,7 @@ def test_no_more_numbers_or_elements_are_written_at_once_than_a_slice_has(name: 
     _, value = run(message_type.sliced_decoder()(cdr, write))
     list(json_slices(value, write))
     assert max(written) == most
+    assert SLICE_NUMBERS == 8192
 
 
 def test_no_more_octets_are_written_at_once_than_a_slice_has():
@@ -141,6 +142,13 @@ def test_elements_that_are_large_by_their_texts_do_not_share_a_slice():
     parts = list(json_slices(texts, writer("null")))
     assert b"".join(parts) == writer("null")(texts)
     assert max(map(len, parts)) == SLICE_NUMBERS
+
+
+def test_elements_share_a_slice_as_long_as_they_fit():
+    texts = ["x" * 5 * SLICE_NUMBERS] * 6  # each takes as long as a third of the numbers
+    parts = list(json_slices(texts, writer("null")))
+    assert b"".join(parts) == writer("null")(texts)
+    assert [part.count(b"x") // len(texts[0]) for part in parts] == [3, 3, 0]
 
 
 @pytest.mark.parametrize("name", ["marker", "markers", "path", "names", "transforms"])

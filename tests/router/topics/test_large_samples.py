@@ -10,10 +10,20 @@ from typing import Any
 import pytest
 
 from gateway.codec.nonfinite import writer
-from gateway.ports import Qos
+from gateway.codec.pieces import Pieces
+from gateway.ports import Qos, Sample
+from gateway.protocol.outbox import NOT_READY
 from gateway.router.topics import encoding as encoding_module
 from gateway.router.topics import slices
-from gateway.router.topics.large_samples import LARGE_BYTES, PIECE_BYTES
+from gateway.router.topics.encoding import Encoding, SharedFrame
+from gateway.router.topics.large_samples import (
+    LARGE_BYTES,
+    PIECE_BYTES,
+    EncodedTopic,
+    EncodingResources,
+    LargeSamples,
+)
+from gateway.router.topics.subscription import EncodingKey
 from tests.client import eventually
 from tests.router.conftest import Bench, Socketless
 from tests.wire import untagged, websocket_frames
@@ -107,6 +117,7 @@ async def test_others_have_their_turn_while_a_large_message_is_encoded(bench: Be
 async def test_what_is_small_enough_is_encoded_at_once(bench: Bench, encoded: Counter[str]):
     bench.ros.add_publisher("/t", GRID)
     client = await subscribed(bench)
+    assert LARGE_BYTES == 262_144
     overhead = len(grid(bench, []))
     for size in (LARGE_BYTES - overhead, LARGE_BYTES - overhead + 1):
         bench.ros.publish("/t", grid(bench, [0] * size))
@@ -137,6 +148,27 @@ async def test_of_samples_that_come_while_one_is_encoded_the_newest_is_next(benc
     await bench.settle()
     first, last = client.of("publish")
     assert (first["seq"], last["seq"], last["dropped"]) == (1, 4, 2)
+
+
+async def test_one_large_sample_of_an_encoding_is_encoded_at_a_time():
+    key = EncodingKey("/t", None, None)
+    ready: list[None] = []
+    topic = EncodedTopic("/t", lambda: ready.append(None), lambda: False, lambda: 0)
+    workers: Any = None
+    large = LargeSamples(
+        lambda cdr: iter([cdr] * 3), lambda error: None, topic, EncodingResources(workers)
+    )
+    encoding = Encoding(key, bytes, lambda error: None, large)
+    cdr = bytes(LARGE_BYTES + 1)
+    one, other = (SharedFrame(encoding, Sample(cdr, 0), seq) for seq in (1, 2))
+    assert [each.frame() for each in (one, other, one, other)] == [NOT_READY] * 4
+    assert [one.is_being_encoded, other.is_being_encoded] == [True, False]
+    await eventually(lambda: bool(ready))
+    frame = one.frame()
+    assert isinstance(frame, Pieces)
+    assert len(frame) > 3 * len(cdr)
+    assert other.frame() is NOT_READY
+    assert other.is_being_encoded
 
 
 async def test_a_frame_stays_in_pieces_and_its_message_is_shared(bench: Bench):

@@ -60,6 +60,10 @@ async def turns(log: list[str]) -> list[str]:
         seen.append("".join(log[before:]))
 
 
+def test_a_turn_and_the_slice_that_exceeds_it_are_far_below_the_5_ms_that_others_may_wait():
+    assert TURN_NS == 500_000
+
+
 async def test_what_takes_less_than_a_turn_is_done_at_once(slices: Slices, clock: Clock):
     log: list[str] = []
     slices.begin(Job(clock, "a", STEPS_A_TURN - 1, log))
@@ -85,6 +89,7 @@ async def test_jobs_share_each_turn(slices: Slices, clock: Clock):
 async def test_so_many_jobs_are_under_way_and_the_next_is_called_when_there_is_room(
     slices: Slices, clock: Clock
 ):
+    assert MAX_JOBS == 4
     log: list[str] = []
     called: list[str] = []
     for number in range(MAX_JOBS):
