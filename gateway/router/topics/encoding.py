@@ -7,6 +7,7 @@ never decoded.
 
 import asyncio
 import logging
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from typing import Final
@@ -18,7 +19,7 @@ from gateway.codec.json_slices import json_slices
 from gateway.codec.nonfinite import writer
 from gateway.codec.picture import cbor_picture_renderer, picture_renderer
 from gateway.codec.pieces import Piece, Pieces
-from gateway.codec.png import text_as_png
+from gateway.codec.png import large_text_as_png, text_as_png
 from gateway.codec.types import MessageType
 from gateway.ports import Sample
 from gateway.protocol import messages
@@ -37,6 +38,9 @@ logger = logging.getLogger(__name__)
 
 Encode = Callable[[bytes], bytes]
 """From CDR to a message as it stands in a frame; raises `CodecError`."""
+
+# Between slices of a worker. A sleep of 0 gives the GIL back, and takes it before others wake up.
+PAUSE_S: Final = 0.0001
 
 _ENCODED: Final = Sample(b"", 0)
 
@@ -253,7 +257,7 @@ def make_encoding(
             encode = _to_json(message_type, key)
             in_slices = _to_json_slices(message_type, key)
         case "png":
-            encode = _to_png(_to_json(message_type, key), key.requested_name)
+            encode = _to_png(message_type, key)
         case "cbor":
             encode = _to_cbor(message_type, key)
             in_slices = _to_cbor_slices(message_type, key)
@@ -323,8 +327,34 @@ def _up_to_bytes(now_ns: int, size: int) -> bytes:
     return b"".join((head, *items, cbor.text("bytes"), cbor.head(cbor.OCTETS, size)))
 
 
-def _to_png(to_json: Encode, topic: str) -> Encode:
-    prefix = messages.publish_prefix(topic)
-    return lambda cdr: text_as_png(
-        ascii_only(b"".join((prefix, to_json(cdr), messages.PUBLISH_SUFFIX)))
-    )
+def _to_png(message_type: MessageType, key: EncodingKey) -> Encode:
+    """Return the function for a worker."""
+    to_json = _to_json(message_type, key)
+    prefix = messages.publish_prefix(key.requested_name)
+
+    def encode(cdr: bytes) -> bytes:
+        text = b"".join((prefix, to_json(cdr), messages.PUBLISH_SUFFIX))
+        return text_as_png(ascii_only(text))
+
+    if key.image is not None or not message_type.may_be_large:
+        return encode
+    decode = message_type.sliced_decoder(key.fields)  # now: it is not compiled in a worker
+    write = writer(key.nonfinite)
+
+    def in_slices(cdr: bytes) -> Iterator[bytes]:
+        yield ascii_only(prefix)
+        value = yield from decode(cdr, write)
+        yield from map(ascii_only, json_slices(value, write))
+        yield messages.PUBLISH_SUFFIX
+
+    def encode_any(cdr: bytes) -> bytes:
+        if len(cdr) <= LARGE_BYTES:
+            return encode(cdr)
+        return large_text_as_png(in_slices(cdr), _let_others_run)
+
+    return encode_any
+
+
+def _let_others_run() -> None:
+    """Give the GIL to the event loop, which else waits for 5 ms (`sys.getswitchinterval`)."""
+    time.sleep(PAUSE_S)

@@ -5,10 +5,12 @@ import asyncio
 import json
 from collections import Counter
 from collections.abc import Iterator
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from gateway.codec.json_slices import SLICE_NUMBERS
 from gateway.codec.nonfinite import writer
 from gateway.codec.pieces import Pieces
 from gateway.ports import Qos, Sample
@@ -26,6 +28,7 @@ from gateway.router.topics.large_samples import (
 from gateway.router.topics.subscription import EncodingKey
 from tests.client import eventually
 from tests.router.conftest import Bench, Socketless
+from tests.router.topics.test_encoding import text_in
 from tests.wire import untagged, websocket_frames
 
 GRID = "nav_msgs/msg/OccupancyGrid"
@@ -214,6 +217,28 @@ async def test_cbor_is_not_copied(bench: Bench, compression: str):
         largest = max(client.wires, key=len)
         assert largest is cdr or largest.obj is cdr  # type: ignore[attr-defined]  # a view
     assert meta.of("publish")[0]["seq"] == 1
+
+
+@pytest.mark.parametrize("type_name", [NUMBERS, GRID])
+async def test_a_worker_that_makes_a_png_lets_others_run_between_slices(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, type_name: str
+):
+    pauses: list[float] = []
+    monkeypatch.setattr(encoding_module, "time", SimpleNamespace(sleep=pauses.append))
+    bench.ros.add_publisher("/t", type_name)
+    client = await subscribed(bench, type_name, compression="png", nonfinite="string")
+    values: dict[str, Any] = {"data": CELLS}
+    if type_name == NUMBERS:
+        values = {"data": ["NaN", 1.5] * 30_000, "layout": {"dim": [{"label": "größe"}]}}
+    bench.ros.publish("/t", bench.cdr(type_name, **values))
+    (frame,) = await client.sees(1, "png")
+    text = text_in(frame["data"])
+    assert text.isascii()
+    message = json.loads(text)["msg"]
+    assert message["data"] == values["data"]
+    assert type_name == GRID or message["layout"]["dim"][0]["label"] == "größe"
+    assert len(pauses) > len(values["data"]) // SLICE_NUMBERS
+    assert min(pauses) > 0
 
 
 async def test_fragments_of_a_large_message_amount_to_it(bench: Bench):
