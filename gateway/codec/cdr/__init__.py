@@ -5,17 +5,14 @@ The format is plain CDR, encoding version 1 (DDS-XTypes 1.3, 7.4.3; what ROS 2 u
 encapsulation header, then every primitive aligned to its size, counted from after the header.
 """
 
-from gateway.codec.cdr.decoder import (
-    Decoder,
+from gateway.codec.cdr.decoder import Decoder, Transcoder, compile_decoder, compile_transcoder
+from gateway.codec.cdr.encoder import Encoder, compile_encoder
+from gateway.codec.cdr.sliced import (
     SlicedDecoder,
     SlicedTranscoder,
-    Transcoder,
-    compile_decoder,
     compile_sliced_decoder,
     compile_sliced_transcoder,
-    compile_transcoder,
 )
-from gateway.codec.cdr.encoder import Encoder, compile_encoder
 from gateway.codec.cdr.target import Octets
 
 __all__ = [

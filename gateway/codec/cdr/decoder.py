@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """CDR to values that `gateway.codec.json.dumps` can write, or to CBOR."""
 
-from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cache
 from struct import error as StructError  # noqa: N812
@@ -31,18 +31,15 @@ from gateway.codec.cdr.rows import each_row, row
 from gateway.codec.cdr.selection import Selection, select
 from gateway.codec.cdr.sliced_elements import CHUNK_ELEMENTS
 from gateway.codec.cdr.source import SourceCode, variable
-from gateway.codec.cdr.target import NATIVE, Octets, SlicedValues, Target, Value, Values
-from gateway.codec.cdr.to_cbor import Cbor, SlicedCbor
+from gateway.codec.cdr.target import NATIVE, Octets, Target, Value, Values
+from gateway.codec.cdr.text import wide_text
+from gateway.codec.cdr.to_cbor import Cbor
 from gateway.codec.errors import CodecError
-from gateway.codec.json_slices import Write
-from gateway.codec.pieces import Piece
 from schemas.definition import Definition, FieldType
 from schemas.installed import InstalledDefinitions
 
 Decoder: TypeAlias = Callable[[bytes], dict[str, object]]
 Transcoder: TypeAlias = Callable[[bytes], bytes]
-SlicedDecoder: TypeAlias = Callable[[bytes, Write], Generator[bytes, None, dict[str, object]]]
-SlicedTranscoder: TypeAlias = Callable[[bytes], Generator[bytes, None, Sequence[Piece]]]
 
 _PAUSE: Final = 'yield b""'
 
@@ -74,7 +71,7 @@ def compile_decoder(
         UnknownTypeError: a nested type is not installed.
     """
     note = ", octets raw" if octets == "raw" else ""
-    return _compile(definition, definitions, fields, Values(octets), "CDR decoder", note)
+    return compile_for(definition, definitions, fields, Values(octets), "CDR decoder", note)
 
 
 def compile_transcoder(
@@ -90,41 +87,10 @@ def compile_transcoder(
         FieldError: a name in *fields* is not a field.
         UnknownTypeError: a nested type is not installed.
     """
-    return _compile(definition, definitions, fields, Cbor(), "CDR to CBOR transcoder", "")
+    return compile_for(definition, definitions, fields, Cbor(), "CDR to CBOR transcoder", "")
 
 
-def compile_sliced_decoder(
-    definition: Definition, definitions: InstalledDefinitions, fields: Iterable[str] | None = None
-) -> SlicedDecoder:
-    """Compile a decoder for large messages, as a generator: whoever runs it can pause it.
-
-    It yields empty pieces and returns the dict, for `json_slices`: octet arrays are views, and
-    arrays of messages or strings are JSON already, written by a function that it is given.
-
-    Raises:
-        FieldError: a name in *fields* is not a field.
-        UnknownTypeError: a nested type is not installed.
-    """
-    note = ", in slices"
-    return _compile(definition, definitions, fields, SlicedValues(), "CDR decoder", note)
-
-
-def compile_sliced_transcoder(
-    definition: Definition, definitions: InstalledDefinitions, fields: Iterable[str] | None = None
-) -> SlicedTranscoder:
-    """Compile a transcoder for large messages, as such a generator.
-
-    It returns the item in pieces; large arrays are not copied.
-
-    Raises:
-        FieldError: a name in *fields* is not a field.
-        UnknownTypeError: a nested type is not installed.
-    """
-    note = ", in slices"
-    return _compile(definition, definitions, fields, SlicedCbor(), "CDR to CBOR transcoder", note)
-
-
-def _compile(
+def compile_for(
     definition: Definition,
     definitions: InstalledDefinitions,
     fields: Iterable[str] | None,
@@ -132,6 +98,7 @@ def _compile(
     what: str,
     note: str,
 ) -> Callable[..., Any]:
+    """Compile a function for a target; see the functions above."""
     paths = tuple(fields or ())
     selection = select(definition, definitions, paths)
     title = f"{what} of {definition.name}"
@@ -166,12 +133,6 @@ def _too_long(path: str, count: int, bound: int, offset: int) -> CodecError:
     return CodecError(f"{path} has {count} elements, at most {bound} are allowed", offset=offset)
 
 
-def _wide_text(units: bytes, order: ByteOrder) -> str:
-    """Read UTF-16 units of 4 bytes each, as Fast CDR writes a wstring."""
-    narrow = np.frombuffer(units, f"{order}u4").astype("<u2")
-    return narrow.tobytes().decode("utf-16-le", "replace")
-
-
 class _DecoderWriter(Generic[Value]):
     """Writes the source of one decoder.
 
@@ -186,6 +147,7 @@ class _DecoderWriter(Generic[Value]):
         self._order: ByteOrder = order
         self._target = target
         self._definitions = definitions
+        self._arguments = ", ".join(("data", *target.arguments))
         self._source = SourceCode()
         self._slots: list[Slot] = []
         self._targets: list[str] = []
@@ -202,8 +164,7 @@ class _DecoderWriter(Generic[Value]):
         other_encapsulation: Callable[..., object],
     ) -> Callable[..., Any]:
         source = self._source
-        arguments = ", ".join(("data", *self._target.arguments))
-        with source.block(f"def decode({arguments}):"):
+        with source.block(f"def decode({self._arguments}):"):
             if self._target.pauses:
                 source.line(_PAUSE)
             source.line("size = len(data)")
@@ -226,7 +187,7 @@ class _DecoderWriter(Generic[Value]):
             "too_long": _too_long,
             "truncated": _truncated,
             "unpack_from": unpack_from,
-            "wide_text": _wide_text,
+            "wide_text": wide_text,
         }
         return source.compile("decode", title, names)
 
@@ -351,11 +312,10 @@ class _DecoderWriter(Generic[Value]):
                 source.line(f"if not _ % {CHUNK_ELEMENTS}: {_PAUSE}")
             self._members(member.members)
             self._flush()
-            if member.wanted and pauses:
-                with source.block(f"if {name}.add({self._element(member)}):"):
-                    source.line(f"yield from {name}.write()")
-            elif member.wanted:
-                source.line(f"{name}.append({self._element(member)})")
+            if member.wanted:
+                element = self._element(member)
+                add = f"if {name}.add({element}): yield from {name}.write()"
+                source.line(add if pauses else f"{name}.append({element})")
         if member.wanted and pauses:
             source.line(f"yield from {name}.end()")
         self._residue = None
@@ -370,12 +330,10 @@ class _DecoderWriter(Generic[Value]):
         if member.wanted:
             keep = self._target.keeps_float32
             rows = each_row(member.members, run, self._order, source, keeps_float32=keep)
-            name = variable(member.path)
-            if self._target.pauses:
-                source.line(f"{name} = {self._target.elements}")
-                source.line(f"yield from {name}.take({self._element(member)} {rows})")
-            else:
-                source.line(f"{name} = [{self._element(member)} {rows}]")
+            each = f"{self._element(member)} {rows}"
+            taken = f"yield from {self._target.elements}.take({each})"
+            value = taken if self._target.pauses else f"[{each}]"
+            source.line(f"{variable(member.path)} = {value}")
         source.line("offset = end")
         self._residue = None
 
@@ -439,11 +397,8 @@ class _DecoderWriter(Generic[Value]):
         source.line("offset += length")
         if "encapsulation" in self._targets:
             with source.block(f"if encapsulation != {_ENCAPSULATIONS[self._order]}:"):
-                arguments = ", ".join(("data", *self._target.arguments))
-                other = f"other_encapsulation({arguments})"
-                source.line(
-                    f"return (yield from {other})" if self._target.pauses else f"return {other}"
-                )
+                pause = "yield from " if self._target.pauses else ""
+                source.line(f"return ({pause}other_encapsulation({self._arguments}))")
         for octets, names in self._floats:
             source.line(self._floats_of(octets, names))
         self._residue = run.residue_after(self._residue)

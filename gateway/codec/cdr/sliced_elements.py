@@ -5,9 +5,9 @@ As Python objects a million elements would take a hundred times their bytes, and
 would look at each.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Generator, Iterator
 from itertools import islice
-from typing import Final
+from typing import Final, Self
 
 from gateway.codec.json_slices import Write, WrittenArray, element_slices
 
@@ -29,12 +29,13 @@ class JsonElements(WrittenArray):
         self._few.append(element)
         return len(self._few) >= CHUNK_ELEMENTS
 
-    def take(self, elements: Iterator[object]) -> Iterator[bytes]:
-        """Take and write all of them; pause now and then."""
+    def take(self, elements: Iterator[object]) -> Generator[bytes, None, Self]:
+        """Take and write all of them; pause now and then, and return this."""
         while few := list(islice(elements, CHUNK_ELEMENTS)):
             self._few = few
             yield from self.write()
         yield from self.end()
+        return self
 
     def write(self) -> Iterator[bytes]:
         """Write those that were taken."""
@@ -63,12 +64,12 @@ class CborElements:
         self._few.append(element)
         return len(self._few) >= CHUNK_ELEMENTS
 
-    def take(self, elements: Iterable[bytes]) -> Iterator[bytes]:
-        """Take and write all of them; pause now and then."""
-        each = iter(elements)
-        while few := list(islice(each, CHUNK_ELEMENTS)):
+    def take(self, elements: Iterator[bytes]) -> Generator[bytes, None, Self]:
+        """Take and write all of them; pause now and then, and return this."""
+        while few := list(islice(elements, CHUNK_ELEMENTS)):
             self._few = few
             yield from self.write()
+        return self
 
     def write(self) -> Iterator[bytes]:
         """Join those that were taken."""
