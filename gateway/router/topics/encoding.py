@@ -14,6 +14,7 @@ from typing import Final
 
 from gateway.codec import cbor
 from gateway.codec.errors import CodecError
+from gateway.codec.grid_picture import GRID, cbor_grid_renderer, grid_renderer
 from gateway.codec.json import ascii_only
 from gateway.codec.json_slices import json_slices
 from gateway.codec.nonfinite import writer
@@ -278,6 +279,8 @@ def make_encoding(
 
 
 def _to_json(message_type: MessageType, key: EncodingKey) -> Encode:
+    if key.image is not None and message_type.name == GRID:
+        return grid_renderer(message_type)
     if key.image is not None:
         return picture_renderer(message_type, key.image)
     decode = message_type.decoder(key.fields)
@@ -297,6 +300,8 @@ def _to_json_slices(message_type: MessageType, key: EncodingKey) -> EncodeInSlic
 
 
 def _to_cbor(message_type: MessageType, key: EncodingKey) -> Encode:
+    if key.image is not None and message_type.name == GRID:
+        return cbor_grid_renderer(message_type)
     if key.image is not None:
         return cbor_picture_renderer(message_type, key.image)
     return message_type.transcoder(key.fields)

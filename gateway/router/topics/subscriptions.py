@@ -9,6 +9,7 @@ from functools import partial
 
 from gateway.codec.error_text import truncate
 from gateway.codec.errors import FieldError
+from gateway.codec.grid_picture import GRID
 from gateway.codec.image import ImageOptions
 from gateway.codec.picture import COMPRESSED_IMAGE, IMAGE
 from gateway.codec.types import MessageType
@@ -361,6 +362,8 @@ def _image_options(
     """Return how pictures are encoded; ``None`` for plain messages."""
     image = options.image
     image_format = image.format or default_format
+    if message_type.name == GRID:
+        return _grid_options(options)
     if message_type.name == COMPRESSED_IMAGE:
         # it is a picture already, and stays as it is unless another one is asked for
         image_format = image.format or ("jpeg" if image.asks_for_picture else "raw")
@@ -375,6 +378,17 @@ def _image_options(
         return replace(asked, depth_range_m=image.depth_range_m)
     except ValueError as error:
         raise ProtocolError("bad_request", f"image: {error}") from error
+
+
+def _grid_options(options: SubscriptionOptions) -> ImageOptions | None:
+    """Return how a map is encoded, with the values of its cells; ``None`` for a plain message."""
+    image = options.image
+    if options.fields or image.format in {None, "raw"} or options.compression == "cbor-raw":
+        return None
+    if image.format != "png" or image.max_width is not None or image.max_height is not None:
+        text = 'image: a map comes as png, with all of its cells; ask for {"format":"png"} alone'
+        raise ProtocolError("bad_request", text)
+    return ImageOptions("png")
 
 
 def _did_you_mean(topic: str, graph: Graph, session: Session) -> str:
