@@ -101,6 +101,12 @@ class MessageType:
                 numbers.add(definition.name)
         return False
 
+    @cached_property
+    def holds_elements(self) -> bool:
+        """True if it has an array of messages or of texts, or one that it nests has."""
+        types = [field.type for definition in self.closure for field in definition.fields]
+        return any(each.is_array and each.base not in PRIMITIVES - STRINGS for each in types)
+
     def json_schema(self) -> Schema:
         """Return the JSON Schema of the messages on the wire, nested types included."""
         return json_schema(self.name, self._definitions)

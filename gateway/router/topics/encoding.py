@@ -28,6 +28,7 @@ from gateway.protocol.outbox import NOT_READY, NOTHING, Frame, NoFrame
 from gateway.protocol.websocket_frames import Meta, PerClient, publish_frames
 from gateway.router.topics.large_samples import (
     LARGE_BYTES,
+    LARGE_ELEMENTS_BYTES,
     EncodedTopic,
     EncodeInSlices,
     EncodingResources,
@@ -58,12 +59,15 @@ class Encoding:
         encode: Encode,
         on_error: Callable[[CodecError], None],
         large: LargeSamples | None = None,
+        most_at_once: int = LARGE_BYTES,
     ) -> None:
+        """Samples of more bytes than *most_at_once* are large."""
         self.subscriptions: list[Subscription] = []
         self.frames = publish_frames(key.requested_name, key.compression)
         self._encode = encode
         self._on_error = on_error
         self._large = large
+        self._most_at_once = most_at_once
 
     def is_encoding(self, shared: "SharedFrame") -> bool:
         """Return whether this sample is being encoded right now."""
@@ -71,7 +75,7 @@ class Encoding:
 
     def encode(self, shared: "SharedFrame") -> Frame:
         """Return a sample as a message that a frame can hold, or why it cannot be one."""
-        if shared.size > LARGE_BYTES and self._large is not None:
+        if shared.size > self._most_at_once and self._large is not None:
             return self._large.encode(shared)
         try:
             return self._encode(shared.sample.cdr)
@@ -267,7 +271,9 @@ def make_encoding(
             in_slices = _to_raw_cbor_slices(topic.now_ns)
     if key.image is None and key.compression != "png":
         large = LargeSamples(in_slices, on_error, topic, resources)
-        return Encoding(key, encode, on_error, large)
+        has_elements = message_type.holds_elements and key.compression != "cbor-raw"
+        most_at_once = LARGE_ELEMENTS_BYTES if has_elements else LARGE_BYTES
+        return Encoding(key, encode, on_error, large, most_at_once)
     return WorkerEncoding(
         key,
         encode,

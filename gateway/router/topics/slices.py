@@ -59,15 +59,17 @@ class Slices:
         self._turn = None
         jobs = self._jobs
         end_ns = self._clock_ns() + TURN_NS
-        while jobs:
-            job = jobs.popleft()
-            if job.step():
-                jobs.append(job)
-            else:
-                self._make_room()
-            if self._clock_ns() >= end_ns:
-                break
-        self._continue()
+        try:
+            while jobs:
+                job = jobs.popleft()
+                if job.step():
+                    jobs.append(job)
+                else:
+                    self._make_room()
+                if self._clock_ns() >= end_ns:
+                    break
+        finally:  # a fault of one job is not that of the others
+            self._continue()
 
     def _make_room(self) -> None:
         waiting, self._waiting = self._waiting, {}

@@ -20,6 +20,7 @@ from gateway.router.topics import slices
 from gateway.router.topics.encoding import Encoding, SharedFrame
 from gateway.router.topics.large_samples import (
     LARGE_BYTES,
+    LARGE_ELEMENTS_BYTES,
     PIECE_BYTES,
     EncodedTopic,
     EncodingResources,
@@ -127,6 +128,32 @@ async def test_what_is_small_enough_is_encoded_at_once(bench: Bench, encoded: Co
         await eventually(lambda: len(client.messages) == 1)
         client.frames.clear()
     assert encoded == {"null": 1}
+
+
+TEXTS = "sensor_msgs/msg/JointState"
+
+
+@pytest.mark.parametrize(
+    ("compression", "more", "is_large"),
+    [("none", 0, False), ("none", 1, True), ("cbor", 1, True), ("cbor-raw", 1, False)],
+)
+async def test_messages_of_elements_are_large_earlier(
+    bench: Bench, compression: str, more: int, is_large: bool
+):
+    assert LARGE_ELEMENTS_BYTES == 32_768
+    bench.ros.add_publisher("/t", TEXTS)
+    client = await subscribed(bench, TEXTS, compression=compression)
+    (encoding,) = encodings(bench)
+    asked: list[Any] = []
+    encode = encoding._large.encode
+    encoding._large.encode = lambda shared: asked.append(shared) or encode(shared)
+    bare = len(bench.cdr(TEXTS, effort=[], name=["a"]))
+    text = "a" * (LARGE_ELEMENTS_BYTES - bare + 1 + more)
+    cdr = bench.cdr(TEXTS, name=[text])
+    cdr = cdr + bytes(max(0, LARGE_ELEMENTS_BYTES + more - len(cdr)))
+    bench.ros.publish("/t", cdr[: LARGE_ELEMENTS_BYTES + more])
+    await eventually(lambda: bool(client.frames))
+    assert bool(asked) == is_large
 
 
 async def test_a_small_sample_does_not_overtake_a_large_one(bench: Bench):
