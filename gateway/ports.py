@@ -125,7 +125,7 @@ class ServerInfo:
 
     name: str
     types: tuple[str, ...]  # pkg/srv/Name or pkg/action/Name
-    nodes: tuple[str, ...]  # full names, sorted
+    nodes: tuple[str, ...]  # full names, sorted; without those that share their name with another
 
 
 @dataclass(frozen=True, slots=True)

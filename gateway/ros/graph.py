@@ -36,6 +36,8 @@ MAX_SETTLE_S: Final = 1.0
 POLL_S: Final = 0.5
 
 _BEHIND_ACTION: Final = "/_action/"  # in the names of an action's topics and services
+_SEND_GOAL: Final = f"{_BEHIND_ACTION}send_goal"  # behind the name of an action, and of its type
+_SEND_GOAL_TYPE: Final = "_SendGoal"
 
 _logger = logging.getLogger(__name__)
 
@@ -68,21 +70,35 @@ def read_nodes(node: Node) -> list[str]:
 
 
 def read_services(node: Node) -> tuple[ServerInfo, ...]:
-    """Return the services that nodes provide, except those of actions; 7 us a node.
-
-    rcl's list of all services also has those that only a client has named.
-    """
+    """Return the services that nodes provide, except those of actions; 7 us a node."""
     return tuple(each for each in read_all_services(node) if _BEHIND_ACTION not in each.name)
 
 
 def read_all_services(node: Node) -> tuple[ServerInfo, ...]:
-    """Return the services that nodes provide, including those of actions."""
-    return _provided(node, lambda *each: node.get_service_names_and_types_by_node(*each))
+    """Return the services that nodes provide, including those of actions.
+
+    Of nodes that share their name rcl lists those of one alone, and one that was killed may be that
+    one. What the others provide is in rcl's list of all services, which has no nodes, but also
+    those that only a client has named; so their servers are counted.
+    """
+    listed = _provided(node, lambda *each: node.get_service_names_and_types_by_node(*each))
+    found = {each.name: each for each in listed}
+    for name, types in node.get_service_names_and_types():
+        if name not in found and node.count_services(name):
+            found[name] = ServerInfo(name, tuple(sorted(types)), ())
+    return tuple(found[name] for name in sorted(found))
 
 
 def read_actions(node: Node) -> tuple[ServerInfo, ...]:
-    """Return the actions that nodes provide; 3 us a node."""
-    return _provided(node, lambda *each: get_action_server_names_and_types_by_node(node, *each))
+    """Return the actions that nodes provide; 3 us a node, and what the list of services takes."""
+    listed = _provided(node, lambda *each: get_action_server_names_and_types_by_node(node, *each))
+    found = {each.name: each for each in listed}
+    for service in read_all_services(node):
+        name = service.name.removesuffix(_SEND_GOAL)
+        if name != service.name and name not in found:
+            types = tuple(each.removesuffix(_SEND_GOAL_TYPE) for each in service.types)
+            found[name] = ServerInfo(name, types, service.nodes)
+    return tuple(found[name] for name in sorted(found))
 
 
 def read_types(

@@ -2,6 +2,7 @@
 """The way in: options, starting and ending."""
 
 import asyncio
+import contextlib
 import errno
 import os
 import signal
@@ -539,6 +540,29 @@ async def test_what_has_just_come_is_known_before_the_graphs_thread_tells(
             time.sleep(0.01)  # noqa: ASYNC251
         assert ros.service_types("/new") == (SET_BOOL,)
         assert ros.action_types("/new") == (FIBONACCI,)
+
+
+async def test_nodes_that_share_their_name_hide_nothing_of_each_other(outside: Outside) -> None:
+    with contextlib.closing(Outside("outside")) as twin:
+        async with open_ros() as ros:
+            for each, name in ((outside, "/first"), (twin, "/second")):
+                each.add_service(name, SET_BOOL, ignore)
+                each.add_action_server(name, FIBONACCI, ignore, ignore)
+            for name in ("/first", "/second"):
+                await eventually(lambda name=name: ros.service_types(name) == (SET_BOOL,))
+                await eventually(lambda name=name: ros.action_types(name) == (FIBONACCI,))
+            assert {"/first", "/second"} <= {each.name for each in ros.graph().services}
+            assert {"/first", "/second"} <= {each.name for each in ros.graph().actions}
+
+
+async def test_a_service_that_only_a_client_has_named_is_not_there(outside: Outside) -> None:
+    async with open_ros() as ros:
+        client = outside.add_client("/wanted", SET_BOOL)
+        assert isinstance(ros, RclpyRos)
+        names = ros._debug.get_service_names_and_types
+        await eventually(lambda: "/wanted" in [name for name, _ in names()])
+        assert ros.service_types("/wanted") == ()
+        client.close()
 
 
 async def test_ros_that_has_shut_down_below_the_gateway_is_a_fault_that_only_a_restart_mends():
