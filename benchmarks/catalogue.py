@@ -15,6 +15,7 @@ from benchmarks.scenarios import (
     codec,
     fan_out,
     first_frame,
+    giant,
     growth,
     hostile,
     idle,
@@ -58,6 +59,7 @@ SCENARIOS: Final[dict[str, Scenario]] = {
         "one client that reads nothing beside 3 that do", "1 min", slow_client.measure
     ),
     "links": Scenario("slow links: how old is what arrives", "6 min", links.measure),
+    "giant": Scenario("Odometry beside messages of 16 MB", "3 min", giant.measure),
     "start-up": Scenario("from start to the first handshake", "15 s", start_up.measure),
     "idle": Scenario("60 subscriptions to silent topics", "40 s", idle.measure),
     "growth": Scenario("cost by rate, clients, idle topics and uptime", "5 min", growth.measure),

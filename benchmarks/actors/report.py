@@ -33,17 +33,20 @@ class Ages:
     def summary(self) -> dict[str, Any]:
         """Return counts, percentiles of the ages in ms, and the arrival of the first message.
 
-        ``distinct`` counts every stamp once; ``tail_ms`` is the median age of the last tenth.
+        ``distinct`` counts every stamp once; ``tail_ms`` is the median age of the last tenth, and
+        start-up is in the count alone.
         """
         stamps_ns = self._stamps_ns[:]
         ages_ns = self._ages_ns[: len(stamps_ns)]
         result: dict[str, Any] = {"count": len(stamps_ns), "distinct": len(set(stamps_ns))}
         if len(ages_ns) < 2:
             return result
-        cuts = statistics.quantiles(_settled(ages_ns), n=100)
+        settled = _settled(ages_ns)
+        cuts = statistics.quantiles(settled, n=100)
         result |= {f"p{percent}_ms": cuts[percent - 1] / 1e6 for percent in (50, 90, 99)}
         tail = ages_ns[-max(1, len(ages_ns) // 10) :]
         return result | {
+            "max_ms": max(settled) / 1e6,
             "tail_ms": statistics.median(tail) / 1e6,
             "first_ns": stamps_ns[0] + ages_ns[0],
         }

@@ -2,8 +2,8 @@
 """The orders of a program that sends.
 
 ``run RATE COUNT`` sends COUNT samples at that rate, and answers with the number and the time that
-it took; ``go RATE`` sends until the end, and answers with the time of the first. ``count`` answers
-with the number of samples so far.
+it took; ``go RATE`` sends until the end or until ``stop``, and answers with the time of the first.
+``stop`` answers as ``run`` does. ``count`` answers with the number of samples so far.
 """
 
 import math
@@ -21,7 +21,7 @@ def do_runs(
 ) -> None:
     """Report readiness, and obey until the end of stdin, sending in this thread."""
     jobs: queue.SimpleQueue[tuple[float, float] | None] = queue.SimpleQueue()
-    over = threading.Event()
+    over, stopped = threading.Event(), threading.Event()
     sent = 0
 
     def send_one() -> None:
@@ -37,6 +37,7 @@ def do_runs(
         {
             "run": lambda rate_hz, count: jobs.put((float(rate_hz), int(count))),
             "go": lambda rate_hz: jobs.put((float(rate_hz), math.inf)),
+            "stop": stopped.set,
             "count": lambda: sent,
             **(further_orders or {}),
         },
@@ -46,8 +47,9 @@ def do_runs(
     while (job := jobs.get()) is not None:
         rate_hz, count = job
         before = sent
+        stopped.clear()
         if math.isinf(count):
             reply(time.time_ns())
-        seconds = paced(send_one, rate_hz, count, over.is_set)
-        if not math.isinf(count):
+        seconds = paced(send_one, rate_hz, count, lambda: over.is_set() or stopped.is_set())
+        if not over.is_set():
             reply({"sent": sent - before, "seconds": seconds})

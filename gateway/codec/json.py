@@ -53,7 +53,7 @@ class JsonError(CodecError):
 
 
 def _base64(value: object) -> str:
-    if isinstance(value, bytes):
+    if isinstance(value, bytes | memoryview):
         return pybase64.b64encode_as_string(value)
     raise TypeError(f"no JSON for {type(value).__name__}")
 
@@ -64,7 +64,7 @@ dumps: Final[Callable[[object], bytes]] = partial(
 )
 """Write values as UTF-8 JSON: numpy arrays as arrays, bytes as base64, NaN and infinities as null.
 
-RFC 8259 has none of these, and orjson sends null for the last two.
+Views of bytes count as bytes. RFC 8259 has none of these, and orjson sends null for the last two.
 """
 
 

@@ -12,9 +12,13 @@ from gateway.codec.cdr import (
     Decoder,
     Encoder,
     Octets,
+    SlicedDecoder,
+    SlicedTranscoder,
     Transcoder,
     compile_decoder,
     compile_encoder,
+    compile_sliced_decoder,
+    compile_sliced_transcoder,
     compile_transcoder,
 )
 from gateway.codec.cdr.bounds import TooManyFieldsError
@@ -50,6 +54,8 @@ class MessageType:
         self._types = types
         self._decoders: _Compiled[Decoder] = _Compiled()
         self._transcoders: _Compiled[Transcoder] = _Compiled()
+        self._sliced_decoders: _Compiled[SlicedDecoder] = _Compiled()
+        self._sliced_transcoders: _Compiled[SlicedTranscoder] = _Compiled()
 
     @cached_property
     def decode(self) -> Decoder:
@@ -95,6 +101,12 @@ class MessageType:
                 numbers.add(definition.name)
         return False
 
+    @cached_property
+    def holds_elements(self) -> bool:
+        """True if it has an array of messages or of texts, or one that it nests has."""
+        types = [field.type for definition in self.closure for field in definition.fields]
+        return any(each.is_array and each.base not in PRIMITIVES - STRINGS for each in types)
+
     def json_schema(self) -> Schema:
         """Return the JSON Schema of the messages on the wire, nested types included."""
         return json_schema(self.name, self._definitions)
@@ -130,6 +142,28 @@ class MessageType:
         wanted = _sorted(fields)
         return self._transcoders.get(
             wanted, lambda: compile_transcoder(self.definition, self._definitions, wanted)
+        )
+
+    def sliced_decoder(self, fields: tuple[str, ...] | None = None) -> SlicedDecoder:
+        """Return a decoder of some fields for large messages; see `compile_sliced_decoder`.
+
+        Raises:
+            FieldError: a name in *fields* is not a field.
+        """
+        wanted = _sorted(fields)
+        return self._sliced_decoders.get(
+            wanted, lambda: compile_sliced_decoder(self.definition, self._definitions, wanted)
+        )
+
+    def sliced_transcoder(self, fields: tuple[str, ...] | None = None) -> SlicedTranscoder:
+        """Return a transcoder for large messages; see `compile_sliced_transcoder`.
+
+        Raises:
+            FieldError: a name in *fields* is not a field.
+        """
+        wanted = _sorted(fields)
+        return self._sliced_transcoders.get(
+            wanted, lambda: compile_sliced_transcoder(self.definition, self._definitions, wanted)
         )
 
     def named(self, values: Sequence[object], root: str = "args") -> dict[str, object]:

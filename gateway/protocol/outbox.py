@@ -14,6 +14,8 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Final, Literal, Protocol, TypeAlias
 
+from gateway.codec.pieces import Piece, Pieces
+
 
 class NoFrame(enum.Enum):
     """Why an entry has no frame to send."""
@@ -25,7 +27,7 @@ class NoFrame(enum.Enum):
 NOT_READY: Final[Literal[NoFrame.NOT_READY]] = NoFrame.NOT_READY
 NOTHING: Final[Literal[NoFrame.NOTHING]] = NoFrame.NOTHING
 
-Frame: TypeAlias = bytes | Literal[NoFrame.NOT_READY, NoFrame.NOTHING]
+Frame: TypeAlias = bytes | Pieces | Literal[NoFrame.NOT_READY, NoFrame.NOTHING]
 
 
 class Entry(Protocol):
@@ -156,7 +158,7 @@ class Queue:
         self._forget(self.waiting.popleft())
         self.dropped += 1
 
-    def next(self) -> bytes | None:
+    def next(self) -> bytes | Pieces | None:
         """Take the oldest entry's frame; ``None`` if no entry is ready."""
         while self.claimed is not None or self.waiting:
             entry = self.claimed if self.claimed is not None else self.waiting[0]
@@ -269,12 +271,13 @@ class Outbox:
         self.grow(len(frame))
         self.shed()
 
-    def take(self, max_bytes: int) -> list[bytes]:
+    def take(self, max_bytes: int) -> list[Piece]:
         """Take what is ready: control frames first, then frames of the queues by fair shares.
 
-        Stops once *max_bytes* are reached, so it exceeds them by one frame at most.
+        Stops once *max_bytes* are reached, so it exceeds them by one frame at most. A frame in
+        pieces is taken as these.
         """
-        taken: list[bytes] = []
+        taken: list[Piece] = []
         left = max_bytes
         while self._control and left > 0:
             frame = self._control.popleft()
@@ -288,7 +291,7 @@ class Outbox:
             kind, queue = self._next(ready)
             next_frame = queue.next()
             if next_frame is not None:
-                taken.append(next_frame)
+                taken += [next_frame] if isinstance(next_frame, bytes) else next_frame.parts
                 left -= len(next_frame)
                 kind.serve(queue, len(next_frame))
             if next_frame is None or not queue.pending:

@@ -14,6 +14,7 @@ import orjson
 
 from gateway.codec import cbor
 from gateway.codec.json import ascii_only
+from gateway.codec.pieces import Pieces
 from gateway.protocol import messages
 from gateway.protocol.rosbridge_fragments import split
 
@@ -102,6 +103,12 @@ class PublishFrames(Protocol):
     def per_client(self, message: bytes, own: PerClient) -> bytes:
         """Return the frame, or frames in a row, that one subscriber gets."""
 
+    def shared_pieces(self, message: Pieces) -> Pieces:
+        """Return the shared frame of a large message, which is not copied."""
+
+    def per_client_pieces(self, message: Pieces, own: PerClient) -> bytes | Pieces:
+        """Return the frame, or frames in a row, of a large message for one subscriber."""
+
 
 class JsonFrames:
     """Makes `publish` frames of messages in JSON."""
@@ -122,19 +129,32 @@ class JsonFrames:
 
     def per_client(self, message: bytes, own: PerClient) -> bytes:
         """Add meta, escape and split as requested."""
-        prefix = self._prefix
-        if own.meta is not None:
-            prefix = messages.publish_meta_prefix(
-                self._topic,
-                own.meta.seq,
-                own.meta.received_ns,
-                own.meta.dropped,
-                own.meta.quality,
-            )
-        text = b"".join((prefix, message, messages.PUBLISH_SUFFIX))
+        text = b"".join((self._own_prefix(own), message, messages.PUBLISH_SUFFIX))
         if own.is_ascii:
             text = ascii_only(text)
         return text_frames(text, own.fragment_size, f"publish:{self._topic}:{own.seq}")
+
+    def shared_pieces(self, message: Pieces) -> Pieces:
+        """Frame a large message."""
+        return _framed(TEXT, self._prefix, message, messages.PUBLISH_SUFFIX)
+
+    def per_client_pieces(self, message: Pieces, own: PerClient) -> bytes | Pieces:
+        """Add meta, escape and split as requested; only to split, all of it is copied."""
+        if own.fragment_size is not None:
+            return self.per_client(bytes(message), own)
+        prefix = self._own_prefix(own)
+        if own.is_ascii:
+            prefix = ascii_only(prefix)
+            message = Pieces.of(ascii_only(bytes(part)) for part in message.parts)
+        return _framed(TEXT, prefix, message, messages.PUBLISH_SUFFIX)
+
+    def _own_prefix(self, own: PerClient) -> bytes:
+        if own.meta is None:
+            return self._prefix
+        meta = own.meta
+        return messages.publish_meta_prefix(
+            self._topic, meta.seq, meta.received_ns, meta.dropped, meta.quality
+        )
 
 
 class PngFrames:
@@ -166,6 +186,14 @@ class PngFrames:
         text = b"".join((self._PREFIX, message, b'"', end))
         return text_frames(text, own.fragment_size, f"publish:{self._topic}:{own.seq}")
 
+    def shared_pieces(self, message: Pieces) -> Pieces:
+        """Frame a message in pieces."""
+        return _framed(TEXT, self._PREFIX, message, self._SUFFIX)
+
+    def per_client_pieces(self, message: Pieces, own: PerClient) -> bytes | Pieces:
+        """Add meta, and split as requested."""
+        return self.per_client(bytes(message), own)
+
 
 class CborFrames:
     """Makes binary frames with a `publish` map; a message is CBOR."""
@@ -187,10 +215,19 @@ class CborFrames:
 
     def per_client(self, message: bytes, own: PerClient) -> bytes:
         """Add meta as requested; rosbridge knows no fragments of binary frames."""
-        prefix = self._prefix
-        if own.meta is not None:
-            prefix = self._up_to_message(own.meta.members())
+        prefix = self._own_prefix(own)
         return b"".join((header(BINARY, len(prefix) + len(message)), prefix, message))
+
+    def shared_pieces(self, message: Pieces) -> Pieces:
+        """Frame a large message."""
+        return _framed(BINARY, self._prefix, message, b"")
+
+    def per_client_pieces(self, message: Pieces, own: PerClient) -> Pieces:
+        """Add meta as requested."""
+        return _framed(BINARY, self._own_prefix(own), message, b"")
+
+    def _own_prefix(self, own: PerClient) -> bytes:
+        return self._prefix if own.meta is None else self._up_to_message(own.meta.members())
 
     def _up_to_message(self, meta: dict[str, object]) -> bytes:
         members = {"op": "publish", "topic": self._topic, **meta}
@@ -208,6 +245,11 @@ def publish_frames(topic: str, compression: Compression) -> PublishFrames:
             return PngFrames(topic)
         case "cbor" | "cbor-raw":
             return CborFrames(topic)
+
+
+def _framed(kind: int, prefix: bytes, message: Pieces, suffix: bytes) -> Pieces:
+    length = len(prefix) + len(message) + len(suffix)
+    return message.within(header(kind, length) + prefix, suffix)
 
 
 def _after(prefix: bytes, frame: bytes) -> bytes:

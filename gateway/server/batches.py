@@ -4,8 +4,15 @@
 import asyncio
 import sys
 from collections.abc import Callable, Iterable
+from typing import Final
 
-_Write = Callable[[Iterable[bytes]], object]
+from gateway.codec.pieces import Piece
+
+_Write = Callable[[Iterable[Piece]], object]
+
+
+# A join of fewer is cheaper than a system call for each frame; of more it holds up all others.
+MOST_JOINED_BYTES: Final = 256 * 1024
 
 
 def batch_writer(
@@ -14,9 +21,21 @@ def batch_writer(
     """Return the function that writes several frames to a transport.
 
     That is `writelines`. In Python 3.12.0 to 3.12.8, 3.13.0 and 3.13.1 it never calls
-    `pause_writing` (CVE-2024-12254), and a client that does not read would fill the memory; there
-    the frames are joined, which costs a copy, and written as one.
+    `pause_writing` (CVE-2024-12254), and a client that does not read would fill the memory; before
+    3.12 asyncio's own joins all frames. There a few frames are joined, which costs a copy, and
+    written as one, and the pieces of large ones are written one by one.
     """
-    if (3, 12) <= version < (3, 12, 9) or (3, 13) <= version < (3, 13, 2):
-        return lambda frames: transport.write(b"".join(frames))
-    return transport.writelines
+    is_deaf = (3, 12) <= version < (3, 12, 9) or (3, 13) <= version < (3, 13, 2)
+    joins = type(transport).writelines is asyncio.WriteTransport.writelines
+    if not (is_deaf or joins):
+        return transport.writelines
+
+    def write(frames: Iterable[Piece]) -> None:
+        batch = list(frames)
+        if sum(map(len, batch)) <= MOST_JOINED_BYTES:
+            transport.write(b"".join(batch))
+            return
+        for piece in batch:
+            transport.write(piece)
+
+    return write

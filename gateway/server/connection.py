@@ -19,7 +19,7 @@ from websockets.protocol import CONNECTING, OPEN, Event
 
 from gateway.protocol import messages
 from gateway.protocol.errors import ProtocolError, StatusCode
-from gateway.protocol.outbox import Entry, NoFrame
+from gateway.protocol.outbox import Entry
 from gateway.protocol.session import Session
 from gateway.protocol.token_bucket import TokenBucket
 from gateway.server.acceptor import Acceptor
@@ -373,7 +373,7 @@ class Connection(asyncio.BufferedProtocol):
             return 0
         try:
             frame = entry.frame()
-            if isinstance(frame, NoFrame):
+            if not isinstance(frame, bytes):  # not ready, or in pieces, which are written together
                 return 0
             self._transport.write(frame)
         except Exception as bug:  # noqa: BLE001  # of one client's

@@ -75,7 +75,7 @@ class Viewer:
                 if not frames and not outbox.has_control:
                     break
                 for frame in frames:
-                    self._take(orjson.loads(payload(frame)))
+                    self._take(orjson.loads(payload(bytes(frame))))
         except Exception as bug:  # noqa: BLE001  # of one viewer's
             self._asker.fail(bug)
         finally:

@@ -8,7 +8,7 @@ from cv2.typing import MatLike
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gateway.codec.png import text_as_png
+from gateway.codec.png import large_text_as_png, text_as_png
 
 
 def pixels_of(picture: bytes) -> MatLike:
@@ -32,3 +32,13 @@ def test_the_picture_holds_the_text_and_then_newlines(text):
 @pytest.mark.parametrize(("length", "width"), [(1, 1), (12, 2), (2700, 30), (2701, 30)])
 def test_the_width_is_the_root_of_a_third_of_the_length(length, width):
     assert pixels_of(text_as_png(b"x" * length)).shape[1] == width
+
+
+@pytest.mark.parametrize("length", [1, 3, 299, 300, 5000])
+def test_a_text_in_pieces_has_the_picture_of_the_whole_and_pauses_after_each(length):
+    text = bytes(32 + at % 90 for at in range(length))
+    pieces = [text[at : at + 100] for at in range(0, length, 100)]
+    pauses = []
+    picture = large_text_as_png(iter(pieces), lambda: pauses.append(None))
+    assert picture == text_as_png(text)
+    assert len(pauses) == 2 * len(pieces)

@@ -325,3 +325,19 @@ def test_a_type_that_nests_itself_raises_definition_error(tmp_path):
     write_definition(tmp_path, "some_msgs/msg/A", "A[] a")
     with pytest.raises(DefinitionError, match="some_msgs/msg/A nests itself"):
         Types(InstalledDefinitions([tmp_path])).get("some_msgs/msg/A")
+
+
+@pytest.mark.parametrize(
+    ("name", "holds"),
+    [
+        ("nav_msgs/msg/Odometry", False),
+        ("sensor_msgs/msg/LaserScan", False),
+        ("sensor_msgs/msg/CompressedImage", False),
+        ("std_msgs/msg/String", False),
+        ("sensor_msgs/msg/JointState", True),
+        ("nav_msgs/msg/Path", True),
+        ("std_msgs/msg/Float64MultiArray", True),
+    ],
+)
+def test_arrays_of_messages_and_of_texts_are_elements(name, holds):
+    assert Types(InstalledDefinitions()).get(name).holds_elements == holds

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gateway.codec.pieces import Pieces
 from gateway.protocol.outbox import NOT_READY, NOTHING, Frame, Outbox, Queue
 
 
@@ -29,6 +30,19 @@ class Item:
 
 
 EVERYTHING = 1 << 30
+
+
+def test_a_frame_in_pieces_is_taken_as_these_and_counts_as_one():
+    outbox = Outbox(1000)
+    queue = outbox.open_queue(10, None)
+    pieces = Pieces.of([b"header", b"one", memoryview(b"two")])
+    for frame in (pieces, b"small"):
+        item = Item(b"size")
+        item.frame = lambda frame=frame: frame  # type: ignore[method-assign, misc]
+        queue.put(item)
+    assert outbox.take(len(pieces)) == list(pieces.parts)
+    assert (queue.sent, queue.sent_bytes) == (1, len(pieces))
+    assert outbox.take(EVERYTHING) == [b"small"]
 
 
 def test_control_frames_overtake_what_waits_in_queues():

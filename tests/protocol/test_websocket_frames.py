@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from websockets.frames import Frame, Opcode
 
 from gateway.codec import cbor
+from gateway.codec.pieces import Pieces
 from gateway.protocol.websocket_frames import (
     BINARY,
     Meta,
@@ -39,6 +40,27 @@ def test_the_message_can_be_taken_out_of_its_frame(compression, length):
     body = b"{" * length
     own = publish_frames("/odom", compression)
     assert own.message(own.shared(body)) == body
+
+
+@pytest.mark.parametrize("compression", [*BODIES, "png"])
+@pytest.mark.parametrize("length", [90, 70_000])
+@pytest.mark.parametrize("own", [None, PerClient(7), PerClient(7, META), PerClient(7, None, 99)])
+def test_a_message_in_pieces_has_the_frame_of_a_whole_one(compression, length, own):
+    body = b"x" * length
+    frames = publish_frames("/odom", compression)
+    pieces = Pieces.of([body[:7], memoryview(body)[7:]])
+    if own is None:
+        assert bytes(frames.shared_pieces(pieces)) == frames.shared(body)
+    else:
+        assert bytes(frames.per_client_pieces(pieces, own)) == frames.per_client(body, own)
+
+
+def test_json_in_pieces_is_escaped_where_that_is_asked_for():
+    frames = publish_frames("/ödom", "none")
+    own = PerClient(7, META, is_ascii=True)
+    pieces = [b'{"text":"', "ü".encode(), b'"}']
+    escaped = bytes(frames.per_client_pieces(Pieces.of(pieces), own))
+    assert escaped == frames.per_client(b"".join(pieces), own)
 
 
 @pytest.mark.parametrize("compression", BODIES)

@@ -4,7 +4,7 @@ import socket
 
 import pytest
 
-from gateway.server.batches import batch_writer
+from gateway.server.batches import MOST_JOINED_BYTES, batch_writer
 
 DEAF = [(3, 12, 0), (3, 12, 8), (3, 13, 0), (3, 13, 1)]
 SOUND = [(3, 11, 7), (3, 12, 9), (3, 13, 2), (3, 14, 0)]
@@ -43,10 +43,42 @@ async def test_frames_arrive_whole_and_in_order(connected, version):
     assert theirs.recv(100) == b"one two three"
 
 
+class Writer(asyncio.WriteTransport):
+    """A transport that does not join, as those of uvloop and of newer versions of Python."""
+
+    def __init__(self):
+        super().__init__()
+        self.written = []
+
+    def write(self, data):
+        self.written.append(data)
+
+    def writelines(self, list_of_data):
+        self.written += list_of_data
+
+
+class Joiner(Writer):
+    writelines = asyncio.WriteTransport.writelines
+
+
 @pytest.mark.parametrize("version", SOUND)
-async def test_where_it_is_sound_nothing_is_copied(connected, version):
-    transport, _, _ = connected
+def test_where_it_is_sound_nothing_is_copied(version):
+    transport = Writer()
     assert batch_writer(transport, version) == transport.writelines
+
+
+@pytest.mark.parametrize(
+    ("transport", "version"), [(Writer(), DEAF[0]), (Joiner(), SOUND[0])], ids=["deaf", "joins"]
+)
+def test_where_frames_would_be_joined_only_a_few_are(transport, version):
+    write = batch_writer(transport, version)
+    few = [b"x" * (MOST_JOINED_BYTES - 1), b"y"]
+    many = [b"header", *few]
+    write(iter(few))
+    assert transport.written == [b"".join(few)]
+    write(iter(many))
+    assert transport.written[1:] == many
+    assert MOST_JOINED_BYTES == 262_144
 
 
 @pytest.mark.parametrize("version", DEAF)

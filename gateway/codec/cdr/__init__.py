@@ -7,14 +7,24 @@ encapsulation header, then every primitive aligned to its size, counted from aft
 
 from gateway.codec.cdr.decoder import Decoder, Transcoder, compile_decoder, compile_transcoder
 from gateway.codec.cdr.encoder import Encoder, compile_encoder
+from gateway.codec.cdr.sliced import (
+    SlicedDecoder,
+    SlicedTranscoder,
+    compile_sliced_decoder,
+    compile_sliced_transcoder,
+)
 from gateway.codec.cdr.target import Octets
 
 __all__ = [
     "Decoder",
     "Encoder",
     "Octets",
+    "SlicedDecoder",
+    "SlicedTranscoder",
     "Transcoder",
     "compile_decoder",
     "compile_encoder",
+    "compile_sliced_decoder",
+    "compile_sliced_transcoder",
     "compile_transcoder",
 ]

@@ -29,8 +29,10 @@ from gateway.codec.cdr.layout import (
 )
 from gateway.codec.cdr.rows import each_row, row
 from gateway.codec.cdr.selection import Selection, select
+from gateway.codec.cdr.sliced_elements import CHUNK_ELEMENTS
 from gateway.codec.cdr.source import SourceCode, variable
 from gateway.codec.cdr.target import NATIVE, Octets, Target, Value, Values
+from gateway.codec.cdr.text import wide_text
 from gateway.codec.cdr.to_cbor import Cbor
 from gateway.codec.errors import CodecError
 from schemas.definition import Definition, FieldType
@@ -38,6 +40,8 @@ from schemas.installed import InstalledDefinitions
 
 Decoder: TypeAlias = Callable[[bytes], dict[str, object]]
 Transcoder: TypeAlias = Callable[[bytes], bytes]
+
+_PAUSE: Final = 'yield b""'
 
 # RTPS 2.5, 10.2: CDR_LE is the octets {0x00, 0x01}, CDR_BE {0x00, 0x00}, each in its own order.
 _ENCAPSULATIONS: Final = {"<": 0x0100, ">": 0x0000}
@@ -67,7 +71,7 @@ def compile_decoder(
         UnknownTypeError: a nested type is not installed.
     """
     note = ", octets raw" if octets == "raw" else ""
-    return _compile(definition, definitions, fields, Values(octets), "CDR decoder", note)
+    return compile_for(definition, definitions, fields, Values(octets), "CDR decoder", note)
 
 
 def compile_transcoder(
@@ -83,17 +87,18 @@ def compile_transcoder(
         FieldError: a name in *fields* is not a field.
         UnknownTypeError: a nested type is not installed.
     """
-    return _compile(definition, definitions, fields, Cbor(), "CDR to CBOR transcoder", "")
+    return compile_for(definition, definitions, fields, Cbor(), "CDR to CBOR transcoder", "")
 
 
-def _compile(
+def compile_for(
     definition: Definition,
     definitions: InstalledDefinitions,
     fields: Iterable[str] | None,
     target: Target[Value],
     what: str,
     note: str,
-) -> Callable[[bytes], Any]:
+) -> Callable[..., Any]:
+    """Compile a function for a target; see the functions above."""
     paths = tuple(fields or ())
     selection = select(definition, definitions, paths)
     title = f"{what} of {definition.name}"
@@ -103,18 +108,18 @@ def _compile(
     members = flatten(definition, definitions, selection)
 
     @cache
-    def big_endian() -> Callable[[bytes], Any]:
+    def big_endian() -> Callable[..., Any]:
         writer = _DecoderWriter(">", target, definitions)
         return writer.write(definition, members, selection, f"{title}, big-endian", _refuse)
 
-    def other_encapsulation(cdr: bytes) -> object:
-        return big_endian()(cdr)
+    def other_encapsulation(cdr: bytes, *rest: object) -> object:
+        return big_endian()(cdr, *rest)
 
     writer = _DecoderWriter("<", target, definitions)
     return writer.write(definition, members, selection, title, other_encapsulation)
 
 
-def _refuse(cdr: bytes) -> object:
+def _refuse(cdr: bytes, *_: object) -> object:
     raise CodecError(
         f"encapsulation 0x{cdr[:2].hex()} is not plain CDR, 0x0000 or 0x0001", offset=0
     )
@@ -126,12 +131,6 @@ def _truncated(offset: int, need: int, size: int) -> CodecError:
 
 def _too_long(path: str, count: int, bound: int, offset: int) -> CodecError:
     return CodecError(f"{path} has {count} elements, at most {bound} are allowed", offset=offset)
-
-
-def _wide_text(units: bytes, order: ByteOrder) -> str:
-    """Read UTF-16 units of 4 bytes each, as Fast CDR writes a wstring."""
-    narrow = np.frombuffer(units, f"{order}u4").astype("<u2")
-    return narrow.tobytes().decode("utf-16-le", "replace")
 
 
 class _DecoderWriter(Generic[Value]):
@@ -148,6 +147,7 @@ class _DecoderWriter(Generic[Value]):
         self._order: ByteOrder = order
         self._target = target
         self._definitions = definitions
+        self._arguments = ", ".join(("data", *target.arguments))
         self._source = SourceCode()
         self._slots: list[Slot] = []
         self._targets: list[str] = []
@@ -161,10 +161,12 @@ class _DecoderWriter(Generic[Value]):
         members: Sequence[Member],
         selection: Selection,
         title: str,
-        other_encapsulation: Callable[[bytes], object],
-    ) -> Callable[[bytes], Any]:
+        other_encapsulation: Callable[..., object],
+    ) -> Callable[..., Any]:
         source = self._source
-        with source.block("def decode(data):"):
+        with source.block(f"def decode({self._arguments}):"):
+            if self._target.pauses:
+                source.line(_PAUSE)
             source.line("size = len(data)")
             source.line("offset = 0")
             with source.block("try:"):
@@ -176,7 +178,7 @@ class _DecoderWriter(Generic[Value]):
             with source.block("except StructError:"):
                 source.line("raise truncated(offset, length, size) from None")
             message = self._message(definition, (), selection)
-            source.line(f"return {self._target.expression(message, source)}")
+            source.line(f"return {self._target.result(message, source)}")
         names = {
             **self._target.names,
             "FLOAT32": np.dtype(f"{self._order}f"),
@@ -185,7 +187,7 @@ class _DecoderWriter(Generic[Value]):
             "too_long": _too_long,
             "truncated": _truncated,
             "unpack_from": unpack_from,
-            "wide_text": _wide_text,
+            "wide_text": wide_text,
         }
         return source.compile("decode", title, names)
 
@@ -301,14 +303,21 @@ class _DecoderWriter(Generic[Value]):
         need = f"count * {least_size(member.members)}"
         self._check(need, f"offset + {need}")
         name = variable(member.path)
+        pauses = self._target.pauses
         if member.wanted:
-            source.line(f"{name} = []")
+            source.line(f"{name} = {self._target.elements}")
         self._residue = None
         with source.block("for _ in range(count):"):
+            if pauses and not member.wanted:
+                source.line(f"if not _ % {CHUNK_ELEMENTS}: {_PAUSE}")
             self._members(member.members)
             self._flush()
             if member.wanted:
-                source.line(f"{name}.append({self._element(member)})")
+                element = self._element(member)
+                add = f"if {name}.add({element}): yield from {name}.write()"
+                source.line(add if pauses else f"{name}.append({element})")
+        if member.wanted and pauses:
+            source.line(f"yield from {name}.end()")
         self._residue = None
 
     def _rows(self, member: Elements, run: Run) -> None:
@@ -321,7 +330,10 @@ class _DecoderWriter(Generic[Value]):
         if member.wanted:
             keep = self._target.keeps_float32
             rows = each_row(member.members, run, self._order, source, keeps_float32=keep)
-            source.line(f"{variable(member.path)} = [{self._element(member)} {rows}]")
+            each = f"{self._element(member)} {rows}"
+            taken = f"yield from {self._target.elements}.take({each})"
+            value = taken if self._target.pauses else f"[{each}]"
+            source.line(f"{variable(member.path)} = {value}")
         source.line("offset = end")
         self._residue = None
 
@@ -385,7 +397,8 @@ class _DecoderWriter(Generic[Value]):
         source.line("offset += length")
         if "encapsulation" in self._targets:
             with source.block(f"if encapsulation != {_ENCAPSULATIONS[self._order]}:"):
-                source.line("return other_encapsulation(data)")
+                pause = "yield from " if self._target.pauses else ""
+                source.line(f"return ({pause}other_encapsulation({self._arguments}))")
         for octets, names in self._floats:
             source.line(self._floats_of(octets, names))
         self._residue = run.residue_after(self._residue)

@@ -9,6 +9,7 @@ import numpy as np
 from pybase64 import b64encode_as_string
 
 from gateway.codec.cdr.layout import CODES, NUMPY_LENGTH, ByteOrder, Numbers
+from gateway.codec.cdr.sliced_elements import JsonElements
 from gateway.codec.cdr.source import SourceCode
 from schemas.definition import FieldType
 
@@ -38,6 +39,18 @@ class Target(Protocol[Value]):
     def keeps_float32(self) -> bool:
         """A float32 is made as a `numpy.float32`, and short fixed arrays as arrays of them."""
 
+    @property
+    def pauses(self) -> bool:
+        """The function is a generator, and yields an empty piece between slices of its work."""
+
+    @property
+    def arguments(self) -> Sequence[str]:
+        """Further arguments of the function."""
+
+    @property
+    def elements(self) -> str:
+        """The source that makes what collects the elements of an array, if the function pauses."""
+
     def octets(self, octets: str) -> str:
         """Return the source for an array of octets, given the source of its bytes or a view."""
 
@@ -53,6 +66,9 @@ class Target(Protocol[Value]):
     def expression(self, value: Value, source: SourceCode) -> str:
         """Return the source that makes a value."""
 
+    def result(self, value: Value, source: SourceCode) -> str:
+        """Return the source that makes what the function returns of the whole message."""
+
 
 class Values:
     """Makes dicts that `gateway.codec.json.dumps` can write."""
@@ -61,6 +77,9 @@ class Values:
     # A Python float holds 0.1f as 0.10000000149011612, and would be written so. To orjson a
     # float32 is one, with the digits that it needs, and arrays of any length read the same.
     keeps_float32 = True
+    pauses = False
+    arguments: Sequence[str] = ()
+    elements = "[]"
 
     def __init__(self, octets: Octets) -> None:
         self._octets = octets
@@ -108,3 +127,19 @@ class Values:
         """Return the source unchanged."""
         del source
         return value
+
+    def result(self, value: str, source: SourceCode) -> str:
+        """Return the source unchanged."""
+        return self.expression(value, source)
+
+
+class SlicedValues(Values):
+    """Makes dicts for `gateway.codec.json_slices.json_slices`, in slices."""
+
+    pauses = True
+    arguments = ("write",)
+    elements = "JsonElements(write)"
+
+    def __init__(self) -> None:
+        super().__init__("raw")
+        self.names = {**self.names, "JsonElements": JsonElements}

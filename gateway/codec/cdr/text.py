@@ -3,6 +3,8 @@
 
 import numpy as np
 
+from gateway.codec.cdr.layout import ByteOrder
+
 
 def to_cdr(text: str, *, is_wide: bool) -> tuple[int, bytes]:
     """Return the count that precedes a string, and its octets; only a narrow one ends with NUL."""
@@ -19,3 +21,9 @@ def wide(text: str) -> bytes:
     if "\0" in text:
         raise ValueError("U+0000 in a string")
     return np.frombuffer(text.encode("utf-16-le"), "<u2").astype("<u4").tobytes()
+
+
+def wide_text(units: bytes, order: ByteOrder) -> str:
+    """Read UTF-16 units of 4 bytes each, as Fast CDR writes a wstring."""
+    narrow = np.frombuffer(units, f"{order}u4").astype("<u2")
+    return narrow.tobytes().decode("utf-16-le", "replace")

@@ -11,11 +11,21 @@ import numpy as np
 
 from gateway.codec import cbor
 from gateway.codec.cdr.layout import CODES, ByteOrder, Numbers
+from gateway.codec.cdr.sliced_elements import CborElements
 from gateway.codec.cdr.source import SourceCode
-from schemas.definition import FLOATS, INTEGER_RANGES, OCTETS, STRINGS, FieldType
+from schemas.definition import (
+    FLOATS,
+    INTEGER_RANGES,
+    OCTETS,
+    PRIMITIVES,
+    STRINGS,
+    FieldType,
+)
 
 # Any octet but 0 is true.
 _BOOLEANS: Final = bytes((cbor.FALSE, *[cbor.TRUE] * 255))
+
+_NUMBERS: Final = PRIMITIVES - STRINGS
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +54,9 @@ class Cbor:
 
     takes_tuples = False
     keeps_float32 = False  # every float is a float64, and 0.1f one of 0.10000000149011612
+    pauses = False
+    arguments: Sequence[str] = ()
+    elements = "[]"
     names: Mapping[str, Callable[..., object] | bytes] = {
         "BOOLEANS": _BOOLEANS,
         "frombuffer": np.frombuffer,
@@ -91,13 +104,43 @@ class Cbor:
 
     def expression(self, value: Pieces, source: SourceCode) -> str:
         """Join the pieces, neighbours of fixed size in one."""
-        parts = []
-        for is_fixed, group in groupby(value, key=lambda piece: piece.is_fixed):
-            if is_fixed:
-                parts.append(_packed(group, source))
-            else:
-                parts += [str(piece.content) for piece in group]
+        parts = _parts(value, source)
         return parts[0] if len(parts) == 1 else f'b"".join(({", ".join(parts)}))'
+
+    def result(self, value: Pieces, source: SourceCode) -> str:
+        """Join the pieces of the message as well."""
+        return self.expression(value, source)
+
+
+class SlicedCbor(Cbor):
+    """Makes one CBOR item, too, but in slices, and leaves the pieces of the message apart."""
+
+    pauses = True
+    elements = "CborElements()"
+    names: Mapping[str, Callable[..., object] | bytes] = {
+        **Cbor.names,
+        "CborElements": CborElements,
+    }
+
+    def value(self, kind: FieldType, name: str) -> Pieces:
+        """Make the item of one field; one of many elements stays in pieces."""
+        if kind.is_array and kind.base not in _NUMBERS:
+            return (Piece(f"head({cbor.ARRAY}, {name}.count)"), Piece(f"*{name}.parts"))
+        return super().value(kind, name)
+
+    def result(self, value: Pieces, source: SourceCode) -> str:
+        """Return a tuple: neighbours of fixed size are one piece, each array is one."""
+        return f"({', '.join(_parts(value, source))},)"
+
+
+def _parts(pieces: Pieces, source: SourceCode) -> list[str]:
+    parts = []
+    for is_fixed, group in groupby(pieces, key=lambda piece: piece.is_fixed):
+        if is_fixed:
+            parts.append(_packed(group, source))
+        else:
+            parts += [str(piece.content) for piece in group]
+    return parts
 
 
 def _text(name: str) -> Pieces:

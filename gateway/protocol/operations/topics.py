@@ -53,7 +53,7 @@ ImageFormat = Annotated[
 
 
 class ImageRequest(OperationPart):
-    """The picture options of a subscription to ``sensor_msgs/msg/Image`` or ``CompressedImage``."""
+    """The picture options of a subscription to an Image, a CompressedImage or an OccupancyGrid."""
 
     format: ImageFormat | None = None  # that of the connection
     quality: Annotated[int, Field(ge=1, le=100)] = 80

@@ -52,7 +52,7 @@ class SentGoal:
     def flush_feedback(self) -> None:
         """Send waiting feedback before the result, which would overtake it."""
         while (frame := self.queue.next()) is not None:
-            self.session.outbox.put_control(frame)
+            self.session.outbox.put_control(bytes(frame))
 
     def on_feedback(self, cdr: bytes) -> None:
         """Pass the server's feedback on, if the client wants it and is still connected."""

@@ -7,20 +7,33 @@ never decoded.
 
 import asyncio
 import logging
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
+from typing import Final
 
 from gateway.codec import cbor
 from gateway.codec.errors import CodecError
+from gateway.codec.grid_picture import GRID, cbor_grid_renderer, grid_renderer
 from gateway.codec.json import ascii_only
+from gateway.codec.json_slices import json_slices
 from gateway.codec.nonfinite import writer
 from gateway.codec.picture import cbor_picture_renderer, picture_renderer
-from gateway.codec.png import text_as_png
+from gateway.codec.pieces import Piece, Pieces
+from gateway.codec.png import large_text_as_png, text_as_png
 from gateway.codec.types import MessageType
 from gateway.ports import Sample
 from gateway.protocol import messages
 from gateway.protocol.outbox import NOT_READY, NOTHING, Frame, NoFrame
 from gateway.protocol.websocket_frames import Meta, PerClient, publish_frames
+from gateway.router.topics.large_samples import (
+    LARGE_BYTES,
+    LARGE_ELEMENTS_BYTES,
+    EncodedTopic,
+    EncodeInSlices,
+    EncodingResources,
+    LargeSamples,
+)
 from gateway.router.topics.subscription import EncodingKey, Subscription
 
 logger = logging.getLogger(__name__)
@@ -28,34 +41,53 @@ logger = logging.getLogger(__name__)
 Encode = Callable[[bytes], bytes]
 """From CDR to a message as it stands in a frame; raises `CodecError`."""
 
+# Between slices of a worker. A sleep of 0 gives the GIL back, and takes it before others wake up.
+PAUSE_S: Final = 0.0001
+
+_ENCODED: Final = Sample(b"", 0)
+
 
 class Encoding:
-    """Encodes on the event loop, at the moment a frame is wanted.
+    """Encodes on the event loop, at the moment a frame is wanted; *large* samples in slices.
 
     *on_error* hears of samples that cannot be encoded.
     """
 
     def __init__(
-        self, key: EncodingKey, encode: Encode, on_error: Callable[[CodecError], None]
+        self,
+        key: EncodingKey,
+        encode: Encode,
+        on_error: Callable[[CodecError], None],
+        large: LargeSamples | None = None,
+        most_at_once: int = LARGE_BYTES,
     ) -> None:
+        """Samples of more bytes than *most_at_once* are large."""
         self.subscriptions: list[Subscription] = []
         self.image = key.image
         self.frames = publish_frames(key.requested_name, key.compression)
         self._encode = encode
         self._on_error = on_error
+        self._large = large
+        self._most_at_once = most_at_once
 
     def is_encoding(self, shared: "SharedFrame") -> bool:
-        """Return whether a worker encodes this sample right now."""
-        del shared
-        return False
+        """Return whether this sample is being encoded right now."""
+        return self._large is not None and self._large.is_encoding(shared)
 
     def encode(self, shared: "SharedFrame") -> Frame:
         """Return a sample as a message that a frame can hold, or why it cannot be one."""
+        if shared.size > self._most_at_once and self._large is not None:
+            return self._large.encode(shared)
         try:
-            return self._encode(shared.cdr)
+            return self._encode(shared.sample.cdr)
         except CodecError as error:
             self._on_error(error)
             return NOTHING
+
+    def close(self) -> None:
+        """Keep nothing for late subscribers any more."""
+        if self._large is not None:
+            self._large.close()
 
 
 class WorkerEncoding(Encoding):
@@ -91,7 +123,7 @@ class WorkerEncoding(Encoding):
         if self._busy_with is None:
             self._busy_with = shared
             loop = asyncio.get_running_loop()
-            future = loop.run_in_executor(self._workers, self._encode, shared.cdr)
+            future = loop.run_in_executor(self._workers, self._encode, shared.sample.cdr)
             future.add_done_callback(lambda done: self._finish(shared, done))
         return NOT_READY
 
@@ -116,53 +148,66 @@ class SharedFrame:
     """One sample in one encoding: an entry that many queues share.
 
     It holds one of three: the sample; once it is encoded, the message; once a subscription took it
-    that shares frames, the frame. `size` is the sample's and stays so while others wait, though
-    what they hold may by then be larger: as JSON `uint8[]` by a third, `float64[]` two and a half
-    times, `bool[]` six times, small messages by their names.
+    that shares frames, the frame. Of a large sample message and frame are the same pieces. `size`
+    is the sample's and stays so while others wait, though what they hold may by then be larger: as
+    JSON `uint8[]` by a third, `float64[]` two and a half times, `bool[]` six times, small messages
+    by their names.
     """
 
-    __slots__ = ("_frame", "_message", "arrived_ns", "cdr", "encoding", "seq", "size")
+    __slots__ = (
+        "__weakref__",
+        "_frame",
+        "_message",
+        "arrived_ns",
+        "encoding",
+        "sample",
+        "seq",
+        "size",
+    )
 
     def __init__(self, encoding: Encoding, sample: Sample, seq: int) -> None:
         self.encoding = encoding
-        self.cdr = sample.cdr  # empty once it is encoded
+        self.sample = sample  # an empty one once it is encoded
         self.arrived_ns = sample.received_ns
         self.seq = seq
         self.size = len(sample.cdr)
         self._message: Frame = NOT_READY
-        self._frame: bytes | None = None
+        self._frame: bytes | Pieces | None = None
 
     @property
     def is_being_encoded(self) -> bool:
-        """True while a worker encodes this sample."""
+        """True while this sample is being encoded."""
         return self.encoding.is_encoding(self)
 
     def frame(self) -> Frame:
         """Return the frame that all subscriptions share."""
         if self._frame is None:
             message = self.message()
-            if isinstance(message, NoFrame):
+            if isinstance(message, bytes):
+                self._frame = self.encoding.frames.shared(message)
+                self._message = NOT_READY
+            elif isinstance(message, Pieces):
+                self._frame = self.encoding.frames.shared_pieces(message)
+            else:
                 return message
-            self._frame = self.encoding.frames.shared(message)
-            self._message = NOT_READY
         return self._frame
 
     def message(self) -> Frame:
         """Return the message alone, for frames that are not shared."""
-        if self._frame is not None:
+        if isinstance(self._frame, bytes):
             return self.encoding.frames.message(self._frame)
         if self._message is NOT_READY:
             message = self.encoding.encode(self)
             if message is NOT_READY:
                 return message
             self._message = message
-            self.cdr = b""
+            self.sample = _ENCODED
         return self._message
 
     def supply(self, message: Frame) -> None:
-        """Take the message that a worker made, or `NOTHING`."""
+        """Take the message, or `NOTHING`."""
         self._message = message
-        self.cdr = b""
+        self.sample = _ENCODED
 
 
 class PerClientFrame:
@@ -186,7 +231,7 @@ class PerClientFrame:
 
     @property
     def is_being_encoded(self) -> bool:
-        """True while a worker encodes the sample."""
+        """True while the sample is being encoded."""
         return self._shared.is_being_encoded
 
     def frame(self) -> Frame:
@@ -202,39 +247,49 @@ class PerClientFrame:
             quality = None if image is None else image.quality
             meta = Meta(shared.seq, self._received_ns, subscription.lost, quality)
         own = PerClient(shared.seq, meta, options.fragment_size, subscription.session.is_ros_sharp)
+        if isinstance(message, Pieces):
+            return shared.encoding.frames.per_client_pieces(message, own)
         return shared.encoding.frames.per_client(message, own)
 
 
 def make_encoding(
     message_type: MessageType,
     key: EncodingKey,
-    *,
-    topic: str,
+    topic: EncodedTopic,
     on_error: Callable[[CodecError], None],
-    on_ready: Callable[[], None],
-    now_ns: Callable[[], int],
-    workers: Executor,
+    resources: EncodingResources,
 ) -> Encoding:
-    """Return the encoding that a key asks for; *workers* do what takes milliseconds.
-
-    *topic* is the resolved name, for the log. *on_error* hears of samples that cannot be encoded,
-    *on_ready* is called when a worker is done, *now_ns* is ROS time.
-    """
+    """Return the encoding that a key asks for; *on_error* hears of samples that have no message."""
     match key.compression:
         case "none":
             encode = _to_json(message_type, key)
+            in_slices = _to_json_slices(message_type, key)
         case "png":
-            encode = _to_png(_to_json(message_type, key), key.requested_name)
+            encode = _to_png(message_type, key)
         case "cbor":
             encode = _to_cbor(message_type, key)
+            in_slices = _to_cbor_slices(message_type, key)
         case "cbor-raw":
-            encode = _to_raw_cbor(now_ns)
+            encode = _to_raw_cbor(topic.now_ns)
+            in_slices = _to_raw_cbor_slices(topic.now_ns)
     if key.image is None and key.compression != "png":
-        return Encoding(key, encode, on_error)
-    return WorkerEncoding(key, encode, on_error, topic=topic, on_ready=on_ready, workers=workers)
+        large = LargeSamples(in_slices, on_error, topic, resources)
+        has_elements = message_type.holds_elements and key.compression != "cbor-raw"
+        most_at_once = LARGE_ELEMENTS_BYTES if has_elements else LARGE_BYTES
+        return Encoding(key, encode, on_error, large, most_at_once)
+    return WorkerEncoding(
+        key,
+        encode,
+        on_error,
+        topic=topic.name,
+        on_ready=topic.on_ready,
+        workers=resources.workers,
+    )
 
 
 def _to_json(message_type: MessageType, key: EncodingKey) -> Encode:
+    if key.image is not None and message_type.name == GRID:
+        return grid_renderer(message_type)
     if key.image is not None:
         return picture_renderer(message_type, key.image)
     decode = message_type.decoder(key.fields)
@@ -242,22 +297,78 @@ def _to_json(message_type: MessageType, key: EncodingKey) -> Encode:
     return lambda cdr: write(decode(cdr))
 
 
+def _to_json_slices(message_type: MessageType, key: EncodingKey) -> EncodeInSlices:
+    write = writer(key.nonfinite)
+
+    def encode(cdr: bytes) -> Iterator[Piece]:
+        # compiled when the first large sample has come
+        value = yield from message_type.sliced_decoder(key.fields)(cdr, write)
+        yield from json_slices(value, write)
+
+    return encode
+
+
 def _to_cbor(message_type: MessageType, key: EncodingKey) -> Encode:
+    if key.image is not None and message_type.name == GRID:
+        return cbor_grid_renderer(message_type)
     if key.image is not None:
         return cbor_picture_renderer(message_type, key.image)
     return message_type.transcoder(key.fields)
 
 
-def _to_raw_cbor(now_ns: Callable[[], int]) -> Encode:
-    def encode(cdr: bytes) -> bytes:
-        secs, nsecs = divmod(now_ns(), 1_000_000_000)
-        return cbor.dumps({"secs": secs, "nsecs": nsecs, "bytes": cdr})
+def _to_cbor_slices(message_type: MessageType, key: EncodingKey) -> EncodeInSlices:
+    def encode(cdr: bytes) -> Iterator[Piece]:
+        yield from (yield from message_type.sliced_transcoder(key.fields)(cdr))
 
     return encode
 
 
-def _to_png(to_json: Encode, topic: str) -> Encode:
-    prefix = messages.publish_prefix(topic)
-    return lambda cdr: text_as_png(
-        ascii_only(b"".join((prefix, to_json(cdr), messages.PUBLISH_SUFFIX)))
-    )
+def _to_raw_cbor(now_ns: Callable[[], int]) -> Encode:
+    return lambda cdr: b"".join((_up_to_bytes(now_ns(), len(cdr)), cdr))
+
+
+def _to_raw_cbor_slices(now_ns: Callable[[], int]) -> EncodeInSlices:
+    return lambda cdr: iter((_up_to_bytes(now_ns(), len(cdr)), cdr))
+
+
+def _up_to_bytes(now_ns: int, size: int) -> bytes:
+    """Return the message of `cbor-raw` up to its last member, the CDR."""
+    secs, nsecs = divmod(now_ns, 1_000_000_000)
+    members = {"secs": secs, "nsecs": nsecs}
+    items = [cbor.text(name) + cbor.dumps(value) for name, value in members.items()]
+    # the map has one member more, and its items just follow each other
+    head = cbor.head(cbor.MAP, len(members) + 1)
+    return b"".join((head, *items, cbor.text("bytes"), cbor.head(cbor.OCTETS, size)))
+
+
+def _to_png(message_type: MessageType, key: EncodingKey) -> Encode:
+    """Return the function for a worker."""
+    to_json = _to_json(message_type, key)
+    prefix = messages.publish_prefix(key.requested_name)
+
+    def encode(cdr: bytes) -> bytes:
+        text = b"".join((prefix, to_json(cdr), messages.PUBLISH_SUFFIX))
+        return text_as_png(ascii_only(text))
+
+    if key.image is not None or not message_type.may_be_large:
+        return encode
+    decode = message_type.sliced_decoder(key.fields)  # now: it is not compiled in a worker
+    write = writer(key.nonfinite)
+
+    def in_slices(cdr: bytes) -> Iterator[bytes]:
+        yield ascii_only(prefix)
+        value = yield from decode(cdr, write)
+        yield from map(ascii_only, json_slices(value, write))
+        yield messages.PUBLISH_SUFFIX
+
+    def encode_any(cdr: bytes) -> bytes:
+        if len(cdr) <= LARGE_BYTES:
+            return encode(cdr)
+        return large_text_as_png(in_slices(cdr), _let_others_run)
+
+    return encode_any
+
+
+def _let_others_run() -> None:
+    """Give the GIL to the event loop, which else waits for 5 ms (`sys.getswitchinterval`)."""
+    time.sleep(PAUSE_S)

@@ -4,20 +4,17 @@
 import difflib
 from collections.abc import Iterator, Mapping
 from concurrent.futures import Executor
-from dataclasses import replace
 from functools import partial
 
 from gateway.codec.error_text import truncate
 from gateway.codec.errors import FieldError
-from gateway.codec.image import ImageOptions
 from gateway.codec.picture import COMPRESSED_IMAGE, IMAGE
-from gateway.codec.picture_formats import PICTURE_FORMATS
 from gateway.codec.types import MessageType
 from gateway.metrics.state import ClientTopic, Delivery
 from gateway.ports import Graph, Ros, RosError
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import TopicName, resolve_topic
-from gateway.protocol.operations.topics import ImageFormat, Subscribe, Unsubscribe
+from gateway.protocol.operations.topics import Subscribe, Unsubscribe
 from gateway.protocol.picture_adaptation import STEPS, Step
 from gateway.protocol.session import Session
 from gateway.protocol.subscription_options import SubscriptionOptions, compression
@@ -25,6 +22,8 @@ from gateway.protocol.websocket_frames import Compression
 from gateway.router.topic_counts import CountsByTopic
 from gateway.router.topic_events import TopicEvents
 from gateway.router.topic_types import TopicTypes, TypeAskedError
+from gateway.router.topics.large_samples import EncodingResources
+from gateway.router.topics.requested_pictures import fits_link, requested_picture
 from gateway.router.topics.requested_qos import subscribed
 from gateway.router.topics.silence_watch import SilenceWatch
 from gateway.router.topics.subscription import EncodingKey, Source, Subscription, TopicKey
@@ -49,7 +48,7 @@ class Subscriptions:
     ) -> None:
         self._ros = ros
         self._types = types
-        self._workers = workers
+        self._resources = EncodingResources(workers)
         self._counts = counts
         self._events = events
         self._topics: dict[TopicKey, Topic] = {}
@@ -230,10 +229,7 @@ class Subscriptions:
         if message_type is None:
             return None
         _check_fields(message_type, options.fields, options.compression)
-        image = _image_options(message_type, options, session.image_format)
-        if image is not None and _adapts(options, image):
-            quality = min(image.quality, step.quality)
-            image = replace(image, quality=quality, reduction=step.reduction)
+        image = requested_picture(message_type, options, session.image_format, step)
         is_json = options.compression in {"none", "png"} and image is None
         nonfinite = options.nonfinite if is_json else "null"
         return Source(
@@ -280,7 +276,7 @@ class Subscriptions:
         subscription.change(requests, options)
         self._move(subscription, source)
         image = None if source is None else source.encoding.image
-        adapts = image is not None and _adapts(options, image)
+        adapts = image is not None and fits_link(options, image)
         subscription.follow_link(adapts=adapts)
         self._silence_watch.follow(subscription)
         subscription.session.wake()
@@ -316,7 +312,7 @@ class Subscriptions:
             try:
                 report = partial(self._events.report, key.name)
                 self._topics[key] = Topic(
-                    key, message_type, self._ros, self._workers, counts, report
+                    key, message_type, self._ros, self._resources, counts, report
                 )
             except RosError:
                 self._counts.close(key.name)
@@ -374,33 +370,6 @@ def _check_fields(
     if fields is not None and asked == "cbor-raw":
         text = "fields: cbor-raw is CDR untouched; choose cbor for some fields of it"
         raise ProtocolError("bad_request", text)
-
-
-def _image_options(
-    message_type: MessageType, options: SubscriptionOptions, default_format: ImageFormat
-) -> ImageOptions | None:
-    """Return how pictures are encoded; ``None`` for plain messages."""
-    image = options.image
-    image_format = image.format or default_format
-    if message_type.name == COMPRESSED_IMAGE:
-        # it is a picture already, and stays as it is unless another one is asked for
-        image_format = image.format or ("jpeg" if image.asks_for_picture else "raw")
-    elif message_type.name != IMAGE:
-        return None
-    if options.fields or image_format == "raw" or options.compression == "cbor-raw":
-        return None
-    asked = ImageOptions(image_format, image.quality, image.max_width, image.max_height)
-    if image.depth_range_m is None:
-        return asked
-    try:
-        return replace(asked, depth_range_m=image.depth_range_m)
-    except ValueError as error:
-        raise ProtocolError("bad_request", f"image: {error}") from error
-
-
-def _adapts(options: SubscriptionOptions, image: ImageOptions) -> bool:
-    """Return whether pictures are made smaller for a slow link; what is lossless stays so."""
-    return options.image.adapts and PICTURE_FORMATS[image.format].is_lossy
 
 
 def _did_you_mean(topic: str, graph: Graph, session: Session) -> str:

@@ -4,7 +4,6 @@
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from concurrent.futures import Executor
 from functools import partial
 from typing import Final
 
@@ -20,6 +19,7 @@ from gateway.router.topics.encoding import (
     SharedFrame,
     make_encoding,
 )
+from gateway.router.topics.large_samples import EncodedTopic, EncodingResources
 from gateway.router.topics.late_join import LateJoin
 from gateway.router.topics.sample_faults import SampleFaults
 from gateway.router.topics.subscription import EncodingKey, Subscription, TopicKey
@@ -40,7 +40,7 @@ class Topic:
         key: TopicKey,
         message_type: MessageType,
         ros: Ros,
-        workers: Executor,
+        resources: EncodingResources,
         counts: TopicCounts,
         report: Callable[[TopicEvent], None],
     ) -> None:
@@ -52,7 +52,8 @@ class Topic:
         self.key = key
         self.message_type = message_type
         self._ros = ros
-        self._workers = workers
+        self._resources = resources
+        self._encoded = EncodedTopic(key.name, self._wake_all, self._is_latched, ros.now_ns)
         self._counts = counts
         self._report = report
         self._encodings: dict[EncodingKey, Encoding] = {}
@@ -84,11 +85,9 @@ class Topic:
             encoding = self._encodings[key] = make_encoding(
                 self.message_type,
                 key,
-                topic=self.key.name,
-                on_error=partial(self._on_codec_error, key),
-                on_ready=self._wake_all,
-                now_ns=self._ros.now_ns,
-                workers=self._workers,
+                self._encoded,
+                partial(self._on_codec_error, key),
+                self._resources,
             )
         encoding.subscriptions.append(subscription)
 
@@ -99,6 +98,7 @@ class Topic:
         if subscription in self._late_joins and not self._feeds(subscription):
             self._end_late_join(subscription)
         if not encoding.subscriptions:
+            encoding.close()
             del self._encodings[key], self._faults[key]
 
     def welcome(self, subscription: Subscription, key: EncodingKey) -> None:
@@ -109,7 +109,7 @@ class Topic:
         for mismatch in self._ros_subscription.incompatible:
             subscription.warn(warning(mismatch, subscription.session))
         self._faults[key].forget()
-        if self._seq and self._ros_subscription.qos.durability == "transient_local":
+        if self._seq and self._is_latched():
             self._join_late(subscription)
 
     def close(self) -> None:
@@ -125,6 +125,9 @@ class Topic:
         (first_ns, first), (last_ns, last) = self._received[0], self._received[-1]
         period_ns = (last_ns - first_ns) / (last - first)
         return 0.0 if now_ns - last_ns > max(3 * period_ns, 1e9) else 1e9 / max(period_ns, 1.0)
+
+    def _is_latched(self) -> bool:
+        return self._ros_subscription.qos.durability == "transient_local"
 
     def _on_samples(self, samples: Sequence[Sample]) -> None:
         """Offer what arrived, oldest first."""

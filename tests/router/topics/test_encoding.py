@@ -173,7 +173,7 @@ async def test_a_sample_is_encoded_once_for_shared_and_per_client_frames(
         (seen,) = await client.sees(1, op)
         assert ("seq" in seen) == metas[clients.index(client)]
         # what it is now, it is instead of what it was
-        held = (shared.cdr, isinstance(shared._message, bytes), shared._frame)
+        held = (shared.sample.cdr, isinstance(shared._message, bytes), shared._frame)
         assert sum(map(bool, held)) == 1
     assert len(encoded) == 1
 
@@ -279,3 +279,56 @@ async def test_one_sample_is_encoded_at_a_time():
     assert b"{}" in one.frame()
     assert other.frame() is NOT_READY
     assert len(workers.futures) == 2
+
+
+GRID = "nav_msgs/msg/OccupancyGrid"
+
+
+async def map_as(bench: Bench, **options: Any) -> dict[str, Any]:
+    """Return the message of a map of three cells, as a client gets it."""
+    cdr = bench.cdr(GRID, info={"width": 3, "height": 1}, data=[-1, 0, 100])
+    frame, client = await received(bench, cdr, GRID, **options)
+    assert client.statuses == []
+    message: dict[str, Any] = frame["msg"]
+    return message
+
+
+async def test_a_map_is_a_picture_where_that_is_asked_for(bench: Bench):
+    message = await map_as(bench, image={"format": "png"})
+    pixels = cv2.imdecode(
+        np.frombuffer(base64.b64decode(message["data"]), np.uint8), cv2.IMREAD_UNCHANGED
+    )
+    assert pixels is not None
+    assert pixels.tolist() == [[255, 0, 100]]
+    assert (message["format"], message["width"], message["height"]) == ("png", 3, 1)
+
+
+async def test_a_map_as_a_picture_in_cbor_has_its_bytes(bench: Bench):
+    message = await map_as(bench, image={"format": "png"}, compression="cbor")
+    assert message["data"].startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"image": {"format": "raw"}},
+        {"image": {"max_fps": 5}},
+        {"image": {"format": "png"}, "fields": ["data"]},
+    ],
+)
+async def test_a_map_is_plain_where_no_picture_is_asked_for(bench: Bench, options: dict[str, Any]):
+    assert (await map_as(bench, **options))["data"] == [-1, 0, 100]
+
+
+@pytest.mark.parametrize(
+    "image",
+    [{"format": "jpeg"}, {"format": "png", "max_width": 8}, {"format": "png", "max_height": 8}],
+)
+async def test_a_map_as_a_picture_keeps_its_cells(bench: Bench, image: dict[str, Any]):
+    bench.ros.add_publisher("/t", GRID)
+    client = bench.client()
+    client.send(op="subscribe", topic="/t", image=image)
+    text = 'image: a map comes as png, with all of its cells; ask for {"format":"png"} alone'
+    assert client.statuses == [("bad_request", text)]
+    assert bench.ros.entity_count() == 0

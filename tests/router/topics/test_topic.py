@@ -18,6 +18,7 @@ from gateway.protocol.subscription_options import SubscriptionOptions
 from gateway.router.topic_counts import TopicCounts
 from gateway.router.topics import late_join
 from gateway.router.topics import topic as topic_module
+from gateway.router.topics.large_samples import EncodingResources
 from gateway.router.topics.subscription import EncodingKey, Source, Subscription, TopicKey
 from gateway.router.topics.topic import Topic
 from schemas.installed import InstalledDefinitions
@@ -54,7 +55,8 @@ def open_topic(
     ros: FakeRos, workers: Executor, qos: Qos | None = None, type_name: str = STRING
 ) -> Topic:
     key = TopicKey(NAME, type_name, qos or Qos())
-    return Topic(key, string_type(), ros, workers, TopicCounts(), lambda _: None)
+    resources = EncodingResources(workers)
+    return Topic(key, string_type(), ros, resources, TopicCounts(), lambda _: None)
 
 
 def string_type() -> MessageType:

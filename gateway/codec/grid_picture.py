@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A nav_msgs/msg/OccupancyGrid as a grey PNG: a map of 16 MB takes a tenth of that, or less."""
+
+from collections.abc import Callable
+from typing import Any, Final, cast
+
+import cv2
+import numpy as np
+import pybase64
+
+from gateway.codec import cbor
+from gateway.codec.errors import CodecError
+from gateway.codec.json import dumps
+from gateway.codec.types import MessageType
+
+GRID: Final = "nav_msgs/msg/OccupancyGrid"
+
+
+def grid_renderer(grid_type: MessageType) -> Callable[[bytes], bytes]:
+    """Return a function from the CDR of a grid to JSON with a PNG in the place of its cells.
+
+    Grey is the octet of a cell: 0 to 100, and 255 for -1, which is unknown. The rows follow each
+    other as in the message. The function may run in any thread; it raises `CodecError`.
+    """
+    decode = grid_type.decoder(octets="raw")
+
+    def render(cdr: bytes) -> bytes:
+        values = cast("dict[str, Any]", decode(cdr))
+        return dumps(_message(values, values["info"], pybase64.b64encode_as_string))
+
+    return render
+
+
+def cbor_grid_renderer(grid_type: MessageType) -> Callable[[bytes], bytes]:
+    """Return such a function to CBOR, with ``data`` as a byte string."""
+    decode = grid_type.decoder(octets="raw")
+
+    def render(cdr: bytes) -> bytes:
+        values = cast("dict[str, Any]", decode(cdr))
+        # CBOR has a float64, as in the plain message
+        info = values["info"] | {"resolution": float(values["info"]["resolution"])}
+        return cbor.dumps(_message(values, info, lambda png: png))
+
+    return render
+
+
+def _message(
+    values: dict[str, Any], info: dict[str, Any], wrap: Callable[[bytes], object]
+) -> dict[str, object]:
+    width, height = info["width"], info["height"]
+    return {
+        "header": values["header"],
+        "info": info,
+        "format": "png",
+        "data": wrap(_png(np.asarray(values["data"], np.int8), width, height)),
+        "width": width,
+        "height": height,
+    }
+
+
+def _png(cells: "np.ndarray[Any, np.dtype[np.int8]]", width: int, height: int) -> bytes:
+    if len(cells) != width * height:
+        raise CodecError(f"grid has {len(cells)} cells, expected {width} x {height}")
+    if not len(cells):
+        raise CodecError("grid has no cells, and no picture")
+    grey = cells.view(np.uint8).reshape(height, width)
+    try:
+        done, encoded = cv2.imencode(".png", grey)
+    except cv2.error:
+        done = False
+    if not done:  # a side is longer than PNG's encoder takes
+        raise CodecError(f"png encoder refused a grid of {width}x{height} cells")
+    return encoded.tobytes()

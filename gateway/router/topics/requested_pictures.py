@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Translation of the picture options in clients' requests to those of the codec."""
+
+from dataclasses import replace
+
+from gateway.codec.grid_picture import GRID
+from gateway.codec.image import ImageOptions
+from gateway.codec.picture import COMPRESSED_IMAGE, IMAGE
+from gateway.codec.picture_formats import PICTURE_FORMATS
+from gateway.codec.types import MessageType
+from gateway.protocol.errors import ProtocolError
+from gateway.protocol.operations.topics import ImageFormat
+from gateway.protocol.picture_adaptation import Step
+from gateway.protocol.subscription_options import SubscriptionOptions
+
+
+def requested_picture(
+    message_type: MessageType,
+    options: SubscriptionOptions,
+    default_format: ImageFormat,
+    step: Step,
+) -> ImageOptions | None:
+    """Return how pictures are encoded; ``None`` for plain messages.
+
+    *step* says how much smaller than asked for pictures that fit the link are.
+
+    Raises:
+        ProtocolError: there are no such pictures.
+    """
+    image = _as_asked(message_type, options, default_format)
+    if image is None or not fits_link(options, image):
+        return image
+    quality = min(image.quality, step.quality)
+    return replace(image, quality=quality, reduction=step.reduction)
+
+
+def fits_link(options: SubscriptionOptions, image: ImageOptions) -> bool:
+    """Return whether pictures are made smaller for a slow link; what is lossless stays so."""
+    return options.image.adapts and PICTURE_FORMATS[image.format].is_lossy
+
+
+def _as_asked(
+    message_type: MessageType, options: SubscriptionOptions, default_format: ImageFormat
+) -> ImageOptions | None:
+    image = options.image
+    image_format = image.format or default_format
+    if message_type.name == GRID:
+        return _grid_options(options)
+    if message_type.name == COMPRESSED_IMAGE:
+        # it is a picture already, and stays as it is unless another one is asked for
+        image_format = image.format or ("jpeg" if image.asks_for_picture else "raw")
+    elif message_type.name != IMAGE:
+        return None
+    if options.fields or image_format == "raw" or options.compression == "cbor-raw":
+        return None
+    asked = ImageOptions(image_format, image.quality, image.max_width, image.max_height)
+    if image.depth_range_m is None:
+        return asked
+    try:
+        return replace(asked, depth_range_m=image.depth_range_m)
+    except ValueError as error:
+        raise ProtocolError("bad_request", f"image: {error}") from error
+
+
+def _grid_options(options: SubscriptionOptions) -> ImageOptions | None:
+    """Return how a map is encoded, with the values of its cells; ``None`` for a plain message."""
+    image = options.image
+    if options.fields or image.format in {None, "raw"} or options.compression == "cbor-raw":
+        return None
+    if image.format != "png" or image.max_width is not None or image.max_height is not None:
+        text = 'image: a map comes as png, with all of its cells; ask for {"format":"png"} alone'
+        raise ProtocolError("bad_request", text)
+    return ImageOptions("png")
