@@ -88,14 +88,14 @@ class Connection(asyncio.BufferedProtocol):
         self._transport = transport = cast("asyncio.Transport", transport)
         self._write_batch = batch_writer(transport)
         transport.set_write_buffer_limits(high=WRITE_HIGH_WATER_BYTES)
-        self._output = ProtocolOutput(self._protocol, transport)
-        self.is_encrypted = self._output.is_encrypted
         peer = transport.get_extra_info("peername")
         self.address = str(peer[0]) if peer else "?"
         tune(transport.get_extra_info("socket"), self._limits.send_deadline_s)
         self.spending = self._acceptor.budgets.open(self.address)
         self._inbound = Inbound(self, self._protocol, transport, self.spending)
         self._pacing = Pacing(transport, self._go_on, self._note_rate)
+        self._output = ProtocolOutput(self._protocol, transport, self._pacing)
+        self.is_encrypted = self._output.is_encrypted
         self._acceptor.arrive(self)
 
     def get_buffer(self, sizehint: int) -> bytearray:
@@ -396,7 +396,7 @@ class Connection(asyncio.BufferedProtocol):
             session.outbox.drains(bytes_per_s)
 
     def _write_protocol_output(self, *, may_be_large: bool = False) -> None:
-        if self._output.write(is_paused=self.is_paused, may_be_large=may_be_large):
+        if self._output.write(may_be_large=may_be_large):
             self.abort(Why("gateway", "abuse", "it sends pings and reads nothing"))
 
     # Time

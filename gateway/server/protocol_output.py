@@ -7,15 +7,20 @@ from typing import Final
 
 from websockets.server import ServerProtocol
 
+from gateway.server.pacing import Pacing
+
 MAX_PROTOCOL_BACKLOG_BYTES: Final = 64 * 1024  # pongs for a peer that pings and never reads
 
 
 class ProtocolOutput:
     """Writes it to the transport, past the outbox."""
 
-    def __init__(self, protocol: ServerProtocol, transport: asyncio.Transport) -> None:
+    def __init__(
+        self, protocol: ServerProtocol, transport: asyncio.Transport, pacing: Pacing
+    ) -> None:
         self._protocol = protocol
         self._transport = transport
+        self._pacing = pacing
         self.is_encrypted = transport.get_extra_info("sslcontext") is not None
         self._backlog_bytes = 0
 
@@ -23,7 +28,7 @@ class ProtocolOutput:
         """Note that the socket has taken what was written so far."""
         self._backlog_bytes = 0
 
-    def write(self, *, is_paused: bool, may_be_large: bool) -> bool:
+    def write(self, *, may_be_large: bool) -> bool:
         """Write all there is; return whether too much of it waits for a peer that does not read."""
         output = self._protocol.data_to_send()
         if not output or self._transport.is_closing():
@@ -40,5 +45,6 @@ class ProtocolOutput:
         if may_be_large:  # a page, which is no flood
             return False
         grown = self._transport.get_write_buffer_size() - before
+        is_paused = self._pacing.is_paused  # perhaps by what was written just now
         self._backlog_bytes = self._backlog_bytes + grown if is_paused else 0
         return self._backlog_bytes > MAX_PROTOCOL_BACKLOG_BYTES
