@@ -22,6 +22,7 @@ from benchmarks.scenarios import (
     inbound,
     links,
     many_topics,
+    robot,
     slow_client,
     start_up,
     steps,
@@ -53,6 +54,7 @@ SCENARIOS: Final[dict[str, Scenario]] = {
 } | {
     "fan-out": Scenario("one topic to 1 ... 200 clients", "3 min", fan_out.measure),
     "many-topics": Scenario("60 topics to 5 clients", "30 s", many_topics.measure),
+    "robot": Scenario("a robot of 20 topics to 10 clients", "1 min", robot.measure),
     "inbound": Scenario("from a client into ROS", "2 min", inbound.measure),
     "first-frame": Scenario("from subscribe to the first frame", "1 min", first_frame.measure),
     "slow-client": Scenario(
