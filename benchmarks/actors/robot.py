@@ -35,7 +35,9 @@ def main(*names: str) -> None:
     runs: queue.SimpleQueue[float | None] = queue.SimpleQueue()
     obey({"run": lambda seconds: runs.put(float(seconds))}, lambda: runs.put(None))
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    node = rclpy.create_node("benchmark_robot")
+    node = rclpy.create_node(
+        f"benchmark_{names[0].replace('/', '_')}"
+    )  # two of one name are warned of
     sends = {name: _sender(node, name) for name in names}
     for name in names:
         if ROBOT[name].rate_hz == LATCHED:
