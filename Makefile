@@ -74,7 +74,7 @@ docs: $(READY_FOR_TESTS) ## write the generated parts of code and documentation 
 screenshots: $(READY_FOR_TESTS) ## take the pictures of the pages anew, for docs/
 	$(BIN)/python -m tests.pages.screenshots
 
-bench: $(READY) ## measure speed, some 50 minutes (make bench WHAT=odometry, make bench COMPARE=ref)
+bench: $(READY) ## measure speed, an hour (make bench WHAT=odometry, make bench COMPARE=ref)
 	@$(BIN)/python -m benchmarks $(WHAT) $(if $(COMPARE),--compare $(COMPARE)) $(ARGS)
 
 faults: $(READY_FOR_TESTS) $(CLIENTS) ## kill, freeze and cut off what drives a robot, see that it stops (make faults REPEAT=20)

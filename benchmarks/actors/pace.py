@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The times at which samples are sent, and stamps that are unique."""
 
+import heapq
+import itertools
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from typing import Final
 
 # Samples that may be sent at once. Receivers take samples that come together for less, so up to
@@ -49,3 +51,17 @@ def paced(
             send()
             sent += 1
     return time.monotonic() - started_s
+
+
+def merged(rates_hz: Sequence[float]) -> Iterator[tuple[float, int]]:
+    """Yield the due times of topics in their order, without end: seconds, and a topic's number.
+
+    Topics of one rate are due one after the other, as those of independent nodes are.
+    """
+    return heapq.merge(
+        *(_dues(rate_hz, number, len(rates_hz)) for number, rate_hz in enumerate(rates_hz))
+    )
+
+
+def _dues(rate_hz: float, number: int, numbers: int) -> Iterator[tuple[float, int]]:
+    return (((turn + number / numbers) / rate_hz, number) for turn in itertools.count())

@@ -33,8 +33,9 @@ class Ages:
     def summary(self) -> dict[str, Any]:
         """Return counts, percentiles of the ages in ms, and the arrival of the first message.
 
-        ``distinct`` counts every stamp once; ``tail_ms`` is the median age of the last tenth, and
-        start-up is in the count alone.
+        ``distinct`` counts every stamp once; ``tail_ms`` is the median age of the last tenth,
+        ``took_ms`` the time from the oldest stamp to the last arrival; start-up is in the counts
+        and in ``took_ms`` alone.
         """
         stamps_ns = self._stamps_ns[:]
         ages_ns = self._ages_ns[: len(stamps_ns)]
@@ -49,6 +50,7 @@ class Ages:
             "max_ms": max(settled) / 1e6,
             "tail_ms": statistics.median(tail) / 1e6,
             "first_ns": stamps_ns[0] + ages_ns[0],
+            "took_ms": (stamps_ns[-1] + ages_ns[-1] - min(stamps_ns)) / 1e6,
         }
 
 

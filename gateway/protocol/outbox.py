@@ -12,6 +12,7 @@ what is large (pictures, scans, maps), and among the queues of each kind by star
 import enum
 from collections import deque
 from collections.abc import Callable, Sequence
+from math import inf
 from typing import Final, Literal, Protocol, TypeAlias
 
 from gateway.codec.pieces import Piece, Pieces
@@ -286,6 +287,9 @@ class Outbox:
             self.control_sent += 1
             taken.append(frame)
             left -= len(frame)
+        # now, not for each entry that comes: it looks at all queues
+        if self.size and self.bytes_per_s is not None:
+            self._freshen(self.bytes_per_s * FRESH_S)
         ready = [queue for queue in self._queues if queue.pending] if self.size else []
         while left > 0 and ready:
             kind, queue = self._next(ready)
@@ -312,8 +316,6 @@ class Outbox:
 
     def shed(self) -> None:
         """Drop until the budget holds, or until one last entry is left to send."""
-        if self.bytes_per_s is not None:
-            self._freshen(self.bytes_per_s * FRESH_S)
         if self.size <= self.max_bytes:
             return
         waiting = sum(len(queue.waiting) for queue in self._queues)
@@ -326,12 +328,10 @@ class Outbox:
         """Drop what the link does not drain in time, but for the newest entry of each queue."""
         for kind in (self.small, self.large):
             queues = [queue for queue in self._queues if queue.waiting and queue.kind is kind]
-            behind_bytes = sum(queue.behind_bytes for queue in queues)
-            while behind_bytes > drained_bytes * kind.share:
-                longest = max(queues, key=lambda queue: queue.behind_bytes)
-                before = longest.behind_bytes
-                longest.drop_oldest()
-                behind_bytes += longest.behind_bytes - before
+            most = _fair_part([queue.behind_bytes for queue in queues], drained_bytes * kind.share)
+            for queue in queues:
+                while queue.behind_bytes > most:
+                    queue.drop_oldest()
 
     def _next(self, ready: Sequence[Queue]) -> tuple["_Kind", Queue]:
         """Return the queue whose turn it is; one that had nothing to send is owed nothing."""
@@ -363,3 +363,13 @@ class _Kind:
         """Count a frame that was taken from a queue."""
         queue.turn += size
         self.turn += size / self.share
+
+
+def _fair_part(wanted: Sequence[float], room: float) -> float:
+    """Return what each may have at most, so that all together have no more than the room."""
+    for taken, least in enumerate(sorted(wanted)):
+        part = room / (len(wanted) - taken)
+        if least > part:
+            return part
+        room -= least
+    return inf

@@ -6,12 +6,15 @@ from dataclasses import dataclass
 from typing import Final, TypeVar, get_args
 
 from gateway.codec.nonfinite import NonFinite
+from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.protocol.operations.topics import ImageRequest, QosRequest, Subscribe
 from gateway.protocol.throttle import Pace
 from gateway.protocol.websocket_frames import Compression
 
-DEFAULT_QUEUE_LENGTH: Final = 100  # 1 s at 100 Hz: rides out a WiFi hiccup without losing odometry
-DEFAULT_QUEUE_BYTES: Final = 256 * 1024  # but of big messages the newest few: pictures stay fresh
+# As many as DDS keeps of small messages: a burst is complete, and a hiccup of WiFi ridden out. On a
+# link that is too slow the outbox keeps what is fresh.
+DEFAULT_QUEUE_LENGTH: Final = MAX_QUEUE_DEPTH
+DEFAULT_QUEUE_BYTES: Final = 512 * 1024  # 700 of odometry; of big messages the newest few
 
 T = TypeVar("T")
 
@@ -77,7 +80,7 @@ class SubscriptionOptions:
 
     @property
     def queue_bounds(self) -> tuple[int, int | None]:
-        """Length and bytes of the queue: as requested, else a second or a quarter MiB."""
+        """Length and bytes of the queue: as requested, else as many as DDS keeps, or half a MiB."""
         if self.queue_length is None:
             return DEFAULT_QUEUE_LENGTH, DEFAULT_QUEUE_BYTES
         return self.queue_length, None

@@ -8,8 +8,8 @@ from gateway.protocol.subscription_options import SubscriptionOptions
 
 MS = 1_000_000
 
-DEFAULT_QUEUE_LENGTH = 100
-DEFAULT_QUEUE_BYTES = 256 * 1024
+DEFAULT_QUEUE_LENGTH = 1024
+DEFAULT_QUEUE_BYTES = 512 * 1024
 
 
 def merged(*requests: dict[str, Any]) -> SubscriptionOptions:

@@ -3,7 +3,7 @@
 
 import itertools
 
-from benchmarks.actors.pace import Stamps, paced
+from benchmarks.actors.pace import Stamps, merged, paced
 
 NOW_NS = 1_795_280_256_507_552_123
 
@@ -40,3 +40,14 @@ def test_sending_ends_when_it_is_over():
     sent = []
     paced(lambda: sent.append(1), 1e6, 1e9, lambda: len(sent) >= 1000)
     assert 1000 <= len(sent) < 3000
+
+
+def test_topics_are_due_in_order_each_at_its_own_rate():
+    dues = list(itertools.takewhile(lambda due: due[0] < 2, merged([10.0, 100.0, 1.0])))
+    assert dues == sorted(dues)
+    assert [sum(number == one for _, one in dues) for number in range(3)] == [20, 200, 2]
+
+
+def test_topics_of_one_rate_are_not_due_at_once():
+    seconds = [due_s for due_s, _ in itertools.islice(merged([30.0] * 5), 100)]
+    assert len(set(seconds)) == 100

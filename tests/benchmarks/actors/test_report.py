@@ -27,6 +27,13 @@ def test_the_first_arrival_is_kept():
     assert ages.summary()["first_ns"] == 150
 
 
+def test_the_time_of_all_lasts_from_the_oldest_stamp_to_the_last_arrival():
+    ages = Ages()
+    ages.add(2_000_000, 4_000_000)
+    ages.add(1_000_000, 9_000_000)
+    assert ages.summary()["took_ms"] == 8
+
+
 def test_nothing_is_left_after_clearing():
     ages = Ages()
     ages.add(1, 2)

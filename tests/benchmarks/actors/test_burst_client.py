@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A burst is judged by itself: what arrived, what the server reports as lost, and the time."""
+
+import pytest
+
+from benchmarks.actors.burst_client import Burst
+from benchmarks.samples import SAMPLES
+
+MS = 1_000_000
+NOW_NS = 1_795_280_256_507_552_000
+
+
+@pytest.fixture
+def burst():
+    return Burst(SAMPLES["string"].clockwork)
+
+
+def frame(stamp_ns, dropped=None):
+    meta = "" if dropped is None else f'"seq":7,"dropped":{dropped},'
+    return f'{{"op":"publish","topic":"/x",{meta}"msg":{{"data":"{stamp_ns}"}}}}'.encode()
+
+
+def test_what_arrived_and_what_was_lost_are_of_one_burst(burst):
+    burst.note(frame(NOW_NS, dropped=5), NOW_NS)
+    burst.clear()
+    burst.note(frame(NOW_NS + 1 * MS, dropped=6), NOW_NS + 3 * MS)
+    burst.note(frame(NOW_NS + 2 * MS, dropped=9), NOW_NS + 8 * MS)
+    assert burst.summary() == {"distinct": 2, "reported": 4, "took_ms": 7}
+
+
+def test_a_server_without_meta_reports_nothing(burst):
+    burst.note(frame(NOW_NS), NOW_NS)
+    burst.note(frame(NOW_NS + MS), NOW_NS + MS)
+    assert burst.summary()["reported"] is None
+
+
+def test_a_burst_of_which_nothing_arrives_has_no_time(burst):
+    assert burst.summary() == {"distinct": 0, "reported": None, "took_ms": None}
+
+
+def test_a_status_is_no_message(burst):
+    burst.note(b'{"op":"status","level":"warning","msg":"3 messages were lost"}', NOW_NS)
+    assert burst.count() == 0

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run's figures are of all clients, and pictures that are dropped on purpose are no loss."""
+
+import pytest
+
+from benchmarks.robot import AGED, CAMERAS, ODOMETRY, PICTURE_OPTIONS
+from benchmarks.scenarios.robot import Run
+
+
+def run(scans=100, pictures=30):
+    """Return a run of 2 s with 100 scans and 30 pictures of each camera."""
+    sent = {"scan": 100, **dict.fromkeys(CAMERAS, 30)}
+    got = {"scan": 2 * scans, **dict.fromkeys(CAMERAS, 2 * pictures), "map": 0}
+    ages = {name: {"count": 9, "p50_ms": 2.0, "p99_ms": 3.0} for name in AGED}
+    return Run(
+        sent,
+        seconds=2.0,
+        spent_s=0.5,
+        memory_mb=100.0,
+        got=dict.fromkeys(PICTURE_OPTIONS, got),
+        ages=dict.fromkeys(PICTURE_OPTIONS, ages),
+    )
+
+
+def test_all_that_arrives_is_counted_once_for_each_client():
+    assert run().delivered == 1
+    assert run().frames_per_s == 10 * (100 + 2 * 30) / 2
+    assert run().core_share == 0.25
+
+
+def test_a_message_that_one_client_misses_shows():
+    assert run(scans=99).delivered == pytest.approx(0.99)
+
+
+def test_a_picture_that_is_dropped_is_no_loss_but_lowers_its_rate():
+    assert run(pictures=10).delivered == 1
+    assert run(pictures=10).pictures_per_s("max_fps") == 5
+    assert run().pictures_per_s("default") == 15
+
+
+def test_ages_of_what_did_not_arrive_are_no_number():
+    nothing = {name: {"count": 0} for name in AGED}
+    ages = {name: {**nothing, ODOMETRY: {"p50_ms": 4.0}} for name in PICTURE_OPTIONS}
+    one = Run({}, 1.0, 0.0, 0.0, {}, ages)
+    assert one.odometry_ms("p50") == 4
+    assert one.picture_ms("p50", "cbor") != one.picture_ms("p50", "cbor")
