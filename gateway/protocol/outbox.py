@@ -83,6 +83,7 @@ class Queue:
         "depth",
         "discarded",
         "dropped",
+        "is_latched",
         "max_bytes",
         "on_sent",
         "on_timed",
@@ -106,6 +107,8 @@ class Queue:
         self.discarded = 0  # could not be encoded, or nobody wanted them any more
         self.coalesced = 0  # never came here: a throttle let a newer one pass in their place
         self.on_timed: OnTimed | None = None  # gets one in `TIMED_EVERY` of what has waited
+        # whether its topic says each thing once: then no entry stands for an older one
+        self.is_latched: Callable[[], bool] = lambda: False
         self.on_sent: OnSent | None = None  # gets all of what has waited
         self.turn = 0.0  # the bytes after which it is served, by the clock of its kind
 
@@ -124,10 +127,10 @@ class Queue:
     def behind_bytes(self) -> float:
         """About what the link has to drain before the newest entry, if older ones may be dropped.
 
-        They may unless the client has asked for a length.
+        They may unless the client has asked for a length, or its topic is latched.
         """
         behind = len(self.waiting) - 1
-        if behind <= 0 or self.max_bytes is None:
+        if behind <= 0 or self.max_bytes is None or self.is_latched():
             return 0.0
         # frames are longer than what they are made of
         return behind * (self.sent_bytes / self.sent if self.sent else self.waiting[0].size)

@@ -153,6 +153,14 @@ def test_a_length_that_a_client_has_asked_for_holds_on_a_slow_link_too():
     assert queue.dropped == 0
 
 
+def test_of_what_is_said_once_nothing_is_dropped_for_being_old():
+    outbox, queue = fresh(50_000)
+    queue.is_latched = lambda: True
+    for number in range(LENGTH):
+        queue.put(message(0, number))
+    assert len(outbox.take(1 << 30)) == LENGTH
+
+
 def test_on_a_link_that_was_never_full_everything_waits():
     outbox = Outbox(1 << 30)
     queue = outbox.open_queue(LENGTH, ROOM)

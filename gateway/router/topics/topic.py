@@ -90,6 +90,7 @@ class Topic:
                 self._resources,
             )
         encoding.subscriptions.append(subscription)
+        subscription.queue.is_latched = self._is_latched
 
     def remove(self, subscription: Subscription, key: EncodingKey) -> None:
         """Feed a subscription no longer by the encoding of this key."""

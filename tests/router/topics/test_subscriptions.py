@@ -704,3 +704,22 @@ async def test_a_fault_of_ours_in_subscribing_leaves_nothing_open(
             client.send(op="subscribe", topic="/b")
     bench.router.leave(client.session)
     assert bench.ros.entity_count() == 0
+
+
+@pytest.mark.parametrize("durability", ["volatile", "transient_local"])
+async def test_on_a_slow_link_only_what_is_said_again_makes_room_for_newer_ones(
+    bench: Bench, durability
+):
+    bench.ros.add_publisher("/t", STRING, Qos(durability=durability, depth=100))
+    client = bench.client()
+    client.session.outbox.drains(1000)
+    client.send(op="subscribe", topic="/t")
+    client.is_paused = True
+    for number in range(50):
+        bench.ros.publish("/t", bench.cdr(STRING, data=str(number)))
+    await bench.settle()
+    client.is_paused = False
+    client.flush()
+    texts = [message["data"] for message in client.messages]
+    assert texts[-1] == "49"
+    assert (len(texts) == 50) == (durability == "transient_local")
