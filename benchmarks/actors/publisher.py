@@ -38,7 +38,7 @@ def main(name: str, topics: int, share: str, *, late: bool) -> None:
     from benchmarks.samples import SAMPLES, topic
 
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    node = rclpy.create_node("benchmark_publisher")
+    node = rclpy.create_node("publisher_of" + topic(name).replace("/", "_"))
     sample = SAMPLES[name]
     cdr = sample.cdr()
     message_class = type(sample.make())
