@@ -402,7 +402,7 @@ class Connection(asyncio.BufferedProtocol):
     # Time
 
     def _end(self, session: Session | None, error: Exception | None, now_s: float) -> End:
-        why = self._why or (LOOKED_AWAY if self._viewer else None)
+        why = self._why or (LOOKED_AWAY if self._viewer and error is None else None)
         why = why or ended_elsewhere(
             self._protocol, error, was_open=session is not None, is_silent=not self._bytes_in
         )

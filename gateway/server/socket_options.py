@@ -12,6 +12,10 @@ TCP_NOTSENT_LOWAT_BYTES: Final = 16 * 1024
 KEEP_IDLE_S: Final = 15
 KEEP_INTERVAL_S: Final = 5
 
+# The gateway looks whether a client takes something, and says so in its log; the kernel, which ends
+# a connection without a word, comes second.
+KERNEL_SLACK_S: Final = 1
+
 
 def tune(sock: socket.socket | None, send_deadline_s: float) -> None:
     """Bound the kernel's buffer, and let it give up on a peer that acknowledges nothing."""
@@ -21,7 +25,7 @@ def tune(sock: socket.socket | None, send_deadline_s: float) -> None:
         sock.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
     for option, value in (
         ("TCP_NOTSENT_LOWAT", TCP_NOTSENT_LOWAT_BYTES),
-        ("TCP_USER_TIMEOUT", round(send_deadline_s * 1000)),
+        ("TCP_USER_TIMEOUT", round((send_deadline_s + KERNEL_SLACK_S) * 1000)),
         ("TCP_KEEPIDLE", KEEP_IDLE_S),
         ("TCP_KEEPINTVL", KEEP_INTERVAL_S),
     ):

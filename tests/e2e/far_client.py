@@ -11,7 +11,7 @@ from websockets.sync.client import connect
 
 
 def main(url: str, pictures: int) -> None:
-    with connect(url, max_size=None) as socket:
+    with connect(url, max_size=None, open_timeout=60) as socket:
         for topic in ("/benchmark/odometry", "/benchmark/image"):
             socket.send(json.dumps({"op": "subscribe", "topic": topic, "meta": True}))
         while pictures:

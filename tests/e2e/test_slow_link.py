@@ -32,9 +32,10 @@ def test_a_slow_link_carries_odometry_in_order_and_pictures_that_fit_it():
             [*networks.far, *client],
             capture_output=True,
             text=True,
-            check=True,
+            check=False,
             timeout=TIMEOUT_S,
         )
+    assert not done.returncode, done.stderr
     frames = [json.loads(line) for line in done.stdout.splitlines()]
     pictures = [frame for frame in frames if frame["width"] is not None]
     odometry = [frame for frame in frames if frame["width"] is None]

@@ -153,7 +153,11 @@ async def test_a_client_serves_a_robot(seed: int, speaker: Client, outside: Outs
     response = None
     while response is None:  # lost if the gateway has not discovered the client yet
         calling = asyncio.ensure_future(arrived(client.call_async(request)))
-        frame = await speaker.receive(lambda frame: frame["op"] == "call_service")
+        try:
+            frame = await speaker.receive(lambda frame: frame["op"] == "call_service", RETRY_S)
+        except TimeoutError:  # or if DDS has not matched both yet
+            calling.cancel()
+            continue
         assert as_bytes(f"{RECALL}_Request", frame["args"]) == as_bytes(
             f"{RECALL}_Request", to_json(args)
         )

@@ -180,7 +180,7 @@ def test_so_much_waits_in_the_transport_and_the_rest_where_it_can_be_dropped(wir
 def test_little_waits_in_the_kernel_and_not_for_long(wire: Wire):
     assert wire.transport.options == {
         (socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT): 16 * 1024,
-        (socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT): 5000,  # ms
+        (socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT): 6000,  # ms
         (socket.SOL_SOCKET, socket.SO_KEEPALIVE): 1,
         (socket.IPPROTO_TCP, socket.TCP_KEEPIDLE): 15,
         (socket.IPPROTO_TCP, socket.TCP_KEEPINTVL): 5,
