@@ -156,6 +156,23 @@ async def test_repeating_goes_on_until_the_card_is_closed(demo, open_page):
         assert await page.locator("article[aria-label^=Publish]").count() == 0
 
 
+async def test_stop_ends_every_repeat_of_the_page_and_each_card_says_so(demo, open_page):
+    cards = "#card=publish+0+/cmd_vel&card=publish+0+/goal_pose"
+    async with client(demo.url) as other, open_page(page_address(demo) + cards) as page:
+        await until_it_can_be_driven(other)
+        await other.send(op="control", topic="/cmd_vel", watch=True)
+        await field(page, "Publish /cmd_vel", "angular", "z").fill("0.1")
+        for title in ("Publish /cmd_vel", "Publish /goal_pose"):
+            await page.click(f"{form(title)} button:text-is('Repeat')")
+        await other.receive(lambda frame: frame.get("state") == "moving", 120)
+        await page.click("#stop")
+        for title in ("Publish /cmd_vel", "Publish /goal_pose"):
+            problem = page.locator(f"{form(title)} > .problem")
+            assert await problem.inner_text() == "STOP was pressed: Repeat has ended."
+        assert await page.locator("article button[aria-pressed=true]").count() == 0
+        await other.receive(lambda frame: frame.get("state") == "stopped", 120)
+
+
 async def test_a_message_is_written_as_json_too(demo, open_page):
     async with (
         client(demo.url) as hearer,

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-import { element } from "../../shared/dom.js";
+import { element, find } from "../../shared/dom.js";
 import { Form } from "../forms/form.js";
 import { FormCard } from "./form_card.js";
 
 const RATES_HZ = [1, 2, 5, 10, 20];
 
-/** A form that publishes to a topic: once, or again and again until it is told to stop, or nobody looks. */
+/** A form that publishes to a topic: once, or again and again until it is told to stop, by STOP too, or nobody looks. */
 export class PublishCard extends FormCard {
   #listener;
   #timer = 0;
@@ -14,6 +14,7 @@ export class PublishCard extends FormCard {
   #repeat = element("button", { type: "button", aria: { pressed: "false" } }, "Repeat");
   #ignore = () => {};
   #end = () => this.#stop();
+  #halt = () => this.#obeyStop();
 
   constructor(gateway, shown, actions) {
     super(gateway, shown, actions, { verb: "Publish", title: `Publish ${shown.topic}`, type: gateway.graph.typeOf(shown.topic) });
@@ -24,6 +25,8 @@ export class PublishCard extends FormCard {
     this.buttons.append(this.#repeat, this.#rates);
     this.#ignore = gateway.on("state", this.#end);
     document.addEventListener("visibilitychange", this.#end);
+    // Before the button's own work: a message after the gateway's stop would drive on.
+    find("stop").addEventListener("click", this.#halt, { capture: true });
   }
 
   formOf(described) {
@@ -44,6 +47,7 @@ export class PublishCard extends FormCard {
     this.#listener.end();
     this.#ignore();
     document.removeEventListener("visibilitychange", this.#end);
+    find("stop").removeEventListener("click", this.#halt, { capture: true });
     super.close();
   }
 
@@ -58,6 +62,12 @@ export class PublishCard extends FormCard {
     clearInterval(this.#timer);
     this.#timer = 0;
     this.#repeat.setAttribute("aria-pressed", false);
+  }
+
+  #obeyStop() {
+    if (!this.#timer) return;
+    this.#stop();
+    this.tell("STOP was pressed: Repeat has ended.");
   }
 
   #heard({ op, msg, level }) {
