@@ -160,6 +160,24 @@ async def test_what_came_regularly_and_stays_away_turns_pale(open_page, nowhere)
         assert not await page.query_selector(f"{card('/once')}.stale")
 
 
+async def test_that_nobody_publishes_any_longer_is_said_until_the_next_message(open_page, nowhere):
+    async with (
+        gateway_process("serve", *nowhere) as gateway,
+        client(gateway.url) as speaker,
+        open_page(f"{page_address(gateway)}#card=tree+0+/text") as page,
+    ):
+        about = {"topic": "/text", "type": "std_msgs/String"}
+        for text in ("first", "again"):
+            await speaker.send(op="advertise", **about, latch=True)
+            await speaker.send(op="publish", topic="/text", msg={"data": text})
+            await until(page, f"() => cards.textContent.includes('{text}')")
+            await until(page, "() => document.querySelector('article > .problem').hidden")
+            if text == "again":
+                break
+            await speaker.send(op="unadvertise", topic="/text")
+            await until(page, "() => cards.textContent.includes('publishes no longer')")
+
+
 async def test_a_lost_connection_is_said_and_comes_back(open_page, nowhere):
     async with gateway_process("serve", *nowhere) as gateway:
         address = page_address(gateway)

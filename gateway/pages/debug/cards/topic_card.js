@@ -6,6 +6,7 @@ import { makeView, nameOf, viewsFor } from "../../views/views.js";
 import { Card } from "./card.js";
 
 const RATES_HZ = [0, 30, 10, 5, 1]; // 0: as the robot publishes
+const SILENCE = ["not_found", "publisher_gone", "liveliness_lost", "deadline_missed", "stale"]; // what is over with the next message
 
 /** One topic in one view, with what the gateway says of it. */
 export class TopicCard extends Card {
@@ -90,7 +91,7 @@ export class TopicCard extends Card {
   #start() {
     this.#unsubscribe();
     this.#view?.close?.();
-    this.tell("");
+    this.#status({ msg: "" });
     this.#isDirty = false;
     this.#view = makeView(this.view, this);
     this.body.replaceChildren(this.#view.element);
@@ -109,13 +110,13 @@ export class TopicCard extends Card {
     this.#arrivals.add(size, this.#throttle ? {} : frame); // what a throttle leaves out was asked for
     this.#newest = { message, frame };
     this.#isDirty = true;
+    if (SILENCE.includes(this.problem.dataset.code)) this.#status({ msg: "" }); // somebody publishes now
     if (this.#isPaused) return;
     this.#view.keep?.(message);
-    if (this.problem.dataset.code === "not_found") this.tell(""); // somebody publishes now
   }
 
-  #status(status) {
-    this.problem.dataset.code = status.code ?? "";
-    this.tell(status.msg);
+  #status({ msg, code = "" }) {
+    this.problem.dataset.code = code;
+    this.tell(msg);
   }
 }
