@@ -178,6 +178,25 @@ async def test_that_nobody_publishes_any_longer_is_said_until_the_next_message(o
             await until(page, "() => cards.textContent.includes('publishes no longer')")
 
 
+async def test_each_card_of_a_topic_says_that_nobody_publishes_any_longer(open_page, nowhere):
+    async with (
+        gateway_process("serve", *nowhere) as gateway,
+        client(gateway.url) as speaker,
+        open_page(f"{page_address(gateway)}#card=tree+0+/text&card=raw+0+/text") as page,
+    ):
+        await speaker.send(op="advertise", topic="/text", type="std_msgs/String", latch=True)
+        await speaker.send(op="publish", topic="/text", msg={"data": "first"})
+        await until(page, "() => document.querySelector('.tree')?.textContent.includes('first')")
+        await until(page, "() => document.querySelector('.raw')?.textContent.includes('first')")
+        await speaker.send(op="unadvertise", topic="/text")
+        said = "each => each.textContent.includes('publishes no longer')"
+        await until(
+            page, f"() => [...document.querySelectorAll('article > .problem')].some({said})"
+        )
+        await page.evaluate("() => new Promise(requestAnimationFrame)")
+        assert await page.locator("article > .problem:has-text('publishes no longer')").count() == 2
+
+
 async def test_a_lost_connection_is_said_and_comes_back(open_page, nowhere):
     async with gateway_process("serve", *nowhere) as gateway:
         address = page_address(gateway)
