@@ -68,6 +68,21 @@ async def test_a_held_key_drives_and_letting_go_stops(drive, watched):
         await watched.until(state="stopped", cause="zero")
 
 
+async def test_sliders_have_names_and_leave_letters_to_the_robot(drive, watched):
+    async with drive() as page:
+        slider = page.get_by_role("slider", name="Speed")
+        assert await page.get_by_role("slider", name="Turning").count() == 1
+        await slider.focus()
+        before = await slider.input_value()
+        await page.keyboard.press("ArrowRight")
+        assert float(await slider.input_value()) > float(before)
+        assert await slider.get_attribute("aria-valuetext") == "0.25 m/s"
+        await drive_by(page, "KeyA")
+        await watched.until(state="moving")
+        await page.keyboard.up("KeyA")
+        await watched.until(state="stopped", cause="zero")
+
+
 async def test_the_stick_drives_while_it_is_dragged(drive, watched):
     async with drive() as page:
         box = await page.locator("#stick").bounding_box()
@@ -125,10 +140,16 @@ async def test_who_else_drives_is_said_and_can_be_taken_over(demo, drive, watche
         await page.wait_for_function("() => control.textContent === 'Another client drives.'")
         await page.keyboard.down("ArrowLeft")
         await page.wait_for_function("() => notice.textContent.includes('/cmd_vel')")
+        assert await page.inner_text("#notice") == "Another client drives /cmd_vel."
         await page.keyboard.up("ArrowLeft")
+        await page.evaluate(
+            """() => new MutationObserver(() => (window.said ??= []).push(control.textContent))
+            .observe(control, {childList: true})"""
+        )
         await page.click("#take")
         await page.wait_for_selector("#take", state="hidden")
         await page.wait_for_function("() => /^Stopped(?!.*Let go)/.test(control.textContent)")
+        assert not any("another client took" in words for words in await page.evaluate("said"))
         await page.keyboard.down("ArrowLeft")
         await watched.until(state="moving")
         await page.keyboard.up("ArrowLeft")

@@ -113,7 +113,11 @@ find("take").onclick = async () => {
   }
 };
 for (const [name, unit] of [["linear", "m/s"], ["angular", "rad/s"]]) {
-  const write = () => (find(`${name}-text`).textContent = `${find(name).valueAsNumber.toFixed(2)} ${unit}`);
+  const write = () => {
+    const text = `${find(name).valueAsNumber.toFixed(2)} ${unit}`;
+    find(`${name}-text`).textContent = text;
+    find(name).setAttribute("aria-valuetext", text);
+  };
   find(name).oninput = write;
   find(name).onpointerup = () => find(name).blur(); // or the arrow keys would go on moving it, and not the robot
   write();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What every page has at its top: the other pages, the connection in words, the token that may be asked for, and STOP.
 
+import { refusal } from "./control_words.js";
 import { element, find } from "./dom.js";
 
 const PAGES = { Debug: "/", Drive: "/drive", Lab: "/lab" };
@@ -45,7 +46,7 @@ export function connect(gateway, here, ...more) {
       find("token").showModal();
     }
   });
-  gateway.on("status", ({ msg }) => tell(msg));
+  gateway.on("status", (frame) => tell(refusal(frame)));
   find("stop").onclick = () => stop(gateway);
 }
 
