@@ -79,12 +79,12 @@ async def test_the_views_of_a_topic(demo, open_page):
     async with open_page(page_address(demo) + "#card=tree+0+/odom") as page:
         odom = card("/odom")
         await until(page, "() => document.querySelector('.tree')?.textContent.includes('odom')")
-        await page.select_option(f"{odom} select[aria-label=view]", "raw")
+        await page.select_option(f"{odom} select[aria-label^=view]", "raw")
         await page.wait_for_selector(f"{odom} .raw")
         await until(page, "() => document.querySelector('.raw')?.textContent?.startsWith('{')")
         frame = json.loads(await page.inner_text(f"{odom} .raw"))
         assert (frame["op"], frame["topic"]) == ("publish", "/odom")
-        await page.select_option(f"{odom} select[aria-label=view]", "plot")
+        await page.select_option(f"{odom} select[aria-label^=view]", "plot")
         assert "Choose a number" in await page.inner_text(f"{odom} .body")
         await page.click("#topics button:has-text('/rosout')")
         await page.wait_for_selector(f"{card('/rosout')} .log")
@@ -97,17 +97,35 @@ async def test_pausing_a_rate_cap_and_closing(demo, open_page):
         await until(page, "() => document.querySelector('.raw')?.textContent?.length > 0")
         await page.click(f"{odom} button:text-is('Pause')")
         shown = await page.evaluate(text)
-        newest = "document.querySelector('footer')?.textContent"
+        assert await page.inner_text(f"{odom} footer") == "paused"
+        newest = "[...topics.children].find((each) => /odom/.test(each.textContent))?.textContent"
         await until(page, f"before => {newest} !== before", await page.evaluate(f"() => {newest}"))
         assert await page.evaluate(text) == shown
-        await page.click(f"{odom} button:text-is('Pause')")
+        await page.click(f"{odom} button:text-is('Resume')")
+        await until(page, "() => /Hz/.test(document.querySelector('footer')?.textContent)")
         await until(page, "before => document.querySelector('.raw')?.textContent !== before", shown)
-        await page.select_option(f"{odom} select[aria-label=rate]", "1")
+        await page.select_option(f"{odom} select[aria-label^=rate]", "1")
         await until(
             page, "() => /^[012](\\.[0-9])? Hz/.test(document.querySelector('footer')?.textContent)"
         )
         await page.click(f"{odom} button[aria-label='close /odom']")
         assert await page.locator("article").count() == 0
+
+
+async def test_controls_that_look_the_same_have_names_of_their_own(demo, open_page):
+    cards = "#card=tree+0+/odom&card=publish+0+/cmd_vel"
+    async with open_page(page_address(demo) + cards) as page:
+        for role, name in (
+            ("button", "plot twist.twist.linear.x"),
+            ("button", "Pause /odom"),
+            ("button", "Copy /odom"),
+            ("combobox", "view of /odom"),
+            ("combobox", "rate of /odom"),
+            ("combobox", "rate of /cmd_vel"),
+            ("textbox", "linear x"),
+            ("textbox", "angular x"),
+        ):
+            await page.get_by_role(role, name=name, exact=True).wait_for()
 
 
 async def test_a_topic_that_nobody_has_is_told_of(demo, open_page):

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the debug page sends: messages, calls, goals and parameters, in a real browser."""
 
+import re
+
 import pytest
 
 from tests.client import client
@@ -138,6 +140,8 @@ async def test_what_the_gateway_refuses_is_shown_in_its_words(demo, open_page):
         await until(page, "() => /control/.test(document.querySelector('.problem')?.textContent)")
         pressed = "() => document.querySelector('.buttons [aria-pressed]')?.ariaPressed"
         await until(page, f"{pressed} === 'false'")  # it gives up
+        footer = await page.inner_text(f"{form(title)} footer")
+        assert re.fullmatch(r"0 sent, [1-9][0-9]* refused", footer)
         await other.send(op="release_control", topic="/cmd_vel")
 
 
@@ -146,7 +150,7 @@ async def test_repeating_goes_on_until_the_card_is_closed(demo, open_page):
         await hearer.send(op="subscribe", topic="/initialpose")
         await page.click("button[aria-label='publish to /initialpose']")
         title = "Publish /initialpose"
-        await page.select_option(f"{form(title)} select[aria-label=rate]", "20")
+        await page.select_option(f"{form(title)} select[aria-label^=rate]", "20")
         await page.click(f"{form(title)} button:text-is('Repeat')")
         for _ in range(3):
             await hearer.receive(lambda frame: frame.get("topic") == "/initialpose", 120)

@@ -10,7 +10,8 @@ export class PublishCard extends FormCard {
   #listener;
   #timer = 0;
   #count = 0;
-  #rates = element("select", { title: "so many messages a second", aria: { label: "rate" } });
+  #refused = 0; // of these, by the gateway
+  #rates = element("select", { title: "so many messages a second" });
   #repeat = element("button", { type: "button", aria: { pressed: "false" } }, "Repeat");
   #ignore = () => {};
   #end = () => this.#stop();
@@ -19,6 +20,7 @@ export class PublishCard extends FormCard {
   constructor(gateway, shown, actions) {
     super(gateway, shown, actions, { verb: "Publish", title: `Publish ${shown.topic}`, type: gateway.graph.typeOf(shown.topic) });
     this.#listener = gateway.listen((frame) => this.#heard(frame));
+    this.#rates.setAttribute("aria-label", `rate of ${shown.topic}`);
     for (const hz of RATES_HZ) this.#rates.append(new Option(`${hz} Hz`, String(hz)));
     this.#repeat.onclick = () => (this.#timer ? this.#stop() : this.#start());
     this.#rates.onchange = () => this.#timer && this.#start();
@@ -39,7 +41,7 @@ export class PublishCard extends FormCard {
     const isSent = this.gateway.send({ op: "publish", id: this.#listener.id, topic, type }, { msg: this.form.json() });
     if (!isSent) throw new Error("not connected");
     this.#count += 1;
-    this.footer.textContent = `${this.#count} sent`;
+    this.#write();
   }
 
   close() {
@@ -73,6 +75,14 @@ export class PublishCard extends FormCard {
   #heard({ op, msg, level }) {
     if (op !== "status") return;
     this.tell(msg);
-    if (level === "error") this.#stop();
+    if (level !== "error") return;
+    this.#refused += 1;
+    this.#write();
+    this.#stop();
+  }
+
+  #write() {
+    const refused = this.#refused ? `, ${this.#refused} refused` : "";
+    this.footer.textContent = `${this.#count - this.#refused} sent${refused}`;
   }
 }

@@ -47,8 +47,7 @@ export class TopicCard extends Card {
 
   tick() {
     this.#arrivals.tick();
-    this.element.classList.toggle("stale", this.#arrivals.isLate);
-    this.footer.textContent = this.#arrivals.words;
+    this.#write();
   }
 
   close() {
@@ -57,19 +56,26 @@ export class TopicCard extends Card {
     super.close();
   }
 
+  #write() {
+    this.element.classList.toggle("stale", this.#arrivals.isLate);
+    this.footer.textContent = this.#isPaused ? "paused" : this.#arrivals.words;
+  }
+
   #controls() {
-    const views = element("select", { title: "how it is shown", aria: { label: "view" } });
+    const views = element("select", { title: "how it is shown", aria: { label: `view of ${this.topic}` } });
     for (const key of new Set([this.view, ...viewsFor(this.#type)])) views.append(new Option(nameOf(key), key, false, key === this.view));
     views.onchange = () => this.#restart({ view: views.value });
-    const rates = element("select", { title: "at most so many messages a second", aria: { label: "rate" } });
+    const rates = element("select", { title: "at most so many messages a second", aria: { label: `rate of ${this.topic}` } });
     for (const hz of RATES_HZ) rates.append(new Option(hz ? `${hz} Hz` : "all", String(hz), false, hz === this.rate));
     rates.onchange = () => this.#restart({ rate: Number(rates.value) });
-    const pause = element("button", { type: "button", aria: { pressed: "false" } }, "Pause");
+    const pause = element("button", { type: "button", aria: { label: `Pause ${this.topic}` } }, "Pause");
     pause.onclick = () => {
       this.#isPaused = !this.#isPaused;
-      pause.setAttribute("aria-pressed", this.#isPaused);
+      pause.textContent = this.#isPaused ? "Resume" : "Pause";
+      pause.setAttribute("aria-label", `${pause.textContent} ${this.topic}`);
+      this.#write();
     };
-    const copy = element("button", { type: "button", title: "copy the newest message as JSON" }, "Copy");
+    const copy = element("button", { type: "button", title: "copy the newest message as JSON", aria: { label: `Copy ${this.topic}` } }, "Copy");
     copy.onclick = () => this.#copy();
     return [views, rates, pause, copy];
   }
