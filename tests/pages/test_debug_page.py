@@ -135,6 +135,70 @@ async def test_a_topic_that_nobody_has_is_told_of(demo, open_page):
         assert await page.locator("article").count() == 1
 
 
+async def test_a_view_that_does_not_fit_says_so_in_words(demo, open_page):
+    async with open_page(page_address(demo) + "#card=image+0+/odom") as page:
+        problem = page.locator(f"{card('/odom')} > .problem")
+        words = "A picture shows Image, CompressedImage: Odometry is none of these."
+        await until(page, "() => document.querySelector('article > .problem')?.textContent")
+        assert await problem.inner_text() == words
+        await page.select_option(f"{card('/odom')} select[aria-label^=view]", "tree")
+        await until(page, "() => document.querySelector('.tree')?.textContent.includes('odom')")
+        assert not await problem.is_visible()
+
+
+@pytest.mark.parametrize("part", ["foo+0+/odom", "%"])
+async def test_what_the_address_names_in_vain_is_said(demo, open_page, part):
+    async with open_page(page_address(demo) + f"#card={part}") as page:
+        await until(page, "() => notice.textContent.includes('The address names what is no card')")
+        assert part.replace("+", " ") in await page.inner_text("#notice")
+        await until(page, "() => cards.textContent.includes('Choose a topic in the list')")
+
+
+async def test_a_page_without_cards_says_how_one_is_opened(demo, open_page):
+    async with open_page(page_address(demo) + "#card=tree+0+/odom") as page:
+        await page.click("button[aria-label='close /odom']")
+        assert "Choose a topic in the list" in await page.inner_text("#cards")
+        await page.click("#topics button:has-text('/imu')")
+        assert "Choose a topic" not in await page.inner_text("#cards")
+
+
+@pytest.mark.parametrize("viewport", [DESK, PHONE], ids=["desk", "phone"])
+async def test_the_focus_goes_to_a_new_card_and_from_a_closed_one_to_the_next(
+    demo, open_page, viewport
+):
+    cards = "#card=tree+0+/odom&card=tree+0+/scan"
+    focus = "() => document.activeElement.getAttribute('aria-label') ?? document.activeElement.id"
+    async with open_page(page_address(demo) + cards, viewport) as page:
+        for topic in ("/odom", "/scan"):  # what comes later above a card moves it
+            await page.wait_for_selector(f"{card(topic)} .row")
+        await page.focus("#topics button:has-text('/imu')")
+        await page.keyboard.press("Enter")
+        assert await page.evaluate(focus) == "/imu"
+        await until(
+            page,
+            """() => {
+                const { top } = document.activeElement.getBoundingClientRect();
+                const bar = document.querySelector(".bar").getBoundingClientRect().bottom;
+                return top >= bar && top < innerHeight - 100;
+            }""",
+        )
+        for closed, after in (("/odom", "/scan"), ("/scan", "/imu"), ("/imu", "search")):
+            await page.focus(f"button[aria-label='close {closed}']")
+            await page.keyboard.press("Enter")
+            assert await page.evaluate(focus) == after
+
+
+async def test_the_list_stays_in_view_while_the_cards_scroll(demo, open_page):
+    cards = "#" + "&".join(f"card=tree+0+/{name}" for name in ("odom", "imu", "scan") * 5)
+    async with open_page(page_address(demo) + cards) as page:
+        await until(page, "() => document.querySelectorAll('article').length === 15")
+        await page.evaluate("() => scrollTo(0, document.body.scrollHeight)")
+        await until(page, "() => scrollY > 300")
+        for place in ("#search", "#topics li:first-child"):
+            box = await page.locator(place).bounding_box()
+            assert 0 <= box["y"] < DESK["height"]
+
+
 async def test_stop_stops_what_another_client_drives(demo, open_page):
     async with open_page(page_address(demo)) as page, client(demo.url) as speaker:
         await until_it_can_be_driven(speaker)

@@ -37,6 +37,8 @@ async function stop(gateway) {
 export function connect(gateway, here, ...more) {
   document.body.prepend(header(here, more), element("p", { id: "notice", className: "notice", role: "alert", hidden: true }));
   document.body.append(tokenDialog(gateway));
+  const top = document.querySelector(".bar");
+  new ResizeObserver(() => document.documentElement.style.setProperty("--bar", `${top.getBoundingClientRect().height}px`)).observe(top);
   gateway.on("state", ({ state, reason }) => {
     find("state").textContent = WORDS[state](reason);
     find("state").dataset.state = state;

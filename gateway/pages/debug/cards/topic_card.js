@@ -2,7 +2,7 @@
 import { Arrivals } from "../../shared/arrivals.js";
 import { element } from "../../shared/dom.js";
 import { json } from "../../shared/json.js";
-import { makeView, nameOf, viewsFor } from "../../views/views.js";
+import { makeView, misfit, nameOf, viewsFor } from "../../views/views.js";
 import { Card } from "./card.js";
 
 const RATES_HZ = [0, 30, 10, 5, 1]; // 0: as the robot publishes
@@ -102,6 +102,10 @@ export class TopicCard extends Card {
     this.#view = makeView(this.view, this);
     this.body.replaceChildren(this.#view.element);
     if (this.view === "plot") this.#view.show(); // before there is a message it says what to do
+    const problem = misfit(this.view, this.#type);
+    this.#unsubscribe = () => {};
+    this.tell(problem);
+    if (problem) return;
     const { throttle_rate: least = 0, ...options } = this.#view.options;
     this.#throttle = Math.max(least, this.rate ? Math.round(1000 / this.rate) : 0);
     this.#unsubscribe = this.gateway.subscribe(
