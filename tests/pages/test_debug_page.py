@@ -199,6 +199,22 @@ async def test_the_list_stays_in_view_while_the_cards_scroll(demo, open_page):
             assert 0 <= box["y"] < DESK["height"]
 
 
+async def test_a_plot_says_the_newest_value_beside_the_name_of_each_curve(open_page, nowhere):
+    async with (
+        gateway_process("serve", *nowhere) as gateway,
+        client(gateway.url) as speaker,
+        open_page(f"{page_address(gateway)}#card=plot+0+/vector+x+y") as page,
+    ):
+        await speaker.send(
+            op="advertise", topic="/vector", type="geometry_msgs/Vector3", latch=True
+        )
+        for x, y in ((1, 0.25), (2, -0.5)):
+            await speaker.send(op="publish", topic="/vector", msg={"x": x, "y": y})
+            labels = "[...document.querySelectorAll('.u-label')].map((each) => each.textContent)"
+            wanted = [f"x {x}", f"y {y:.3f}"]
+            await until(page, f"wanted => wanted.every((each) => {labels}.includes(each))", wanted)
+
+
 async def test_stop_stops_what_another_client_drives(demo, open_page):
     async with open_page(page_address(demo)) as page, client(demo.url) as speaker:
         await until_it_can_be_driven(speaker)
