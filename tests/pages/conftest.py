@@ -84,3 +84,40 @@ def open_page(browser) -> OpenPage:
         assert wrong == []
 
     return open_it
+
+
+class Line:
+    """The connections of a page to its gateway, which can be cut, and mended."""
+
+    def __init__(self) -> None:
+        self._routes: list[WebSocketRoute] = []  # noqa: F821  # of playwright
+        self._is_cut = False
+
+    async def take(self, route) -> None:
+        """Let a new connection through, or not."""
+        if self._is_cut:
+            await route.close()
+            return
+        route.connect_to_server()
+        self._routes.append(route)
+
+    async def cut(self) -> None:
+        """End all connections; new ones end at once."""
+        self._is_cut = True
+        for route in self._routes:
+            await route.close()
+        self._routes.clear()
+
+    def mend(self) -> None:
+        """Let new connections through."""
+        self._is_cut = False
+
+
+@contextlib.asynccontextmanager
+async def severable(page) -> AsyncIterator[Line]:
+    """Stand between a page that is blank yet and its gateway."""
+    line = Line()
+    await page.route_web_socket("**/*", line.take)
+    page.wrong.clear()
+    yield line
+    page.wrong[:] = [each for each in page.wrong if not each.startswith("http")]

@@ -79,12 +79,12 @@ async def test_the_views_of_a_topic(demo, open_page):
     async with open_page(page_address(demo) + "#card=tree+0+/odom") as page:
         odom = card("/odom")
         await until(page, "() => document.querySelector('.tree')?.textContent.includes('odom')")
-        await page.select_option(f"{odom} select[aria-label=view]", "raw")
+        await page.select_option(f"{odom} select[aria-label^=view]", "raw")
         await page.wait_for_selector(f"{odom} .raw")
         await until(page, "() => document.querySelector('.raw')?.textContent?.startsWith('{')")
         frame = json.loads(await page.inner_text(f"{odom} .raw"))
         assert (frame["op"], frame["topic"]) == ("publish", "/odom")
-        await page.select_option(f"{odom} select[aria-label=view]", "plot")
+        await page.select_option(f"{odom} select[aria-label^=view]", "plot")
         assert "Choose a number" in await page.inner_text(f"{odom} .body")
         await page.click("#topics button:has-text('/rosout')")
         await page.wait_for_selector(f"{card('/rosout')} .log")
@@ -97,12 +97,14 @@ async def test_pausing_a_rate_cap_and_closing(demo, open_page):
         await until(page, "() => document.querySelector('.raw')?.textContent?.length > 0")
         await page.click(f"{odom} button:text-is('Pause')")
         shown = await page.evaluate(text)
-        newest = "document.querySelector('footer')?.textContent"
+        assert await page.inner_text(f"{odom} footer") == "paused"
+        newest = "[...topics.children].find((each) => /odom/.test(each.textContent))?.textContent"
         await until(page, f"before => {newest} !== before", await page.evaluate(f"() => {newest}"))
         assert await page.evaluate(text) == shown
-        await page.click(f"{odom} button:text-is('Pause')")
+        await page.click(f"{odom} button:text-is('Resume')")
+        await until(page, "() => /Hz/.test(document.querySelector('footer')?.textContent)")
         await until(page, "before => document.querySelector('.raw')?.textContent !== before", shown)
-        await page.select_option(f"{odom} select[aria-label=rate]", "1")
+        await page.select_option(f"{odom} select[aria-label^=rate]", "1")
         await until(
             page, "() => /^[012](\\.[0-9])? Hz/.test(document.querySelector('footer')?.textContent)"
         )
@@ -110,11 +112,107 @@ async def test_pausing_a_rate_cap_and_closing(demo, open_page):
         assert await page.locator("article").count() == 0
 
 
+async def test_controls_that_look_the_same_have_names_of_their_own(demo, open_page):
+    cards = "#card=tree+0+/odom&card=publish+0+/cmd_vel"
+    async with open_page(page_address(demo) + cards) as page:
+        for role, name in (
+            ("button", "plot twist.twist.linear.x"),
+            ("button", "Pause /odom"),
+            ("button", "Copy /odom"),
+            ("combobox", "view of /odom"),
+            ("combobox", "rate of /odom"),
+            ("combobox", "rate of /cmd_vel"),
+            ("textbox", "linear x"),
+            ("textbox", "angular x"),
+        ):
+            await page.get_by_role(role, name=name, exact=True).wait_for()
+
+
 async def test_a_topic_that_nobody_has_is_told_of(demo, open_page):
     async with open_page(page_address(demo) + "#card=tree+0+/odm&card=nothing+0+/odom") as page:
         problem = await page.wait_for_selector(f"{card('/odm')} .problem:not([hidden])")
         assert "did you mean /odom?" in await problem.inner_text()
         assert await page.locator("article").count() == 1
+
+
+async def test_a_view_that_does_not_fit_says_so_in_words(demo, open_page):
+    async with open_page(page_address(demo) + "#card=image+0+/odom") as page:
+        problem = page.locator(f"{card('/odom')} > .problem")
+        words = "A picture shows Image, CompressedImage: Odometry is none of these."
+        await until(page, "() => document.querySelector('article > .problem')?.textContent")
+        assert await problem.inner_text() == words
+        await page.select_option(f"{card('/odom')} select[aria-label^=view]", "tree")
+        await until(page, "() => document.querySelector('.tree')?.textContent.includes('odom')")
+        assert not await problem.is_visible()
+
+
+@pytest.mark.parametrize("part", ["foo+0+/odom", "%"])
+async def test_what_the_address_names_in_vain_is_said(demo, open_page, part):
+    async with open_page(page_address(demo) + f"#card={part}") as page:
+        await until(page, "() => notice.textContent.includes('The address names what is no card')")
+        assert part.replace("+", " ") in await page.inner_text("#notice")
+        await until(page, "() => cards.textContent.includes('Choose a topic in the list')")
+
+
+async def test_a_page_without_cards_says_how_one_is_opened(demo, open_page):
+    async with open_page(page_address(demo) + "#card=tree+0+/odom") as page:
+        await page.click("button[aria-label='close /odom']")
+        assert "Choose a topic in the list" in await page.inner_text("#cards")
+        await page.click("#topics button:has-text('/imu')")
+        assert "Choose a topic" not in await page.inner_text("#cards")
+
+
+@pytest.mark.parametrize("viewport", [DESK, PHONE], ids=["desk", "phone"])
+async def test_the_focus_goes_to_a_new_card_and_from_a_closed_one_to_the_next(
+    demo, open_page, viewport
+):
+    cards = "#card=tree+0+/odom&card=tree+0+/scan"
+    focus = "() => document.activeElement.getAttribute('aria-label') ?? document.activeElement.id"
+    async with open_page(page_address(demo) + cards, viewport) as page:
+        for topic in ("/odom", "/scan"):  # what comes later above a card moves it
+            await page.wait_for_selector(f"{card(topic)} .row")
+        await page.focus("#topics button:has-text('/imu')")
+        await page.keyboard.press("Enter")
+        assert await page.evaluate(focus) == "/imu"
+        await until(
+            page,
+            """() => {
+                const { top } = document.activeElement.getBoundingClientRect();
+                const bar = document.querySelector(".bar").getBoundingClientRect().bottom;
+                return top >= bar && top < innerHeight - 100;
+            }""",
+        )
+        for closed, after in (("/odom", "/scan"), ("/scan", "/imu"), ("/imu", "search")):
+            await page.focus(f"button[aria-label='close {closed}']")
+            await page.keyboard.press("Enter")
+            assert await page.evaluate(focus) == after
+
+
+async def test_the_list_stays_in_view_while_the_cards_scroll(demo, open_page):
+    cards = "#" + "&".join(f"card=tree+0+/{name}" for name in ("odom", "imu", "scan") * 5)
+    async with open_page(page_address(demo) + cards) as page:
+        await until(page, "() => document.querySelectorAll('article').length === 15")
+        await page.evaluate("() => scrollTo(0, document.body.scrollHeight)")
+        await until(page, "() => scrollY > 300")
+        for place in ("#search", "#topics li:first-child"):
+            box = await page.locator(place).bounding_box()
+            assert 0 <= box["y"] < DESK["height"]
+
+
+async def test_a_plot_says_the_newest_value_beside_the_name_of_each_curve(open_page, nowhere):
+    async with (
+        gateway_process("serve", *nowhere) as gateway,
+        client(gateway.url) as speaker,
+        open_page(f"{page_address(gateway)}#card=plot+0+/vector+x+y") as page,
+    ):
+        await speaker.send(
+            op="advertise", topic="/vector", type="geometry_msgs/Vector3", latch=True
+        )
+        for x, y in ((1, 0.25), (2, -0.5)):
+            await speaker.send(op="publish", topic="/vector", msg={"x": x, "y": y})
+            labels = "[...document.querySelectorAll('.u-label')].map((each) => each.textContent)"
+            wanted = [f"x {x}", f"y {y:.3f}"]
+            await until(page, f"wanted => wanted.every((each) => {labels}.includes(each))", wanted)
 
 
 async def test_stop_stops_what_another_client_drives(demo, open_page):
@@ -158,6 +256,43 @@ async def test_what_came_regularly_and_stays_away_turns_pale(open_page, nowhere)
             await until(page, f"() => cards.textContent.includes('{text}')")  # one by one
         await page.wait_for_selector(f"{card('/often')}.stale")
         assert not await page.query_selector(f"{card('/once')}.stale")
+
+
+async def test_that_nobody_publishes_any_longer_is_said_until_the_next_message(open_page, nowhere):
+    async with (
+        gateway_process("serve", *nowhere) as gateway,
+        client(gateway.url) as speaker,
+        open_page(f"{page_address(gateway)}#card=tree+0+/text") as page,
+    ):
+        about = {"topic": "/text", "type": "std_msgs/String"}
+        for text in ("first", "again"):
+            await speaker.send(op="advertise", **about, latch=True)
+            await speaker.send(op="publish", topic="/text", msg={"data": text})
+            await until(page, f"() => cards.textContent.includes('{text}')")
+            await until(page, "() => document.querySelector('article > .problem').hidden")
+            if text == "again":
+                break
+            await speaker.send(op="unadvertise", topic="/text")
+            await until(page, "() => cards.textContent.includes('publishes no longer')")
+
+
+async def test_each_card_of_a_topic_says_that_nobody_publishes_any_longer(open_page, nowhere):
+    async with (
+        gateway_process("serve", *nowhere) as gateway,
+        client(gateway.url) as speaker,
+        open_page(f"{page_address(gateway)}#card=tree+0+/text&card=raw+0+/text") as page,
+    ):
+        await speaker.send(op="advertise", topic="/text", type="std_msgs/String", latch=True)
+        await speaker.send(op="publish", topic="/text", msg={"data": "first"})
+        await until(page, "() => document.querySelector('.tree')?.textContent.includes('first')")
+        await until(page, "() => document.querySelector('.raw')?.textContent.includes('first')")
+        await speaker.send(op="unadvertise", topic="/text")
+        said = "each => each.textContent.includes('publishes no longer')"
+        await until(
+            page, f"() => [...document.querySelectorAll('article > .problem')].some({said})"
+        )
+        await page.evaluate("() => new Promise(requestAnimationFrame)")
+        assert await page.locator("article > .problem:has-text('publishes no longer')").count() == 2
 
 
 async def test_a_lost_connection_is_said_and_comes_back(open_page, nowhere):

@@ -2,13 +2,18 @@
 """The drive page in a real browser, with the simulated robot: it moves while something is held."""
 
 import contextlib
+import os
+import re
+import signal
+from pathlib import Path
 
 import pytest
 import pytest_asyncio
 
 from tests.client import Client, client
 from tests.demonstration import until_it_can_be_driven
-from tests.pages.conftest import page_address
+from tests.pages.conftest import page_address, severable
+from tests.pages.test_debug_page import until_painted
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 
@@ -60,6 +65,21 @@ async def test_a_held_key_drives_and_letting_go_stops(drive, watched):
         await page.keyboard.down("KeyD")
         await watched.until(state="moving")
         await page.keyboard.up("KeyD")
+        await watched.until(state="stopped", cause="zero")
+
+
+async def test_sliders_have_names_and_leave_letters_to_the_robot(drive, watched):
+    async with drive() as page:
+        slider = page.get_by_role("slider", name="Speed")
+        assert await page.get_by_role("slider", name="Turning").count() == 1
+        await slider.focus()
+        before = await slider.input_value()
+        await page.keyboard.press("ArrowRight")
+        assert float(await slider.input_value()) > float(before)
+        assert await slider.get_attribute("aria-valuetext") == "0.25 m/s"
+        await drive_by(page, "KeyA")
+        await watched.until(state="moving")
+        await page.keyboard.up("KeyA")
         await watched.until(state="stopped", cause="zero")
 
 
@@ -120,13 +140,96 @@ async def test_who_else_drives_is_said_and_can_be_taken_over(demo, drive, watche
         await page.wait_for_function("() => control.textContent === 'Another client drives.'")
         await page.keyboard.down("ArrowLeft")
         await page.wait_for_function("() => notice.textContent.includes('/cmd_vel')")
+        assert await page.inner_text("#notice") == "Another client drives /cmd_vel."
         await page.keyboard.up("ArrowLeft")
+        await page.evaluate(
+            """() => new MutationObserver(() => (window.said ??= []).push(control.textContent))
+            .observe(control, {childList: true})"""
+        )
         await page.click("#take")
         await page.wait_for_selector("#take", state="hidden")
         await page.wait_for_function("() => /^Stopped(?!.*Let go)/.test(control.textContent)")
+        assert not any("another client took" in words for words in await page.evaluate("said"))
         await page.keyboard.down("ArrowLeft")
         await watched.until(state="moving")
         await page.keyboard.up("ArrowLeft")
+        await watched.until(state="stopped")
+
+
+async def drive_by(page, key: str) -> None:
+    """Hold a key; one that is pressed and let go before it ends what has stopped the robot."""
+    await page.keyboard.press(key)
+    await page.wait_for_function("() => /^Stopped(?!.*Let go)/.test(control.textContent)")
+    await page.keyboard.down(key)
+
+
+@contextlib.contextmanager
+def frozen_robot(demo):
+    """Freeze the robot's process: it says nothing more, and stays in the graph."""
+    pid = demo.process.pid
+    children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+    (robot,) = (c for c in children if "\0sim\0" in Path(f"/proc/{c}/cmdline").read_text())
+    os.kill(int(robot), signal.SIGSTOP)
+    try:
+        yield
+    finally:
+        os.kill(int(robot), signal.SIGCONT)
+
+
+# counts the pictures that are shown from now on: what came but once is not missed
+COUNT = """() => {
+    const { prototype } = ImageBitmapRenderingContext;
+    const show = prototype.transferFromImageBitmap;
+    window.pictures = 0;
+    prototype.transferFromImageBitmap = function (bitmap) {
+        window.pictures += 1;
+        show.call(this, bitmap);
+    };
+}"""
+STALE = "() => ['camera', 'world'].every((id) => document.querySelector(`#${id}.stale .age`))"
+FRESH = (
+    "() => !document.querySelector('.view.stale') && document.querySelectorAll('.view canvas')[1]"
+)
+
+
+async def test_what_a_dead_robot_has_sent_turns_pale_and_nobody_says_that_it_drives(
+    demo, drive, watched
+):
+    async with drive() as page:
+        await page.wait_for_selector("#camera canvas")
+        await page.evaluate(COUNT)
+        await drive_by(page, "KeyA")
+        await page.wait_for_function("() => pictures >= 6 && control.textContent === 'Driving.'")
+        with frozen_robot(demo):
+            await page.wait_for_function(STALE)
+            assert re.fullmatch(r"picture [0-9.]+ s old", await page.inner_text("#camera .age"))
+            assert "odometry" in await page.inner_text("#world .age")
+            await page.wait_for_function("() => /no odometry comes/.test(control.textContent)")
+        await page.wait_for_function(FRESH)
+        await page.keyboard.up("KeyA")
+        await watched.until(state="stopped")
+
+
+async def test_without_a_connection_all_is_old(demo, open_page):
+    async with open_page("about:blank") as page, severable(page) as line:
+        await page.goto(f"{page_address(demo)}drive")
+        for place in ("camera", "world"):
+            await until_painted(page, f"#{place} canvas")
+        await line.cut()
+        await page.wait_for_function(STALE)
+        line.mend()
+        await page.wait_for_function(FRESH)
+
+
+async def test_a_robot_that_does_not_move_is_said_with_its_own_reason(drive, watched):
+    async with drive() as page:
+        await page.fill("#linear", "0.3")
+        await page.locator("#linear").blur()
+        await drive_by(page, "KeyW")
+        await page.wait_for_function("() => /does not move/.test(control.textContent)")
+        words = await page.inner_text("#control")
+        assert "it may take less than 0.30 m/s. It says: cmd_vel dismissed" in words
+        await page.keyboard.up("KeyW")
         await watched.until(state="stopped")
 
 

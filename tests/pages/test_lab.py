@@ -6,8 +6,18 @@ import pytest_asyncio
 
 from tests.client import client
 from tests.demonstration import until_it_can_be_driven
-from tests.pages.conftest import page_address
-from tests.pages.lab import LATE, frames, opened, send, send_and_arrive, until_it_stands_at
+from tests.pages.conftest import page_address, severable
+from tests.pages.lab import (
+    KEEP,
+    LATE,
+    READY,
+    SMALL,
+    frames,
+    opened,
+    send,
+    send_and_arrive,
+    until_it_stands_at,
+)
 from tests.pages.test_drive_page import Watched
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
@@ -131,6 +141,19 @@ async def test_a_lost_connection_ends_an_approach_and_says_so(lab):
         await page.evaluate("() => sockets.at(-1).close()")
         await page.wait_for_function("() => /connection/.test(lab.pilot.words)")
         assert not await page.evaluate("() => lab.pilot.isActive")
+
+
+async def test_what_is_old_turns_pale_without_a_connection(demo, speaker, open_page):
+    async with open_page("about:blank", viewport=SMALL) as page, severable(page) as line:
+        await page.goto(f"{page_address(demo)}lab")
+        await page.evaluate(KEEP)
+        await page.wait_for_function(READY)
+        await line.cut()
+        await page.wait_for_function("() => /odometry .* old/.test(view.textContent)")
+        await page.wait_for_function("() => /odometry .* old/.test(lab.screens.state.text)")
+        assert await page.locator("#view.stale").count() == 1
+        line.mend()
+        await page.wait_for_selector("#view:not(.stale)")
 
 
 async def test_arrow_keys_drive_and_end_an_approach(lab):

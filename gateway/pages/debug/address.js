@@ -3,13 +3,17 @@
 
 import { isKnown } from "./cards/cards.js";
 
-/** Return the cards that the address names, or null if it names none. */
+/** Return the cards that the address names and what of it names none, or null if it is silent. */
 export function read() {
-  const cards = new URLSearchParams(location.hash.slice(1)).getAll("card").map((text) => {
-    const [view, rate, topic, ...fields] = text.split(" ");
-    return { view, rate: Number(rate) || 0, topic, fields };
-  });
-  return cards.length ? cards.filter(({ topic, view }) => topic?.startsWith("/") && isKnown(view)) : null;
+  const texts = new URLSearchParams(location.hash.slice(1)).getAll("card");
+  if (!texts.length) return null;
+  const parts = texts.map((text) => ({ text, card: cardOf(text) }));
+  return { cards: parts.flatMap(({ card }) => card ?? []), unknown: parts.filter(({ card }) => !card).map(({ text }) => text) };
+}
+
+function cardOf(text) {
+  const [view, rate, topic, ...fields] = text.split(" ");
+  return topic?.startsWith("/") && isKnown(view) ? { view, rate: Number(rate) || 0, topic, fields } : null;
 }
 
 /** Keep these cards in the address. */

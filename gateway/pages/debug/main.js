@@ -12,6 +12,7 @@ import * as tabs from "./tabs.js";
 import { TopicList } from "./topic_list.js";
 import { viewsFor } from "../views/views.js";
 
+const NARROW = 720; // pixels, as style.css has it: the cards stand above the list
 const MOST_FIELDS = 4; // in one plot
 const FIRST_VIEWS = [
   // what a first visit opens: of each line the first that the robot has
@@ -24,6 +25,7 @@ const NO_ROBOT = "Nobody publishes anything here yet. Start a robot, or the simu
 const gateway = new Gateway();
 const figures = new Figures(gateway);
 const topics = new TopicList(find("topics"), find("search"), gateway, (name) => open(name), (name) => open(name, "publish"));
+const none = element("p", { className: "empty", tabIndex: -1 }, "Choose a topic in the list; ✎ publishes on it.");
 const empty = element("p", { className: "empty" }, NO_ROBOT, element("code", {}, "ros2-gateway demo"), ".");
 let wanted = page.read();
 let isFirstVisit = wanted === null;
@@ -43,18 +45,36 @@ function open(topic, view = viewsFor(gateway.graph.typeOf(topic))[0], fields = [
   const plot = view === "plot" && cards.find((each) => each.view === "plot" && each.topic === topic && each.fields.length < MOST_FIELDS);
   if (plot) close(plot);
   const all = [...new Set([...(plot ? plot.fields : []), ...fields])];
-  add({ topic, view, fields: all, rate: 0 }).element.scrollIntoView({ block: "nearest" });
+  look(add({ topic, view, fields: all, rate: 0 }));
+}
+
+/** Bring a card into view, and the focus to it. */
+function look({ element: its }) {
+  its.focus({ preventScroll: true });
+  its.scrollIntoView({ block: innerWidth < NARROW ? "start" : "nearest" });
 }
 
 function close(card) {
+  const index = cards.indexOf(card);
+  const hadFocus = card.element.contains(document.activeElement);
   card.close();
-  cards.splice(cards.indexOf(card), 1);
+  cards.splice(index, 1);
   changed();
+  if (hadFocus) (cards[Math.min(index, cards.length - 1)]?.element ?? find("search")).focus();
 }
 
 function changed() {
   empty.remove();
+  if (cards.length) none.remove();
+  else if (!isFirstVisit) find("cards").append(none);
   if (!isFirstVisit || cards.length) page.write(cards.map((each) => each.shown));
+}
+
+/** Open what the address names, and say what nobody knows. */
+function restore({ cards: known, unknown }) {
+  for (const shown of known) add(shown);
+  if (unknown.length) bar.tell(`The address names what is no card here: ${unknown.map((each) => JSON.stringify(each.slice(0, 80))).join(", ")}.`);
+  if (!known.length) changed();
 }
 
 function welcome() {
@@ -79,7 +99,7 @@ function draw() {
 }
 
 gateway.on("graph", () => {
-  if (wanted) for (const shown of wanted) add(shown);
+  if (wanted) restore(wanted);
   wanted = null;
   if (isFirstVisit) welcome();
 });

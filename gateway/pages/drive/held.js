@@ -46,7 +46,7 @@ export function watch(stick, knob, report) {
   }
 
   addEventListener("keydown", (event) => {
-    if (!(event.code in KEYS) || event.ctrlKey || event.metaKey || event.altKey || isTyping(event.target)) return;
+    if (!(event.code in KEYS) || event.ctrlKey || event.metaKey || event.altKey || isTaken(event)) return;
     event.preventDefault(); // arrows would scroll
     if (event.repeat) return;
     pressed.add(event.code);
@@ -67,4 +67,8 @@ export function watch(stick, knob, report) {
   return letGo;
 }
 
-const isTyping = (target) => target instanceof HTMLInputElement && target.type !== "button";
+/** Whether a key is for what has the focus: all of them for a text, the arrows for a slider. */
+function isTaken({ target, code }) {
+  if (!(target instanceof HTMLInputElement) || target.type === "button") return false;
+  return target.type !== "range" || code.startsWith("Arrow");
+}

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The drive page: camera, the robot from above, and a robot that moves while something is held.
 
+import { Aging } from "../shared/aging.js";
 import * as bar from "../shared/bar.js";
 import { CommandTopic } from "../shared/command_topic.js";
 import { element, find } from "../shared/dom.js";
@@ -10,18 +11,31 @@ import { ImageView } from "../views/image.js";
 import { MapView } from "../views/map.js";
 import { ScanView } from "../views/scan.js";
 import { watch } from "./held.js";
+import { Motion } from "./motion.js";
 
 const IMAGES = ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"];
 const MAPS = ["nav_msgs/msg/OccupancyGrid"];
 const SCANS = ["sensor_msgs/msg/LaserScan"];
+const ODOMETRY = ["nav_msgs/msg/Odometry"];
+const TICK_MS = 200;
 
 const gateway = new Gateway();
 const views = { camera: null, world: null };
-gateway.on("state", () => letGo()); // what was held before belongs to another connection
+const ages = { camera: new Aging(find("camera")), world: new Aging(find("world")) };
+const motion = new Motion();
+const heard = { odometry: "", scan: "", map: "" }; // topics; a robot that is gone takes them out of the graph
+let isConnected = false;
+gateway.on("state", ({ state }) => {
+  isConnected = state === "open";
+  letGo(); // what was held before belongs to another connection
+});
 const command = new CommandTopic(gateway, told);
 
 bar.connect(gateway, "Drive");
-const driver = new Driver(({ linear, angular }) => command.publish(linear * find("linear").valueAsNumber, angular * find("angular").valueAsNumber));
+const driver = new Driver((shares) => {
+  const [linear, angular] = [shares.linear * find("linear").valueAsNumber, shares.angular * find("angular").valueAsNumber];
+  motion.command(linear, angular, command.publish(linear, angular) && isDriving());
+});
 const letGo = watch(find("stick"), find("knob"), (linear, angular) => driver.hold(linear, angular));
 
 /** Show a topic in the first of some views, each with its types, that the robot has something for. */
@@ -31,6 +45,7 @@ function show(place, missing, ...kinds) {
   if (!View || views[place] instanceof View) return;
   views[place]?.end();
   const view = new View({ topic, gateway, tell: bar.tell });
+  view.topic = topic;
   const unsubscribe = gateway.subscribe(topic, view.options, (message) => view.show(message), (status) => bar.tell(status.msg));
   view.end = () => {
     unsubscribe();
@@ -45,9 +60,32 @@ function draw() {
   requestAnimationFrame(draw);
 }
 
+/** Whether what this page sends reaches the robot. */
+function isDriving() {
+  return command.state?.holder === "you" && command.state.state === "moving";
+}
+
+/** Write what changes with time. */
+function tick() {
+  const of = (topic) => gateway.arrivals.get(topic);
+  ages.camera.write({ picture: of(views.camera?.topic) }, isConnected);
+  ages.world.write({ odometry: of(heard.odometry), scan: of(heard.scan), map: of(heard.map) }, isConnected);
+  const words = (isDriving() && motion.words) || command.words;
+  if (find("control").textContent !== words) find("control").textContent = words; // it is read out
+}
+
+/** Subscribe to the odometry, once there is one. */
+function hear() {
+  heard.scan ||= gateway.graph.published(...SCANS)?.name ?? "";
+  heard.map ||= gateway.graph.published(...MAPS)?.name ?? "";
+  if (heard.odometry) return;
+  heard.odometry = gateway.graph.published(...ODOMETRY)?.name ?? "";
+  if (heard.odometry) gateway.subscribe(heard.odometry, { throttle_rate: 100 }, (message) => motion.odometry(message), () => {});
+}
+
 function told() {
-  const { state, words } = command;
-  find("control").textContent = words;
+  const { state } = command;
+  tick();
   find("take").hidden = state?.holder !== "other";
   if (state?.holder === "you" && state.state === "moving") bar.tell(""); // what was refused before
 }
@@ -55,7 +93,9 @@ function told() {
 gateway.on("graph", () => {
   show("camera", "Nobody publishes pictures.", [ImageView, IMAGES]);
   show("world", "Nobody publishes a map or a laser scan.", [MapView, MAPS], [ScanView, SCANS]);
+  hear();
 });
+gateway.subscribe("/rosout", {}, (line) => motion.log(line, command.name), () => {}); // without it the page knows less, and drives
 
 addEventListener("keydown", (event) => {
   if (event.code !== "Space" || event.target instanceof HTMLButtonElement) return; // a button takes it itself
@@ -73,7 +113,11 @@ find("take").onclick = async () => {
   }
 };
 for (const [name, unit] of [["linear", "m/s"], ["angular", "rad/s"]]) {
-  const write = () => (find(`${name}-text`).textContent = `${find(name).valueAsNumber.toFixed(2)} ${unit}`);
+  const write = () => {
+    const text = `${find(name).valueAsNumber.toFixed(2)} ${unit}`;
+    find(`${name}-text`).textContent = text;
+    find(name).setAttribute("aria-valuetext", text);
+  };
   find(name).oninput = write;
   find(name).onpointerup = () => find(name).blur(); // or the arrow keys would go on moving it, and not the robot
   write();
@@ -81,3 +125,4 @@ for (const [name, unit] of [["linear", "m/s"], ["angular", "rad/s"]]) {
 
 gateway.connect();
 draw();
+setInterval(tick, TICK_MS);

@@ -2,6 +2,7 @@
 // The lab: a room with the robot's twin, its camera on a television, and screens; with a headset or without.
 
 import { Vector3, WebGLRenderer } from "../vendor/three.js";
+import { Aging } from "../shared/aging.js";
 import * as bar from "../shared/bar.js";
 import { CommandTopic } from "../shared/command_topic.js";
 import { element, find } from "../shared/dom.js";
@@ -32,9 +33,11 @@ const screens = {
   state: new Screen("Robot"), topic: new Screen("Topic"), commands: new Screen("Commands"), log: new Screen("Log"),
 };
 const sources = new Sources(gateway, bar.tell);
+const age = new Aging(find("view"));
 const target = room.marker("warning", 0.15);
 const place = new Vector3();
 const head = new Vector3();
+let isConnected = false;
 let topic = ""; // that the screen shows
 let endTopic = () => {};
 
@@ -46,7 +49,10 @@ const pilot = new Pilot(publish, (words) => {
   showState();
 });
 lab.pilot = pilot;
-gateway.on("state", () => letGoOfAll("Stopped: the connection was lost."));
+gateway.on("state", ({ state }) => {
+  isConnected = state === "open";
+  letGoOfAll("Stopped: the connection was lost.");
+});
 const command = new CommandTopic(gateway, told); // after that: what is lost first is the connection
 const letGo = watchKeys(DRIVING, (linear, angular) => pilot.hold(linear, angular));
 furnish();
@@ -158,9 +164,10 @@ function told() {
 }
 
 function showState() {
+  age.write({ picture: sources.arrivals("camera"), odometry: sources.arrivals("odometry"), scan: sources.arrivals("scan") }, isConnected);
   const { x, y, yaw } = twin.pose;
   const where = `x ${x.toFixed(2)} m, y ${y.toFixed(2)} m\nheading ${Math.round((yaw * 180) / Math.PI)} degrees`;
-  screens.state.show("Robot", `${find("state").textContent}\n${find("control").textContent}\n${pilot.words}\n\n${where}`);
+  screens.state.show("Robot", `${find("state").textContent}\n${find("control").textContent}\n${pilot.words}\n${age.words}\n${where}`);
 }
 
 function listTopics() {

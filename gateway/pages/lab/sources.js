@@ -15,7 +15,7 @@ const SLOW_MS = 250;
 export class Sources {
   #gateway;
   #tell;
-  #known = new Set();
+  #known = new Map(); // kind -> topic
   #frame = ""; // of the scan
 
   constructor(gateway, tell) {
@@ -36,6 +36,11 @@ export class Sources {
     });
     this.#first("camera", IMAGES, television.options, (message) => television.show(message));
     this.#first("log", LOGS, {}, ({ name, msg }) => log.add(`${name}: ${msg}`));
+  }
+
+  /** Return what has come of a kind, or undefined. */
+  arrivals(kind) {
+    return this.#gateway.arrivals.get(this.#known.get(kind));
   }
 
   /** Return the topics that a screen can show as text; pictures are none. */
@@ -67,7 +72,7 @@ export class Sources {
   #first(kind, types, options, onMessage) {
     const topic = !this.#known.has(kind) && this.#gateway.graph.published(...types);
     if (!topic) return;
-    this.#known.add(kind);
+    this.#known.set(kind, topic.name);
     this.#gateway.subscribe(topic.name, options, onMessage, ({ msg }) => this.#tell(msg));
   }
 

@@ -35,7 +35,12 @@ export class Arrivals {
 
   /** Whether messages came regularly, and no longer do. */
   get isLate() {
-    return this.messages >= REGULAR && this.ageMs > LATE_MS;
+    return this.isOlder(LATE_MS);
+  }
+
+  /** Return whether messages came regularly, and none came for so long. */
+  isOlder(ms) {
+    return this.messages >= REGULAR && this.ageMs > ms;
   }
 
   /** Rate, size and age in words. */

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What every page has at its top: the other pages, the connection in words, the token that may be asked for, and STOP.
 
+import { refusal } from "./control_words.js";
 import { element, find } from "./dom.js";
 
 const PAGES = { Debug: "/", Drive: "/drive", Lab: "/lab" };
@@ -36,6 +37,8 @@ async function stop(gateway) {
 export function connect(gateway, here, ...more) {
   document.body.prepend(header(here, more), element("p", { id: "notice", className: "notice", role: "alert", hidden: true }));
   document.body.append(tokenDialog(gateway));
+  const top = document.querySelector(".bar");
+  new ResizeObserver(() => document.documentElement.style.setProperty("--bar", `${top.getBoundingClientRect().height}px`)).observe(top);
   gateway.on("state", ({ state, reason }) => {
     find("state").textContent = WORDS[state](reason);
     find("state").dataset.state = state;
@@ -45,7 +48,7 @@ export function connect(gateway, here, ...more) {
       find("token").showModal();
     }
   });
-  gateway.on("status", ({ msg }) => tell(msg));
+  gateway.on("status", (frame) => tell(refusal(frame)));
   find("stop").onclick = () => stop(gateway);
 }
 

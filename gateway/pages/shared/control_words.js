@@ -20,6 +20,14 @@ export function sentence({ state, tripped, cause, holder, guard, clamped }) {
   if (guard === "starting") return "Nothing moves yet: the process that would stop the robot is starting.";
   if (holder === "other") return "Another client drives.";
   if (state === "moving") return clamped ? "Driving, slower than you ask: the gateway limits the speed." : "Driving.";
-  if (tripped) return `Stopped: ${CAUSES[cause] ?? cause}. Let go of everything, then drive on.`;
-  return CAUSES[cause] ? `Stopped: ${CAUSES[cause]}.` : "Stopped.";
+  const why = cause === "takeover" && holder === "you" ? "you took over" : CAUSES[cause];
+  if (tripped) return `Stopped: ${why ?? cause}. Let go of everything, then drive on.`;
+  return why ? `Stopped: ${why}.` : "Stopped.";
+}
+
+/** Return what a `status` says, without what only programs can do about it. */
+export function refusal({ code, msg }) {
+  if (code !== "not_lease_holder") return msg;
+  const [first] = msg.split(";");
+  return `${first[0].toUpperCase()}${first.slice(1)}.`;
 }

@@ -9,6 +9,10 @@ const PING_MS = 2000;
 const FIRST_RETRY_MS = 500;
 const LAST_RETRY_MS = 8000;
 const WRONG_TOKEN = 4401;
+// What a warning says of the topic, and not of one request for it.
+const OF_TOPIC = [
+  "type_conflict", "qos_incompatible", "deadline_missed", "liveliness_lost", "messages_lost", "publisher_gone", "not_found", "stale", "fresh",
+];
 const TOKEN_KEY = "ros2-gateway.token";
 
 /**
@@ -215,7 +219,10 @@ export class Gateway extends EventTarget {
 
   #status(frame) {
     const subscription = this.#subscriptions.get(frame.id);
-    if (subscription) subscription.onStatus(frame);
+    if (subscription && frame.level !== "error" && OF_TOPIC.includes(frame.code)) {
+      // the gateway tells a connection once, by the newest id
+      for (const each of this.#subscriptions.values()) if (each.topic === subscription.topic) each.onStatus(frame);
+    } else if (subscription) subscription.onStatus(frame);
     else if (isLookup(frame)) return; // the frame may come yet; until then nothing is shown
     else if (!this.#settle(frame.id, null, frame.msg, frame.code)) {
       this.dispatchEvent(new CustomEvent("status", { detail: frame }));

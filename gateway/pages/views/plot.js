@@ -16,6 +16,7 @@ export class PlotView {
   element = element("div", { className: "plot" });
   #columns;
   #plot = null;
+  #labels = []; // of the legend, one for each curve
 
   constructor(card) {
     this.card = card;
@@ -48,6 +49,16 @@ export class PlotView {
     const now = performance.now() / 1000;
     this.#plot.setData(this.#columns, false);
     this.#plot.setScale("x", { min: now - SPAN_S, max: now });
+    this.#label();
+  }
+
+  /** Write the newest value of each curve beside its name. */
+  #label() {
+    if (!this.#labels.length) this.#labels = [...this.element.querySelectorAll(".u-series .u-label")].slice(-this.card.fields.length);
+    this.card.fields.forEach((path, index) => {
+      const text = `${path} ${written(this.#columns[index + 1].at(-1))}`;
+      if (this.#labels[index].textContent !== text) this.#labels[index].textContent = text;
+    });
   }
 
   #make(width) {
@@ -66,6 +77,12 @@ export class PlotView {
       legend: { live: false },
     }, this.#columns, this.element);
   }
+}
+
+/** Return a value as it stands beside a name: short, and as wide as the one before. */
+function written(value) {
+  if (value === null || value === undefined) return "–";
+  return Number.isInteger(value) ? String(value) : Math.abs(value) < 1e-3 || Math.abs(value) >= 1e6 ? value.toExponential(2) : value.toFixed(3);
 }
 
 /** Return what the axis shows: a tenth more than the values, and something where they are all the same. */

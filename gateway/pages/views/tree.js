@@ -43,7 +43,7 @@ export class TreeView {
     this.#values.set(path, text);
     const item = element("dd", {}, text);
     if (typeof value === "number") {
-      const button = element("button", { type: "button", title: `plot ${path}` }, "plot");
+      const button = element("button", { type: "button", title: `plot ${path}`, aria: { label: `plot ${path}` } }, "plot");
       button.onclick = () => this.card.plot(path);
       item.append(" ", button);
     }

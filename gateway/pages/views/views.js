@@ -36,6 +36,13 @@ export function viewsFor(type) {
   return Object.keys(VIEWS).filter((key) => VIEWS[key].types?.includes(type) ?? true);
 }
 
+/** Return why a view cannot show a type, in words, or "". */
+export function misfit(key, type) {
+  const { name, types } = VIEWS[key];
+  if (!type || !types || types.includes(type)) return "";
+  return `A ${name.toLowerCase()} shows ${types.map((each) => each.split("/").at(-1)).join(", ")}: ${type.split("/").at(-1)} is none of these.`;
+}
+
 /** Return the name of a view, as people read it. */
 export const nameOf = (key) => VIEWS[key].name;
 

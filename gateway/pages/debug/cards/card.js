@@ -39,7 +39,7 @@ export class Card {
     const close = element("button", { type: "button", aria: { label: `close ${label}` } }, "✕");
     close.onclick = () => actions.close(this);
     const header = element("header", {}, element("h3", { title: hint }, title), this.controls, close);
-    this.element = element("article", { className: "card", aria: { label } }, header, this.problem, this.body, this.footer);
+    this.element = element("article", { className: "card", tabIndex: -1, aria: { label } }, header, this.problem, this.body, this.footer);
     this.#observer.observe(this.element);
   }
 

@@ -1,29 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
-import { element } from "../../shared/dom.js";
+import { element, find } from "../../shared/dom.js";
 import { Form } from "../forms/form.js";
 import { FormCard } from "./form_card.js";
 
 const RATES_HZ = [1, 2, 5, 10, 20];
 
-/** A form that publishes to a topic: once, or again and again until it is told to stop, or nobody looks. */
+/** A form that publishes to a topic: once, or again and again until it is told to stop, by STOP too, or nobody looks. */
 export class PublishCard extends FormCard {
   #listener;
   #timer = 0;
   #count = 0;
-  #rates = element("select", { title: "so many messages a second", aria: { label: "rate" } });
+  #refused = 0; // of these, by the gateway
+  #rates = element("select", { title: "so many messages a second" });
   #repeat = element("button", { type: "button", aria: { pressed: "false" } }, "Repeat");
   #ignore = () => {};
   #end = () => this.#stop();
+  #halt = () => this.#obeyStop();
 
   constructor(gateway, shown, actions) {
     super(gateway, shown, actions, { verb: "Publish", title: `Publish ${shown.topic}`, type: gateway.graph.typeOf(shown.topic) });
     this.#listener = gateway.listen((frame) => this.#heard(frame));
+    this.#rates.setAttribute("aria-label", `rate of ${shown.topic}`);
     for (const hz of RATES_HZ) this.#rates.append(new Option(`${hz} Hz`, String(hz)));
     this.#repeat.onclick = () => (this.#timer ? this.#stop() : this.#start());
     this.#rates.onchange = () => this.#timer && this.#start();
     this.buttons.append(this.#repeat, this.#rates);
     this.#ignore = gateway.on("state", this.#end);
     document.addEventListener("visibilitychange", this.#end);
+    // Before the button's own work: a message after the gateway's stop would drive on.
+    find("stop").addEventListener("click", this.#halt, { capture: true });
   }
 
   formOf(described) {
@@ -36,7 +41,7 @@ export class PublishCard extends FormCard {
     const isSent = this.gateway.send({ op: "publish", id: this.#listener.id, topic, type }, { msg: this.form.json() });
     if (!isSent) throw new Error("not connected");
     this.#count += 1;
-    this.footer.textContent = `${this.#count} sent`;
+    this.#write();
   }
 
   close() {
@@ -44,6 +49,7 @@ export class PublishCard extends FormCard {
     this.#listener.end();
     this.#ignore();
     document.removeEventListener("visibilitychange", this.#end);
+    find("stop").removeEventListener("click", this.#halt, { capture: true });
     super.close();
   }
 
@@ -60,9 +66,23 @@ export class PublishCard extends FormCard {
     this.#repeat.setAttribute("aria-pressed", false);
   }
 
+  #obeyStop() {
+    if (!this.#timer) return;
+    this.#stop();
+    this.tell("STOP was pressed: Repeat has ended.");
+  }
+
   #heard({ op, msg, level }) {
     if (op !== "status") return;
     this.tell(msg);
-    if (level === "error") this.#stop();
+    if (level !== "error") return;
+    this.#refused += 1;
+    this.#write();
+    this.#stop();
+  }
+
+  #write() {
+    const refused = this.#refused ? `, ${this.#refused} refused` : "";
+    this.footer.textContent = `${this.#count - this.#refused} sent${refused}`;
   }
 }

@@ -2,10 +2,11 @@
 import { Arrivals } from "../../shared/arrivals.js";
 import { element } from "../../shared/dom.js";
 import { json } from "../../shared/json.js";
-import { makeView, nameOf, viewsFor } from "../../views/views.js";
+import { makeView, misfit, nameOf, viewsFor } from "../../views/views.js";
 import { Card } from "./card.js";
 
 const RATES_HZ = [0, 30, 10, 5, 1]; // 0: as the robot publishes
+const SILENCE = ["not_found", "publisher_gone", "liveliness_lost", "deadline_missed", "stale"]; // what is over with the next message
 
 /** One topic in one view, with what the gateway says of it. */
 export class TopicCard extends Card {
@@ -46,8 +47,7 @@ export class TopicCard extends Card {
 
   tick() {
     this.#arrivals.tick();
-    this.element.classList.toggle("stale", this.#arrivals.isLate);
-    this.footer.textContent = this.#arrivals.words;
+    this.#write();
   }
 
   close() {
@@ -56,19 +56,26 @@ export class TopicCard extends Card {
     super.close();
   }
 
+  #write() {
+    this.element.classList.toggle("stale", this.#arrivals.isLate);
+    this.footer.textContent = this.#isPaused ? "paused" : this.#arrivals.words;
+  }
+
   #controls() {
-    const views = element("select", { title: "how it is shown", aria: { label: "view" } });
+    const views = element("select", { title: "how it is shown", aria: { label: `view of ${this.topic}` } });
     for (const key of new Set([this.view, ...viewsFor(this.#type)])) views.append(new Option(nameOf(key), key, false, key === this.view));
     views.onchange = () => this.#restart({ view: views.value });
-    const rates = element("select", { title: "at most so many messages a second", aria: { label: "rate" } });
+    const rates = element("select", { title: "at most so many messages a second", aria: { label: `rate of ${this.topic}` } });
     for (const hz of RATES_HZ) rates.append(new Option(hz ? `${hz} Hz` : "all", String(hz), false, hz === this.rate));
     rates.onchange = () => this.#restart({ rate: Number(rates.value) });
-    const pause = element("button", { type: "button", aria: { pressed: "false" } }, "Pause");
+    const pause = element("button", { type: "button", aria: { label: `Pause ${this.topic}` } }, "Pause");
     pause.onclick = () => {
       this.#isPaused = !this.#isPaused;
-      pause.setAttribute("aria-pressed", this.#isPaused);
+      pause.textContent = this.#isPaused ? "Resume" : "Pause";
+      pause.setAttribute("aria-label", `${pause.textContent} ${this.topic}`);
+      this.#write();
     };
-    const copy = element("button", { type: "button", title: "copy the newest message as JSON" }, "Copy");
+    const copy = element("button", { type: "button", title: "copy the newest message as JSON", aria: { label: `Copy ${this.topic}` } }, "Copy");
     copy.onclick = () => this.#copy();
     return [views, rates, pause, copy];
   }
@@ -90,11 +97,15 @@ export class TopicCard extends Card {
   #start() {
     this.#unsubscribe();
     this.#view?.close?.();
-    this.tell("");
+    this.#status({ msg: "" });
     this.#isDirty = false;
     this.#view = makeView(this.view, this);
     this.body.replaceChildren(this.#view.element);
     if (this.view === "plot") this.#view.show(); // before there is a message it says what to do
+    const problem = misfit(this.view, this.#type);
+    this.#unsubscribe = () => {};
+    this.tell(problem);
+    if (problem) return;
     const { throttle_rate: least = 0, ...options } = this.#view.options;
     this.#throttle = Math.max(least, this.rate ? Math.round(1000 / this.rate) : 0);
     this.#unsubscribe = this.gateway.subscribe(
@@ -109,13 +120,13 @@ export class TopicCard extends Card {
     this.#arrivals.add(size, this.#throttle ? {} : frame); // what a throttle leaves out was asked for
     this.#newest = { message, frame };
     this.#isDirty = true;
+    if (SILENCE.includes(this.problem.dataset.code)) this.#status({ msg: "" }); // somebody publishes now
     if (this.#isPaused) return;
     this.#view.keep?.(message);
-    if (this.problem.dataset.code === "not_found") this.tell(""); // somebody publishes now
   }
 
-  #status(status) {
-    this.problem.dataset.code = status.code ?? "";
-    this.tell(status.msg);
+  #status({ msg, code = "" }) {
+    this.problem.dataset.code = code;
+    this.tell(msg);
   }
 }

@@ -58,11 +58,14 @@ class Group {
   /** @type {HTMLElement|null} where it stands in a list */
   row = null;
   #field;
+  #path;
   #controls = null;
 
-  constructor(field) {
+  /** @param {string} [path] the names of the groups that hold it */
+  constructor(field, path = "") {
     this.#field = field;
     const { name, about } = field;
+    this.#path = `${path} ${name}`.trim();
     this.element = element("details", {}, element("summary", { title: about }, name), this.content);
     this.element.ontoggle = () => this.build();
     this.element.open = size(field) <= SMALL;
@@ -71,7 +74,7 @@ class Group {
 
   build() {
     if (this.#controls) return;
-    this.#controls = this.#field.fields.map((each) => controlOf(each));
+    this.#controls = this.#field.fields.map((each) => controlOf(each, this.#path));
     this.content.append(...this.#controls.map((each) => each.element));
     if (!this.#controls.length) this.content.append(element("p", { className: "quiet" }, "It has no fields."));
   }
@@ -96,13 +99,15 @@ class Group {
 /** Messages in a list. */
 class List {
   #field;
+  #path;
   #items = [];
   #list = element("div", { className: "group" });
   #add = element("button", { type: "button" }, "Add");
 
-  constructor(field) {
+  constructor(field, path) {
     this.#field = field;
     this.name = field.name;
+    this.#path = `${path} ${field.name}`.trim();
     this.#add.onclick = () => this.#append().element.querySelector("input, select, textarea, summary")?.focus();
     this.element = element("details", {}, element("summary", { title: field.about }, `${field.name} (${counted(field)})`), this.#list, this.#add);
     for (let count = 0; count < Math.min(field.least, MOST_ITEMS); count += 1) this.#append();
@@ -121,7 +126,7 @@ class List {
   }
 
   #append() {
-    const item = new Group({ ...this.#field.item, name: `${this.#items.length}` });
+    const item = new Group({ ...this.#field.item, name: `${this.#items.length}` }, this.#path);
     const remove = element("button", { type: "button", aria: { label: `remove ${this.name} ${this.#items.length}` } }, "✕");
     remove.onclick = () => this.#remove(item);
     item.row = element("div", { className: "item" }, item.element, remove);
@@ -151,10 +156,11 @@ class Value {
   #input;
   #problem = element("small", { className: "problem", role: "alert" });
 
-  constructor(field) {
+  constructor(field, path) {
     this.#field = field;
     this.name = field.name;
     this.#input = inputOf(field);
+    this.#input.setAttribute("aria-label", `${path} ${field.name}`.trim());
     this.#input.oninput = () => this.#check(); // not on a change: a line that appears under a click moves what was to be clicked
     const title = element("span", { title: field.about }, field.name);
     this.element = element("label", { className: "value" }, title, this.#input, this.#problem);
@@ -189,9 +195,9 @@ class Value {
   }
 }
 
-function controlOf(field) {
-  if (field.kind === "group") return new Group(field);
-  return field.kind === "list" ? new List(field) : new Value(field);
+function controlOf(field, path) {
+  if (field.kind === "group") return new Group(field, path);
+  return field.kind === "list" ? new List(field, path) : new Value(field, path);
 }
 
 let lists = 0;

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whether a robot does what it is told, by its odometry and its log.
+
+const STILL_MS = 1000; // so long a robot may take to begin
+const LOG_MS = 2000; // so old a warning may be that explains what the robot does now
+const STILL = { linear: 0.005, angular: 0.01 }; // m/s and rad/s that are no motion
+const WARNING = 30; // of rcl_interfaces/msg/Log
+
+/** Compares the commands that go out with what comes back. */
+export class Motion {
+  #wish = { linear: 0, angular: 0 };
+  #wishedMs = -Infinity; // when something moving was last asked for
+  #sinceMs = Infinity; // since when commands that move go out
+  #movedMs = -Infinity;
+  #odometryMs = -Infinity;
+  #reason = "";
+  #reasonMs = -Infinity;
+
+  /** Take a command in m/s and rad/s, and whether the gateway lets it through. */
+  command(linear, angular, isPassed) {
+    const now = performance.now();
+    const isMoving = linear !== 0 || angular !== 0;
+    this.#wish = { linear, angular };
+    if (isMoving) this.#wishedMs = now;
+    this.#sinceMs = isMoving && isPassed ? Math.min(this.#sinceMs, now) : Infinity;
+  }
+
+  /** Take a `nav_msgs/msg/Odometry`. */
+  odometry({ twist: { twist: { linear, angular } } }) {
+    const now = performance.now();
+    this.#odometryMs = now;
+    if (Math.hypot(linear.x, linear.y) < STILL.linear && Math.abs(angular.z) < STILL.angular) return;
+    this.#movedMs = now;
+    if (now - this.#reasonMs > LOG_MS) this.#reason = "";
+  }
+
+  /** Take a `rcl_interfaces/msg/Log`: a warning about the topic while commands go out is the reason why nothing moves. */
+  log({ level, msg }, topic) {
+    const now = performance.now();
+    const name = topic.split("/").at(-1);
+    if (level < WARNING || !name || !msg.includes(name) || now - this.#wishedMs > LOG_MS) return;
+    this.#reason = msg;
+    this.#reasonMs = now;
+  }
+
+  /** What is wrong with the motion, or "". */
+  get words() {
+    const now = performance.now();
+    if (this.#sinceMs === Infinity) return "";
+    if (this.#odometryMs === -Infinity) return "Commands go out, but no odometry says whether the robot moves.";
+    if (now - this.#odometryMs > STILL_MS) return "Commands go out, but no odometry comes any more.";
+    if (now - Math.max(this.#sinceMs, this.#movedMs) < STILL_MS) return "";
+    const { linear, angular } = this.#wish;
+    const speeds = [linear && `${Math.abs(linear).toFixed(2)} m/s`, angular && `${Math.abs(angular).toFixed(2)} rad/s`];
+    const reason = this.#reason && ` It says: ${this.#reason}`;
+    return `Commands go out, but the robot does not move: it may take less than ${speeds.filter(Boolean).join(" and ")}.${reason}`;
+  }
+}

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+import { element, span } from "./dom.js";
+
+const LATE_MS = 1000;
+
+/** Something that is seen, pale while what it shows is old, with words that say how old. */
+export class Aging {
+  #place;
+  #words = element("p", { className: "age", hidden: true });
+
+  /** @param {HTMLElement} place that holds it */
+  constructor(place) {
+    this.#place = place;
+  }
+
+  /** How old it is, or "". */
+  get words() {
+    return this.#words.textContent;
+  }
+
+  /**
+   * Write how old it is: call it some times a second.
+   * @param {Object<string, import("./arrivals.js").Arrivals|undefined>} sources what it is made of, by a word for each
+   * @param {boolean} isConnected else everything is old
+   */
+  write(sources, isConnected) {
+    const old = Object.entries(sources).filter(([, its]) => its?.messages && (!isConnected || its.isOlder(LATE_MS)));
+    this.#words.textContent = old.map(([word, its]) => `${word} ${span(its.ageMs)} old`).join(" · ");
+    this.#words.hidden = !old.length;
+    this.#place.classList.toggle("stale", old.length > 0);
+    if (old.length && this.#words.parentElement !== this.#place) this.#place.append(this.#words);
+  }
+}
