@@ -10,8 +10,10 @@ what is large (pictures, scans, maps), and among the queues of each kind by star
 """
 
 import enum
+import itertools
 from collections import deque
 from collections.abc import Callable, Sequence
+from heapq import heappop, heappush
 from math import inf
 from typing import Final, Literal, Protocol, TypeAlias
 
@@ -91,6 +93,7 @@ class Queue:
         "sent_bytes",
         "size",
         "turn",
+        "turn_kind",
         "waiting",
     )
 
@@ -110,7 +113,8 @@ class Queue:
         # whether its topic says each thing once: then no entry stands for an older one
         self.is_latched: Callable[[], bool] = lambda: False
         self.on_sent: OnSent | None = None  # gets all of what has waited
-        self.turn = 0.0  # the bytes after which it is served, by the clock of its kind
+        self.turn = 0.0  # the bytes after which it is served, by the clock of this kind:
+        self.turn_kind: _Kind | None = None
 
     @property
     def pending(self) -> int:
@@ -214,7 +218,7 @@ class Outbox:
         self.control_sent = 0
         self._control: deque[bytes] = deque()
         self._control_size = 0
-        self.bytes_per_s: float | None = None  # of the link; None: it was never too slow
+        self.bytes_per_s: float | None = None  # of the link; None: it is not too slow
         self._queues: list[Queue] = []
         self.small = _Kind(1 - LARGE_SHARE)
         self.large = _Kind(LARGE_SHARE)
@@ -293,20 +297,38 @@ class Outbox:
         # now, not for each entry that comes: it looks at all queues
         if self.size and self.bytes_per_s is not None:
             self._freshen(self.bytes_per_s * FRESH_S)
-        ready = [queue for queue in self._queues if queue.pending] if self.size else []
-        while left > 0 and ready:
-            kind, queue = self._next(ready)
-            next_frame = queue.next()
-            if next_frame is not None:
-                taken += [next_frame] if isinstance(next_frame, bytes) else next_frame.parts
-                left -= len(next_frame)
-                kind.serve(queue, len(next_frame))
-            if next_frame is None or not queue.pending:
-                ready.remove(queue)
+        return self._take_queued(taken, left) if self.size else taken
+
+    def _take_queued(self, taken: list[Piece], left: int) -> list[Piece]:
+        """Add frames of the queues, those first whose turn comes first; each waits in a heap."""
+        order = itertools.count()
+        waiting: dict[_Kind, list[tuple[float, int, Queue]]] = {self.small: [], self.large: []}
+
+        def enter(queue: Queue) -> None:
+            kind = queue.kind
+            heappush(waiting[kind], (kind.start(queue), next(order), queue))
+
+        for queue in self._queues:
+            if queue.pending:
+                enter(queue)
+        while left > 0 and (kinds := [kind for kind, queues in waiting.items() if queues]):
+            for kind in kinds:  # one that had nothing to send is owed nothing
+                kind.turn = max(kind.turn, self._clock)
+            kind = min(kinds, key=lambda kind: kind.turn)
+            self._clock = kind.turn
+            start, _, queue = heappop(waiting[kind])
+            frame = queue.next()
+            size = 0 if frame is None else len(frame)
+            kind.serve(queue, start, size)
+            if frame is not None:
+                taken += [frame] if isinstance(frame, bytes) else frame.parts
+                left -= size
+                if queue.pending:
+                    enter(queue)
         return taken
 
-    def drains(self, bytes_per_s: float) -> None:
-        """Take note of the rate at which the link drains."""
+    def drains(self, bytes_per_s: float | None) -> None:
+        """Take note of the rate at which the link drains; ``None`` if nobody needs to care."""
         self.bytes_per_s = bytes_per_s
 
     @property
@@ -336,15 +358,6 @@ class Outbox:
                 while queue.behind_bytes > most:
                     queue.drop_oldest()
 
-    def _next(self, ready: Sequence[Queue]) -> tuple["_Kind", Queue]:
-        """Return the queue whose turn it is; one that had nothing to send is owed nothing."""
-        kinds = {queue.kind for queue in ready}
-        for kind in kinds:
-            kind.turn = max(kind.turn, self._clock)
-        kind = min(kinds, key=lambda kind: (kind.turn, kind is self.large))
-        self._clock = kind.turn
-        return kind, kind.next([queue for queue in ready if queue.kind is kind])
-
 
 class _Kind:
     """Queues whose next entry is small, or large; they share their part of the link equally."""
@@ -356,15 +369,14 @@ class _Kind:
         self.turn = 0.0  # bytes of the whole link, by the clock of the outbox
         self._clock = 0.0  # the turn of the queue that was served last
 
-    def next(self, queues: Sequence[Queue]) -> Queue:
-        """Return the queue that has had least, and has waited longest among equals."""
-        queue = min(queues, key=lambda queue: max(queue.turn, self._clock))
-        self._clock = queue.turn = max(queue.turn, self._clock)
-        return queue
+    def start(self, queue: Queue) -> float:
+        """Return the turn of a queue; one that had nothing of this kind to send is owed nothing."""
+        return max(queue.turn, self._clock) if queue.turn_kind is self else self._clock
 
-    def serve(self, queue: Queue, size: int) -> None:
-        """Count a frame that was taken from a queue."""
-        queue.turn += size
+    def serve(self, queue: Queue, start: float, size: int) -> None:
+        """Count a frame that was taken from a queue at its turn."""
+        self._clock = max(self._clock, start)
+        queue.turn, queue.turn_kind = start + size, self
         self.turn += size / self.share
 
 

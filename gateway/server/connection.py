@@ -390,7 +390,7 @@ class Connection(asyncio.BufferedProtocol):
         if self._viewer is not None:
             self._viewer.flush()
 
-    def _note_rate(self, bytes_per_s: float) -> None:
+    def _note_rate(self, bytes_per_s: float | None) -> None:
         session = self._session if self._viewer is None else self._viewer.session
         if session is not None:
             session.outbox.drains(bytes_per_s)

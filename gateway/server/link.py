@@ -20,6 +20,8 @@ FIRST_WINDOW_BYTES: Final = 64 * 1024
 SAMPLE_NS: Final = 50_000_000
 # No byte for so long is a hole in the radio, of which nothing can be learned about the rate.
 STALL_NS: Final = 250_000_000
+# Unless acknowledgements come as rarely anyway: one segment takes half a second at 24 kbit/s.
+STALL_GAPS: Final = 4
 # A rate that was measured once says little some seconds later. While the link is not full it is
 # taken for faster, by half and more each second, until it is full again, or nobody cares.
 GROWTH_PER_S: Final = 0.5
@@ -42,6 +44,7 @@ class Link:
     __slots__ = (
         "_began",
         "_began_ns",
+        "_gap_ns",
         "_has_paused",
         "_last",
         "_moved_ns",
@@ -52,23 +55,26 @@ class Link:
 
     def __init__(self) -> None:
         self.window_bytes = FIRST_WINDOW_BYTES
-        self.bytes_per_s: float | None = None  # until the link was full for the first time
+        self.bytes_per_s: float | None = None  # of a link that was full, until nobody cares
         self._rate = FIRST_WINDOW_BYTES / QUEUE_S
         self._began: Reading | None = None  # of the sample
         self._began_ns = 0
         self._last = Reading(0, 0, 0.0)
         self._moved_ns = 0  # when something had been acknowledged last
+        self._gap_ns = 0  # from the time before
         self._has_paused = True
 
     def read(self, reading: Reading, now_ns: int) -> None:
         """Learn from a reading; they may come at any times."""
         last, self._last = self._last, reading
-        if reading.acked_bytes > last.acked_bytes:
-            if now_ns - self._moved_ns >= STALL_NS:
-                self._began = None
-            self._moved_ns = now_ns
         # else some of what was on the way then still is, and there was no pause
         self._has_paused |= reading.acked_bytes - last.acked_bytes >= last.on_the_way_bytes
+        if reading.acked_bytes > last.acked_bytes:
+            gap_ns = now_ns - self._moved_ns
+            is_hole = gap_ns >= max(STALL_NS, STALL_GAPS * self._gap_ns)
+            if is_hole and not self._has_paused:
+                self._began = None
+            self._moved_ns, self._gap_ns = now_ns, gap_ns
         if self._began is None:
             self._begin(reading, now_ns)
             return
@@ -95,5 +101,7 @@ class Link:
         else:
             # a link that has become bad must be noticed at once, single samples are uneven
             self._rate = rate if rate < known / 2 else known + (rate - known) / 4
-        if self.bytes_per_s is not None or not self._has_paused:
+        if not self._has_paused:
             self.bytes_per_s = self._rate
+        elif self.bytes_per_s is not None:
+            self.bytes_per_s = None if self._rate >= FAST_BYTES_PER_S else self._rate

@@ -22,14 +22,14 @@ class Pacing:
     """Says when a connection may write: while its socket takes, and its link is not full.
 
     *on_resumed* is called when it may again, *on_rate* gets the rate of the link in bytes per
-    second once it is known, and when it has changed.
+    second when it has changed; ``None`` when the link is fast again.
     """
 
     def __init__(
         self,
         transport: asyncio.Transport,
         on_resumed: Callable[[], None],
-        on_rate: Callable[[float], None],
+        on_rate: Callable[[float | None], None],
     ) -> None:
         self._transport = transport
         self._socket = transport.get_extra_info("socket")
@@ -80,7 +80,7 @@ class Pacing:
         link = self._link
         known = link.bytes_per_s
         link.read(reading, time.monotonic_ns())
-        if link.bytes_per_s is not None and link.bytes_per_s != known:
+        if link.bytes_per_s != known:
             self._on_rate(link.bytes_per_s)
         on_the_way = reading.on_the_way_bytes + self._transport.get_write_buffer_size()
         room = link.window_bytes - on_the_way

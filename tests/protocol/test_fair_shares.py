@@ -4,6 +4,7 @@
 from collections import Counter
 from dataclasses import dataclass
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -110,6 +111,19 @@ def test_who_had_nothing_to_send_for_long_is_owed_nothing():
     topics.got.clear()
     topics.send(100_000)
     assert abs(topics.got[0] - topics.got[1]) <= 2 * 700
+
+
+@pytest.mark.parametrize(("before", "after"), [(8000, 700), (700, 8000)])
+def test_a_topic_that_becomes_smaller_or_larger_has_its_turn_by_that(before: int, after: int):
+    topics = Topics(before)
+    topics.send(10_000_000)
+    queue = topics.queues[0]
+    queue.clear()
+    topics.queues.append(topics.outbox.open_queue(LENGTH, None))
+    topics.sizes = (after, after)
+    topics.got.clear()
+    topics.send(1_000_000)
+    assert abs(topics.got[0] - topics.got[1]) <= 2 * after
 
 
 def fresh(bytes_per_s: float, depth: int = LENGTH, room: int | None = ROOM) -> tuple[Outbox, Queue]:

@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gateway.server.link import (
-    FAST_BYTES_PER_S,
     FIRST_WINDOW_BYTES,
     MIN_WINDOW_BYTES,
     QUEUE_S,
@@ -117,14 +116,53 @@ def test_a_link_that_is_used_a_little_is_taken_for_faster_until_nobody_cares():
     assert after is not None
     assert 1.5 <= after / before <= 1.7
     simulation.run(20, frame=100, every_ms=20)
-    assert simulation.link.bytes_per_s == FAST_BYTES_PER_S
+    assert simulation.link.bytes_per_s is None
+    assert simulation.link.window_bytes <= 4e6 * QUEUE_S + 1
+
+
+def test_a_link_that_is_used_now_and_then_is_taken_for_faster_too():
+    simulation = Simulation(30e3)
+    simulation.run(3, frame=1000)
+    simulation.bytes_per_s = 10e6
+    for _ in range(20):
+        simulation.run(0.2, frame=2000, every_ms=40)
+        simulation.run(2)
+    assert simulation.link.bytes_per_s is None
 
 
 def test_of_a_link_that_was_never_full_nothing_is_known():
     simulation = Simulation(50e3)
-    simulation.run(5, frame=500, every_ms=20)
-    assert simulation.link.bytes_per_s is None
+    assert simulation.link.window_bytes == 64 * 1024
+    for _ in range(50):
+        simulation.run(0.1, frame=500, every_ms=20)
+        assert simulation.link.bytes_per_s is None
     assert simulation.link.window_bytes >= FIRST_WINDOW_BYTES
+
+
+@pytest.mark.parametrize("every_ms", [330, 1000])
+def test_a_link_that_is_used_rarely_is_taken_for_faster_too(every_ms: int):
+    simulation = Simulation(30e3)
+    simulation.run(3, frame=1000)
+    simulation.bytes_per_s = 10e6
+    simulation.run(60, frame=2000, every_ms=every_ms)
+    assert simulation.link.bytes_per_s is None
+
+
+@pytest.mark.parametrize("bits_per_s", [24_000, 40_000])
+def test_the_rate_of_a_link_that_passes_a_segment_now_and_then_is_found(bits_per_s: int):
+    simulation = Simulation(0)
+    for _ in range(60):
+        simulation.queued = 0.0
+        simulation.written += 1448
+        took_ms = round(1448 * 8000 / bits_per_s)
+        for number in range(took_ms):
+            simulation.now_ns += STEP_NS
+            if number == took_ms - 1:
+                simulation.acked += 1448
+            elif simulation.on_the_way < 3000:
+                simulation.written += 1448
+            simulation.look()
+    assert simulation.link.bytes_per_s == pytest.approx(bits_per_s / 8, rel=0.3)
 
 
 def test_a_hole_in_the_radio_is_no_slow_link():

@@ -161,7 +161,8 @@ class Subscription:
 
     def follow_link(self, *, adapts: bool) -> None:
         """Note whether the frames that are sent from now on are pictures that fit the link."""
-        self.adaptation.stepped(self.queue.pending)
+        throttled = 0 if self._throttle is None else len(self._throttle)
+        self.adaptation.stepped(self.queue.pending + throttled)
         self.queue.on_sent = self._fit if adapts else None
 
     @property
