@@ -3,7 +3,7 @@
 
 import asyncio
 import contextlib
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 
 from tests.client import Client, client
 from tests.gateway_process import GatewayProcess, gateway_process
@@ -16,13 +16,15 @@ _SERVICES = {"/motor_power", "/reset", f"{ROBOT}/list_parameters"}
 
 @contextlib.asynccontextmanager
 async def demonstration(
-    *arguments: str, module: str = "tests.patient_gateway"
+    *arguments: str, module: str = "tests.patient_gateway", before: Sequence[str] = ()
 ) -> AsyncIterator[GatewayProcess]:
     """Run ``ros2-gateway demo`` until the context ends, and enter once the robot is known.
 
+    *before* is as for `gateway_process`.
+
     And once it is known alone: a robot that an earlier test has killed stays in the graph for 20 s.
     """
-    async with gateway_process("demo", *arguments, module=module) as gateway:
+    async with gateway_process("demo", *arguments, module=module, before=before) as gateway:
         await _wait_for_the_robot(gateway.url)
         yield gateway
 

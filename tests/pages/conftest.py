@@ -2,6 +2,7 @@
 """A real browser on the pages of a real gateway with the simulated robot."""
 
 import contextlib
+import functools
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager
 from pathlib import Path
@@ -10,6 +11,7 @@ from urllib.parse import urlsplit
 import pytest
 import pytest_asyncio
 
+from tests import dds_domain
 from tests.demonstration import demonstration
 from tests.gateway_process import GatewayProcess
 from tests.pages.patient_demo import PATIENT
@@ -36,9 +38,17 @@ async def browser():
         await browser.close()
 
 
+@functools.cache
+def robots_domain() -> int:
+    """Return a DDS domain of these robots alone: other tests' robots drive by /cmd_vel, too."""
+    return dds_domain.claim()
+
+
 @pytest_asyncio.fixture(scope="module", loop_scope="module")
 async def demo() -> AsyncIterator[GatewayProcess]:
-    async with demonstration(*PATIENT, module="tests.pages.patient_demo") as gateway:
+    apart = ("env", f"ROS_DOMAIN_ID={robots_domain()}")
+    demo = demonstration(*PATIENT, module="tests.pages.patient_demo", before=apart)
+    async with demo as gateway:
         yield gateway
 
 
