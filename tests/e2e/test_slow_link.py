@@ -19,10 +19,15 @@ PICTURES = 25
 pytestmark = pytest.mark.skipif(reason_against() is not None, reason=str(reason_against()))
 
 
-def test_a_slow_link_carries_odometry_in_order_and_pictures_that_fit_it():
+# a short queue drops packets on this machine, which the kernel counts as sent all the same
+@pytest.mark.parametrize(("bits_per_s", "queue_ms"), [(400_000, 1000), (2_000_000, 100)])
+def test_a_slow_link_carries_odometry_in_order_and_pictures_that_fit_it(
+    bits_per_s: int, queue_ms: int, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr("benchmarks.two_networks._ROUTERS_QUEUE_MS", queue_ms)
     with contextlib.ExitStack() as stack:
         networks = stack.enter_context(two_networks())
-        networks.shape(400_000)
+        networks.shape(bits_per_s)
         for name, rate_hz in (("odometry", 50.0), ("image", 15.0)):
             stack.enter_context(publishing(name, rate_hz, before=networks.near))
         server = MeasuredServer().running_in(networks.near, networks.url_host)
@@ -46,4 +51,4 @@ def test_a_slow_link_carries_odometry_in_order_and_pictures_that_fit_it():
     for one, next_one in pairwise(odometry):
         lost = next_one["dropped"] - one["dropped"]
         assert next_one["seq"] - one["seq"] - 1 == lost >= 0
-    assert odometry[-1]["dropped"] > 0
+    assert (odometry[-1]["dropped"] > 0) or bits_per_s > 400_000
