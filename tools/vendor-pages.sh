@@ -19,7 +19,7 @@ cp "$from/LICENSE" "$target/uplot.LICENSE"
 # of three what the lab imports, and no more
 names='
   BoxGeometry BufferAttribute BufferGeometry CanvasTexture Color CylinderGeometry DynamicDrawUsage Group
-  HemisphereLight Line LineBasicMaterial LineSegments LinearFilter Mesh MeshBasicMaterial MeshLambertMaterial
+  HemisphereLight Line LineBasicMaterial LineSegments LinearFilter Mesh MeshBasicMaterial MeshLambertMaterial NearestFilter
   PerspectiveCamera PlaneGeometry Points PointsMaterial Raycaster RingGeometry SRGBColorSpace Scene
   SphereGeometry Texture Vector2 Vector3 WebGLRenderer
 '

@@ -40,7 +40,7 @@ async def send(page: Any, point: Callable[[], Awaitable[None]]) -> None:
     while True:
         await page.evaluate("() => { lab.pilot.words = ''; }")
         await point()
-        await page.wait_for_function("() => lab.pilot.words")
+        await page.wait_for_function("() => lab.pilot.words && !lab.pilot.isWaiting")
         words = await page.evaluate("() => lab.pilot.words")
         if words.startswith(("Approaching", "Arrived")):
             return

@@ -15,7 +15,8 @@ DESK = {"width": 1440, "height": 900}
 PHONE = {"width": 390, "height": 844}
 SETTLED_MS = 12_000  # the plot has something to show
 OPENED_MS = 3_000
-FLOOR = (560, 560)  # of the lab
+UNDER_WAY_MS = 1_500
+FLOOR = (800, 470)  # of the lab, a metre ahead of the robot's start
 GOAL = {"pose": {"pose": {"position": {"x": 2.5, "y": 1.5}}}}
 FORMS = "#card=publish+0+/cmd_vel&card=goal+0+/navigate_to_pose&card=graph+0+/"
 
@@ -48,10 +49,13 @@ async def main() -> None:
             await other.wait_for_timeout(OPENED_MS)
             await other.screenshot(path=FOLDER / f"{name}.png")
             await other.close()
+        await speaker.send(op="call_service", id="reset", service="/reset")
         await page.goto(f"{address}lab")
         await page.wait_for_timeout(OPENED_MS)
-        await page.mouse.click(*FLOOR)
-        await page.wait_for_timeout(OPENED_MS)
+        approach = page.locator("#approach")
+        while not (await approach.inner_text()).startswith("Approaching"):
+            await page.mouse.click(*FLOOR)
+            await page.wait_for_timeout(UNDER_WAY_MS)
         await page.screenshot(path=FOLDER / "lab.png")
         await browser.close()
 

@@ -101,7 +101,9 @@ async def test_pausing_a_rate_cap_and_closing(demo, open_page):
         newest = "[...topics.children].find((each) => /odom/.test(each.textContent))?.textContent"
         await until(page, f"before => {newest} !== before", await page.evaluate(f"() => {newest}"))
         assert await page.evaluate(text) == shown
-        await page.click(f"{odom} button:text-is('Resume')")
+        resume = page.get_by_role("button", name="Resume /odom", exact=True)
+        assert await resume.inner_text() == "Resume"
+        await resume.click()
         await until(page, "() => /Hz/.test(document.querySelector('footer')?.textContent)")
         await until(page, "before => document.querySelector('.raw')?.textContent !== before", shown)
         await page.select_option(f"{odom} select[aria-label^=rate]", "1")
@@ -221,7 +223,7 @@ async def test_stop_stops_what_another_client_drives(demo, open_page):
         await speaker.send(op="control", topic="/cmd_vel", watch=True)
         await speaker.send(op="publish", topic="/cmd_vel", msg={"angular": {"z": 0.2}})
         await page.click("#stop")
-        await until(page, "() => notice.textContent === 'stopping /cmd_vel'")
+        await until(page, "() => notice.textContent === 'STOP went to /cmd_vel.'")
         await speaker.receive(lambda frame: frame.get("cause") in {"stop", "deadline"})
 
 
@@ -256,6 +258,9 @@ async def test_what_came_regularly_and_stays_away_turns_pale(open_page, nowhere)
             await until(page, f"() => cards.textContent.includes('{text}')")  # one by one
         await page.wait_for_selector(f"{card('/often')}.stale")
         assert not await page.query_selector(f"{card('/once')}.stale")
+        opacity = "body => Number(getComputedStyle(body).opacity)"
+        assert await page.locator(f"{card('/often')} > .body").evaluate(opacity) < 0.8
+        assert await page.locator(f"{card('/once')} > .body").evaluate(opacity) == 1
 
 
 async def test_that_nobody_publishes_any_longer_is_said_until_the_next_message(open_page, nowhere):

@@ -287,9 +287,85 @@ async def test_what_is_gone_is_said(demo, open_page):
         )
 
 
-async def test_the_limits_of_the_connection_are_shown(demo, open_page):
-    async with open_page(page_address(demo) + "#card=tree+0+/odom") as page:
+async def test_the_limits_of_the_connection_are_shown_in_words_with_units(demo, open_page):
+    async with client(demo.url) as other, open_page(page_address(demo)) as page:
+        await other.send(op="hello")
+        hello = await other.receive(lambda frame: frame["op"] == "hello")
         await page.click("header button:text-is('Limits')")
-        await page.wait_for_selector(form("connection"))
-        await until(page, "() => /message_bytes ?[1-9]/.test(cards.textContent)")
+        await page.wait_for_selector(f"{form('connection')} dt")
+        rows = {}
+        for row in await page.locator(f"{form('connection')} dl:first-child > div").all():
+            key = await row.locator("small").inner_text()
+            rows[key] = await row.inner_text()
+        told = {**hello, **hello["limits"]}
+        assert set(rows) == set(told) - {"op", "id", "limits"}
+        for key, row in rows.items():
+            assert not row.startswith(key)
+        wanted = {
+            "message_bytes": "10.49 MB",
+            "client_time_share": "25 % of the gateway's time",
+            "frames_per_s": "20,000 a second",
+            "service_timeout_s": "5 s",
+            "queue_length": "1,024 messages",
+        }
+        for key, words in wanted.items():
+            assert rows[key].endswith(words)
         await until(page, "() => /Topics.*odom.* Hz/.test(cards.textContent)")
+
+
+async def test_the_search_filters_the_tab_that_is_shown_and_says_how_many(demo, open_page):
+    async with open_page(page_address(demo)) as page:
+        await until(page, "() => /^[1-9][0-9]* topics$/.test(count.textContent)")
+        all_topics = (await page.inner_text("#count")).split()[0]
+        await page.fill("#search", "odom")
+        assert await page.inner_text("#count") == f"1 of {all_topics} topics"
+        for tab, word, one in (("services", "motor", "/motor_power"), ("nodes", "robot", "/sim")):
+            await page.fill("#search", word)
+            await page.click(f"#tab-{tab}")
+            listed = page.locator(f"#{tab} li")
+            await page.wait_for_selector(f"#{tab} button:has-text('{one}')")
+            shown = await listed.count()
+            words = (await page.inner_text("#count")).split()
+            assert words[:2] == [str(shown), "of"]
+            assert words[3] == tab
+            assert int(words[2]) > shown
+        await page.fill("#search", "nothing of that name")
+        assert (await page.inner_text("#count")).startswith("0 of ")
+        assert "nothing of that name" in await page.inner_text("#nodes")
+
+
+async def test_arrow_keys_go_from_one_to_the_next_in_the_graph(demo, open_page):
+    focus = "() => document.activeElement.getAttribute('aria-label')"
+    column = "() => Number(document.activeElement.dataset.column)"
+    async with open_page(page_address(demo) + "#card=graph+0+/") as page:
+        await page.wait_for_selector("svg [aria-label='topic /odom']")
+        assert await page.locator("svg [tabindex='0']").count() == 1  # Tab goes on, not through
+        await page.focus("svg [aria-label='node /simulated_robot']")
+        await page.keyboard.press("ArrowRight")
+        assert await page.evaluate(column) == 1
+        names = await page.locator("svg .topic").evaluate_all(
+            "boxes => boxes.map((each) => each.getAttribute('aria-label'))"
+        )
+        await page.keyboard.press("Home")
+        assert await page.evaluate(focus) == names[0]
+        await page.keyboard.press("ArrowUp")
+        assert await page.evaluate(focus) == names[0]
+        await page.keyboard.press("ArrowDown")
+        assert await page.evaluate(focus) == names[1]
+        await page.keyboard.press("End")
+        assert await page.evaluate(focus) == names[-1]
+        await page.focus("svg [aria-label='topic /cmd_vel']")  # that the robot hears
+        await page.keyboard.press("ArrowRight")
+        assert await page.evaluate(focus) == "node /simulated_robot"
+        assert await page.evaluate(column) == 2
+        seen = "() => getComputedStyle(document.activeElement.firstElementChild).strokeWidth"
+        assert await page.evaluate(seen) == "3px"
+        about = "() => document.activeElement.getAttribute('aria-description')"
+        assert "/cmd_vel" in await page.evaluate(about)
+        await page.keyboard.press("ArrowLeft")  # along a line, not to what is nearest
+        assert await page.evaluate(focus) == "topic /cmd_vel"
+        await page.check("text=all")  # drawn anew
+        opened = await page.get_attribute("svg [tabindex='0']", "data-name")
+        await page.focus("svg [tabindex='0']")
+        await page.keyboard.press("Enter")
+        await page.wait_for_selector(form(opened))

@@ -18,7 +18,7 @@ from tests.pages.lab import (
     send_and_arrive,
     until_it_stands_at,
 )
-from tests.pages.test_drive_page import Watched
+from tests.pages.test_drive_page import Watched, frozen_robot
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 
@@ -126,6 +126,14 @@ async def test_a_stop_by_somebody_else_ends_an_approach(lab, speaker):
         await send_and_arrive(page, click_on(page, 0.2, 0))
 
 
+async def test_what_stop_has_said_is_over_when_the_robot_drives_again(lab):
+    async with lab() as page:
+        await page.click("#stop")
+        await page.wait_for_function("() => notice.textContent === 'STOP went to /cmd_vel.'")
+        await send_and_arrive(page, click_on(page, 0.3, 0.2))
+        await page.wait_for_function("() => notice.hidden")
+
+
 async def test_a_lost_connection_ends_an_approach_and_says_so(lab):
     script = """{
         const Real = WebSocket;
@@ -151,9 +159,11 @@ async def test_what_is_old_turns_pale_without_a_connection(demo, speaker, open_p
         await line.cut()
         await page.wait_for_function("() => /odometry .* old/.test(view.textContent)")
         await page.wait_for_function("() => /odometry .* old/.test(lab.screens.state.text)")
-        assert await page.locator("#view.stale").count() == 1
+        opacity = "() => Number(getComputedStyle(document.querySelector('#view canvas')).opacity)"
+        assert await page.evaluate(opacity) < 0.8
         line.mend()
         await page.wait_for_selector("#view:not(.stale)")
+        await page.wait_for_function(f"() => ({opacity})() === 1")  # it fades in
 
 
 async def test_arrow_keys_drive_and_end_an_approach(lab):
@@ -167,7 +177,54 @@ async def test_arrow_keys_drive_and_end_an_approach(lab):
         await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
         await send(page, click_on(page, 0.8, 0.1))
         await page.keyboard.down("ArrowLeft")
-        await page.wait_for_function("() => lab.pilot.words === 'Stopped: the keys drive.'")
+        await page.wait_for_function(
+            "() => lab.pilot.words === 'The approach was ended by the keys.'"
+        )
+        await page.keyboard.up("ArrowLeft")
+        await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
+
+
+# notes what the two lines below the room say, each time that one of them has changed
+NOTE = """() => {
+    window.said = [];
+    const note = () => said.push([control.textContent, approach.textContent]);
+    const observer = new MutationObserver(note);
+    for (const line of [control, approach]) observer.observe(line, { childList: true });
+}"""
+
+
+async def test_what_is_said_of_the_robot_and_of_its_approach_never_contradicts(lab, speaker):
+    async with lab() as page:
+        await page.evaluate(NOTE)
+        await send(page, click_on(page, -0.6, 0.2))
+        await speaker.send(op="stop", topic="/cmd_vel")
+        await page.wait_for_function("() => /STOP|Arrived/.test(approach.textContent)")
+        await send(page, click_on(page, 0.6, -0.2))
+        await page.keyboard.down("ArrowLeft")
+        await page.wait_for_function("() => !lab.pilot.isActive")
+        await page.keyboard.up("ArrowLeft")
+        await page.wait_for_function("() => /^Stopped(?!.*Let go)/.test(control.textContent)")
+        await page.keyboard.down("ArrowRight")
+        await page.wait_for_function("() => control.textContent.startsWith('Driving')")
+        assert await page.inner_text("#approach") == ""
+        await page.keyboard.up("ArrowRight")
+        await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
+        said = await page.evaluate("() => said")
+    assert [words for words in said if words[1].startswith("Stopped")] == []
+    under_way = [words for words in said if words[1].startswith(("Approaching", "Waiting"))]
+    assert under_way
+    assert {words[0] for words in under_way} <= {"Driving.", "About to move."}
+
+
+async def test_keys_that_drive_a_robot_without_odometry_are_told_so(demo, lab):
+    async with lab() as page:
+        await page.keyboard.press("ArrowLeft")  # what was stopped before wants a zero first
+        await page.wait_for_function("() => /^Stopped(?!.*Let go)/.test(control.textContent)")
+        await page.wait_for_timeout(300)  # in which the gateway wants nothing that moves
+        await page.keyboard.down("ArrowLeft")
+        await page.wait_for_function("() => control.textContent.startsWith('Driving')")
+        with frozen_robot(demo):
+            await page.wait_for_function("() => /no odometry comes/.test(control.textContent)")
         await page.keyboard.up("ArrowLeft")
         await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
 

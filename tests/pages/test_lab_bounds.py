@@ -120,7 +120,7 @@ async def test_a_target_is_dropped_where_the_gateway_lets_nothing_move(lab):
             return [waits, pilot.isActive, pilot.words, sent.some(([linear]) => linear !== 0)];
         }""")
         assert words[:2] == [True, False]
-        assert words[2].startswith("Stopped: somebody pressed STOP")
+        assert words[2] == "The approach has ended: somebody pressed STOP."
         assert not words[3]
 
 

@@ -4,12 +4,15 @@
 import math
 
 import cbor2
+import cv2
+import numpy as np
 import pytest
 
 from tests.client import client
 from tests.demonstration import until_it_can_be_driven
 from tests.pages.conftest import page_address
 from tests.pages.test_debug_page import card, until, until_painted
+from tests.pages.test_drive_page import frozen_robot
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 
@@ -83,6 +86,20 @@ async def test_a_map_whose_numbers_contradict_each_other_is_told_of(demo, open_p
         await until(page, f"{problem}?.includes('cells are 0 m wide')")
 
 
+async def test_scan_and_robot_turn_grey_on_the_map_when_the_scan_stays_away(demo, open_page):
+    async with open_page(page_address(demo) + "#card=map+0+/map") as page:
+        seen = [[f"{card('/map')} canvas", name] for name in ("--accent", "--warning")]
+        for about in seen:
+            await until(page, f"about => ({COUNT})(about) > 20", about)
+        # only what has come some times is expected to go on
+        await until(page, "() => /LaserScan([3-9]|\\d\\d)(\\.\\d)? Hz/.test(topics.textContent)")
+        with frozen_robot(demo):
+            for about in seen:
+                await until(page, f"about => ({COUNT})(about) === 0", about)
+        for about in seen:
+            await until(page, f"about => ({COUNT})(about) > 20", about)
+
+
 async def test_a_huge_map_is_drawn_with_some_of_its_cells(demo, open_page):
     async with open_page(page_address(demo) + "#card=map+0+/map") as page:
         width, height, cells, colours = await page.evaluate("""async () => {
@@ -95,6 +112,37 @@ async def test_a_huge_map_is_drawn_with_some_of_its_cells(demo, open_page):
             return [canvas.width, canvas.height, cells, colours.size];
         }""")
         assert (width, height, cells, colours) == (2500, 1500, 2, 2)
+
+
+@pytest.mark.parametrize("wide", [1440, 800, 390])
+async def test_cells_of_a_map_are_square_at_any_width(demo, open_page, wide):
+    size = {"width": wide, "height": 900}
+    async with (
+        client(demo.url) as speaker,
+        open_page(page_address(demo) + "#card=map+0+/wide_map", size, color_scheme="dark") as page,
+    ):
+        await speaker.send(
+            op="advertise", topic="/wide_map", type="nav_msgs/OccupancyGrid", latch=True
+        )
+        info = {"resolution": 0.5, "width": 8, "height": 4}
+        # six cells of a wall, three wide and two high
+        wall = [
+            100 if row in {1, 2} and 2 <= column < 5 else 0
+            for row in range(4)
+            for column in range(8)
+        ]
+        await speaker.send(op="publish", topic="/wide_map", msg={"info": info, "data": wall})
+        canvas = f"{card('/wide_map')} canvas"
+        await until(page, f"about => ({COUNT})(about) > 20", [canvas, "--map-occupied"])
+        picture = cv2.imdecode(
+            np.frombuffer(await page.locator(canvas).screenshot(), np.uint8), cv2.IMREAD_COLOR
+        )
+        bright = picture.min(axis=2) > 200  # in the dark, walls are
+        columns = np.flatnonzero(bright.any(axis=0))
+        rows = np.flatnonzero(bright.any(axis=1))
+        across, down = np.ptp(columns) + 1, np.ptp(rows) + 1
+        assert across > 60
+        assert across / 3 == pytest.approx(down / 2, abs=1.5)
 
 
 async def test_a_trail_is_drawn_and_keeps_its_newest_places_alone(demo, open_page):

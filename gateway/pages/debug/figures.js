@@ -2,6 +2,10 @@
 import { bytes, element } from "../shared/dom.js";
 
 const HEALTH_MS = 4000;
+const ABOUT = {
+  dropped: "messages that this page did not get, as its connection or DDS was too slow; not those that it asked to be left out, by a rate",
+  clients: "connections to this gateway",
+};
 
 /** The connection in numbers, for the bar; `tick` is called once a second. */
 export class Figures {
@@ -21,12 +25,11 @@ export class Figures {
     const [before, now] = [this.#before, this.#now()];
     this.#before = now;
     const seconds = Math.max(0.001, (now.ms - before.ms) / 1000);
-    const dropped = [...this.#gateway.arrivals.values()].reduce((sum, each) => sum + each.dropped, 0);
     this.#write({
       "round trip": now.roundTripMs === null ? "–" : `${now.roundTripMs.toFixed(1)} ms`,
       messages: `${Math.round((now.frames - before.frames) / seconds)}/s`,
       data: `${bytes((now.bytes - before.bytes) / seconds)}/s`,
-      dropped: `${dropped}`,
+      dropped: `${now.dropped}`,
       clients: `${this.#health?.clients ?? "–"}`,
       role: this.#gateway.hello?.role ?? "–",
     });
@@ -49,7 +52,7 @@ export class Figures {
 
   #write(figures) {
     this.element.replaceChildren(
-      ...Object.entries(figures).map(([name, value]) => element("div", {}, element("dt", {}, name), element("dd", {}, value))),
+      ...Object.entries(figures).map(([name, value]) => element("div", { title: ABOUT[name] ?? "" }, element("dt", {}, name), element("dd", {}, value))),
     );
   }
 }

@@ -24,7 +24,11 @@ const NO_ROBOT = "Nobody publishes anything here yet. Start a robot, or the simu
 
 const gateway = new Gateway();
 const figures = new Figures(gateway);
-const topics = new TopicList(find("topics"), find("search"), gateway, (name) => open(name), (name) => open(name, "publish"));
+const counts = {}; // by tab, how many of how many it lists
+let tab = "tab-topics"; // that is shown
+const topics = new TopicList(find("topics"), find("search"), gateway, {
+  open: (name) => open(name), publish: (name) => open(name, "publish"), counted: (words) => counted("tab-topics", words),
+});
 const none = element("p", { className: "empty", tabIndex: -1 }, "Choose a topic in the list; ✎ publishes on it.");
 const empty = element("p", { className: "empty" }, NO_ROBOT, element("code", {}, "ros2-gateway demo"), ".");
 let wanted = page.read();
@@ -77,6 +81,13 @@ function restore({ cards: known, unknown }) {
   if (!known.length) changed();
 }
 
+/** Keep how many of how many a tab lists, and say it of the one that is shown. */
+function counted(of, words) {
+  counts[of] = words;
+  const shown = counts[tab] ?? "";
+  if (find("count").textContent !== shown) find("count").textContent = shown; // it is read out
+}
+
 function welcome() {
   for (const kinds of FIRST_VIEWS) {
     const shown = kinds.map((each) => ({ ...each, topic: gateway.graph.published(...each.types)?.name }));
@@ -110,21 +121,27 @@ new NameList(find("services"), find("search"), gateway, {
   kind: "service",
   entries: ({ services }) => [...services.values()].map(({ name, types }) => ({ name, about: types.join(", "), isPlain: !everywhere(types) })),
   open: (name) => open(name, "call"),
+  counted: (words) => counted("tab-services", words),
 });
 new NameList(find("actions"), find("search"), gateway, {
   kind: "action",
   entries: ({ actions }) => [...actions.values()].map(({ name, types }) => ({ name, about: types.join(", "), isPlain: true })),
   open: (name) => open(name, "goal"),
+  counted: (words) => counted("tab-actions", words),
 });
 new NameList(find("nodes"), find("search"), gateway, {
   kind: "node",
   entries: ({ nodes }) => [...nodes].map((name) => ({ name, about: "", isPlain: !name.includes("/_") })),
   open: (name) => open(name, "node"),
+  counted: (words) => counted("tab-nodes", words),
 });
 const limits = element("button", { type: "button", title: "the limits of this connection, and what came" }, "Limits");
 limits.onclick = () => open("/", "connection");
 find("graph").onclick = () => open("/", "graph");
-tabs.connect(find("tabs"));
+tabs.connect(find("tabs"), ({ id }) => {
+  tab = id;
+  counted(id, counts[id]);
+});
 bar.connect(gateway, "Debug", figures.element, limits);
 gateway.connect();
 tick();

@@ -13,20 +13,22 @@ export class NameList {
   #kind;
   #entries;
   #open;
+  #counted;
   #items = new Map(); // name -> its item; one that stays keeps the focus
 
   /**
    * @param {HTMLElement} list
    * @param {HTMLInputElement} search
    * @param {import("../shared/gateway.js").Gateway} gateway
-   * @param {{kind: string, entries: (graph: import("../shared/graph.js").Graph) => Entry[], open: (name: string) => void}} about
+   * @param {{kind: string, entries: (graph: import("../shared/graph.js").Graph) => Entry[], open: (name: string) => void, counted: (words: string) => void}} about
    */
-  constructor(list, search, gateway, { kind, entries, open }) {
+  constructor(list, search, gateway, { kind, entries, open, counted }) {
     this.#list = list;
     this.#search = search;
     this.#kind = kind;
     this.#entries = () => entries(gateway.graph);
     this.#open = open;
+    this.#counted = counted;
     search.addEventListener("input", () => this.#write());
     gateway.on("graph", () => this.#write());
   }
@@ -40,6 +42,7 @@ export class NameList {
     const names = new Set(entries.map(({ name }) => name));
     for (const name of this.#items.keys()) if (!names.has(name)) this.#items.delete(name);
     replace(this.#list, found.map((each) => this.#item(each)), wanted ? `No ${this.#kind} has "${wanted}" in its name or type.` : `There is no ${this.#kind} yet.`);
+    this.#counted(countOf(found.length, entries.length, this.#kind));
   }
 
   #item({ name, about }) {
@@ -50,6 +53,12 @@ export class NameList {
     }
     return this.#items.get(name);
   }
+}
+
+/** Return how many of how many are listed, in words. */
+export function countOf(shown, all, kind) {
+  const kinds = all === 1 ? kind : `${kind}s`;
+  return shown === all ? `${all} ${kinds}` : `${shown} of ${all} ${kinds}`;
 }
 
 /** Put items into a list, or the reason why there is none; nothing moves that is where it should be, or it would lose the focus. */

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 
-/** Make buttons of the role `tab` show what each controls, by the mouse and by the arrow keys. */
-export function connect(list) {
+/**
+ * Make buttons of the role `tab` show what each controls, by the mouse and by the arrow keys.
+ * @param {any} list an element
+ * @param {(tab: HTMLElement) => void} shown is called with the tab that was chosen
+ */
+export function connect(list, shown) {
   const tabs = [...list.querySelectorAll('[role="tab"]')];
   const show = (chosen) => {
     for (const tab of tabs) {
@@ -9,6 +13,7 @@ export function connect(list) {
       tab.tabIndex = tab === chosen ? 0 : -1;
       document.getElementById(tab.getAttribute("aria-controls")).hidden = tab !== chosen;
     }
+    shown(chosen);
   };
   for (const [index, tab] of tabs.entries()) {
     tab.onclick = () => show(tab);

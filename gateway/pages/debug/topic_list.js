@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../shared/dom.js";
-import { replace } from "./name_list.js";
+import { countOf, replace } from "./name_list.js";
 
 /** The topics of the ROS graph, as a list that can be searched; of those that this page receives with rate, size and age. */
 export class TopicList {
@@ -9,21 +9,22 @@ export class TopicList {
   #gateway;
   #open;
   #publish;
+  #counted;
   #items = new Map(); // name -> what stands in the list
 
   /**
    * @param {HTMLElement} list
    * @param {HTMLInputElement} search
    * @param {import("../shared/gateway.js").Gateway} gateway
-   * @param {(topic: string) => void} open
-   * @param {(topic: string) => void} publish
+   * @param {{open: (topic: string) => void, publish: (topic: string) => void, counted: (words: string) => void}} to
    */
-  constructor(list, search, gateway, open, publish) {
+  constructor(list, search, gateway, { open, publish, counted }) {
     this.#list = list;
     this.#search = search;
     this.#gateway = gateway;
     this.#open = open;
     this.#publish = publish;
+    this.#counted = counted;
     search.addEventListener("input", () => this.#arrange());
     gateway.on("graph", () => this.#arrange());
   }
@@ -37,6 +38,7 @@ export class TopicList {
     for (const name of this.#items.keys()) if (!topics.has(name)) this.#items.delete(name);
     const reason = topics.size ? `No topic has "${wanted}" in its name or type.` : "There are no topics yet.";
     replace(this.#list, found.map((each) => this.#item(each)), reason);
+    this.#counted(countOf(found.length, topics.size, "topic"));
     this.#write();
   }
 

@@ -7,11 +7,12 @@ import { CommandTopic } from "../shared/command_topic.js";
 import { element, find } from "../shared/dom.js";
 import { Driver } from "../shared/driver.js";
 import { Gateway } from "../shared/gateway.js";
+import { Motion } from "../shared/motion.js";
+import { lasting } from "../shared/passing.js";
 import { ImageView } from "../views/image.js";
 import { MapView } from "../views/map.js";
 import { ScanView } from "../views/scan.js";
 import { watch } from "./held.js";
-import { Motion } from "./motion.js";
 
 const IMAGES = ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"];
 const MAPS = ["nav_msgs/msg/OccupancyGrid"];
@@ -34,7 +35,7 @@ const command = new CommandTopic(gateway, told);
 bar.connect(gateway, "Drive");
 const driver = new Driver((shares) => {
   const [linear, angular] = [shares.linear * find("linear").valueAsNumber, shares.angular * find("angular").valueAsNumber];
-  motion.command(linear, angular, command.publish(linear, angular) && isDriving());
+  motion.command(linear, angular, command.publish(linear, angular) && command.isDriving);
 });
 const letGo = watch(find("stick"), find("knob"), (linear, angular) => driver.hold(linear, angular));
 
@@ -46,7 +47,7 @@ function show(place, missing, ...kinds) {
   views[place]?.end();
   const view = new View({ topic, gateway, tell: bar.tell });
   view.topic = topic;
-  const unsubscribe = gateway.subscribe(topic, view.options, (message) => view.show(message), (status) => bar.tell(status.msg));
+  const unsubscribe = gateway.subscribe(topic, view.options, (message) => view.show(message), lasting(bar.tell));
   view.end = () => {
     unsubscribe();
     view.close?.();
@@ -60,17 +61,12 @@ function draw() {
   requestAnimationFrame(draw);
 }
 
-/** Whether what this page sends reaches the robot. */
-function isDriving() {
-  return command.state?.holder === "you" && command.state.state === "moving";
-}
-
 /** Write what changes with time. */
 function tick() {
   const of = (topic) => gateway.arrivals.get(topic);
   ages.camera.write({ picture: of(views.camera?.topic) }, isConnected);
   ages.world.write({ odometry: of(heard.odometry), scan: of(heard.scan), map: of(heard.map) }, isConnected);
-  const words = (isDriving() && motion.words) || command.words;
+  const words = (command.isDriving && motion.words) || command.words;
   if (find("control").textContent !== words) find("control").textContent = words; // it is read out
 }
 
@@ -84,10 +80,9 @@ function hear() {
 }
 
 function told() {
-  const { state } = command;
   tick();
-  find("take").hidden = state?.holder !== "other";
-  if (state?.holder === "you" && state.state === "moving") bar.tell(""); // what was refused before
+  find("take").hidden = command.state?.holder !== "other";
+  if (command.isDriving) bar.tell(""); // what was refused before
 }
 
 gateway.on("graph", () => {

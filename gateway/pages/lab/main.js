@@ -7,12 +7,14 @@ import * as bar from "../shared/bar.js";
 import { CommandTopic } from "../shared/command_topic.js";
 import { element, find } from "../shared/dom.js";
 import { Gateway } from "../shared/gateway.js";
+import { Motion } from "../shared/motion.js";
 import { Controllers } from "./controllers.js";
 import { meet, toRos } from "./floor.js";
+import { FloorMap } from "./floor_map.js";
 import { connectHeadset } from "./headset.js";
 import { watchKeys } from "./keys.js";
 import { Pilot } from "./pilot.js";
-import { Room, mark } from "./room.js";
+import { HALF_M, Room, mark } from "./room.js";
 import { Screen } from "./screens.js";
 import { Sources } from "./sources.js";
 import { teleport } from "./teleport.js";
@@ -28,6 +30,8 @@ bar.connect(gateway, "Lab");
 const room = new Room();
 const viewer = new Viewer();
 const twin = new Twin(room);
+const map = new FloorMap();
+const motion = new Motion();
 const television = new Television(bar.tell);
 const screens = {
   state: new Screen("Robot"), topic: new Screen("Topic"), commands: new Screen("Commands"), log: new Screen("Log"),
@@ -42,7 +46,7 @@ let topic = ""; // that the screen shows
 let endTopic = () => {};
 
 /** The parts, for tests. */
-export const lab = { room, viewer, twin, television, screens, work, render };
+export const lab = { room, viewer, twin, map, television, screens, work, render };
 
 const pilot = new Pilot(publish, (words) => {
   find("approach").textContent = words;
@@ -51,12 +55,12 @@ const pilot = new Pilot(publish, (words) => {
 lab.pilot = pilot;
 gateway.on("state", ({ state }) => {
   isConnected = state === "open";
-  letGoOfAll("Stopped: the connection was lost.");
+  letGoOfAll("the connection was lost");
 });
 const command = new CommandTopic(gateway, told); // after that: what is lost first is the connection
 const letGo = watchKeys(DRIVING, (linear, angular) => pilot.hold(linear, angular));
 furnish();
-room.scene.add(viewer.rig);
+room.scene.add(viewer.rig, map.world);
 const renderer = begin();
 const controllers = renderer && new Controllers(renderer.xr, viewer.rig, room, { target: point, stop: pressStop, teleport: go });
 lab.renderer = renderer;
@@ -103,10 +107,10 @@ function begin() {
     render();
   });
   connectHeadset(made.xr, find("vr"), find("vr-note"), {
-    began: () => letGoOfAll("Stopped: VR began."),
-    unseen: () => letGoOfAll("Stopped: the headset shows something else."),
+    began: () => letGoOfAll("VR began"),
+    unseen: () => letGoOfAll("the headset shows something else"),
     ended: () => {
-      letGoOfAll("Stopped: VR has ended.");
+      letGoOfAll("VR was left");
       viewer.stand();
     },
   });
@@ -123,6 +127,7 @@ function work(now, seconds, frame) {
     viewer.step(seconds);
   }
   target.visible &&= pilot.isActive;
+  room.open(map.reach);
   for (const name in screens) if (screens[name].step(now)) break; // one a frame
 }
 
@@ -133,7 +138,16 @@ function render() {
 /** Send the robot to where a ray meets the floor; if a screen of any topic is before it, show the next one there. */
 function point(raycaster) {
   if (raycaster.intersectObject(screens.topic.mesh).length) return next();
-  if (meet(raycaster.ray, place) && pilot.aim(toRos(place))) mark(target, place);
+  const refusal = meet(raycaster.ray, place) ? refusalOf(place) : "There is no floor: point at a place on it.";
+  if (refusal) pilot.stop(refusal); // whoever points means another target than the one before
+  else if (pilot.aim(toRos(place))) mark(target, place);
+}
+
+/** Return why the robot cannot be sent to a place of the room, or "". */
+function refusalOf(where) {
+  if (map.world.visible) return map.refusal(toRos(where));
+  const isInside = Math.max(Math.abs(where.x), Math.abs(where.z)) < HALF_M;
+  return isInside ? "" : `That is beyond the walls, which stand ${HALF_M} m from the middle of the room: point at a place inside.`;
 }
 
 function go(where) {
@@ -145,25 +159,36 @@ function pressStop() {
   find("stop").click();
 }
 
-function letGoOfAll(words) {
+function letGoOfAll(why) {
   letGo();
   controllers?.letGo();
-  pilot.stop(pilot.isActive ? words : "");
+  pilot.end(why);
 }
 
 function publish(linear, angular) {
-  if (!command.publish(linear, angular)) return;
+  const isSent = command.publish(linear, angular);
+  motion.command(linear, angular, isSent && command.isDriving);
+  if (!isSent) return;
   screens.commands.add(`${command.name}  ${linear.toFixed(2)} m/s  ${angular.toFixed(2)} rad/s`);
 }
 
 function told() {
-  find("control").textContent = command.words;
   find("take").hidden = command.state?.holder !== "other";
+  if (command.isDriving) bar.tell(""); // what was refused or stopped before
   pilot.told(command.state);
   showState();
 }
 
+/** What the robot does now, in words that contradict nothing of what is said of the approach. */
+function doing() {
+  const { state, guard } = command.state ?? {};
+  if (pilot.isActive && guard === "ready" && state !== "moving") return "About to move.";
+  return (command.isDriving && motion.words) || command.words;
+}
+
 function showState() {
+  const words = doing();
+  if (find("control").textContent !== words) find("control").textContent = words; // it is read out
   age.write({ picture: sources.arrivals("camera"), odometry: sources.arrivals("odometry"), scan: sources.arrivals("scan") }, isConnected);
   const { x, y, yaw } = twin.pose;
   const where = `x ${x.toFixed(2)} m, y ${y.toFixed(2)} m\nheading ${Math.round((yaw * 180) / Math.PI)} degrees`;
@@ -190,14 +215,14 @@ function next() {
 }
 
 gateway.on("graph", () => {
-  sources.watch({ pilot, twin, television, log: screens.log });
+  sources.watch({ pilot, twin, motion, map, television, log: screens.log, logged: (line) => motion.log(line, command.name) });
   if (!topic && sources.favourite) read(sources.favourite);
   else listTopics();
 });
 
 find("topic").onchange = () => read(find("topic").value);
 // Before anything else: what is still held would drive on, as the gateway takes this page's STOP for a stop of its own.
-find("stop").addEventListener("click", () => letGoOfAll("Stopped: STOP was pressed."), { capture: true });
+find("stop").addEventListener("click", () => letGoOfAll("STOP was pressed"), { capture: true });
 find("take").onclick = async () => {
   try {
     await command.acquire();
@@ -211,11 +236,12 @@ addEventListener("keydown", (event) => {
   event.preventDefault();
   pressStop();
 });
-addEventListener("blur", () => letGoOfAll("Stopped: the window lost the focus."));
-addEventListener("pagehide", () => letGoOfAll("Stopped: the page was left."));
-document.addEventListener("visibilitychange", () => document.hidden && letGoOfAll("Stopped: the page is hidden."));
+addEventListener("blur", () => letGoOfAll("the window lost the focus"));
+addEventListener("pagehide", () => letGoOfAll("the page was left"));
+document.addEventListener("visibilitychange", () => document.hidden && letGoOfAll("the page is hidden"));
 matchMedia("(prefers-color-scheme: light)").addEventListener("change", () => {
   room.paint();
+  map.paint();
   for (const name in screens) screens[name].dirty();
 });
 setInterval(showState, 500);

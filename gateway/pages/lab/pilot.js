@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What moves the robot: keys that are held, or a target that it approaches; and everything that ends either.
 
-import { sentence } from "../shared/control_words.js";
+import { reason, sentence } from "../shared/control_words.js";
 import { Driver } from "../shared/driver.js";
 import { Approach, MOST, STALE_S } from "./approach.js";
 
@@ -40,6 +40,11 @@ export class Pilot {
     return this.approach.isActive;
   }
 
+  /** Whether there is a target, and the gateway lets nothing move yet. */
+  get isWaiting() {
+    return this.isActive && !this.#isMoving;
+  }
+
   /** Take where the robot is now. */
   odometry(pose) {
     this.#pose = pose;
@@ -59,13 +64,15 @@ export class Pilot {
     this.#aimedMs = now;
     this.#isMoving = false;
     this.approach.begin(x, y, now / 1000);
-    this.#say(`Approaching ${x.toFixed(2)}, ${y.toFixed(2)} m.`);
+    this.step(now);
+    if (this.isWaiting) this.#say("Waiting: the gateway lets the robot move in a moment.");
     return true;
   }
 
-  /** Take what is held, in shares; keys end an approach. */
+  /** Take what is held, in shares; keys end an approach, and what is said of the one before is over. */
   hold(linear, angular) {
-    if (linear || angular) this.#drop("Stopped: the keys drive.");
+    if (this.isActive && (linear || angular)) this.#drop("The approach was ended by the keys.");
+    else if ((linear || angular) && this.words) this.#say("");
     if (!this.isActive) this.#driver.hold(linear, angular);
   }
 
@@ -74,7 +81,12 @@ export class Pilot {
     this.#driver.ready();
   }
 
-  /** Stop the robot and the approach. */
+  /** Stop the robot and the approach, and say why it ended; nothing, if there was none. */
+  end(why) {
+    this.stop(this.isActive ? `The approach has ended: ${why}.` : "");
+  }
+
+  /** Stop the robot and the approach, with words. */
   stop(words) {
     this.#drop(words);
     if (words) this.#say(words);
@@ -86,22 +98,27 @@ export class Pilot {
     if (this.#state?.tripped && !state?.tripped) this.#clearedMs = performance.now();
     this.#state = state;
     if (!this.isActive) return;
-    if (!state) this.stop("Stopped: there is nothing to drive.");
-    else if (state.holder === "other" || (state.tripped && this.#isMoving)) this.stop(sentence(state));
+    if (!state) this.end("there is nothing to drive");
+    else if (state.holder === "other") this.stop(sentence(state));
+    else if (state.tripped && this.#isMoving) this.end(reason(state));
   }
 
   /** Go on with the approach. */
   step(now) {
     if (!this.isActive) return;
     if (!this.#isMoving && (this.#state.tripped || now - this.#clearedMs < SETTLE_MS)) {
-      if (now - this.#aimedMs > REARM_MS) this.stop(sentence(this.#state));
+      if (now - this.#aimedMs > REARM_MS) this.end(reason(this.#state) || "the gateway lets nothing move");
       return;
+    }
+    if (!this.#isMoving) {
+      const { x, y } = this.approach.target;
+      this.#say(`Approaching ${x.toFixed(2)}, ${y.toFixed(2)} m.`);
     }
     this.#isMoving = true;
     const { linear, angular } = this.approach.step(this.#pose, this.#poseMs / 1000, now / 1000);
     this.#driver.hold(linear / MOST.linear, angular / MOST.angular);
     if (this.approach.state === "arrived") this.#say("Arrived.");
-    if (this.approach.state === "failed") this.#say(`Stopped: ${this.approach.reason}.`);
+    if (this.approach.state === "failed") this.#say(`The approach has ended: ${this.approach.reason}.`);
   }
 
   #refusal(now) {

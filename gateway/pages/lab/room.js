@@ -2,12 +2,13 @@
 // The room: floor, walls, light. Its middle is where the odometry began, and its far wall is where the robot looked.
 
 import {
-  BoxGeometry, BufferGeometry, Color, HemisphereLight, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshLambertMaterial,
+  BoxGeometry, BufferGeometry, Color, Group, HemisphereLight, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshLambertMaterial,
   PlaneGeometry, RingGeometry, Scene, Vector3,
 } from "../vendor/three.js";
 import { token } from "../shared/dom.js";
 
-const HALF_M = 5;
+/** Metres from its middle to a wall. */
+export const HALF_M = 5;
 const WALL_M = 3;
 const THICK_M = 0.1;
 
@@ -15,6 +16,7 @@ const THICK_M = 0.1;
 export class Room {
   scene = new Scene();
   #painted = []; // [material, name of its colour]
+  #walls = new Group();
 
   constructor() {
     this.scene.add(new HemisphereLight(0xffffff, 0x888888, 3));
@@ -27,9 +29,15 @@ export class Room {
       const wall = new Mesh(new BoxGeometry(2 * HALF_M + 3 * THICK_M, WALL_M, THICK_M), material);
       wall.position.set(x * (HALF_M + THICK_M), WALL_M / 2, z * (HALF_M + THICK_M));
       wall.rotation.y = (turn * Math.PI) / 2;
-      this.scene.add(wall);
+      this.#walls.add(wall);
     }
+    this.scene.add(this.#walls);
     this.paint();
+  }
+
+  /** Take the walls away where what is known of the world reaches beyond them, so many metres from the middle. */
+  open(reach) {
+    this.#walls.visible = reach <= HALF_M;
   }
 
   /** Return a material in a colour of style.css, which follows from dark to light. */

@@ -2,14 +2,19 @@
 // Which topics the lab shows: the first that somebody publishes of each kind, once there is one.
 
 import { json } from "../shared/json.js";
+import { lasting } from "../shared/passing.js";
 
 const ODOMETRY = ["nav_msgs/msg/Odometry"];
 const SCANS = ["sensor_msgs/msg/LaserScan"];
 const IMAGES = ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"];
+const MAPS = ["nav_msgs/msg/OccupancyGrid"];
 const LOGS = ["rcl_interfaces/msg/Log"];
 const FAVOURITES = ["sensor_msgs/msg/BatteryState", "std_msgs/msg/String"]; // for the screen that shows any topic
+const HERE = { translation: { x: 0, y: 0, z: 0 }, rotation: { x: 0, y: 0, z: 0, w: 1 } };
 const FAST_MS = 33;
 const SLOW_MS = 250;
+const MAP_MS = 1000; // a map that grows is drawn as a whole
+const MAP_HZ = 5; // of its place: odometry drifts slowly, and jumps when the robot finds itself
 
 /** Subscriptions of the lab. */
 export class Sources {
@@ -17,6 +22,8 @@ export class Sources {
   #tell;
   #known = new Map(); // kind -> topic
   #frame = ""; // of the scan
+  #odometryFrame = "";
+  #mapFrame = "";
 
   constructor(gateway, tell) {
     this.#gateway = gateway;
@@ -24,18 +31,31 @@ export class Sources {
   }
 
   /** Subscribe to what has come: call it after each change of the graph. */
-  watch({ pilot, twin, television, log }) {
+  watch({ pilot, twin, motion, map, television, log, logged }) {
     this.#first("odometry", ODOMETRY, { compression: "cbor", throttle_rate: FAST_MS }, (message) => {
       twin.odometry(message);
       pilot.odometry(twin.pose);
+      motion.odometry(message);
       this.base = message.child_frame_id;
+      this.#spread(message.header.frame_id, this.#mapFrame, map);
+    });
+    this.#first("map", MAPS, { compression: "cbor", throttle_rate: MAP_MS }, (message) => {
+      try {
+        map.take(message);
+      } catch (error) {
+        this.#tell(`this map cannot be shown: ${error.message}`);
+      }
+      this.#spread(this.#odometryFrame, message.header.frame_id, map);
     });
     this.#first("scan", SCANS, { compression: "cbor", throttle_rate: 100 }, (message) => {
       twin.scan(message);
       this.#mount(message.header.frame_id, twin);
     });
     this.#first("camera", IMAGES, television.options, (message) => television.show(message));
-    this.#first("log", LOGS, {}, ({ name, msg }) => log.add(`${name}: ${msg}`));
+    this.#first("log", LOGS, {}, (line) => {
+      log.add(`${line.name}: ${line.msg}`);
+      logged(line);
+    });
   }
 
   /** Return what has come of a kind, or undefined. */
@@ -65,7 +85,7 @@ export class Sources {
     return this.#gateway.subscribe(
       topic, { throttle_rate: SLOW_MS },
       (message) => screen.show(topic, readable(message)),
-      ({ msg }) => this.#tell(msg),
+      lasting(this.#tell),
     );
   }
 
@@ -73,7 +93,7 @@ export class Sources {
     const topic = !this.#known.has(kind) && this.#gateway.graph.published(...types);
     if (!topic) return;
     this.#known.set(kind, topic.name);
-    this.#gateway.subscribe(topic.name, options, onMessage, ({ msg }) => this.#tell(msg));
+    this.#gateway.subscribe(topic.name, options, onMessage, lasting(this.#tell));
   }
 
   #mount(frame, twin) {
@@ -84,6 +104,18 @@ export class Sources {
   }
 
   #end = null;
+
+  /** Lay the map where its frame is to the odometry's. */
+  #spread(odometry, frame, map) {
+    if (odometry === this.#odometryFrame && frame === this.#mapFrame) return;
+    [this.#odometryFrame, this.#mapFrame] = [odometry, frame];
+    this.#endMap?.();
+    this.#endMap = null;
+    map.place(frame === odometry ? HERE : null);
+    if (odometry && frame && frame !== odometry) this.#endMap = this.#gateway.followTransform(odometry, frame, MAP_HZ, (transform) => map.place(transform));
+  }
+
+  #endMap = null;
 }
 
 /** Return a message as text for people: a string as it is, the rest without what only programs need. */

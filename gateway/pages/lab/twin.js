@@ -2,7 +2,8 @@
 // The digital twin: a body that stands where the odometry says, with what its laser sees.
 
 import {
-  BoxGeometry, BufferAttribute, BufferGeometry, CylinderGeometry, DynamicDrawUsage, Group, Mesh, Points, PointsMaterial,
+  BoxGeometry, BufferAttribute, BufferGeometry, CylinderGeometry, DynamicDrawUsage, Group, LineBasicMaterial, LineSegments, Mesh, Points,
+  PointsMaterial, Vector3,
 } from "../vendor/three.js";
 import { yawOf } from "../views/plan.js";
 import { asRos } from "./floor.js";
@@ -18,6 +19,10 @@ export class Twin {
   #laser = new Group();
   #places = new BufferAttribute(new Float32Array(3 * MOST_POINTS), 3).setUsage(DynamicDrawUsage);
   #geometry = new BufferGeometry().setAttribute("position", this.#places);
+  // from each point down to the floor: without them nobody sees which place of the map it stands on
+  #ends = new BufferAttribute(new Float32Array(6 * MOST_POINTS), 3).setUsage(DynamicDrawUsage);
+  #plumbs = new BufferGeometry().setAttribute("position", this.#ends);
+  #down = new Vector3(); // to the floor, in the laser's frame
 
   /** @param {import("./room.js").Room} room */
   constructor(room) {
@@ -42,7 +47,11 @@ export class Twin {
     const points = new Points(this.#geometry, room.material("accent", PointsMaterial));
     points.material.size = 0.04;
     points.frustumCulled = false; // they are around whoever looks
-    this.#laser.add(points);
+    const plumbs = new LineSegments(this.#plumbs, room.material("accent", LineBasicMaterial));
+    Object.assign(plumbs.material, { transparent: true, opacity: 0.35 });
+    plumbs.frustumCulled = false;
+    this.#plumbs.setDrawRange(0, 0);
+    this.#laser.add(points, plumbs);
     this.world.add(this.#body);
     room.scene.add(this.world);
   }
@@ -64,15 +73,23 @@ export class Twin {
 
   /** Take a `sensor_msgs/msg/LaserScan`. */
   scan({ ranges, angle_min: first, angle_increment: step, range_min: least, range_max: most }) {
+    const { position, quaternion } = this.#laser;
+    this.#down.set(0, 0, -(this.#body.position.z + position.z));
+    const { x, y, z } = this.#down.applyQuaternion(quaternion.clone().invert());
     let count = 0;
     for (let at = 0; at < ranges.length && count < MOST_POINTS; at += 1) {
       const range = ranges[at];
       if (!(range >= least && range <= most)) continue;
-      this.#places.setXYZ(count, Math.cos(first + at * step) * range, Math.sin(first + at * step) * range, 0);
+      const [ahead, left] = [Math.cos(first + at * step) * range, Math.sin(first + at * step) * range];
+      this.#places.setXYZ(count, ahead, left, 0);
+      this.#ends.setXYZ(2 * count, ahead, left, 0);
+      this.#ends.setXYZ(2 * count + 1, ahead + x, left + y, z);
       count += 1;
     }
     this.#places.needsUpdate = true;
+    this.#ends.needsUpdate = true;
     this.#geometry.setDrawRange(0, count);
+    this.#plumbs.setDrawRange(0, 2 * count);
   }
 
   /** How many points are drawn. */

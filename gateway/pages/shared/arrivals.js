@@ -7,17 +7,17 @@ const REGULAR = 3; // messages: whoever has sent so many is expected to go on; a
 /** What has come of one topic, or for one card; `tick` is called once a second. */
 export class Arrivals {
   messages = 0;
-  dropped = 0; // for this page, as the gateway counts them
+  dropped = 0; // for this page, while no throttle was asked for
   #bytes = 0; // of the newest
   #newestMs = 0;
   #hz = 0;
   #ticked = { messages: 0, ms: performance.now() };
 
-  /** Count a message. */
-  add(bytes, { dropped = 0 }) {
+  /** Count a message of so many bytes, before which so many were dropped. */
+  add(bytes, dropped) {
     this.messages += 1;
     this.#bytes = bytes;
-    this.dropped = dropped;
+    this.dropped += dropped;
     this.#newestMs = performance.now();
   }
 

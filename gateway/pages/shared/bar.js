@@ -22,7 +22,7 @@ export function tell(text) {
 async function stop(gateway) {
   try {
     const { topics } = await gateway.ask({ op: "stop" });
-    tell(topics.length ? `stopping ${topics.join(", ")}` : "nothing moves: no command topic is in use");
+    tell(topics.length ? `STOP went to ${topics.join(", ")}.` : "nothing moves: no command topic is in use");
   } catch (error) {
     tell(`STOP was not carried out: ${error.message}`);
   }
@@ -40,9 +40,11 @@ export function connect(gateway, here, ...more) {
   const top = document.querySelector(".bar");
   new ResizeObserver(() => document.documentElement.style.setProperty("--bar", `${top.getBoundingClientRect().height}px`)).observe(top);
   gateway.on("state", ({ state, reason }) => {
+    const before = find("state").dataset.state;
     find("state").textContent = WORDS[state](reason);
     find("state").dataset.state = state;
-    if (state === "open") tell("");
+    // what was said belongs to the connection before; but what is said without one stays while others are tried
+    if (state === "open" || (state === "closed" && before === "open")) tell("");
     if (state === "token") {
       find("token-problem").textContent = reason;
       find("token").showModal();

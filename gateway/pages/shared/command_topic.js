@@ -32,6 +32,11 @@ export class CommandTopic {
     gateway.on("control", (state) => this.#take(state));
   }
 
+  /** Whether what this page sends reaches the robot, which moves. */
+  get isDriving() {
+    return this.state?.holder === "you" && this.state.state === "moving";
+  }
+
   /** Publish a speed in m/s and rad/s; return whether it was sent. */
   publish(linear, angular) {
     if (!this.#type) return false;

@@ -14,19 +14,24 @@ const CAUSES = {
   shutdown: "the gateway ended",
 };
 
+/** Return why the robot was stopped, for a `control` frame, or "" if it was told to stand. */
+export const reason = ({ cause, holder }) => (cause === "takeover" && holder === "you" ? "you took over" : CAUSES[cause] ?? "");
+
 /** Return the sentence for a `control` frame. */
-export function sentence({ state, tripped, cause, holder, guard, clamped }) {
+export function sentence(frame) {
+  const { state, tripped, cause, holder, guard, clamped } = frame;
   if (guard === "lost") return "Nothing moves: the process that would stop the robot was lost; a new one is starting.";
   if (guard === "starting") return "Nothing moves yet: the process that would stop the robot is starting.";
   if (holder === "other") return "Another client drives.";
-  if (state === "moving") return clamped ? "Driving, slower than you ask: the gateway limits the speed." : "Driving.";
-  const why = cause === "takeover" && holder === "you" ? "you took over" : CAUSES[cause];
-  if (tripped) return `Stopped: ${why ?? cause}. Let go of everything, then drive on.`;
+  if (state === "moving" && !tripped) return clamped ? "Driving, slower than you ask: the gateway limits the speed." : "Driving.";
+  const why = reason(frame);
+  if (tripped) return `Stopped: ${why || cause}. Let go of everything, then drive on.`;
   return why ? `Stopped: ${why}.` : "Stopped.";
 }
 
 /** Return what a `status` says, without what only programs can do about it. */
 export function refusal({ code, msg }) {
+  if (code === "tripped") return "The robot was stopped, and took no command since. Let go of everything, then drive on.";
   if (code !== "not_lease_holder") return msg;
   const [first] = msg.split(";");
   return `${first[0].toUpperCase()}${first.slice(1)}.`;

@@ -3,6 +3,7 @@
 
 import { Arrivals } from "./arrivals.js";
 import { decode } from "./cbor.js";
+import { Drops } from "./drops.js";
 import { Graph } from "./graph.js";
 
 const PING_MS = 2000;
@@ -30,7 +31,7 @@ export function address() {
  * @property {string} id
  * @property {string} topic
  * @property {object} options members of the operation `subscribe`
- * @property {(message: any, bytes: number, frame: object) => void} onMessage
+ * @property {(message: any, bytes: number, frame: object, dropped: number) => void} onMessage gets how many were dropped before it, too
  * @property {(status: object) => void} onStatus what the gateway says of it
  */
 
@@ -46,10 +47,13 @@ export class Gateway extends EventTarget {
   #retryMs = FIRST_RETRY_MS;
   #token = takeToken();
   #pinging = 0;
+  #throttles = new Map(); // topic -> milliseconds
+  #drops = new Map(); // topic -> Drops
+  #settling = new Set(); // topics without a throttle, which the gateway may not have read yet
   #isRefused = false;
 
-  /** Of this connection: frames and bytes so far, and the last round trip in milliseconds. */
-  counts = { frames: 0, bytes: 0, roundTripMs: null };
+  /** Frames and bytes so far, messages that were dropped for this page, and the last round trip in milliseconds. */
+  counts = { frames: 0, bytes: 0, dropped: 0, roundTripMs: null };
   /** The answer to `hello`, or null. */
   hello = null;
   /** What there is in ROS; the event `graph` follows each change. */
@@ -123,12 +127,30 @@ export class Gateway extends EventTarget {
   subscribe(topic, options, onMessage, onStatus) {
     const id = `page:${this.#nextId++}`;
     const subscription = { id, topic, options, onMessage, onStatus };
+    const before = this.throttleOf(topic);
     this.#subscriptions.set(id, subscription);
+    this.#merge(topic);
     this.#send(subscription);
+    if (before !== 0 && this.throttleOf(topic) === 0) this.#settleDrops(topic);
     return () => {
       if (this.#subscriptions.delete(id)) this.send({ op: "unsubscribe", id, topic });
-      if (![...this.#subscriptions.values()].some((each) => each.topic === topic)) this.arrivals.delete(topic);
+      if (this.#merge(topic)) return;
+      this.arrivals.delete(topic);
+      this.#drops.delete(topic);
     };
+  }
+
+  /** Return the least number of milliseconds between two messages of a topic, as this page has asked for it; 0 for all messages. */
+  throttleOf(topic) {
+    return this.#throttles.get(topic);
+  }
+
+  /** Note the throttle of a topic, as the gateway makes one subscription of all; return whether there is any. */
+  #merge(topic) {
+    const throttles = [...this.#subscriptions.values()].filter((each) => each.topic === topic).map(({ options }) => options.throttle_rate ?? 0);
+    if (throttles.length) this.#throttles.set(topic, Math.min(...throttles));
+    else this.#throttles.delete(topic);
+    return throttles.length > 0;
   }
 
   /**
@@ -160,6 +182,7 @@ export class Gateway extends EventTarget {
       return;
     }
     this.#retryMs = FIRST_RETRY_MS;
+    for (const drops of this.#drops.values()) drops.restart();
     this.#announce("open");
     this.send({ op: "graph", watch: true });
     for (const subscription of this.#subscriptions.values()) this.#send(subscription);
@@ -193,13 +216,10 @@ export class Gateway extends EventTarget {
     if (this.#listeners.has(frame.id)) {
       this.#listeners.get(frame.id)(frame);
     } else if (frame.op === "publish") {
-      let isWhole = false;
-      for (const each of this.#subscriptions.values()) {
-        if (each.topic !== frame.topic) continue;
-        each.onMessage(frame.msg, size, frame);
-        isWhole ||= !each.options.throttle_rate;
-      }
-      this.#arrived(frame.topic).add(size, isWhole ? frame : {}); // what a throttle leaves out was asked for
+      const dropped = this.#dropped(frame);
+      this.counts.dropped += dropped;
+      for (const each of this.#subscriptions.values()) if (each.topic === frame.topic) each.onMessage(frame.msg, size, frame, dropped);
+      this.#arrived(frame.topic).add(size, dropped);
     } else if (frame.op === "graph") {
       this.graph.update(frame);
       this.dispatchEvent(new CustomEvent("graph", { detail: frame }));
@@ -210,6 +230,20 @@ export class Gateway extends EventTarget {
     } else if (!this.#settle(frame.id, frame)) {
       this.dispatchEvent(new CustomEvent(frame.op, { detail: frame }));
     }
+  }
+
+  /** Return how many messages of a topic were dropped since the last one. */
+  #dropped(frame) {
+    const { topic } = frame;
+    if (!this.#drops.has(topic)) this.#drops.set(topic, new Drops());
+    return this.#drops.get(topic).since(frame, this.throttleOf(topic) !== 0 || this.#settling.has(topic));
+  }
+
+  /** Count no drops of a topic until the gateway has read that it is not throttled, or not any more. */
+  async #settleDrops(topic) {
+    this.#settling.add(topic);
+    await this.ask({ op: "ping" }).catch(() => {}); // a new connection begins without a throttle
+    this.#settling.delete(topic);
   }
 
   #arrived(topic) {

@@ -15,6 +15,7 @@ export const LinearFilter: any;
 export const Mesh: any;
 export const MeshBasicMaterial: any;
 export const MeshLambertMaterial: any;
+export const NearestFilter: any;
 export const PerspectiveCamera: any;
 export const PlaneGeometry: any;
 export const Points: any;

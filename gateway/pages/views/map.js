@@ -17,6 +17,8 @@ export class MapView {
   #scan = null;
   #laser = null; // the pose of what scans
   #laserFrame = "";
+  #scans = ""; // the topic of the scan
+  #isOld = false; // whether the scan has stayed away, and with it what moves the robot
   #isDirty = false;
   #ends = []; // what to call when this is closed
 
@@ -40,14 +42,18 @@ export class MapView {
 
   /** Draw what has changed. */
   draw() {
+    const isOld = Boolean(this.#card.gateway.arrivals.get(this.#scans)?.isLate);
+    this.#isDirty ||= isOld !== this.#isOld;
+    this.#isOld = isOld;
     if (!this.#isDirty || !this.#map) return;
     this.#isDirty = false;
     const { canvas, origin, resolution, middle, reach } = this.#map;
     this.#plan.begin(middle, reach);
     this.#plan.image(canvas, origin, resolution);
     this.#plan.grid();
-    if (this.#scan && this.#laser) this.#plan.scan(this.#scan, this.#laser);
-    if (this.#robot) this.#plan.robot(this.#robot);
+    const old = isOld ? "quiet" : undefined;
+    if (this.#scan && this.#laser) this.#plan.scan(this.#scan, this.#laser, old);
+    if (this.#robot) this.#plan.robot(this.#robot, old);
   }
 
   close() {
@@ -67,8 +73,8 @@ export class MapView {
         if (base === known) this.#robot = pose;
       });
     }
-    const scan = this.#card.gateway.graph.published(SCAN);
-    if (scan) this.#ends.push(this.#card.gateway.subscribe(scan.name, { compression: "cbor" }, (each) => this.#scanned(each), () => {}));
+    this.#scans = this.#card.gateway.graph.published(SCAN)?.name ?? "";
+    if (this.#scans) this.#ends.push(this.#card.gateway.subscribe(this.#scans, { compression: "cbor" }, (each) => this.#scanned(each), () => {}));
   }
 
   #scanned(scan) {

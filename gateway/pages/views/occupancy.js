@@ -4,16 +4,19 @@
 import { token } from "../shared/dom.js";
 
 const MOST_PIXELS = 2048 * 2048; // a larger map is drawn with every second, third ... of its cells
+const LONGEST = 4096; // pixels of a side: what any GPU takes, for a map that is long and narrow
 
 /**
  * Draw a map: the canvas has its first row at the bottom.
+ * @param {any} message
+ * @param {number} [most] pixels
  * @returns {{canvas: OffscreenCanvas, cells: number}} how many cells of the map a pixel is wide
  * @throws {RangeError} if its numbers contradict each other
  */
-export function draw({ info: { width, height }, data }) {
+export function draw({ info: { width, height }, data }, most = MOST_PIXELS) {
   if (!(width > 0 && height > 0)) throw new RangeError(`it is ${width} x ${height} cells large`);
   if (data.length !== width * height) throw new RangeError(`${width} x ${height} cells, but ${data.length} values`);
-  const cells = Math.ceil(Math.sqrt((width * height) / MOST_PIXELS));
+  const cells = Math.ceil(Math.max(Math.sqrt((width * height) / most), width / LONGEST, height / LONGEST));
   const [columns, rows] = [Math.ceil(width / cells), Math.ceil(height / cells)];
   const colours = palette();
   const pixels = new Uint32Array(columns * rows);

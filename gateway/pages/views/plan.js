@@ -85,8 +85,8 @@ export class Plan {
   }
 
   /** Draw the hits of a laser scan that was taken at a pose. */
-  scan({ ranges, angle_min: first, angle_increment: step, range_min: least, range_max: most }, { x, y, yaw }) {
-    this.#pen.fillStyle = token("accent");
+  scan({ ranges, angle_min: first, angle_increment: step, range_min: least, range_max: most }, { x, y, yaw }, colour = "accent") {
+    this.#pen.fillStyle = token(colour);
     ranges.forEach((range, index) => {
       if (!(range >= least && range <= most)) return;
       const heading = yaw + first + index * step;
@@ -106,11 +106,11 @@ export class Plan {
   }
 
   /** Draw the robot, its nose forward. */
-  robot({ x, y, yaw }) {
+  robot({ x, y, yaw }, colour = "warning") {
     const length = Math.max(LEAST_ROBOT, ROBOT * this.#scale);
     const [left, top] = this.#at(x, y);
     const turned = yaw - this.#middle.up + Math.PI / 2;
-    this.#pen.fillStyle = token("warning");
+    this.#pen.fillStyle = token(colour);
     this.#pen.beginPath();
     for (const [share, angle] of [[1, 0], [0.9, 2.5], [0.9, -2.5]]) {
       this.#pen.lineTo(left + Math.cos(turned + angle) * share * length, top - Math.sin(turned + angle) * share * length);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../../shared/dom.js";
+import { worded } from "../limits.js";
 import { Card } from "./card.js";
 
 /** The connection of this page: what it was told at its beginning, and what came of each topic. */
@@ -17,12 +18,16 @@ export class ConnectionCard extends Card {
     const { limits = {}, ...others } = this.gateway.hello ?? {};
     const about = { ...others, ...limits };
     for (const unneeded of ["op", "id"]) delete about[unneeded];
-    write(this.#about, Object.entries(about).map(([name, value]) => [name, String(value)]));
-    write(this.#topics, [...this.gateway.arrivals].map(([name, { words }]) => [name, words]));
+    write(this.#about, Object.entries(about).map(([key, its]) => {
+      const { words, value } = worded(key, its);
+      return [[words, ...(words === key ? [] : [" ", element("small", {}, key)])], value];
+    }));
+    write(this.#topics, [...this.gateway.arrivals].map(([name, { words }]) => [[name], words]));
     this.footer.textContent = this.gateway.hello ? "as the gateway has told" : "not connected";
   }
 }
 
+/** @param {[(string|Node)[], string][]} pairs what stands on the left, and on the right */
 function write(list, pairs) {
-  list.replaceChildren(...pairs.map(([name, value]) => element("div", {}, element("dt", {}, name), element("dd", {}, value))));
+  list.replaceChildren(...pairs.map(([about, value]) => element("div", {}, element("dt", {}, ...about), element("dd", {}, value))));
 }

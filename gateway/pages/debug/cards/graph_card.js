@@ -7,11 +7,15 @@ const ROW = 26; // pixels
 const COLUMNS = [8, 300, 620]; // publishing nodes, topics, subscribing nodes
 const WIDE = 230;
 const EVERYWHERE = /^\/(rosout|parameter_events|diagnostics)$|\/_/;
+const STEPS = { ArrowUp: [0, -1], ArrowDown: [0, 1], ArrowLeft: [-1, 0], ArrowRight: [1, 0], Home: [0, -Infinity], End: [0, Infinity] };
 
 /** Nodes and topics: who publishes on the left, the topics in the middle, who subscribes on the right. */
 export class GraphCard extends Card {
-  #picture = element("div", { className: "graph", tabIndex: 0 });
+  #picture = element("div", { className: "graph" });
   #all = element("input", { type: "checkbox" });
+  #boxes = []; // of each column, from above
+  #links = []; // pairs of [column, name], that a line joins
+  #current = null; // {column, name} of the box that Tab leads to
   #ignore = () => {};
 
   constructor(gateway, shown, actions) {
@@ -35,40 +39,84 @@ export class GraphCard extends Card {
     const nodes = (kind) => [...new Set(topics.flatMap((each) => each[kind]))].filter(isShown).sort();
     const columns = [nodes("publishers"), topics.map(({ name }) => name), nodes("subscribers")];
     const places = columns.map((names) => new Map(names.map((name, row) => [name, row])));
-    const picture = svg("svg", { width: COLUMNS[2] + WIDE + 8, height: Math.max(...columns.map((each) => each.length)) * ROW + 8, role: "group", "aria-label": "nodes and topics" });
-    for (const { name, publishers, subscribers } of topics) {
-      for (const node of new Set(publishers)) picture.append(line(places, [0, node], [1, name]));
-      for (const node of new Set(subscribers)) picture.append(line(places, [1, name], [2, node]));
-    }
-    columns.forEach((names, column) => names.forEach((name, row) => picture.append(this.#box(picture, name, column, row))));
-    const focused = this.#picture.contains(document.activeElement) ? document.activeElement.getAttribute("aria-label") : null;
+    const picture = svg("svg", {
+      width: COLUMNS[2] + WIDE + 8, height: Math.max(...columns.map((each) => each.length)) * ROW + 8,
+      role: "group", "aria-label": "nodes and topics: the arrow keys go from one to the next, Enter opens it",
+    });
+    this.#links = topics.flatMap(({ name, publishers, subscribers }) => [
+      ...[...new Set(publishers)].map((node) => [[0, node], [1, name]]),
+      ...[...new Set(subscribers)].map((node) => [[1, name], [2, node]]),
+    ]).filter((ends) => ends.every(([column, name]) => places[column].has(name)));
+    for (const [from, to] of this.#links) picture.append(line(places, from, to));
+    this.#boxes = columns.map((names, column) => names.map((name, row) => this.#box(picture, name, column, row)));
+    picture.append(...this.#boxes.flat());
+    const hadFocus = this.#picture.contains(document.activeElement);
     this.#picture.replaceChildren(picture);
-    if (focused) /** @type {SVGElement|undefined} */ ([...picture.querySelectorAll("g")].find((each) => each.getAttribute("aria-label") === focused))?.focus();
+    this.#lead(this.#find(this.#current) ?? this.#boxes.flat()[0], hadFocus);
     const count = new Set([...columns[0], ...columns[2]]).size;
-    this.footer.textContent = `topics: ${topics.length} · nodes: ${count} · a click opens one`;
+    this.footer.textContent = `topics: ${topics.length} · nodes: ${count} · a click or Enter opens one, arrow keys go to the next`;
+  }
+
+  /** Let Tab lead to a box, and give it the focus if it is to have it. */
+  #lead(box, hasFocus) {
+    if (!box) return;
+    for (const each of this.#boxes.flat()) each.setAttribute("tabindex", each === box ? 0 : -1);
+    this.#current = { column: Number(box.dataset.column), name: box.dataset.name };
+    if (hasFocus) box.focus();
+  }
+
+  #find(place) {
+    return place && this.#boxes[place.column].find((each) => each.dataset.name === place.name);
+  }
+
+  /** Return the box that an arrow key leads to: in the same column the next; in another the first that a line leads to, or else the nearest. */
+  #next(column, name, [aside, down]) {
+    const row = this.#boxes[column].findIndex((each) => each.dataset.name === name);
+    if (!aside) return this.#boxes[column][Math.max(0, Math.min(this.#boxes[column].length - 1, row + down))];
+    const there = this.#boxes[column + aside] ?? [];
+    const isLinked = (its) => this.#links.some(([from, to]) => (
+      aside > 0 ? from[0] === column && from[1] === name && to[1] === its : to[0] === column && to[1] === name && from[1] === its
+    ));
+    return there.find((each) => isLinked(each.dataset.name)) ?? there[Math.min(row, there.length - 1)];
   }
 
   #box(picture, name, column, row) {
-    const isTopic = column === 1;
-    const box = svg("g", { class: isTopic ? "topic" : "node", tabindex: 0, role: "button", "aria-label": `${isTopic ? "topic" : "node"} ${name}` });
+    const kind = column === 1 ? "topic" : "node";
+    const box = svg("g", { class: kind, tabindex: -1, role: "button", "aria-label": `${kind} ${name}`, "aria-description": this.#about(column, name) });
+    Object.assign(box.dataset, { column, name });
     const text = svg("text", { x: COLUMNS[column] + 8, y: row * ROW + 20 });
     text.textContent = name.length > 32 ? `${name.slice(0, 14)} … ${name.slice(-15)}` : name;
-    box.append(svg("rect", { x: COLUMNS[column], y: row * ROW + 4, width: WIDE, height: ROW - 5, rx: isTopic ? 4 : 10 }), text);
-    const open = () => this.actions.open(name, isTopic ? undefined : "node");
+    box.append(svg("rect", { x: COLUMNS[column], y: row * ROW + 4, width: WIDE, height: ROW - 5, rx: column === 1 ? 4 : 10 }), text);
+    const open = () => this.actions.open(name, column === 1 ? undefined : "node");
     box.addEventListener("click", open);
-    box.addEventListener("keydown", ({ key }) => key === "Enter" && open());
+    box.addEventListener("keydown", (event) => {
+      if (event.key === "Enter" || event.key === " ") open();
+      else if (event.key in STEPS) this.#lead(this.#next(column, name, STEPS[event.key]), true);
+      else return;
+      event.preventDefault(); // it would scroll, and the space bar, too
+    });
     const mark = (isOn) => {
       for (const each of picture.querySelectorAll("path")) each.classList.toggle("on", isOn && each.dataset.ends.split(" ").includes(name));
     };
+    box.addEventListener("focus", () => this.#lead(box, false));
     for (const [event, isOn] of [["pointerenter", true], ["focus", true], ["pointerleave", false], ["blur", false]]) box.addEventListener(event, () => mark(isOn));
     return box;
+  }
+
+  /** Return what the lines of a box say, in words. */
+  #about(column, name) {
+    const before = this.#links.filter(([, to]) => to[0] === column && to[1] === name).map(([[, its]]) => its);
+    const after = this.#links.filter(([from]) => from[0] === column && from[1] === name).map(([, [, its]]) => its);
+    if (column === 0) return `publishes ${after.join(", ")}`;
+    if (column === 2) return `subscribes to ${before.join(", ")}`;
+    return `from ${before.join(", ") || "nobody"}, to ${after.join(", ") || "nobody"}`;
   }
 }
 
 function line(places, [from, one], [to, other]) {
   const [x0, x1] = [COLUMNS[from] + WIDE, COLUMNS[to]];
   const [y0, y1] = [places[from].get(one), places[to].get(other)].map((row) => row * ROW + 4 + (ROW - 5) / 2);
-  const path = svg("path", { d: places[from].has(one) && places[to].has(other) ? `M${x0} ${y0} C${x0 + 40} ${y0} ${x1 - 40} ${y1} ${x1} ${y1}` : "" });
+  const path = svg("path", { d: `M${x0} ${y0} C${x0 + 40} ${y0} ${x1 - 40} ${y1} ${x1} ${y1}` });
   path.dataset.ends = `${one} ${other}`;
   return path;
 }

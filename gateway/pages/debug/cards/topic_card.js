@@ -17,7 +17,6 @@ export class TopicCard extends Card {
   #isPaused = false;
   #isDirty = false;
   #shownMs = -Infinity;
-  #throttle = 0; // milliseconds
   #arrivals = new Arrivals();
 
   constructor(gateway, shown, actions) {
@@ -58,7 +57,13 @@ export class TopicCard extends Card {
 
   #write() {
     this.element.classList.toggle("stale", this.#arrivals.isLate);
-    this.footer.textContent = this.#isPaused ? "paused" : this.#arrivals.words;
+    this.footer.textContent = this.#isPaused ? "paused" : this.#arrivals.words + this.#cap;
+  }
+
+  /** The most messages a second that this page asks of the topic, in words: the view has a share in that, too. */
+  get #cap() {
+    const throttle = this.gateway.throttleOf(this.topic);
+    return throttle && this.#arrivals.messages ? ` · at most ${Math.round(10_000 / throttle) / 10} Hz, by choice` : "";
   }
 
   #controls() {
@@ -107,17 +112,17 @@ export class TopicCard extends Card {
     this.tell(problem);
     if (problem) return;
     const { throttle_rate: least = 0, ...options } = this.#view.options;
-    this.#throttle = Math.max(least, this.rate ? Math.round(1000 / this.rate) : 0);
+    const throttle = Math.max(least, this.rate ? Math.round(1000 / this.rate) : 0);
     this.#unsubscribe = this.gateway.subscribe(
       this.topic,
-      { ...options, throttle_rate: this.#throttle },
-      (message, size, frame) => this.#receive(message, size, frame),
+      { ...options, throttle_rate: throttle },
+      (message, size, frame, dropped) => this.#receive(message, size, frame, dropped),
       (status) => this.#status(status),
     );
   }
 
-  #receive(message, size, frame) {
-    this.#arrivals.add(size, this.#throttle ? {} : frame); // what a throttle leaves out was asked for
+  #receive(message, size, frame, dropped) {
+    this.#arrivals.add(size, dropped);
     this.#newest = { message, frame };
     this.#isDirty = true;
     if (SILENCE.includes(this.problem.dataset.code)) this.#status({ msg: "" }); // somebody publishes now

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the debug page says of messages that were dropped, and of those that a rate leaves out."""
+
+import asyncio
+import json
+
+import pytest
+
+from tests.pages.conftest import page_address
+from tests.pages.test_debug_page import card, until
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+PLOT = "#card=plot+{rate}+/imu+linear_acceleration.z"
+FOOTER = "document.querySelector('article footer')?.textContent"
+BAR = "/dropped ?(\\d+)/.exec(figures.textContent)?.[1]"
+
+
+class Count:
+    """Stands between a page and its gateway, and changes what `meta` says of drops."""
+
+    def __init__(self) -> None:
+        self.dropped = 0
+        self.is_sent = asyncio.Event()  # a message with that count
+
+    def set(self, dropped: int) -> None:
+        """Say from now on that so many were dropped."""
+        self.dropped = dropped
+        self.is_sent.clear()
+
+    def take(self, route) -> None:
+        server = route.connect_to_server()
+        server.on_message(lambda message: route.send(self._changed(message)))
+
+    def _changed(self, message):
+        if isinstance(message, bytes) or '"op":"publish"' not in message[:40]:
+            return message
+        self.is_sent.set()
+        return json.dumps(json.loads(message) | {"dropped": self.dropped})
+
+
+async def opened_at(page, demo, card_text: str) -> Count:
+    """Open the debug page with a card, through a count of ours."""
+    count = Count()
+    await page.route_web_socket("**/*", count.take)
+    await page.goto(page_address(demo) + card_text)
+    await until(page, f"() => /Hz/.test({FOOTER})")
+    return count
+
+
+def forgive_the_first_address(page) -> None:
+    page.wrong[:] = [each for each in page.wrong if not each.startswith("http")]
+
+
+async def test_what_the_link_drops_is_counted_from_message_to_message(demo, open_page):
+    async with open_page("about:blank") as page:
+        count = await opened_at(page, demo, PLOT.format(rate=0))
+        assert "dropped" not in await page.evaluate(f"() => {FOOTER}")
+        count.set(7)
+        await until(page, f"() => / 7 dropped/.test({FOOTER})")
+        count.set(9)
+        await until(page, f"() => / 9 dropped/.test({FOOTER})")
+        await until(page, f"() => {BAR} === '9'")
+        await page.click(f"{card('/imu')} button[aria-label='close /imu']")
+        await page.click("#topics button:has-text('/odom')")
+        await until(page, f"() => /Hz/.test({FOOTER})")  # both are written together
+        assert await page.evaluate(f"() => {BAR}") == "9"
+        forgive_the_first_address(page)
+
+
+async def test_what_a_rate_leaves_out_is_no_drop_and_the_rate_is_said(demo, open_page):
+    async with open_page("about:blank") as page:
+        count = await opened_at(page, demo, PLOT.format(rate=5))
+        await until(page, f"() => {FOOTER}.endsWith('at most 5 Hz, by choice')")
+        count.set(400)  # the gateway counts them, too
+        await count.is_sent.wait()
+        # without a rate what it has left out before is none, either
+        await page.select_option(f"{card('/imu')} select[aria-label^=rate]", "0")
+        await until(page, f"() => /^[1-9]\\d Hz/.test({FOOTER}) && !/at most/.test({FOOTER})")
+        assert "dropped" not in await page.evaluate(f"() => {FOOTER}")
+        assert await page.evaluate(f"() => {BAR}") == "0"
+        count.set(403)
+        await until(page, f"() => / 3 dropped/.test({FOOTER})")
+        forgive_the_first_address(page)

@@ -1,0 +1,232 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The robot's map on the floor of the lab, and which places a robot can be sent to."""
+
+import pytest
+import pytest_asyncio
+
+from tests.client import client
+from tests.demonstration import until_it_can_be_driven
+from tests.gateway_process import gateway_process
+from tests.pages.conftest import page_address
+from tests.pages.lab import KEEP, SMALL, opened, send
+from tests.pages.test_debug_page import nowhere  # noqa: F401  # a fixture
+from tests.pages.test_lab import click_on
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+# of the laser's hits the share that lies where the picture of the map has a wall
+ON_WALLS = """() => {
+    const points = lab.twin.world.getObjectByProperty("type", "Points");
+    const sheet = lab.map.world.getObjectByProperty("type", "Mesh");
+    for (const each of [points, sheet]) each.updateWorldMatrix(true, false);
+    const { image } = sheet.material.map;
+    const pen = image.getContext("2d");
+    const { data } = pen.getImageData(0, 0, image.width, image.height);
+    const colour = getComputedStyle(document.documentElement).getPropertyValue("--map-occupied");
+    const red = Number.parseInt(colour.trim().slice(1, 3), 16);
+    let walls = 0;
+    for (let at = 0; at < lab.twin.points; at += 1) {
+        const place = lab.viewer.rig.position.clone();
+        place.fromBufferAttribute(points.geometry.attributes.position, at);
+        const { x, y } = sheet.worldToLocal(place.applyMatrix4(points.matrixWorld));
+        const column = Math.floor((x + 0.5) * image.width);
+        const row = Math.floor((0.5 - y) * image.height);
+        walls += data[4 * (row * image.width + column)] === red;
+    }
+    return walls / lab.twin.points;
+}"""
+# the number of pixels of the room that have the colour of a token, as seen from above the robot
+SEEN = """(name) => {
+    const { viewer, renderer } = lab;
+    viewer.camera.rotation.x = -1.4;
+    lab.render();
+    const { width, height } = renderer.domElement;
+    const copy = new OffscreenCanvas(width, height).getContext("2d");
+    copy.drawImage(renderer.domElement, 0, 0);
+    const colour = getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+    const wanted = [1, 3, 5].map((at) => Number.parseInt(colour.slice(at, at + 2), 16));
+    const { data } = copy.getImageData(0, 0, width, height);
+    let count = 0;
+    for (let at = 0; at < data.length; at += 4) {
+        count += wanted.every((each, index) => Math.abs(each - data[at + index]) < 3);
+    }
+    return count;
+}"""
+MAKE = """async ({ info, data, pose }) => {
+    const { FloorMap } = await import("/lab/floor_map.js");
+    window.made = new FloorMap();
+    made.take({ info, data });
+    const half = pose[2] / 2;
+    const rotation = { x: 0, y: 0, z: Math.sin(half), w: Math.cos(half) };
+    made.place({ translation: { x: pose[0], y: pose[1], z: 0 }, rotation });
+}"""
+
+
+def grid(columns, rows, data, origin=(0, 0)):
+    """Return a map of cells of half a metre."""
+    position = {"x": origin[0], "y": origin[1], "z": 0}
+    orientation = {"x": 0, "y": 0, "z": 0, "w": 1}
+    about = {"position": position, "orientation": orientation}
+    return {
+        "info": {"resolution": 0.5, "width": columns, "height": rows, "origin": about},
+        "data": data,
+    }
+
+
+@pytest_asyncio.fixture(loop_scope="module")
+async def speaker(demo):
+    async with client(demo.url) as speaker:
+        await until_it_can_be_driven(speaker)
+        yield speaker
+
+
+@pytest.fixture
+def lab(demo, speaker, open_page):
+    """Return a function that opens the lab and waits until its map is there."""
+
+    async def shown(page):
+        await page.wait_for_function("() => lab.map.world.visible")
+        return page
+
+    return lambda **options: opened(open_page, page_address(demo), **options), shown
+
+
+async def test_the_map_lies_where_the_laser_meets_its_walls(lab):
+    enter, shown = lab
+    async with enter() as page:
+        await shown(page)
+        assert (await page.evaluate("() => lab.map.size"))["width"] > 100
+        await page.wait_for_function(f"() => ({ON_WALLS})() > 0.6")
+        # in one turn: the next transform places it again
+        hidden = "() => { lab.map.place(null); return !lab.map.world.visible; }"
+        assert await page.evaluate(hidden)
+
+
+async def test_a_line_leads_from_each_hit_of_the_laser_down_to_the_floor(lab):
+    enter, shown = lab
+    async with enter() as page:
+        await shown(page)
+        heights = """() => {
+            const lines = lab.twin.world.getObjectByProperty("type", "LineSegments");
+            const place = lab.viewer.rig.position.clone();
+            lines.updateWorldMatrix(true, false);
+            const { array } = lines.geometry.attributes.position;
+            return [0, 1].map((at) => lines.localToWorld(place.fromArray(array, 3 * at)).y);
+        }"""
+        # by the TurtleBot's description, once the robot has said where its laser is
+        await page.wait_for_function(
+            f"() => {{ const [hit, foot] = ({heights})();"
+            " return hit > 0.1 && Math.abs(foot) < 1e-3; }"
+        )
+        assert await page.evaluate("""() => {
+            const lines = lab.twin.world.getObjectByProperty("type", "LineSegments");
+            return lines.geometry.drawRange.count === 2 * lab.twin.points;
+        }""")
+
+
+@pytest.mark.parametrize("scheme", ["dark", "light"])
+async def test_walls_and_free_floor_are_seen_in_the_colours_of_the_desktop(lab, scheme):
+    enter, shown = lab
+    async with enter(color_scheme="light" if scheme == "dark" else "dark") as page:
+        await shown(page)
+        await page.emulate_media(color_scheme=scheme)
+        for name in ("--map-free", "--map-occupied"):
+            await page.wait_for_function(f"name => ({SEEN})(name) > 100", arg=name)
+
+
+async def test_a_place_where_the_map_has_something_is_refused_in_words(lab):
+    enter, shown = lab
+    async with enter() as page:
+        await shown(page)
+        await send(page, click_on(page, 0.8, 0.1))
+        await click_on(page, 1.9, 1.75)()  # the partition
+        await page.wait_for_function(
+            "() => approach.textContent.includes('Something stands there')"
+        )
+        assert not await page.evaluate("() => lab.pilot.isActive")
+        await click_on(
+            page, 4.6, 0
+        )()  # behind the wall of the robot's room, before that of the lab
+        await page.wait_for_function("() => approach.textContent.includes('The map ends')")
+
+
+async def test_a_target_beyond_the_walls_is_refused_where_there_is_no_map(open_page, nowhere):  # noqa: F811
+    async with (
+        gateway_process("serve", *nowhere) as gateway,
+        open_page(f"{page_address(gateway)}lab", viewport=SMALL) as page,
+    ):
+        await page.evaluate(KEEP)
+        await page.wait_for_function("() => state.textContent === 'connected'")
+        await click_on(page, 4.9, 0)()
+        await page.wait_for_function("() => approach.textContent === 'There is nothing to drive.'")
+        await click_on(page, 5.1, 0)()
+        await page.wait_for_function("() => /beyond the walls.* 5 m/.test(approach.textContent)")
+        box = await page.locator("#view canvas").bounding_box()
+        await page.mouse.click(box["x"] + box["width"] / 2, box["y"] + 5)
+        await page.wait_for_function("() => /There is no floor/.test(approach.textContent)")
+
+
+@pytest.mark.parametrize(
+    ("place", "words"),
+    [
+        ((0.3, 0.3), ""),
+        ((0.7, 0.2), "Something stands there"),
+        ((1.2, 0.2), "does not know"),
+        ((-0.1, 0.2), "The map ends"),
+        ((0.2, 1.1), "The map ends"),
+    ],
+)
+@pytest.mark.parametrize("turned", [False, True])
+async def test_what_the_map_says_of_a_place_wherever_its_frame_is(
+    demo, open_page, place, words, turned
+):
+    cells = [0, 65, -1, 0, 64, 100]
+    pose = (10, 20, 1.5707963) if turned else (0, 0, 0)
+    if turned:  # a quarter to the left, and away
+        place = (10 - place[1], 20 + place[0])
+    async with open_page(page_address(demo)) as page:
+        await page.evaluate(MAKE, {**grid(3, 2, cells), "pose": pose})
+        said = await page.evaluate("([x, y]) => made.refusal({ x, y })", place)
+        assert said.startswith(words) if not words else words in said
+
+
+async def test_a_map_without_a_place_is_hidden_and_a_bad_one_changes_nothing(demo, open_page):
+    async with open_page(page_address(demo)) as page:
+        await page.evaluate(MAKE, {**grid(3, 2, [0] * 6, (-1, -0.5)), "pose": (0, 0, 0)})
+        assert await page.evaluate("() => [made.world.visible, made.reach]") == [True, 1]
+        bad = "map => { try { made.take(map); } catch ({ message }) { return message; } }"
+        assert "6 values" in await page.evaluate(bad, grid(9, 9, [0] * 6))
+        assert await page.evaluate("() => made.size") == {"width": 3, "height": 2}
+        await page.evaluate("() => made.place(null)")
+        assert await page.evaluate("() => [made.world.visible, made.reach]") == [False, 0]
+
+
+async def test_walls_give_way_to_a_map_that_reaches_beyond_them(lab):
+    enter, shown = lab
+    async with enter() as page:
+        await shown(page)
+        walls = """reach => {
+            lab.room.open(reach);
+            return lab.room.scene.children.some(
+                ({ visible, children }) => visible && children.length === 4
+            );
+        }"""
+        assert await page.evaluate(walls, 5)
+        assert not await page.evaluate(walls, 5.1)
+
+
+@pytest.mark.parametrize(("columns", "rows"), [(3000, 3000), (40_000, 3)])
+async def test_a_huge_map_costs_a_picture_of_bounded_size(demo, open_page, columns, rows):
+    async with open_page(page_address(demo)) as page:
+        width, height = await page.evaluate(
+            """async ([info, columns, rows]) => {
+                const { FloorMap } = await import("/lab/floor_map.js");
+                const map = new FloorMap();
+                map.take({ info, data: new Int8Array(columns * rows) });
+                const { image } = map.world.getObjectByProperty("type", "Mesh").material.map;
+                return [image.width, image.height];
+            }""",
+            [grid(columns, rows, [])["info"], columns, rows],
+        )
+        assert width * height <= 1024 * 1024
+        assert max(width, height) <= 4096
