@@ -219,9 +219,10 @@ class RclpyActionClient:
 
     def _deliver_feedback(self, samples: Sequence[Sample]) -> None:
         for sample in samples:
-            on_feedback = self._feedback_callbacks.get(goal_id_of(sample.cdr))
+            cdr = bytes(sample.cdr)
+            on_feedback = self._feedback_callbacks.get(goal_id_of(cdr))
             if on_feedback is not None:
-                on_feedback(without_goal_id(sample.cdr))
+                on_feedback(without_goal_id(cdr))
 
 
 class RclpyGoal:

@@ -104,7 +104,9 @@ class RclpyRos:
                 node.get_fully_qualified_name()
                 for node in (subscribing, publishing, serving, self._debug)
             )
-            samples = Samples(subscribing, self._ready_events)
+            samples = undo.enter_context(
+                contextlib.closing(Samples(subscribing, self._ready_events))
+            )
             events = QosEvents(loop)
             self._subscriptions = RawSubscriptions(
                 subscribing, samples, events, loop, self._topics_changed, self._classes

@@ -40,6 +40,12 @@ class EventSource(Protocol):
     def notify_again(self) -> None:
         """Call *on_ready* once more, after other callbacks have had their turn."""
 
+    def pause(self) -> None:
+        """Let others take what is there: *on_ready* may stay out until `resume`."""
+
+    def resume(self) -> None:
+        """End a pause; what has arrived meanwhile was told of, or is now."""
+
     def count_take(self) -> bool:
         """Count one take of any outcome; return whether a message is known to have been there.
 
@@ -163,6 +169,12 @@ class EventfdSource:
         """Call *on_ready* once more, after other callbacks have had their turn."""
         self._repeats += 1
         os.eventfd_write(self._fd, 1)
+
+    def pause(self) -> None:
+        """Do nothing: what is told of once is not told of again."""
+
+    def resume(self) -> None:
+        """Do nothing."""
 
     def count_take(self) -> bool:
         """Count one take; see `EventSource`."""

@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """From DDS to the event loop: the data path."""
 
+import asyncio
+import contextlib
 from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 from rclpy.node import Node
-from rclpy.qos import QoSProfile
+from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.ports import MAX_TAKES_PER_TURN, Sample
-from gateway.ros import rclpy_private
 from gateway.ros.groups import group_of_one
+from gateway.ros.large_takes import LARGE_BYTES, TAKES_AT_ONCE, LargeTake, LargeTakes
 from gateway.ros.lost_samples import NO_NUMBER, LostSamples
+from gateway.ros.rclpy_private import message_taker
 from gateway.ros.ready_events import NO_EVENTS, ReadyEvents
 
 OnSamples = Callable[[Sequence[Sample]], None]
@@ -31,8 +34,9 @@ class Samples:
     """Readers of samples; no executor may spin their node."""
 
     def __init__(self, node: Node, ready_events: ReadyEvents) -> None:
-        self._node = node
-        self._ready_events = ready_events
+        self.node = node
+        self.ready_events = ready_events
+        self.large_takes = LargeTakes()
 
     def read(
         self,
@@ -43,24 +47,31 @@ class Samples:
         on_lost: OnLost = unheard,
     ) -> "Reader":
         """Create a subscription; raises what rclpy raises."""
-        return Reader(
-            self._node, self._ready_events, message_class, topic, profile, on_samples, on_lost
-        )
+        return Reader(self, message_class, topic, profile, on_samples, on_lost)
+
+    def close(self) -> None:
+        """End the thread that takes large samples; to be called before the node is destroyed."""
+        self.large_takes.close()
 
 
 class Reader:
-    """One rclpy subscription, whose samples the event loop takes."""
+    """One rclpy subscription, whose samples the event loop takes.
+
+    Those that may be large it has a thread take: the first of a topic that retains samples, as a
+    map does, and those that follow a large one.
+    """
 
     def __init__(
         self,
-        node: Node,
-        ready_events: ReadyEvents,
+        samples: Samples,
         message_class: type,
         topic: str,
         profile: QoSProfile,
         on_samples: OnSamples,
         on_lost: OnLost,
     ) -> None:
+        node = samples.node
+
         def create() -> Any:
             return node.create_subscription(
                 message_class,
@@ -72,14 +83,19 @@ class Reader:
                 event_callbacks=NO_EVENTS,
             )
 
+        self._large_takes = samples.large_takes
+        self._loop = asyncio.get_running_loop()
         self._message_class = message_class
         self._on_samples = on_samples
         self._is_closed = False
-        self._source = ready_events.open(
+        self._are_large = profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
+        self._large: LargeTake | None = None  # what the thread is taking
+        self._asks_again = False  # more has arrived since
+        self._source = samples.ready_events.open(
             "subscription", create, node.destroy_subscription, self._deliver, is_counted=False
         )
         self._subscription = self._source.entity
-        self._take_message = rclpy_private.message_taker(self._subscription)
+        self._take_message = message_taker(self._subscription)
         self.lost = LostSamples(self._subscription.get_publisher_count, on_lost)
         self._expected = NO_NUMBER  # of the next sample, while there is one publisher
 
@@ -101,10 +117,17 @@ class Reader:
     def close(self) -> None:
         """Deliver nothing any more and destroy the subscription. Closing twice is harmless."""
         self._is_closed = True
+        large, self._large = self._large, None
+        if large is not None:
+            large.stop()  # rmw refuses another type for the topic while this one is in use
         self._source.close()
 
     def flush(self) -> None:
         """Deliver now all that is waiting, in as many calls as it takes; closing ends it."""
+        large, self._large = self._large, None
+        if large is not None:
+            self._source.resume()
+            self._finish(large.stop())
         for _ in range(_TURNS_PER_FLUSH):
             if self._is_closed or not (samples := self._take()):
                 break
@@ -113,10 +136,14 @@ class Reader:
     def _deliver(self) -> None:
         # Before taking: a sample that arrives while we take brings the next turn.
         self._source.clear()
+        if self._are_large:
+            self._take_large()
+            return
         samples = self._take()
         if len(samples) == MAX_TAKES_PER_TURN:
             self._source.notify_again()  # there may be more
         if samples:
+            self._are_large = len(samples[-1].cdr) >= LARGE_BYTES
             self._on_samples(samples)
 
     def _take(self) -> list[Sample]:
@@ -138,6 +165,51 @@ class Reader:
             samples.append(Sample(cdr, received_ns, source_ns, number))
         self._expected = expected
         return samples
+
+    def _take_large(self) -> None:
+        if self._large is not None:
+            self._asks_again = True
+            return
+        self._asks_again = False
+        self._source.pause()
+        self._large = self._large_takes.start(
+            self._subscription, self._message_class, self._large_has_ended
+        )
+
+    def _large_has_ended(self) -> None:
+        """Have the loop finish; on the thread that has taken, unless that was cancelled."""
+        with contextlib.suppress(RuntimeError):  # the loop is closed
+            self._loop.call_soon_threadsafe(self._finish_large)
+
+    def _finish_large(self) -> None:
+        large = self._large
+        if large is None or not large.result.done():  # closed or flushed meanwhile
+            return
+        self._large = None
+        # before the result, which may be an error: what has arrived meanwhile is told of once
+        if self._asks_again:
+            self._source.notify_again()
+        else:
+            self._source.resume()
+        try:
+            samples = large.result.result()
+        except RuntimeError:
+            self._are_large = False  # the loop tries
+            raise
+        if len(samples) == TAKES_AT_ONCE:
+            self._source.notify_again()
+        self._finish(samples)
+
+    def _finish(self, samples: list[Sample]) -> None:
+        """Deliver what the thread has taken."""
+        if not samples:
+            return
+        for sample in samples:
+            if sample.number != self._expected:
+                self._expected = self.lost.jump(self._expected, sample.number)
+            self._expected += 1
+        self._are_large = len(samples[-1].cdr) >= LARGE_BYTES
+        self._on_samples(samples)
 
 
 def _never_called(*_: object) -> None:

@@ -128,6 +128,7 @@ class WaitSetSource:
         self._destroy = destroy
         self._on_ready = on_ready
         self._is_closed = False
+        self._is_paused = False
         self._next: asyncio.Handle | None = None  # the call of `notify` that the loop has planned
         events.add(self)
 
@@ -142,13 +143,24 @@ class WaitSetSource:
             if self._next is None and not self._is_closed:
                 self._next = self._loop.call_later(HANDLING_PAUSE_S, self.notify)
             raise
-        if self._next is None and not self._is_closed:
+        if self._next is None and not self._is_closed and not self._is_paused:
             self._events.add(self)
 
     def notify_again(self) -> None:
         """Call *on_ready* once more, after other callbacks have had their turn."""
+        self._is_paused = False
         self._cancel_next()
         self._next = self._loop.call_soon(self.notify)
+
+    def pause(self) -> None:
+        """Do not wait for it until `resume`: it is ready until others have taken from it."""
+        self._is_paused = True
+
+    def resume(self) -> None:
+        """Wait for it again."""
+        if self._is_paused and self._next is None and not self._is_closed:
+            self._events.add(self)
+        self._is_paused = False
 
     def clear(self) -> None:
         """Do nothing: what has arrived is not counted."""

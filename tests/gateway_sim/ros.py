@@ -9,11 +9,11 @@ import time
 from contextlib import contextmanager
 
 import rclpy
-from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.signals import SignalHandlerOptions
 
 from gateway_sim.loop import Loop
+from tests.ros.nodes import open_node
 
 TIMEOUT_S = 120  # of whatever a test waits for: generous, as the machine may be busy
 
@@ -56,7 +56,7 @@ class Watcher:
     def __init__(self, name):
         self._context = rclpy.Context()
         rclpy.init(context=self._context, signal_handler_options=SignalHandlerOptions.NO)
-        self.node = Node(name, context=self._context)
+        self.node = open_node(name, self._context)
         self._loop = Loop(self._context)
         self._loop.add_node(self.node)
         self.received = {}

@@ -13,6 +13,7 @@ from gateway.ros.executor import ExecutorThread
 from gateway.ros.interfaces import message_class
 from gateway.ros.profile import to_profile
 from gateway.ros.qos import adopt, complete_offer
+from tests.ros.nodes import open_node
 from tests.ros.outside_actions import (
     ACTION_SERVICES,
     OutsideActionClient,
@@ -29,6 +30,11 @@ class OutsidePublisher:
         found = message_class(type_name)
         self._publisher = node.create_publisher(found, topic, to_profile(complete_offer(qos)))
 
+    @property
+    def subscribers(self) -> int:
+        """The number of subscriptions that it is matched with: a volatile sample goes to these."""
+        return int(self._publisher.get_subscription_count())
+
     def publish(self, cdr: bytes) -> None:
         self._publisher.publish(cdr)
 
@@ -42,7 +48,7 @@ class Outside:
     def __init__(self, name: str = "outside", *, answers: bool = True) -> None:
         self.context = Context()
         self.context.init(args=["--ros-args", "--disable-stdout-logs"])
-        self.node = Node(name, context=self.context, start_parameter_services=False)
+        self.node = open_node(name, self.context, start_parameter_services=False)
         # The standard one: that of the product must not vouch for itself.
         self._executor = ExecutorThread(self.context, standard=True)
         if answers:

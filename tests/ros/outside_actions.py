@@ -134,6 +134,8 @@ class OutsideGoal:
 
 class OutsideActionClient:
     def __init__(self, node: Node, name: str, type_name: str, is_known: Callable[[], bool]) -> None:
+        self._node = node
+        self._name = name
         self._is_known = is_known
         self._action = action_class(type_name)
         self._client: Any = LockedActionClient(node, self._action, name)
@@ -142,8 +144,12 @@ class OutsideActionClient:
         self, goal: bytes, on_feedback: Callable[[bytes], None]
     ) -> OutsideGoal | None:
         loop = asyncio.get_running_loop()
-        while not (self._client.server_is_ready() and self._is_known()):  # noqa: ASYNC110
-            await asyncio.sleep(0.01)
+        try:
+            while not (self._client.server_is_ready() and self._is_known()):  # noqa: ASYNC110
+                await asyncio.sleep(0.01)
+        except asyncio.CancelledError as error:
+            error.add_note(f"the server knows the client: {self._is_known()}; {self._seen()}")
+            raise
 
         def hear(message: Any) -> None:
             loop.call_soon_threadsafe(on_feedback, serialize_message(message.feedback))
@@ -151,6 +157,22 @@ class OutsideActionClient:
         message = deserialize_message(goal, self._action.Goal)
         handle = await arrived(self._client.send_goal_async(message, hear))
         return OutsideGoal(handle) if handle.accepted else None
+
+    def _seen(self) -> str:
+        """Say what rcl looks at before it calls a server ready."""
+        services = [f"{self._name}/_action/{one}" for one in ACTION_SERVICES]
+        topics = [f"{self._name}/_action/{one}" for one in ("feedback", "status")]
+        parts = [
+            *(f"{one} {self._ends(one)}" for one in services),
+            *(f"{one} has {self._node.count_publishers(one)}" for one in topics),
+        ]
+        return ", ".join(parts)
+
+    def _ends(self, service: str) -> str:
+        readers = self._node.get_subscriptions_info_by_topic(f"rq{service}Request", no_mangle=True)
+        writers = self._node.get_publishers_info_by_topic(f"rr{service}Reply", no_mangle=True)
+        ends = [[f"{e.node_namespace}{e.node_name}" for e in end] for end in (readers, writers)]
+        return f"read by {ends[0]} and answered by {ends[1]}"
 
     def close(self) -> None:
         if self._client is not None:

@@ -283,7 +283,7 @@ async def test_an_action_of_which_a_part_is_refused_leaves_nothing(
         raise RuntimeError("not today")
 
     node: Node = ros._services._endpoints.node
-    hearing: Node = ros._subscriptions._samples._node  # type: ignore[attr-defined]
+    hearing: Node = ros._subscriptions._samples.node
     before = entities_of(node, hearing)
     with monkeypatch.context() as patch:
         patch.setattr(node, "create_service", refuse)

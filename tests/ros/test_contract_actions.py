@@ -10,7 +10,7 @@ import pytest
 
 from gateway.action_ports import ABORTED, CANCELED, SUCCEEDED, GoalRequest
 from gateway.ports import RosError
-from tests.client import TIMEOUT_S, eventually
+from tests.client import TIMEOUT_S, eventually, eventually_equal
 from tests.ros.conftest import Robot
 from tests.ros.test_contract import BAD_NAMES
 
@@ -404,7 +404,7 @@ async def test_the_graph_lists_actions_and_not_what_they_are_made_of(robot: Robo
         "/dock": ((FIBONACCI,), ("/outside",)),
         "/own": ((NESTED,), ("/ros2_gateway_services",)),
     }
-    await eventually(lambda: found() == expected)
+    await eventually_equal(found, expected)
     graph = robot.ros.graph()
     names = [topic.name for topic in graph.topics] + [each.name for each in graph.services]
     assert not [name for name in names if "/_action/" in name]

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from gateway.ports import Request, RosError, ServiceClient
-from tests.client import TIMEOUT_S, eventually
+from tests.client import TIMEOUT_S, eventually, eventually_equal
 from tests.ros.conftest import Robot
 from tests.ros.test_contract import BAD_NAMES
 
@@ -226,6 +226,15 @@ async def test_no_request_comes_after_close(robot: Robot) -> None:
 
 
 async def test_a_service_that_closes_answers_what_has_arrived(robot: Robot) -> None:
+    client = robot.world.add_client("/arm", SET_BOOL)
+    # What arrives after the close is answered by nobody, and which that is DDS decides.
+    most = 0
+    while most < 2:
+        most = max(most, await answers_while_closing(robot, client))
+
+
+async def answers_while_closing(robot: Robot, client: ServiceClient) -> int:
+    """Close a service at the first of many requests; return how many had arrived."""
     requests: list[Request] = []
 
     def on_request(each: Request) -> None:
@@ -234,12 +243,16 @@ async def test_a_service_that_closes_answers_what_has_arrived(robot: Robot) -> N
         service.close()
 
     service = robot.ros.serve("/arm", SET_BOOL, on_request)
-    client = robot.world.add_client("/arm", SET_BOOL)
     await eventually(lambda: robot.ros.service_types("/arm") == (SET_BOOL,))
     calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(50)]
-    answers = await soon(asyncio.gather(*calls))
-    assert [text_of(answer) for answer in answers] == ["closing"] * 50
-    assert len(requests) == 50
+    await eventually(lambda: bool(requests))
+    await eventually(lambda: sum(call.done() for call in calls) == len(requests))
+    answers = [call.result() for call in calls if call.done()]
+    for call in calls:
+        call.cancel()
+    await asyncio.wait(calls)
+    assert [text_of(answer) for answer in answers] == ["closing"] * len(requests)
+    return len(requests)
 
 
 async def test_closing_twice_is_harmless(robot: Robot) -> None:
@@ -340,7 +353,7 @@ async def test_the_graph_lists_services_with_who_provides_them(robot: Robot) -> 
         "/arm": ((SET_BOOL,), ("/outside",)),
         "/leg": ((TRIGGER,), ("/ros2_gateway_services",)),
     }
-    await eventually(lambda: found() == expected)
+    await eventually_equal(found, expected)
 
 
 async def test_a_watch_hears_of_services_that_come_and_go(robot: Robot) -> None:

@@ -14,6 +14,7 @@ import threading
 import time
 import warnings
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,26 +24,32 @@ from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.subscription import Subscription
 from rclpy.time import Time
 
 import gateway.ros
 import gateway_sim
+from gateway.ports import Sample
 from gateway.ros import fast_cdr, fast_dds, made_types, raw_messages, rclpy_private, type_supports
 from gateway.ros.executor import ExecutorThread
 from gateway.ros.interfaces import message_class, service_class
 from gateway.ros.rclpy_private import (
     GRAPH_FUNCTIONS,
+    HANDED_OVER_BYTES,
     READY_CALLBACK_SETTERS,
     RESPONSE_TIMED_OUT,
     EntityWaitSet,
     GraphWaitSet,
     ReadyCallbacks,
+    takes,
 )
 from tests.client import TIMEOUT_S
+from tests.ros.nodes import open_node
 
 RCLPY = f"rclpy {importlib.metadata.version('rclpy')}"
 INT32 = message_class("std_msgs/msg/Int32")
 SET_BOOL = service_class("std_srvs/srv/SetBool")
+STRING = message_class("std_msgs/msg/String")
 CDR = b"\0\1\0\0\7\0\0\0"
 S = 10**9
 
@@ -65,7 +72,10 @@ METHODS = {
     "WaitSet.wait": 1,
     "WaitSet.destroy_when_not_in_use": 0,
 }
-C_FUNCTIONS = (*READY_CALLBACK_SETTERS.values(), *GRAPH_FUNCTIONS)
+C_FUNCTIONS = (*READY_CALLBACK_SETTERS.values(), "rcl_take_serialized_message", *GRAPH_FUNCTIONS)
+RCUTILS_FUNCTIONS = (
+    *("rcutils_get_default_allocator", "rcutils_get_error_string", "rcutils_reset_error"),
+)
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +89,7 @@ def context() -> Iterator[Context]:
 
 @pytest.fixture
 def node(context: Context) -> Iterator[Node]:
-    node = Node("private", context=context, start_parameter_services=False)
+    node = open_node("private", context, start_parameter_services=False)
     yield node
     node.destroy_node()
 
@@ -126,6 +136,12 @@ def test_librcl_has_the_function(name: str) -> None:
     assert hasattr(rcl, name), f"rcl has changed: librcl.so has no {name}"
 
 
+@pytest.mark.parametrize("name", RCUTILS_FUNCTIONS)
+def test_librcutils_has_the_function(name: str) -> None:
+    rcutils = ctypes.CDLL("librcutils.so")
+    assert hasattr(rcutils, name), f"rcutils has changed: librcutils.so has no {name}"
+
+
 @pytest.mark.parametrize("name", ["RCLError", "InvalidHandle"])
 def test_errors_of_handles_are_runtime_errors(name: str) -> None:
     error = getattr(rclpy_implementation, name, None)
@@ -133,38 +149,142 @@ def test_errors_of_handles_are_runtime_errors(name: str) -> None:
     assert issubclass(error, RuntimeError), f"{RCLPY} has changed: {name} is no RuntimeError"
 
 
-@pytest.mark.parametrize("name", [*METHODS, *C_FUNCTIONS])
+@pytest.mark.parametrize("name", [*METHODS, *C_FUNCTIONS, *RCUTILS_FUNCTIONS])
 def test_the_module_says_that_it_relies_on_it(name: str) -> None:
     words = re.findall(r"\w+", rclpy_private.__doc__ or "")
     assert set(name.replace("__init__", "").split(".")) - {""} <= set(words)
 
 
-def test_a_sample_is_taken_as_bytes_with_the_time_of_its_arrival(node: Node) -> None:
+def two_subscriptions(node: Node, message: type) -> list[Subscription]:
+    """Return one for rcl's way to take samples, and one for rclpy's."""
+    nothing = SubscriptionEventCallbacks(use_default_callbacks=False)
+    return [
+        node.create_subscription(
+            message, "/count", lambda _: None, 10, raw=True, event_callbacks=nothing
+        )
+        for _ in range(2)
+    ]
+
+
+def test_rcl_and_rclpy_take_the_same_samples_with_their_times(node: Node) -> None:
+    by_rcl, by_rclpy = rclpy_private.sample_taker(), takes._take_by_rclpy
+    assert by_rcl is not by_rclpy, "rcl has changed: a function is missing"
     before_ns = time.time_ns()
-    subscription = node.create_subscription(
-        INT32,
-        "/count",
-        lambda _: None,
-        10,
-        raw=True,
-        event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),
-    )
-    take = rclpy_private.message_taker(subscription)
-    assert take(INT32, True) is None, f"{RCLPY} has changed: take_message without one"
+    first, second = two_subscriptions(node, INT32)
+    for take, subscription in ((by_rcl, first), (by_rclpy, second)):
+        assert take(subscription, INT32) is None, f"{RCLPY} has changed: takes what is not there"
     publisher = node.create_publisher(INT32, "/count", 10)
+    wait_until(
+        lambda: publisher.get_subscription_count() == 2, "a publisher does not see subscriptions"
+    )
+    for _ in range(3):
+        rclpy_private.raw_publisher(publisher)(CDR)
+    taken: dict[str, list[Sample]] = {"rcl": [], "rclpy": []}
+
+    def have_all() -> bool:
+        for way, sample in (("rcl", by_rcl(first, INT32)), ("rclpy", by_rclpy(second, INT32))):
+            if sample is not None:
+                taken[way].append(sample)
+        return all(len(samples) == 3 for samples in taken.values())
+
+    wait_until(have_all, f"taken are {taken}")
+    for samples in taken.values():
+        changed = f"{RCLPY} has changed: taken are {samples!r}"
+        assert [sample.cdr for sample in samples] == [CDR] * 3, changed
+        assert all(type(sample.cdr) is bytes for sample in samples), changed
+        assert [sample.number for sample in samples] == [1, 2, 3], changed
+        for sample in samples:  # not in other units
+            assert before_ns - S <= sample.source_ns <= sample.received_ns, changed
+            assert sample.received_ns <= time.time_ns() + S, changed
+    sources = [[sample.source_ns for sample in samples] for samples in taken.values()]
+    assert sources[0] == sources[1], f"{RCLPY} has changed: other times by rcl: {sources}"
+
+
+@pytest.mark.parametrize("extra", [-1, 0, 1])
+def test_a_large_sample_is_a_view_that_outlives_all_else(node: Node, extra: int) -> None:
+    [subscription] = two_subscriptions(node, STRING)[:1]
+    publisher = node.create_publisher(STRING, "/count", 10)
     wait_until(publisher.get_subscription_count, "a publisher does not see its subscription")
-    rclpy_private.raw_publisher(publisher)(CDR)
-    taken = take_when_there(lambda: take(INT32, True), bool, "sample of publish_raw")
-    changed = f"{RCLPY} has changed: take_message returns {taken!r}"
-    assert isinstance(taken, tuple), changed
-    assert len(taken) == 2, changed
-    cdr, info = taken
-    assert type(cdr) is bytes, changed
-    assert cdr == CDR, changed
-    assert isinstance(info, dict), changed
-    received_ns = info.get("received_timestamp")
-    assert isinstance(received_ns, int), changed
-    assert before_ns - S <= received_ns <= time.time_ns() + S, changed  # not in other units
+    length = HANDED_OVER_BYTES + extra - 8
+    sent = [
+        b"\0\1\0\0" + length.to_bytes(4, "little") + bytes([char]) * (length - 1) + b"\0"
+        for char in b"abc"
+    ]
+    taken = []
+    for cdr in sent:
+        rclpy_private.raw_publisher(publisher)(cdr)
+        take = partial(rclpy_private.sample_taker(), subscription, STRING)
+        sample = take_when_there(take, bool, "large sample")
+        taken.append(sample.cdr[8:])
+        del take, sample
+    assert [type(each) for each in taken] == [bytes if extra < 0 else memoryview] * 3
+    assert [bytes(each) for each in taken] == [cdr[8:] for cdr in sent]
+    if extra >= 0:
+        with pytest.raises(TypeError, match="read-only"):
+            taken[0][0] = 0  # type: ignore[index]
+
+
+def test_the_memory_of_a_large_sample_is_freed_with_its_last_view(
+    node: Node, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    freed: list[int] = []
+    free = takes._Block.__del__
+
+    def note(block: takes._Block) -> None:
+        freed.append(block.__array_interface__["shape"][0])
+        free(block)
+
+    monkeypatch.setattr(takes._Block, "__del__", note)
+    [subscription] = two_subscriptions(node, STRING)[:1]
+    publisher = node.create_publisher(STRING, "/count", 10)
+    wait_until(publisher.get_subscription_count, "a publisher does not see its subscription")
+    take = rclpy_private.sample_taker()
+    cdr = b"\0\1\0\0" + (2**20).to_bytes(4, "little") + b"a" * (2**20 - 1) + b"\0"
+    before_kb = resident_kb()
+    for _ in range(100):
+        rclpy_private.raw_publisher(publisher)(cdr)
+        sample = take_when_there(lambda: take(subscription, STRING), bool, "large sample")
+    view = sample.cdr[8:16]
+    del sample
+    assert len(freed) == 99
+    assert bytes(view) == b"a" * 8
+    del view
+    assert freed == [len(cdr)] * 100
+    assert resident_kb() - before_kb < 50 * 1024  # of a hundred megabytes
+
+
+def resident_kb() -> int:
+    status = Path("/proc/self/status").read_text()
+    return int(re.search(r"VmRSS:\s+(\d+)", status)[1])  # type: ignore[index]
+
+
+class NotASubscription(contextlib.nullcontext[None]):
+    """The handle of a subscription that is none: 4 KiB of zeros."""
+
+    _zeros = ctypes.create_string_buffer(4096)
+    pointer = ctypes.addressof(_zeros)
+
+
+def test_what_rcl_refuses_is_said_in_its_words(node: Node, monkeypatch: pytest.MonkeyPatch) -> None:
+    take = rclpy_private.sample_taker()
+    [subscription] = two_subscriptions(node, INT32)[:1]
+    monkeypatch.setattr(takes, "handle_of", lambda _: NotASubscription())
+    with pytest.raises(RuntimeError, match=r"rcl_take_serialized_message returned \d+: \S"):
+        take(subscription, INT32)
+    monkeypatch.undo()
+    assert take(subscription, INT32) is None
+
+
+def test_a_subscription_that_is_destroyed_gives_nothing(node: Node) -> None:
+    [subscription] = two_subscriptions(node, INT32)[:1]
+    node.destroy_subscription(subscription)
+    with pytest.raises(RuntimeError):
+        rclpy_private.sample_taker()(subscription, INT32)
+
+
+def test_without_a_function_of_rcl_rclpy_takes(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(takes, "_TAKE", "rcl_take_nothing")
+    assert rclpy_private.sample_taker() is takes._take_by_rclpy
 
 
 def test_a_request_and_its_response_carry_the_number_that_sending_returned(node: Node) -> None:
@@ -231,7 +351,7 @@ def test_arrivals_are_counted_in_an_eventfd_until_that_is_stopped(node: Node) ->
     subscription = node.create_subscription(INT32, "/count", lambda _: None, 10, raw=True)
     publisher = node.create_publisher(INT32, "/count", 10)
     wait_until(publisher.get_subscription_count, "a publisher does not see its subscription")
-    take = rclpy_private.message_taker(subscription)
+    take = rclpy_private.sample_taker()
     callbacks = ReadyCallbacks()
     fd = os.eventfd(0, os.EFD_NONBLOCK)
     counted = 0
@@ -250,9 +370,9 @@ def test_arrivals_are_counted_in_an_eventfd_until_that_is_stopped(node: Node) ->
         wait_until(lambda: count_is(3), f"{setter} does not count each arrival")
         callbacks.stop("subscription", subscription)
         for _ in range(3):
-            take_when_there(lambda: take(INT32, True), bool, "sample")
+            take_when_there(lambda: take(subscription, INT32), bool, "sample")
         publisher.publish(CDR)
-        take_when_there(lambda: take(INT32, True), bool, "sample")
+        take_when_there(lambda: take(subscription, INT32), bool, "sample")
         assert count_is(3), f"rcl has changed: {setter} counts after it was told to stop"
     finally:
         os.close(fd)
@@ -343,7 +463,7 @@ def test_the_events_executor_delivers(context: Context) -> None:
     executor = rclpy_private.events_executor(context)
     assert executor is not None, f"{RCLPY} has changed: there is no EventsExecutor"
     executor.shutdown()
-    node = Node("spun", context=context, start_parameter_services=False)
+    node = open_node("spun", context, start_parameter_services=False)
     delivered = threading.Event()
     node.create_timer(0.001, delivered.set)
     thread = ExecutorThread(context)
@@ -422,7 +542,7 @@ SOURCES = [
     pytest.param(path, id=f"{folder.name}/{path.name}")
     for folder in (Path(gateway.ros.__file__).parent, Path(gateway_sim.__file__).parent)
     for path in sorted(folder.rglob("*.py"))
-    if path not in PRIVATE
+    if path not in PRIVATE and path.parent.name != "rclpy_private"
 ]
 
 

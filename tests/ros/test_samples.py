@@ -2,9 +2,11 @@
 """From DDS to the loop: what the contract cannot see."""
 
 import asyncio
+import contextlib
 import os
 import threading
-from collections.abc import Iterator
+from collections.abc import AsyncIterator, Iterator
+from typing import Any
 
 import pytest
 from rclpy.context import Context
@@ -14,11 +16,14 @@ from rclpy.node import Node
 from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.ports import MAX_TAKES_PER_TURN, Qos, Sample
 from gateway.ros.interfaces import message_class
+from gateway.ros.large_takes import LARGE_BYTES
 from gateway.ros.profile import to_profile
 from gateway.ros.qos import adopt
 from gateway.ros.ready_events import EventfdReadyEvents
 from gateway.ros.samples import Samples
-from tests.client import eventually
+from gateway.ros.wait_set_events import WaitSetReadyEvents
+from tests.client import TIMEOUT_S, eventually
+from tests.ros.nodes import open_node
 from tests.ros.outside import Outside, OutsidePublisher
 
 INT32 = "std_msgs/msg/Int32"
@@ -31,7 +36,7 @@ CLASS = message_class(INT32)
 def node() -> Iterator[Node]:
     context = Context()
     context.init(args=["--ros-args", "--disable-stdout-logs"])
-    node = Node("reading", context=context, start_parameter_services=False)
+    node = open_node("reading", context, start_parameter_services=False)
     yield node
     node.destroy_node()
     context.try_shutdown()
@@ -136,7 +141,7 @@ async def test_a_reader_unhooks_then_destroys_then_closes(
 
         monkeypatch.setattr(owner, name, recorded)
 
-    record(samples._ready_events._hooks, "stop")
+    record(samples.ready_events._hooks, "stop")
     record(node, "destroy_subscription")
     record(os, "close")
     reader = samples.read(CLASS, "/count", to_profile(adopt(Qos(), ())), lambda _: None)
@@ -163,7 +168,7 @@ async def test_a_reader_that_cannot_be_hooked_leaves_nothing(
     samples = samples_of(node)
     free = os.eventfd(0)
     os.close(free)
-    monkeypatch.setattr(samples._ready_events._hooks, "count", refuse)
+    monkeypatch.setattr(samples.ready_events._hooks, "count", refuse)
     with pytest.raises(RuntimeError, match="no callbacks today"):
         samples.read(CLASS, "/count", to_profile(adopt(Qos(), ())), lambda _: None)
     assert list(node.subscriptions) == []
@@ -216,3 +221,189 @@ async def test_what_one_callback_raises_does_not_stop_the_samples(
     await eventually(lambda: len(calls) > 3)
     reader.close()
     assert all(isinstance(each, LookupError) for each in raised)
+
+
+STRING = "std_msgs/msg/String"
+TEXT = message_class(STRING)
+
+
+def text(size: int, char: bytes) -> bytes:
+    """Return a String of so many bytes."""
+    length = size - 8
+    return b"\0\1\0\0" + length.to_bytes(4, "little") + char * (length - 1) + b"\0"
+
+
+class HeldTakes:
+    """Takes large samples as in the product, but each only after it was let."""
+
+    def __init__(self, samples: Samples) -> None:
+        self.begun = threading.Semaphore(0)
+        self.let = threading.Semaphore(0)
+        self.error: Exception | None = None
+        self._take = samples.large_takes._take
+        samples.large_takes._take = self._take_when_let
+
+    def _take_when_let(self, *args: Any) -> Sample | None:
+        self.begun.release()
+        assert self.let.acquire(timeout=TIMEOUT_S)
+        if self.error is not None:
+            raise self.error
+        return self._take(*args)
+
+    async def has_begun(self) -> None:
+        assert await asyncio.to_thread(self.begun.acquire, timeout=TIMEOUT_S)
+
+
+@pytest.fixture
+async def samples(node: Node) -> AsyncIterator[Samples]:
+    with contextlib.closing(samples_of(node)) as samples:
+        yield samples
+
+
+async def test_what_follows_a_large_sample_is_taken_while_the_loop_serves_others(
+    samples: Samples, outside: Outside
+) -> None:
+    held = HeldTakes(samples)
+    received: list[Sample] = []
+    qos = Qos(reliability="reliable", durability="volatile", depth=10)
+    publisher = outside.add_publisher("/cloud", STRING, qos)
+    reader = samples.read(TEXT, "/cloud", to_profile(adopt(qos, ())), received.extend)
+    await eventually(lambda: reader.publishers == publisher.subscribers == 1)
+    sent = [text(LARGE_BYTES + index, b"abcdef"[index : index + 1]) for index in range(6)]
+    publisher.publish(sent[0])  # on the loop: nobody knows yet
+    await eventually(lambda: len(received) == 1)
+    for cdr in sent[1:]:
+        publisher.publish(cdr)
+    await held.has_begun()
+    assert len(received) == 1  # and this runs on the loop, while the thread takes
+    for _ in range(100):  # also to find that there is no more
+        held.let.release()
+    await eventually(lambda: len(received) == 6)
+    publisher.publish(text(100, b"g"))
+    await eventually(lambda: len(received) == 7)
+    begun = held.begun
+    while begun.acquire(blocking=False):
+        pass
+    publisher.publish(text(100, b"h"))  # small ones follow a small one: on the loop again
+    await eventually(lambda: len(received) == 8)
+    assert not begun.acquire(blocking=False)
+    assert [bytes(sample.cdr) for sample in received[:6]] == sent
+    assert [sample.number for sample in received] == list(range(1, 9))
+    reader.close()
+
+
+async def test_the_first_sample_of_a_latched_topic_does_not_hold_the_loop(
+    samples: Samples, outside: Outside
+) -> None:
+    held = HeldTakes(samples)
+    latched = Qos(durability="transient_local", depth=1)
+    outside.add_publisher("/map", STRING, latched).publish(text(2 * LARGE_BYTES, b"m"))
+    received: list[Sample] = []
+    reader = samples.read(TEXT, "/map", to_profile(adopt(latched, ())), received.extend)
+    await held.has_begun()
+    assert received == []
+    for _ in range(5):  # DDS may tell of it several times
+        held.let.release()
+    await eventually(lambda: len(received) == 1)
+    reader.close()
+
+
+async def test_a_flush_waits_for_what_the_thread_is_taking(
+    samples: Samples, outside: Outside
+) -> None:
+    held = HeldTakes(samples)
+    latched = Qos(reliability="reliable", durability="transient_local", depth=10)
+    publisher = outside.add_publisher("/map", STRING, latched)
+    received: list[Sample] = []
+    reader = samples.read(TEXT, "/map", to_profile(adopt(latched, ())), received.extend)
+    publisher.publish(text(100, b"a"))
+    await held.has_begun()
+    threading.Timer(0.05, held.let.release).start()
+    reader.flush()
+    await eventually(lambda: len(received) == 1)
+    reader.flush()
+    assert len(received) == 1  # not twice
+    reader.close()
+
+
+async def test_a_reader_that_closes_delivers_nothing_that_the_thread_is_taking(
+    samples: Samples, outside: Outside
+) -> None:
+    held = HeldTakes(samples)
+    latched = Qos(durability="transient_local", depth=1)
+    outside.add_publisher("/map", STRING, latched).publish(text(100, b"a"))
+    received: list[Sample] = []
+    first, second = (
+        samples.read(TEXT, "/map", to_profile(adopt(latched, ())), received.extend)
+        for _ in range(2)
+    )
+    await held.has_begun()  # one of them; the other waits for the thread
+    threading.Timer(0.05, held.let.release, [20]).start()
+    first.close()
+    second.close()
+    await asyncio.to_thread(samples.close)
+    await asyncio.sleep(0)
+    assert received == []
+
+
+async def test_after_a_take_that_has_failed_the_loop_takes_what_has_come_meanwhile(
+    samples: Samples, outside: Outside
+) -> None:
+    loop = asyncio.get_running_loop()
+    raised: list[object] = []
+    loop.set_exception_handler(lambda _, context: raised.append(context["exception"]))
+    held = HeldTakes(samples)
+    held.error = RuntimeError("no memory")
+    latched = Qos(reliability="reliable", durability="transient_local", depth=10)
+    publisher = outside.add_publisher("/map", STRING, latched)
+    received: list[Sample] = []
+    reader = samples.read(TEXT, "/map", to_profile(adopt(latched, ())), received.extend)
+    publisher.publish(text(100, b"a"))
+    await held.has_begun()
+    publisher.publish(text(100, b"b"))
+    await eventually(lambda: reader._asks_again)
+    held.let.release()
+    await eventually(lambda: len(received) == 2)
+    assert raised == [held.error]
+    reader.close()
+
+
+async def test_a_reader_that_closes_waits_for_one_sample_alone(
+    samples: Samples, outside: Outside
+) -> None:
+    held = HeldTakes(samples)
+    latched = Qos(reliability="reliable", durability="transient_local", depth=10)
+    publisher = outside.add_publisher("/map", STRING, latched)
+    for _ in range(4):
+        publisher.publish(text(100, b"a"))
+    reader = samples.read(TEXT, "/map", to_profile(adopt(latched, ())), print)
+    await held.has_begun()
+    threading.Timer(0.05, held.let.release).start()
+    reader.close()
+    assert not held.begun.acquire(blocking=False)
+
+
+async def test_a_wait_set_does_not_tell_of_what_the_thread_is_taking(
+    node: Node, outside: Outside
+) -> None:
+    with (
+        contextlib.closing(WaitSetReadyEvents(node.context, asyncio.get_running_loop())) as events,
+        contextlib.closing(Samples(node, events)) as samples,
+    ):
+        held = HeldTakes(samples)
+        latched = Qos(reliability="reliable", durability="transient_local", depth=10)
+        publisher = outside.add_publisher("/map", STRING, latched)
+        received: list[Sample] = []
+        calls: list[int] = []
+        reader = samples.read(TEXT, "/map", to_profile(adopt(latched, ())), received.extend)
+        take_large = reader._take_large
+        reader._take_large = lambda: (calls.append(1), take_large())  # type: ignore[method-assign]
+        publisher.publish(text(100, b"a"))
+        await held.has_begun()
+        await asyncio.sleep(0.2)  # a loop that is told again and again runs meanwhile
+        assert len(calls) == 1
+        for _ in range(10):
+            held.let.release()
+        publisher.publish(text(100, b"b"))
+        await eventually(lambda: len(received) == 2)
+        reader.close()

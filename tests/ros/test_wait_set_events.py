@@ -18,6 +18,7 @@ from gateway.ros.rclpy_private import EntityWaitSet
 from gateway.ros.wait_set_events import WaitSetReadyEvents
 from tests.client import eventually
 from tests.clock import StoppedClock
+from tests.ros.nodes import open_node
 
 
 class Counting(EntityWaitSet):
@@ -34,7 +35,7 @@ class Counting(EntityWaitSet):
 def node() -> Iterator[Node]:
     context = Context()
     context.init(args=["--ros-args", "--disable-stdout-logs"])
-    node = Node("waiting", context=context, start_parameter_services=False)
+    node = open_node("waiting", context, start_parameter_services=False)
     yield node
     node.destroy_node()
     context.try_shutdown()

@@ -9,6 +9,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from gateway.ros.executor import ExecutorThread
+from tests.ros.nodes import open_node
 
 NAMES: Final = [
     "anything",
@@ -33,7 +34,7 @@ class NodeWithParameters:
     def __init__(self, name: str, *, silent: bool = False, **options: Any) -> None:
         self._context = Context()
         self._context.init(args=["--ros-args", "--disable-stdout-logs"])
-        self.node = Node(name, context=self._context, **options)
+        self.node = open_node(name, self._context, **options)
         self._executor = None
         if not silent:
             self._executor = ExecutorThread(self._context, standard=True)
