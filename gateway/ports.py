@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Final, Literal, NamedTuple, Protocol
 
 from gateway.action_ports import ActionClient, ActionServer, GoalRequest
+from gateway.codec.cdr import Cdr
 from gateway.faults import Fault
 
 Reliability = Literal["reliable", "best_effort"]
@@ -39,7 +40,7 @@ Origin = tuple[int, int | None]
 class Sample(NamedTuple):
     """One message as it came from DDS; times are nanoseconds of the system clock."""
 
-    cdr: bytes  # with its 4-byte encapsulation header
+    cdr: Cdr
     received_ns: int  # when the middleware took it
     source_ns: int = 0  # when it was published, by the publisher's clock
     number: int | None = None  # of the publisher's samples, where the middleware has one

@@ -3,12 +3,10 @@
 
 import contextlib
 import logging
-import os
 import ssl
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
 
@@ -17,12 +15,11 @@ from gateway.access.audit import Audit
 from gateway.access.audit_file import AuditFile
 from gateway.access.authentication import Authentication
 from gateway.access.permissions import Policy
-from gateway.access.posture import Posture, posture_of
+from gateway.access.posture import Posture
 from gateway.access.tokens import TokenFileError, Tokens, make_token
 from gateway.access.web_rules import WebRules
-from gateway.config.access import TlsConfig
+from gateway.access_files import load_certificate, now_text, read_access, read_tokens, token_path
 from gateway.config.model import Config
-from gateway.errors import ConfigError, system_reason
 from gateway.faults import Fault
 from gateway.server.http import own_names
 
@@ -61,7 +58,7 @@ class Security:
                 logger.warning("%s is not there: the tokens stay as they were", path)
                 tokens = self.authentication.tokens
         if self.tls is not None and config.tls.cert is not None:
-            _load_certificate(self.tls, config.tls)
+            load_certificate(self.tls, config.tls)
         return tokens, Policy(config.access)
 
 
@@ -72,78 +69,14 @@ def open_security(config: Config) -> Iterator[Security]:
     Raises:
         ConfigError: the configuration contradicts itself, or a file that it names is unusable.
     """
-    posture = posture_of(config)
-    if config.tls.port is not None and config.tls.port == config.port != 0:
-        raise ConfigError(f"tls.port: {config.port} is the plain port already")
-    tls = tls_context(config.tls)
-    policy = Policy(config.access)
-    authentication = Authentication(Tokens(), policy, posture.anonymous_role)
+    posture, tls, authentication = read_access(config)
     path = token_path(config)
     new_token = None
-    if authentication.looks_at_tokens:
-        authentication.tokens = read_tokens(path)
-        if posture.needs_token and not authentication.tokens.known:
-            new_token = _make_first(authentication, path)
+    if posture.needs_token and not authentication.tokens.known:
+        new_token = _make_first(authentication, path)
     rules = WebRules(own_names(), config.allowed_hosts, config.allowed_origins)
     with _audit(config, is_wanted=posture.is_open or posture.needs_token) as (audit, faults):
         yield Security(posture, authentication, audit, rules, tls, path, new_token, faults)
-
-
-def token_path(config: Config) -> Path:
-    """Return the path of the token file."""
-    if config.access.token_file is not None:
-        return Path(config.access.token_file)
-    return token_file.default_path(os.environ)
-
-
-def read_tokens(path: Path) -> Tokens:
-    """Read the token file.
-
-    Raises:
-        ConfigError: it is unusable.
-    """
-    try:
-        return token_file.read(path)
-    except TokenFileError as error:
-        raise ConfigError(f"access.token_file: {error}") from error
-
-
-def tls_context(config: TlsConfig) -> ssl.SSLContext | None:
-    """Return the context of a certificate; ``None`` if none is configured.
-
-    Raises:
-        ConfigError: the certificate or the key cannot be used.
-    """
-    if config.cert is None:
-        if config.port is not None:
-            raise ConfigError("tls.port: needs tls.cert here")
-        if config.key is not None:
-            raise ConfigError("tls.key: of no use without tls.cert")
-        return None
-    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
-    context.minimum_version = ssl.TLSVersion.TLSv1_2
-    _load_certificate(context, config)
-    return context
-
-
-def now_text() -> str:
-    """Return the time for the field `created` of a token."""
-    return datetime.now(UTC).isoformat(timespec="seconds")
-
-
-def _load_certificate(context: ssl.SSLContext, config: TlsConfig) -> None:
-    assert config.cert is not None  # noqa: S101  # the callers have checked
-    try:
-        # a password, so that an encrypted key is an error and not a question on the terminal
-        context.load_cert_chain(config.cert, config.key, password="")
-    except ssl.SSLError as error:
-        which = f"{config.cert}" if config.key is None else f"{config.cert} and {config.key}"
-        reason = (error.reason or "").lower().replace("_", " ")
-        expected = "expected a certificate and its key, unencrypted, in PEM"
-        raise ConfigError(f"tls.cert: cannot use {which}, {reason or expected}") from error
-    except OSError as error:
-        text = f"tls.cert, tls.key: cannot read the files, {system_reason(error)}"
-        raise ConfigError(text) from error
 
 
 def _make_first(authentication: Authentication, path: Path) -> str:

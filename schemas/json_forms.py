@@ -60,7 +60,7 @@ def wholes(values: list[Any]) -> list[Any]:
     """Return an array of integers and floats with `whole` done to each."""
     if first_fraction(values) is not None:
         return values
-    return [value if type(value) is int else int(value) for value in values]
+    return list(map(int, values))
 
 
 def first_fraction(values: list[Any]) -> int | None:

@@ -190,6 +190,9 @@ def resolve_any(requested: str | int, table: Table, known: Container[str]) -> st
     for kind in get_args(InterfaceKind):
         if f"/{kind}/" in text:
             return resolve_interface(text, kind)
+    if not (_NUMBER.fullmatch(text) or _TYPE_SPELLING.fullmatch(text)):
+        forms = "pkg/msg/Name, pkg/srv/Name, pkg/action/Name, pkg/Name or a table number"
+        raise TypeNameError(f"{requested!r} is no type: expected {forms}", text)
     message = resolve_type(requested, table)
     if message in known or not _INTERFACE_SPELLING.fullmatch(text):
         return message

@@ -127,8 +127,8 @@ def test_without_ros_a_definition_needs_its_package_and_no_other_name(bare_venv,
     finished = run(*command, "std_msgs/Header", cwd=tmp_path)
     assert finished.returncode == 2
     assert finished.stderr == (
-        "ros2-gateway: no definition of std_msgs/msg/Header is installed,"
-        " --definition needs the message package installed\n"
+        "ros2-gateway: no definition of std_msgs/msg/Header is installed:"
+        " install its package, or name a folder with its definition by --types-path\n"
     )
     misspelt = run(*command, "std_msgs/Headr", cwd=tmp_path)
     assert misspelt.stderr.endswith("is installed, did you mean std_msgs/msg/Header\n")

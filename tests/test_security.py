@@ -10,11 +10,12 @@ import pytest
 
 from gateway.access.token_file import change, read
 from gateway.access.tokens import make_token
+from gateway.access_files import tls_context
 from gateway.cli.certificate import make_certificate
 from gateway.config.access import AccessConfig, AuditConfig, OperatorConfig, TlsConfig
 from gateway.config.model import Config
 from gateway.errors import ConfigError
-from gateway.security import open_security, tls_context
+from gateway.security import open_security
 
 NOW = "2026-01-02T03:04:05+00:00"
 

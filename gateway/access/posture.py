@@ -41,6 +41,8 @@ def posture_of(config: Config) -> Posture:
             f"lan: got true, but host is {config.host}, which only this machine reaches;"
             " leave one of them out"
         )
+    if config.tls.port is not None and config.tls.port == config.port != 0:
+        raise ConfigError(f"tls.port: {config.port} is the plain port already")
     by_default = EVERYWHERE if config.lan else LOOPBACKS
     hosts = (config.host,) if names_host else by_default
     is_open = config.lan or not is_loopback(config.host)

@@ -6,8 +6,16 @@ from pathlib import Path
 from typing import Final
 
 from gateway.config.domain_id import DOMAIN_ID_EXPECTATION, is_domain_id
+from schemas.assembly_name import EXPECTATION, is_assembly_name
 
 MAX_TIMEOUT_S: Final = 600
+
+
+def assembly_name(text: str) -> str:
+    """Return the name of a Unity assembly."""
+    if not is_assembly_name(text):
+        raise argparse.ArgumentTypeError(f"got {text!r}, expected {EXPECTATION}")
+    return text
 
 
 def domain_id(text: str) -> int:

@@ -9,6 +9,7 @@ which closes its clients while the robot still runs.
 
 import os
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -16,7 +17,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Final
 
-from gateway.errors import RobotDiedError
+from gateway.errors import BindError, RobotDiedError
 
 STOP_TIMEOUT_S: Final = 1.0  # with the gateway's own second, the 2 s of a shutdown
 
@@ -25,6 +26,19 @@ def robot_command(*, twist_stamped: bool = False) -> list[str]:
     """Return the command that runs the simulated robot for as long as we hold its stdin open."""
     command = [sys.executable, "-m", "gateway", "sim", "--until-stdin-closes"]
     return [*command, "--twist-stamped"] if twist_stamped else command
+
+
+def require_free_port(host: str, port: int) -> None:
+    """Look for a gateway that runs already: a second robot would drive by the first one's topics.
+
+    Raises:
+        BindError: the port is in use.
+    """
+    try:
+        family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+        socket.create_server(address[:2], family=family).close()
+    except OSError as error:
+        raise BindError(host, port, error) from error
 
 
 def run(serve: Callable[[], int], robot: Sequence[str]) -> int:

@@ -5,18 +5,18 @@ import argparse
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Final
 
-from gateway.cli.output_files import write_files
+from gateway.cli.local_definitions import local_definitions
+from gateway.cli.output_files import made_files, write_files
 from gateway.cli.remote_connection import DEFAULT_TIMEOUT_S, Gateway
 from gateway.cli.remote_types import remote_types
 from gateway.cli.type_names import TypeNames, is_pattern, matching
-from gateway.config.settings import TOKEN_VARIABLE, load
-from gateway.definitions import known_definitions
+from gateway.config.settings import TOKEN_VARIABLE
 from gateway.errors import UsageError
 from schemas.definition import DefinitionError
 from schemas.generate.catalogue import Catalogue
-from schemas.generate.csharp_clients import differing
 from schemas.generate.languages import LANGUAGES
 from schemas.generate.request import MARK, ClientCodeError, Request
 from schemas.installed import InstalledDefinitions, UnknownTypeError
@@ -65,6 +65,8 @@ def _check(arguments: argparse.Namespace) -> None:
         raise UsageError("--wire is for typescript alone")
     if arguments.complete and arguments.language != "csharp":
         raise UsageError("--complete is for csharp alone")
+    if arguments.asmdef and (arguments.language != "csharp" or arguments.output is None):
+        raise UsageError("--asmdef is for csharp with --output: it is a file beside the classes")
     if arguments.source is None and (arguments.token or arguments.ca or arguments.timeout):
         raise UsageError("--token, --ca and --timeout are for a running gateway: name it by --from")
     if arguments.source is not None and (arguments.types_path or arguments.config):
@@ -90,10 +92,7 @@ def _found(arguments: argparse.Namespace, environment: Mapping[str, str]) -> Ite
 
 
 def _local(arguments: argparse.Namespace, environment: Mapping[str, str]) -> _Found:
-    configured = load(environment=environment, file=arguments.config).config.types.paths
-    sources = {"--types-path": arguments.types_path, "types.paths": configured}
-    named = " or ".join(source for source, paths in sources.items() if paths)
-    definitions = known_definitions([*arguments.types_path, *configured], named)
+    definitions = local_definitions(arguments, environment)
     known = TypeNames(definitions)
     names: set[str] = set()
     shown: set[str] = set()
@@ -122,24 +121,25 @@ def _request(arguments: argparse.Namespace, found: _Found) -> Request:
         catalogue = Catalogue.of_types(found.names, found.definitions)
     except UnknownTypeError as error:  # a nested one
         raise UsageError(f"{error}: {_WHERE_ELSE}") from error
-    options = [
-        *(["--wire", arguments.wire] if arguments.wire != "json" else []),
-        *(["--complete"] if arguments.complete else []),
-    ]
-    command = " ".join([arguments.language, *options, *found.shown])
-    return Request(
-        found.names, catalogue, f"{MARK}{command}; do not edit.", arguments.wire, arguments.complete
+    asked = Request(
+        found.names, catalogue, MARK, arguments.wire, arguments.complete, arguments.asmdef
     )
+    return asked.made_by(arguments.language, found.shown)
 
 
 def _generated(arguments: argparse.Namespace, request: Request) -> Generated:
     language = LANGUAGES[arguments.language]
-    notes = _notes(request) if arguments.language == "csharp" else ()
+    notes = language.notes(request)
     if arguments.output is None:
         return Generated(language.text(request), notes)
+    texts = language.files(request)
+    if request.asmdef is not None:
+        _check_assembly(arguments.output, request.asmdef)
+    if arguments.language == "csharp":
+        notes = (*notes, *_notes_of_old(arguments.output, texts))
     changed = write_files(
         arguments.output,
-        language.files(request),
+        texts,
         MARK,
         replace=arguments.force,
         optional=language.optional,
@@ -148,10 +148,21 @@ def _generated(arguments: argparse.Namespace, request: Request) -> Generated:
     return Generated("".join(lines), notes)
 
 
-def _notes(request: Request) -> tuple[str, ...]:
-    found = [] if request.complete else differing(request.catalogue)
-    return tuple(
-        f"{name} has other fields than the class in the Unity package, which is used: fields that "
-        "the class lacks are skipped"
-        for name in found
-    )
+def _check_assembly(folder: Path, name: str) -> None:
+    """Refuse a second assembly definition: Unity takes one in a folder."""
+    other = next((p.name for p in folder.glob("*.asmdef") if p.name != f"{name}.asmdef"), None)
+    if other is not None:
+        raise UsageError(
+            f"{folder} has {other}, and Unity takes one assembly in a folder: name that one, or "
+            "choose another --output"
+        )
+
+
+def _notes_of_old(folder: Path, texts: Mapping[str, str]) -> Iterator[str]:
+    """Tell of classes of an earlier run: with an assembly, those of the last run are registered."""
+    old = [p.name for p in made_files(folder, "*.cs", MARK) if p.name not in texts]
+    if old and "MessageRegistration.cs" in {*old, *texts}:
+        yield (
+            f"{', '.join(old)} in {folder} {'is' if len(old) == 1 else 'are'} of an earlier run: "
+            "name all types at once and --asmdef, or delete what is no longer wanted"
+        )

@@ -222,7 +222,7 @@ def _run_gateway(
 
 def _with_certificate(config: "Config") -> "Config":
     """Return a configuration in which a port for TLS has a certificate, this machine's own."""
-    if config.tls.port is None or config.tls.cert is not None:
+    if config.tls.port is None or config.tls.cert is not None or config.tls.key is not None:
         return config
     from gateway.access.token_file import default_path
     from gateway.cli.certificate import own_certificate
@@ -232,14 +232,26 @@ def _with_certificate(config: "Config") -> "Config":
     return config.model_copy(update={"tls": tls})
 
 
+def _without_own_certificate(config: "Config") -> "Config":
+    """Return a configuration to look at, which needs none of what `serve` would make."""
+    if config.tls.cert is not None:
+        return config
+    return config.model_copy(update={"tls": config.tls.model_copy(update={"port": None})})
+
+
 def _demo(arguments: argparse.Namespace) -> int:
     loaded = _configuration(arguments)
     if arguments.print_config:
         return _print_config(loaded)
     use_ros(loaded.config.ros.domain_id)  # the robot inherits it
     require_rclpy()
+    from gateway.access.posture import posture_of
     from gateway.cli import demo
 
+    config = loaded.config
+    for port in (config.port, config.tls.port):
+        if port is not None:
+            demo.require_free_port(posture_of(config).hosts[0], port)
     # the robot on this desk is nobody else's business; read when the middleware starts
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
 
@@ -287,12 +299,12 @@ def _mock(arguments: argparse.Namespace) -> int:
 
 
 def _schema(arguments: argparse.Namespace) -> int:
+    from gateway.cli.local_definitions import local_definitions
     from gateway.cli.type_names import TypeNames
-    from gateway.definitions import known_definitions
     from schemas.definition import DefinitionError
     from schemas.installed import UnknownTypeError
 
-    definitions = known_definitions((), "")
+    definitions = local_definitions(arguments, os.environ)
     names = TypeNames(definitions)
     name = names.resolve(arguments.type)
     try:
@@ -302,7 +314,7 @@ def _schema(arguments: argparse.Namespace) -> int:
             text = _schema_text(name, definitions)
     except UnknownTypeError as error:
         near = names.nearest(name)
-        hint = ", --definition needs the message package installed" * arguments.definition
+        hint = ": install its package, or name a folder with its definition by --types-path"
         raise UsageError(f"{error}, did you mean {near}" if near else f"{error}{hint}") from error
     except DefinitionError as error:
         raise UsageError(str(error)) from error
@@ -339,9 +351,9 @@ def _schema_text(name: str, definitions: "InstalledDefinitions") -> str:
 
 
 def _token(arguments: argparse.Namespace) -> int:
+    from gateway.access_files import token_path
     from gateway.cli import tokens
     from gateway.config.settings import load
-    from gateway.security import token_path
 
     path = arguments.file
     if path is None:
@@ -381,6 +393,7 @@ def _cert(arguments: argparse.Namespace) -> int:
 
 def _check_config(arguments: argparse.Namespace) -> int:
     from gateway.access.posture import posture_of
+    from gateway.access_files import read_access
     from gateway.config.settings import load, reference
 
     if arguments.keys:
@@ -388,6 +401,11 @@ def _check_config(arguments: argparse.Namespace) -> int:
         return EXIT_OK
     loaded = load(environment=os.environ, file=arguments.file)
     posture_of(loaded.config)  # an error if values contradict each other
+    read_access(_without_own_certificate(loaded.config))
+    if paths := loaded.config.types.paths:
+        from gateway.definitions import known_definitions
+
+        known_definitions(paths, "types.paths")
     given = sum(origin != "default" for origin in loaded.origins.values())
     values = "1 value" if given == 1 else f"{given} values"
     print(f"the configuration is right: {values} given, the others have their defaults")

@@ -2,6 +2,7 @@
 """Generated files in somebody's folder, where other files must not be harmed."""
 
 from collections.abc import Collection, Mapping
+from fnmatch import fnmatch
 from pathlib import Path
 from typing import Final
 
@@ -21,7 +22,8 @@ def write_files(
     """Write texts by their paths below a folder; return the paths of the files that have changed.
 
     A file without *mark* in its first lines is somebody else's: nothing is written if there is one,
-    unless they may be replaced. Of the *optional* ones, those of others are left as they are.
+    unless they may be replaced. Of those whose names fit one of the patterns *optional*, those of
+    others are left as they are.
 
     Raises:
         UsageError: files would be overwritten, or something else is in their place.
@@ -30,7 +32,7 @@ def write_files(
     wanted = {folder / path: text.encode() for path, text in texts.items()}
     try:
         foreign = [path for path in wanted if _is_foreign(path, mark) and not replace]
-        kept = {folder / path for path in optional}.intersection(foreign)
+        kept = {p for p in foreign if any(fnmatch(p.name, pattern) for pattern in optional)}
         if refused := [path for path in foreign if path not in kept]:
             more = f" and {len(refused) - 1} more" if len(refused) > 1 else ""
             raise UsageError(
@@ -48,6 +50,18 @@ def write_files(
     except OSError as error:
         raise GatewayError(f"cannot write {error.filename}, {system_reason(error)}") from error
     return changed
+
+
+def made_files(folder: Path, pattern: str, mark: str) -> list[Path]:
+    """Return the files of a folder that have *mark*; none of a folder that is not there.
+
+    Raises:
+        GatewayError: a file cannot be read.
+    """
+    try:
+        return [p for p in sorted(folder.glob(pattern)) if p.is_file() and not _is_foreign(p, mark)]
+    except OSError as error:
+        raise GatewayError(f"cannot read {error.filename}, {system_reason(error)}") from error
 
 
 def _is_foreign(path: Path, mark: str) -> bool:

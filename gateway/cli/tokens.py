@@ -6,9 +6,9 @@ from pathlib import Path
 
 from gateway.access import token_file
 from gateway.access.tokens import TokenFileError, is_name, make_token
+from gateway.access_files import now_text
 from gateway.config.access import Role
 from gateway.errors import UsageError
-from gateway.security import now_text
 
 
 def create(path: Path, name: str, role: Role) -> str:

@@ -26,6 +26,24 @@ def network(text: str) -> str:
     return text
 
 
+# the gateway answers these itself, so no WebSocket can begin there
+TAKEN_PATHS: Final = (
+    *("/healthz", "/healthz/live", "/healthz/ready", "/metrics"),
+    *("/stream", "/snapshot"),
+)
+
+
+def free_path(text: str) -> str:
+    """Return a path as it was given.
+
+    Raises:
+        ValueError: it is one of `TAKEN_PATHS`.
+    """
+    if text in TAKEN_PATHS:
+        raise ValueError("the gateway has something else there")
+    return text
+
+
 _NAME_PART: Final = "[A-Za-z_][A-Za-z0-9_]*"  # rcl: a token of a name begins with no digit
 
 Host = Annotated[
@@ -36,7 +54,12 @@ Host = Annotated[
 UrlPath = Annotated[
     str,
     StringConstraints(pattern=r"^/[0-9A-Za-z._~/-]*$"),
-    Field(json_schema_extra={"expected": "a path such as / or /ros"}),
+    AfterValidator(free_path),
+    Field(
+        json_schema_extra={
+            "expected": f"a path such as / or /ros, and none of {', '.join(TAKEN_PATHS)}"
+        }
+    ),
 ]
 Origin = Annotated[str, StringConstraints(pattern=r"^(\*|null|[a-z][a-z0-9+.-]*://[^\s/,]+)$")]
 Origins = Annotated[

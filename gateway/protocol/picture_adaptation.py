@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pictures that fit the link: how much smaller than asked for one client's are to be."""
 
+from itertools import compress
 from typing import Final, NamedTuple
 
 
@@ -34,13 +35,24 @@ ROOM: Final = 0.75
 PATIENCE_NS: Final = 2_000_000_000
 
 
-class PictureAdaptation:
-    """The step of one subscription, by the frames that it sends and the rate of its link."""
+# By how much what is learned about a step may differ from the table: one scene may have changed
+# for another between the two pictures that are compared.
+_MOST_OFF: Final = 4.0
 
-    __slots__ = ("_fits_since_ns", "_outdated", "step")
+
+class PictureAdaptation:
+    """The step of one subscription, by the frames that it sends and the rate of its link.
+
+    Where a client has set a quality, steps are larger or smaller than in the table: what a change
+    of the step has made of the size is learned, or the two would follow each other for ever.
+    """
+
+    __slots__ = ("_before", "_fits_since_ns", "_outdated", "_parts", "step")
 
     def __init__(self) -> None:
         self.step = STEPS[0]
+        self._parts = [step.part for step in STEPS]
+        self._before: float | None = None  # bytes of the whole picture, before the last change
         self._fits_since_ns: int | None = None  # the next larger picture would have fitted
         self._outdated = 0  # frames of the step before, still to be sent
 
@@ -52,13 +64,19 @@ class PictureAdaptation:
         if self._outdated:
             self._outdated -= 1
             return False
-        whole = size / self.step.part
-        fitting = whole if bytes_per_s is None else bytes_per_s * MAX_HOLD_S
         at = STEPS.index(self.step)
+        parts = self._parts
+        if self._before is not None:
+            least, most = STEPS[at].part / _MOST_OFF, STEPS[at].part * _MOST_OFF
+            parts[at] = min(max(size / self._before, least), most)
+            self._before = None
+        whole = size / parts[at]
+        fitting = whole if bytes_per_s is None else bytes_per_s * MAX_HOLD_S
         if size > fitting:
             self._fits_since_ns = None
-            self.step = next((step for step in STEPS if whole * step.part <= fitting), STEPS[-1])
-        elif at and whole * STEPS[at - 1].part <= fitting * ROOM:
+            fits = (whole * part <= fitting for part in parts[at + 1 :])
+            self.step = next(compress(STEPS[at + 1 :], fits), STEPS[-1])
+        elif at and whole * parts[at - 1] <= fitting * ROOM:
             if self._fits_since_ns is None:
                 self._fits_since_ns = now_ns
             elif now_ns - self._fits_since_ns >= PATIENCE_NS:
@@ -66,7 +84,10 @@ class PictureAdaptation:
                 self.step = STEPS[at - 1]
         else:
             self._fits_since_ns = None
-        return self.step is not STEPS[at]
+        if self.step is STEPS[at]:
+            return False
+        self._before = whole
+        return True
 
     def stepped(self, outdated: int) -> None:
         """Take note that the step is applied, while frames of the one before still wait."""

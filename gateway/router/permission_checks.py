@@ -148,6 +148,7 @@ def _needs_no_permission(
     | gateway.Hello
     | gateway.Help
     | gateway.Describe
+    | gateway.Generate
     | gateway.GraphRequest
     | gateway.Events
     | gateway.SetLevel

@@ -7,7 +7,7 @@ import time
 from collections.abc import Awaitable, Callable, Sequence
 from concurrent.futures import Executor
 from functools import partial
-from typing import Any, Protocol, assert_never
+from typing import Any, Protocol, TypeVar, assert_never
 
 from gateway.access.audit import Audit
 from gateway.access.permissions import UNLIMITED, Identity
@@ -64,6 +64,9 @@ class SessionOwner(Protocol):
 
     def leave(self, session: Session) -> None:
         """Close and forget everything of a client in this part."""
+
+
+_Operation = TypeVar("_Operation", bound=ClientOperation)
 
 
 class Router:
@@ -232,6 +235,7 @@ class Router:
         self._transforms.close()
         self._listener.close()
         self._goals.close()
+        self._introspection.close()
         self._learned.close()
         self._service_clients.close()
 
@@ -311,11 +315,10 @@ class Router:
                 | parameters.SetParameters()
                 | parameters.DescribeParameters()
             ):
-                work = partial(self._views.of(session).parameters.carry_out, operation)
+                work = self._views.of(session).parameters.carry_out
                 self._answer_later(session, operation, work, self._asking)
             case transforms.LookupTransform(rate=None):
-                work = partial(self._transforms.lookup, operation)
-                self._answer_later(session, operation, work, self._looking)
+                self._answer_later(session, operation, self._transforms.lookup, self._looking)
             case transforms.LookupTransform():
                 self._transforms.watch(session, operation)
             case transforms.CancelTransform():
@@ -336,6 +339,8 @@ class Router:
                 self._introspection.help(session, operation)
             case gateway.Describe():
                 self._introspection.describe(session, operation)
+            case gateway.Generate():
+                self._generate(session, operation)
             case gateway.GraphRequest():
                 self._introspection.graph(session, operation)
             case gateway.Events():
@@ -347,6 +352,10 @@ class Router:
                     session.authenticate(operation)
             case _:
                 assert_never(operation)
+
+    def _generate(self, session: Session, operation: gateway.Generate) -> None:
+        write = partial(self._introspection.generate, session)
+        self._answer_later(session, operation, write, self._asking)
 
     def _parts(self) -> tuple[SessionOwner, ...]:
         return (
@@ -382,12 +391,12 @@ class Router:
     def _answer_later(
         self,
         session: Session,
-        operation: ClientOperation,
-        work: Callable[[], Awaitable[dict[str, Any]]],
+        operation: _Operation,
+        work: Callable[[_Operation], Awaitable[dict[str, Any]]],
         tasks: Tasks,
     ) -> None:
         async def answer() -> None:
-            session.answer(operation.op, operation.id, **await work())
+            session.answer(operation.op, operation.id, **await work(operation))
 
         tasks.start(session, operation, answer, Deadline.within(ASKING_S))
 

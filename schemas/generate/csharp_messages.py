@@ -11,7 +11,7 @@ from typing import Final
 
 from schemas.definition import Constant, Definition, Field, FieldType
 from schemas.generate.catalogue import GENERATED, Catalogue, by_package
-from schemas.generate.csharp_catalogue import catalogue_source
+from schemas.generate.csharp_table import table_source
 from schemas.generate.csharp_text import (
     TYPES,
     ClassNames,
@@ -47,16 +47,24 @@ _READS: Final = {
 _INHERITED: Final = ("/// <inheritdoc/>",)
 _KINDS: Final = {"srv": "Service", "action": "Action"}
 
-# The gateway stamps a header that has no stamp; a stamp of 0 would stay 0.
+# The gateway stamps a header that has no stamp; a stamp of 0 stays 0.
 _UNSTAMPED: Final = ("std_msgs/msg/Header", "stamp")
 _HEADER_REMARK: Final = """\
-A stamp of 0 is not written, so that the gateway stamps the message when it arrives."""
+A stamp that nobody has set is not written, so that the gateway stamps the message when it arrives.
+A stamp of 0 that was read, or assigned (<c>header.stamp = new TimeMsg()</c>), stays 0."""
+_UNSET: Final = (
+    ["private BuiltinInterfaces.TimeMsg _unset; // what stamp is until it is read or assigned"],
+    [
+        *("/// <summary>A header that the gateway will stamp.</summary>", "public HeaderMsg()"),
+        *("{", "    _unset = this.stamp;", "}"),
+    ],
+)
 
 
 def write(catalogue: Catalogue) -> dict[str, str]:
-    """Return the file of each package, and that of the catalogue of all classes."""
+    """Return the file of each package, and that of the message table."""
     purposes = catalogue.purposes()
-    files = {f"{CSHARP_FOLDER}/MessageCatalogue.cs": catalogue_source(catalogue)}
+    files = {f"{CSHARP_FOLDER}/MessageTable.cs": table_source(catalogue)}
     top = f"// SPDX-License-Identifier: Apache-2.0\n{head(GENERATED)}"
     for package, own in by_package(catalogue.messages()).items():
         text = file_of([namespace_of(package, own, purposes)], top)
@@ -92,16 +100,17 @@ def _class(definition: Definition, names: ClassNames, purpose: str | None) -> li
         *(_constant(constant, own, members.values()) for constant in definition.constants),
         *(_field(field, members[field.name], names) for field in definition.fields),
         _member_names(definition),
+        *(_UNSET if definition.name == _UNSTAMPED[0] else ()),
         _ros_type(),
         _read(definition, members, names),
         _write(definition, members),
     ]
     body = [line for block in blocks for line in ["", *block]]
     remark = _HEADER_REMARK if definition.name == _UNSTAMPED[0] else ""
-    parts = [f"{purpose}." if purpose else "", definition.comment, remark]
+    parts = [f"{purpose}." if purpose else "", definition.comment]
     text = "\n\n".join(part for part in parts if part) or f"{definition.name}."
     return [
-        *summary(escaped(text)),
+        *summary(escaped(text) + (f"\n\n{remark}" if remark else "")),
         f"public sealed class {own} : IMessage",
         "{",
         *_indented(body[1:]),
@@ -190,7 +199,8 @@ def _read(definition: Definition, members: Mapping[str, str], names: ClassNames)
     cases: list[str] = []
     for index, field in enumerate(definition.fields):
         statement = _read_field(field.type, f"this.{members[field.name]}", names)
-        cases += [f"case {index}:", f"    {statement}", "    break;"]
+        mark = ["    _unset = null;"] if (definition.name, field.name) == _UNSTAMPED else []
+        cases += [f"case {index}:", *mark, f"    {statement}", "    break;"]
     cases += ["default:", "    reader.Skip();", "    break;"]
     return [
         *_INHERITED,
@@ -210,17 +220,16 @@ def _read(definition: Definition, members: Mapping[str, str], names: ClassNames)
 
 
 def _read_field(kind: FieldType, member: str, names: ClassNames) -> str:
-    length = "" if kind.length is None else str(kind.length)
+    length = "" if kind.length is None else f", {kind.length}"
     if kind.is_octets:
-        return f"{member} = reader.ReadBytes({length});"
+        return f"{member} = reader.ReadBytes({member}{length});"
     if kind.is_primitive and kind.is_array:
-        return f"{member} = reader.Read{_READS[kind.base]}s({length});"
+        return f"{member} = reader.Read{_READS[kind.base]}s({member}{length});"
     if kind.is_primitive:
         return f"{member} = reader.Read{_READS[kind.base]}();"
     element = names[kind.base]
     if kind.is_array:
-        also = f", {length}" if length else ""
-        return f"{member} = NestedMessages.Read(reader, () => new {element}(){also});"
+        return f"{member} = NestedMessages.Read({member}, reader, () => new {element}(){length});"
     return f"({member} ?? ({member} = new {element}())).Read(reader);"
 
 
@@ -229,7 +238,8 @@ def _write(definition: Definition, members: Mapping[str, str]) -> list[str]:
     for field in definition.fields:
         statements = _write_field(field, f"this.{members[field.name]}")
         if (definition.name, field.name) == _UNSTAMPED:
-            condition = "this.stamp != null && (this.stamp.sec != 0 || this.stamp.nanosec != 0)"
+            is_set = "this.stamp != _unset || this.stamp.sec != 0 || this.stamp.nanosec != 0"
+            condition = f"this.stamp != null && ({is_set})"
             statements = [f"if ({condition})", "{", *_indented(statements), "}"]
         lines += statements
     return [

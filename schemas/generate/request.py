@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The input of the writers of clients' code: some types, and the words at the top of each file."""
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 from schemas.generate.catalogue import Catalogue
@@ -23,7 +24,7 @@ class Request:
     ``names`` are their full names, sorted; ``catalogue`` has these and all nested types;
     ``generated`` is one line that begins with `MARK`. ``wire`` is the form of received messages,
     of which TypeScript alone knows two. ``complete`` asks for the C# classes that the Unity
-    package has, too.
+    package has, too. ``asmdef`` names the Unity assembly that the C# files are to be, if any.
     """
 
     names: tuple[str, ...]
@@ -31,3 +32,14 @@ class Request:
     generated: str
     wire: Wire = "json"
     complete: bool = False
+    asmdef: str | None = None
+
+    def made_by(self, language: str, types: Iterable[str]) -> "Request":
+        """Return it with the command that asks for it: *types* are as somebody has named them."""
+        options = [
+            *(["--wire", self.wire] if self.wire != "json" else []),
+            *(["--complete"] if self.complete else []),
+            *(["--asmdef", self.asmdef] if self.asmdef else []),
+        ]
+        command = " ".join([language, *options, *sorted(types)])
+        return replace(self, generated=f"{MARK}{command}; do not edit.")

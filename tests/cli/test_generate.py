@@ -8,7 +8,8 @@ import sys
 
 import pytest
 
-from gateway.cli.arguments import LANGUAGES, argument_parser
+from gateway.cli.arguments import argument_parser
+from gateway.cli.type_arguments import LANGUAGES
 from schemas.generate import languages
 from schemas.generate.request import MARK
 from tests.cli.test_main import ROOT, TIMEOUT_S, refusal, ros2_gateway
@@ -122,6 +123,52 @@ def test_the_init_of_somebodys_package_stays(workspace):
     assert (imported.stdout, imported.stderr) == ("2\n", "")
 
 
+def test_an_assembly_of_unity_is_made_and_the_users_changes_to_it_stay(workspace):
+    folder = workspace / "out"
+    command = ("generate", "csharp", "own_msgs/*", "--types-path", str(workspace))
+    where = ("--output", str(folder), "--asmdef", "Robot.Messages")
+    first = ros2_gateway(*command, *where)
+    assert {path.name for path in folder.iterdir()} == {
+        *("OwnMsgs.cs", "MessageRegistration.cs", "Robot.Messages.asmdef")
+    }
+    assert len(first.stdout.splitlines()) == 3
+    registration = (folder / "MessageRegistration.cs").read_text()
+    assert f"{MARK}csharp --asmdef Robot.Messages own_msgs/*; do not edit." in registration
+    for name in ("PairMsg", "MeasureRequest", "MeasureResponse"):
+        call = f"MessageCatalogue.Register(OwnMsgs.{name}.Type, () => new OwnMsgs.{name}());"
+        assert call in registration
+    (folder / "Robot.Messages.asmdef").write_text('{"name": "Mine"}')
+    assert ros2_gateway(*command, *where).stdout == "nothing has changed\n"
+    assert (folder / "Robot.Messages.asmdef").read_text() == '{"name": "Mine"}'
+
+
+def test_a_second_assembly_in_a_folder_is_refused_and_nothing_is_written(workspace):
+    folder = workspace / "out"
+    folder.mkdir()
+    (folder / "Mine.asmdef").write_text("{}")
+    command = ("generate", "csharp", "own_msgs/*", "--types-path", str(workspace))
+    run = ros2_gateway(*command, "--output", str(folder), "--asmdef", "Robot.Messages")
+    assert run.returncode == 2
+    text = f"{folder} has Mine.asmdef, and Unity takes one assembly in a folder: name that one, or "
+    assert text in run.stderr
+    assert [path.name for path in folder.iterdir()] == ["Mine.asmdef"]
+
+
+def test_classes_of_an_earlier_run_that_nobody_registers_are_told_of(workspace):
+    folder = workspace / "out"
+    where = ("--output", str(folder), "--asmdef", "Robot")
+    ros2_gateway("generate", "csharp", "own_msgs/*", "--types-path", str(workspace), *where)
+    (folder / "Hand.cs").write_text("// mine")
+    limit = ("generate", "csharp", "nav2_msgs/msg/SpeedLimit")
+    told = f"OwnMsgs.cs in {folder} is of an earlier run: name all types at once and --asmdef"
+    assert told in ros2_gateway(*limit, *where).stderr
+    # without the assembly its registration is old, too, and may name classes that are gone
+    told = f"MessageRegistration.cs, OwnMsgs.cs in {folder} are of an earlier run"
+    assert told in ros2_gateway(*limit, "--output", str(folder)).stderr
+    both = ("own_msgs/*", "--types-path", str(workspace), *where)
+    assert "earlier run" not in ros2_gateway(*limit, *both).stderr
+
+
 def test_folders_of_the_configuration_count_too(workspace, tmp_path):
     config = tmp_path / "gateway.toml"
     config.write_text(f"[types]\npaths = ['{workspace}']\n")
@@ -158,6 +205,21 @@ def test_definitions_that_come_with_the_gateway_are_known_to_both_commands(name)
         ),
         (("python", "1", "--wire", "cbor"), "--wire is for typescript alone"),
         (("python", "1", "--complete"), "--complete is for csharp alone"),
+        *(
+            (arguments, "--asmdef is for csharp with --output: it is a file beside the classes")
+            for arguments in (
+                ("csharp", "1", "--asmdef", "Robot"),
+                ("python", "1", "--asmdef", "Robot", "--output", "x"),
+            )
+        ),
+        (
+            ("csharp", "1", "--asmdef", "../Robot"),
+            (
+                "argument --asmdef: got '../Robot', expected a name such as Robot.Messages: words "
+                "of letters, digits and _ with dots between them, at most 100 characters, and not "
+                "Ros2Gateway, which is the package's; see ros2-gateway generate --help"
+            ),
+        ),
         (
             ("python", "1", "--token", "x"),
             "--token, --ca and --timeout are for a running gateway: name it by --from",
@@ -198,7 +260,7 @@ def test_what_cannot_be_is_one_sentence(arguments, sentence):
 
 def test_what_the_unity_package_has_is_refused_with_what_to_do():
     code, sentence = refusal("generate", "csharp", "geometry_msgs/msg/Twist")
-    assert (code, "add --complete" in sentence) == (2, True)
+    assert (code, "--complete on the command line" in sentence) == (2, True)
     command = ("generate", "csharp", "geometry_msgs/msg/Twist", "--complete")
     assert "class TwistMsg : IMessage" in ros2_gateway(*command).stdout
 

@@ -16,6 +16,7 @@ from pathlib import Path
 
 import pytest
 
+from gateway.cli import demo
 from gateway.cli import main as cli
 from gateway.errors import _BIND_REASONS
 
@@ -255,6 +256,39 @@ def test_check_config_accepts_a_right_file(tmp_path):
     assert "1 value given" in finished.stdout
 
 
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("port = 9443\ntls.port = 9443\n", "tls.port: 9443 is the plain port already"),
+        (
+            "tls.cert = '/nowhere/cert.pem'\n",
+            "tls.cert, tls.key: cannot read the files, no such file or directory",
+        ),
+        ("tls.port = 9443\ntls.key = 'k'\n", "tls.key: of no use without tls.cert"),
+        ("types.paths = ['/nowhere']\n", "types.paths: /nowhere: no such file or directory"),
+    ],
+)
+def test_check_config_looks_at_what_a_file_names(tmp_path, text, sentence):
+    path = tmp_path / "gateway.toml"
+    path.write_text(text)
+    assert refusal("check-config", str(path)) == (2, sentence)
+
+
+def test_check_config_makes_nothing(tmp_path):
+    path = tmp_path / "gateway.toml"
+    path.write_text("lan = true\ntls.port = 9443\n")
+    finished = ros2_gateway("check-config", str(path), XDG_CONFIG_HOME=str(tmp_path))
+    assert finished.returncode == 0
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("path", ["/healthz", "/healthz/ready", "/metrics", "/stream", "/snapshot"])
+def test_a_path_with_something_else_is_refused_in_words(path):
+    code, sentence = refusal("serve", "--path", path)
+    assert code == 2
+    assert sentence.startswith(f"--path: got {path!r}, expected a path such as / or /ros, and none")
+
+
 @pytest.mark.parametrize("command", ["serve", "demo"])
 def test_print_config_tells_each_value_and_its_origin_without_serving(command):
     finished = ros2_gateway(
@@ -308,6 +342,18 @@ def test_schema_prints_the_definition():
     assert "string behavior_tree\n---\n" in shipped
 
 
+def test_schema_knows_the_folders_that_are_named(tmp_path):
+    folder = tmp_path / "cargo_msgs" / "msg"
+    folder.mkdir(parents=True)
+    (folder.parent / "package.xml").write_text("<package><name>cargo_msgs</name></package>")
+    (folder / "Crate.msg").write_text("float64 weight\n")
+    config = tmp_path / "gateway.toml"
+    config.write_text(f"types.paths = ['{tmp_path}']\n")
+    for options in (("--types-path", str(tmp_path)), ("--config", str(config))):
+        finished = ros2_gateway("schema", "cargo_msgs/Crate", *options)
+        assert list(json.loads(finished.stdout)["properties"]) == ["weight"]
+
+
 @pytest.mark.parametrize(
     ("form", "name", "close"),
     [
@@ -328,7 +374,10 @@ def test_an_unknown_type_is_one_sentence_with_the_closest_one(form, name, close)
 @pytest.mark.parametrize(
     ("form", "reason"),
     [
-        ("twist", "'twist' is no message type: expected pkg/msg/Name, pkg/Name or a table number"),
+        (
+            "twist",
+            "'twist' is no type: expected pkg/msg/Name, pkg/srv/Name, pkg/action/Name, ",
+        ),
         ("std_srvs/srv/setbool", "'std_srvs/srv/setbool' is no service type: expected pkg/srv/"),
         ("a/action/b", "'a/action/b' is no action type: expected pkg/action/Name"),
     ],
@@ -378,6 +427,16 @@ def restored_signals() -> Iterator[None]:
 
 
 @pytest.mark.usefixtures("restored_signals")
+@pytest.mark.parametrize("flags", [("--port",), ("--port", "0", "--tls-port")])
+def test_a_demonstration_whose_port_is_in_use_starts_no_second_robot(flags, monkeypatch, capsys):
+    monkeypatch.setattr(demo, "run", lambda *_: pytest.fail("the robot has started"))
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        port = listener.getsockname()[1]
+        assert cli.main(["demo", *flags, str(port)]) == 4
+    assert f"cannot listen on 127.0.0.1:{port}" in capsys.readouterr().err
+
+
+@pytest.mark.usefixtures("restored_signals")
 def test_without_ros_schema_prints_the_shipped_schema_of_a_service(monkeypatch, tmp_path, capsys):
     monkeypatch.delenv("AMENT_PREFIX_PATH", raising=False)
     monkeypatch.setattr(sys, "prefix", str(tmp_path))
@@ -386,7 +445,7 @@ def test_without_ros_schema_prints_the_shipped_schema_of_a_service(monkeypatch, 
         assert cli.main(["schema", form]) == 0
         assert capsys.readouterr().out == shipped
     assert cli.main(["schema", "std_srvs/SetBool", "--definition"]) == 2
-    assert "needs the message package installed" in capsys.readouterr().err
+    assert "name a folder with its definition by --types-path" in capsys.readouterr().err
 
 
 @pytest.mark.usefixtures("restored_signals")

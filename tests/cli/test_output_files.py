@@ -63,7 +63,7 @@ def test_what_is_no_file_is_neither_waited_for_nor_replaced(tmp_path, replace, m
 def test_an_optional_file_of_others_stays(tmp_path):
     (tmp_path / "__init__.py").write_text("mine")
     texts = {"__init__.py": OURS, "a.py": OURS}
-    changed = write_files(tmp_path, texts, MARK, optional=["__init__.py"])
+    changed = write_files(tmp_path, texts, MARK, optional=["*.asmdef", "__init__.*"])
     assert changed == [tmp_path / "a.py"]
     assert (tmp_path / "__init__.py").read_text() == "mine"
 

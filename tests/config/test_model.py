@@ -6,8 +6,9 @@ from pathlib import Path
 import pytest
 from pydantic import ValidationError
 
-from gateway.config.model import Config
+from gateway.config.model import TAKEN_PATHS, Config
 from gateway.config.settings import reference, settings
+from gateway.server import health, picture_requests
 
 ROOT = Path(__file__).parents[2]
 
@@ -41,3 +42,7 @@ def test_every_duration_size_and_side_has_its_unit_in_its_name():
 def test_the_reference_page_has_the_table_of_the_model():
     page = (ROOT / "docs/configuration.md").read_text(encoding="utf-8")
     assert page.endswith(reference()), "run: make docs"
+
+
+def test_the_paths_that_are_taken_are_those_that_the_server_answers_itself():
+    assert set(TAKEN_PATHS) == {*health.PATHS, *picture_requests.PATHS, "/metrics"}

@@ -24,6 +24,8 @@ NEEDED: dict[str, Any] = {
     "total": 1,
     "sec": 0,
     "level": "info",
+    "language": "csharp",
+    "types": ["x"],
     "msg": {},
     "values": {"x": 1},
 }

@@ -3,6 +3,7 @@
 
 from itertools import pairwise
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -89,6 +90,37 @@ def test_room_for_a_moment_is_no_reason():
         camera.send(5e6, PATIENCE_NS // PERIOD_NS - 1)
         camera.send(50e3)
     assert camera.changes == 1
+
+
+# the size of a picture by its quality, beside that of quality 80, and by its reduction
+BY_QUALITY = {95: 2.2, 90: 1.6, 80: 1.0, 65: 0.67, 60: 0.62, 50: 0.5, 40: 0.46, 30: 0.4, 20: 0.3}
+BY_REDUCTION = {1: 1.0, 2: 0.34, 4: 0.145, 8: 0.08}
+
+
+@pytest.mark.parametrize("asked", [20, 30, 40, 50, 60, 65, 80, 90, 95])
+def test_whatever_quality_is_asked_for_pictures_do_not_change_for_ever(asked: int):
+    for bytes_per_s in range(20_000, 2_000_000, 5_000):
+        adaptation = PictureAdaptation()
+        late_changes = 0
+        for number in range(600):  # half a minute
+            step = adaptation.step
+            quality = min(asked, step.quality)
+            size = round(WHOLE * BY_QUALITY[quality] * BY_REDUCTION[step.reduction])
+            changed = adaptation.sent(size, bytes_per_s, number * PERIOD_NS)
+            late_changes += changed and number > 300
+        assert late_changes == 0, bytes_per_s
+
+
+@given(st.lists(st.tuples(st.integers(1, 10**7), st.floats(1, 1e9)), max_size=60))
+def test_a_picture_that_is_too_large_is_never_followed_by_a_larger_step(
+    frames: list[tuple[int, float]],
+):
+    adaptation = PictureAdaptation()
+    for number, (size, bytes_per_s) in enumerate(frames):
+        before = STEPS.index(adaptation.step)
+        adaptation.sent(size, bytes_per_s, number * PERIOD_NS)
+        if size > bytes_per_s * MAX_HOLD_S:
+            assert STEPS.index(adaptation.step) > before or before == len(STEPS) - 1
 
 
 def test_frames_of_the_step_before_are_not_judged():

@@ -10,11 +10,11 @@ from pathlib import Path
 import pytest
 from websockets.frames import Opcode
 
+from gateway.access_files import tls_context
 from gateway.cli.certificate import make_certificate
 from gateway.config.access import TlsConfig
 from gateway.errors import BindError
 from gateway.log_rate import BURST, LogRate
-from gateway.security import tls_context
 from gateway.server.connection import Connection
 from gateway.server.scrapes import Scrapes
 from gateway.server.server import TICK_S, Door

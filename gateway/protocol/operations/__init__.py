@@ -49,6 +49,7 @@ ClientOperation = (
     | gateway.Help
     | gateway.Ping
     | gateway.Describe
+    | gateway.Generate
     | gateway.GraphRequest
     | gateway.Events
     | gateway.Auth

@@ -1,9 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Operations on the gateway itself: levels, clocks, types, the graph."""
 
-from typing import Any, Literal
+from typing import Annotated, Any, Final, Literal
+
+from pydantic import Field, ValidationInfo, field_validator
 
 from gateway.protocol.operations.base import Operation
+from schemas.assembly_name import EXPECTATION, is_assembly_name
+
+# Ten times what a large package has: half a second of a thread.
+MAX_GENERATED_TYPES: Final = 300
 
 
 class SetLevel(Operation):
@@ -40,6 +46,29 @@ class Describe(Operation):
 
     op = "describe"
     type: str | int
+
+
+class Generate(Operation):
+    """Ask for clients' code of some types, as the files of ``ros2-gateway generate --output``.
+
+    *types* are full names. *asmdef* names an assembly of Unity, for C# alone.
+    """
+
+    op = "generate"
+    language: Literal["csharp", "typescript", "python", "json-schema"]
+    types: Annotated[
+        tuple[str, ...], Field(strict=False, min_length=1, max_length=MAX_GENERATED_TYPES)
+    ]
+    asmdef: str | None = None
+
+    @field_validator("asmdef")
+    @classmethod
+    def _check_asmdef(cls, asmdef: str | None, info: ValidationInfo) -> str | None:
+        if asmdef is not None and not is_assembly_name(asmdef):
+            raise ValueError(f"expected {EXPECTATION}")
+        if asmdef is not None and info.data.get("language", "csharp") != "csharp":
+            raise ValueError("it is for csharp alone")
+        return asmdef
 
 
 class GraphRequest(Operation):

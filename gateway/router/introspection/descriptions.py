@@ -51,7 +51,7 @@ class Descriptions:
     ) -> None:
         self._topic_types = topic_types
         self._interface_types = interface_types
-        self._definitions = definitions
+        self.definitions = definitions
 
     def describe(self, session: Session, requested: str | int, graph: Graph) -> Description:
         """Describe a type; *graph* has the names that the client may see.
@@ -109,18 +109,18 @@ class Descriptions:
         match found:
             case MessageType():
                 topic = name or EXAMPLE_TOPICS + found.name
-                return publish_frame(found, self._definitions, topic)
+                return publish_frame(found, self.definitions, topic)
             case ServiceType():
                 name = name or _provided(session, graph.services, found.name)
-                return None if name is None else call_frame(name, found, self._definitions)
+                return None if name is None else call_frame(name, found, self.definitions)
             case ActionType():
                 name = name or _provided(session, graph.actions, found.name)
-                return None if name is None else goal_frame(name, found, self._definitions)
+                return None if name is None else goal_frame(name, found, self.definitions)
 
     def _definition(self, definition: Definition | Interface) -> dict[str, str | None]:
         known = definition.type_hash
         if known is None and isinstance(definition, Definition):
-            known = type_hash(definition, self._definitions)
+            known = type_hash(definition, self.definitions)
         return {"type_hash": known, "definition": definition.text}
 
     def _unknown_name(self, requested: str, graph: Graph) -> ProtocolError:
@@ -128,7 +128,7 @@ class Descriptions:
         known = [each.name for each in _entries(graph)]
         near = difflib.get_close_matches(name, known, n=1)
         near = near or [each for each in known if each.startswith(f"{name}/")]
-        guess = near[0] if near else self._definitions.meant(requested)
+        guess = near[0] if near else self.definitions.meant(requested)
         hint = f"; did you mean {guess}?" if guess else ""
         return ProtocolError("not_found", f"no topic, service or action is called {name}{hint}")
 

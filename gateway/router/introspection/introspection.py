@@ -10,6 +10,7 @@ from gateway.protocol.operations import OPERATIONS
 from gateway.protocol.operations.gateway import Describe, GraphRequest, Hello, Help, Ping
 from gateway.protocol.session import Session
 from gateway.router.introspection import graph_frames
+from gateway.router.introspection.client_code import ClientCode
 from gateway.router.introspection.descriptions import Descriptions
 from gateway.router.introspection.help import DOCS, frames_to_try
 from gateway.router.topics.subscriptions import Subscriptions
@@ -32,6 +33,9 @@ class Introspection:
         version: str,
     ) -> None:
         self._ros = ros
+        client_code = ClientCode(descriptions.definitions)
+        self.generate = client_code.generate
+        self.close = client_code.close
         self._descriptions = descriptions
         self._subscriptions = subscriptions
         self._limits = limits

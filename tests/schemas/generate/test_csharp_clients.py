@@ -54,6 +54,11 @@ def test_nothing_left_to_write_is_refused_with_what_to_do():
     request = request_of("geometry_msgs/msg/Twist", "std_srvs/srv/SetBool")
     with pytest.raises(ClientCodeError, match=r"has all classes of .*SetBool: .*--complete"):
         text(request)
+    many = request_of(
+        *(f"geometry_msgs/msg/{name}" for name in ("Pose", "Point", "Twist", "Accel"))
+    )
+    with pytest.raises(ClientCodeError, match="geometry_msgs/msg/Pose and 1 more: use those"):
+        text(many)
 
 
 def test_a_type_with_other_fields_than_the_class_is_named(tmp_path):

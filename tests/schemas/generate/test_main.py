@@ -69,7 +69,7 @@ def test_it_writes_models_schemas_classes_and_the_reference_page(tmp_path, tree,
         "schemas/json/std_msgs/String.json",
         "schemas/models/__init__.py",
         "schemas/models/std_msgs.py",
-        f"{CSHARP_FOLDER}/MessageCatalogue.cs",
+        f"{CSHARP_FOLDER}/MessageTable.cs",
         f"{CSHARP_FOLDER}/StdMsgs.cs",
     ]
     assert capsys.readouterr().out.count("wrote ") == 7
@@ -100,7 +100,7 @@ def test_one_row_more_generates_its_type(tmp_path, tree, made_up):
     assert "| 1 | [made_up_msgs/msg/Lamp]" in (tmp_path / "tree/docs/messages.md").read_text()
     classes = tmp_path / "tree" / CSHARP_FOLDER
     assert "public byte level = 7;" in (classes / "MadeUpMsgs.cs").read_text()
-    assert "return new MadeUpMsgs.LampMsg();" in (classes / "MessageCatalogue.cs").read_text()
+    assert "return new MadeUpMsgs.LampMsg();" in (classes / "MessageTable.cs").read_text()
 
 
 def test_one_row_more_generates_its_service_or_action(tmp_path, tree):

@@ -8,6 +8,12 @@ namespace Ros2Gateway
     {
         private readonly string _type;
 
+        /// <summary>A message of a type that the gateway finds out, from its topic, service or action.</summary>
+        public DynamicMessage()
+            : this("")
+        {
+        }
+
         /// <param name="type">pkg/msg/Name; may be empty where it is only read.</param>
         public DynamicMessage(string type)
         {

@@ -28,19 +28,48 @@ namespace Ros2Gateway.Messages
         public static T[] Read<T>(JsonReader reader, Func<T> create, int length = -1)
             where T : class, IMessage
         {
-            var messages = new List<T>(Math.Max(length, 0));
+            return Read(null, reader, create, length);
+        }
+
+        /// <summary>Like the other; fills *previous* again, if that has the right length, and what is in it.
+        /// </summary>
+        public static T[] Read<T>(T[] previous, JsonReader reader, Func<T> create, int length = -1)
+            where T : class, IMessage
+        {
+            List<T> more = null; // than there were
+            int room = previous == null ? 0 : previous.Length;
+            int count = 0;
             reader.BeginArray();
             while (reader.NextElement())
             {
-                T message = create();
+                T message = count < room && previous[count] != null ? previous[count] : create();
                 message.Read(reader);
-                messages.Add(message);
+                if (count < room)
+                {
+                    previous[count] = message;
+                }
+                else
+                {
+                    more = more ?? new List<T>();
+                    more.Add(message);
+                }
+                count++;
             }
-            if (length >= 0 && messages.Count != length)
+            if (length >= 0 && count != length)
             {
-                throw reader.WrongLength(messages.Count, length);
+                throw reader.WrongLength(count, length);
             }
-            return messages.Count == 0 ? Array.Empty<T>() : messages.ToArray();
+            if (count == room)
+            {
+                return previous ?? Array.Empty<T>();
+            }
+            var messages = count == 0 ? Array.Empty<T>() : new T[count];
+            Array.Copy(previous ?? messages, messages, Math.Min(room, count));
+            if (more != null)
+            {
+                more.CopyTo(messages, room);
+            }
+            return messages;
         }
 
         /// <summary>Writes a message; null as one of which every field has its default.</summary>

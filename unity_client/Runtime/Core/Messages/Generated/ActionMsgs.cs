@@ -197,7 +197,7 @@ namespace Ros2Gateway.Messages.ActionMsgs
                         this.return_code = reader.ReadInt8();
                         break;
                     case 1:
-                        this.goals_canceling = NestedMessages.Read(reader, () => new GoalInfoMsg());
+                        this.goals_canceling = NestedMessages.Read(this.goals_canceling, reader, () => new GoalInfoMsg());
                         break;
                     default:
                         reader.Skip();

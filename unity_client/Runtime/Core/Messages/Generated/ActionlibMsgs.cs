@@ -226,7 +226,7 @@ namespace Ros2Gateway.Messages.ActionlibMsgs
                         (this.header ?? (this.header = new StdMsgs.HeaderMsg())).Read(reader);
                         break;
                     case 1:
-                        this.status_list = NestedMessages.Read(reader, () => new GoalStatusMsg());
+                        this.status_list = NestedMessages.Read(this.status_list, reader, () => new GoalStatusMsg());
                         break;
                     default:
                         reader.Skip();

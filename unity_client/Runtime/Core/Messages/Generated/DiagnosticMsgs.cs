@@ -133,7 +133,7 @@ namespace Ros2Gateway.Messages.DiagnosticMsgs
                         this.hardware_id = reader.ReadString();
                         break;
                     case 4:
-                        this.values = NestedMessages.Read(reader, () => new KeyValueMsg());
+                        this.values = NestedMessages.Read(this.values, reader, () => new KeyValueMsg());
                         break;
                     default:
                         reader.Skip();
@@ -198,7 +198,7 @@ namespace Ros2Gateway.Messages.DiagnosticMsgs
                         (this.header ?? (this.header = new StdMsgs.HeaderMsg())).Read(reader);
                         break;
                     case 1:
-                        this.status = NestedMessages.Read(reader, () => new DiagnosticStatusMsg());
+                        this.status = NestedMessages.Read(this.status, reader, () => new DiagnosticStatusMsg());
                         break;
                     default:
                         reader.Skip();
@@ -438,7 +438,7 @@ namespace Ros2Gateway.Messages.DiagnosticMsgs
                         this.passed = reader.ReadUInt8();
                         break;
                     case 2:
-                        this.status = NestedMessages.Read(reader, () => new DiagnosticStatusMsg());
+                        this.status = NestedMessages.Read(this.status, reader, () => new DiagnosticStatusMsg());
                         break;
                     default:
                         reader.Skip();

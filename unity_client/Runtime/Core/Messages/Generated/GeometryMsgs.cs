@@ -234,7 +234,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
                         (this.accel ?? (this.accel = new AccelMsg())).Read(reader);
                         break;
                     case 1:
-                        this.covariance = reader.ReadFloat64s(36);
+                        this.covariance = reader.ReadFloat64s(this.covariance, 36);
                         break;
                     default:
                         reader.Skip();
@@ -719,7 +719,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
                 switch (member)
                 {
                     case 0:
-                        this.points = NestedMessages.Read(reader, () => new Point32Msg());
+                        this.points = NestedMessages.Read(this.points, reader, () => new Point32Msg());
                         break;
                     default:
                         reader.Skip();
@@ -1171,7 +1171,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
                         (this.header ?? (this.header = new StdMsgs.HeaderMsg())).Read(reader);
                         break;
                     case 1:
-                        this.poses = NestedMessages.Read(reader, () => new PoseMsg());
+                        this.poses = NestedMessages.Read(this.poses, reader, () => new PoseMsg());
                         break;
                     default:
                         reader.Skip();
@@ -1296,7 +1296,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
                         (this.pose ?? (this.pose = new PoseMsg())).Read(reader);
                         break;
                     case 1:
-                        this.covariance = reader.ReadFloat64s(36);
+                        this.covariance = reader.ReadFloat64s(this.covariance, 36);
                         break;
                     default:
                         reader.Skip();
@@ -1740,7 +1740,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
                         (this.twist ?? (this.twist = new TwistMsg())).Read(reader);
                         break;
                     case 1:
-                        this.covariance = reader.ReadFloat64s(36);
+                        this.covariance = reader.ReadFloat64s(this.covariance, 36);
                         break;
                     default:
                         reader.Skip();

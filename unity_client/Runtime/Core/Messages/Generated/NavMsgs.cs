@@ -52,7 +52,7 @@ namespace Ros2Gateway.Messages.NavMsgs
                         (this.header ?? (this.header = new StdMsgs.HeaderMsg())).Read(reader);
                         break;
                     case 1:
-                        this.goals = NestedMessages.Read(reader, () => new GeometryMsgs.PoseStampedMsg());
+                        this.goals = NestedMessages.Read(this.goals, reader, () => new GeometryMsgs.PoseStampedMsg());
                         break;
                     default:
                         reader.Skip();
@@ -126,7 +126,7 @@ namespace Ros2Gateway.Messages.NavMsgs
                         this.cell_height = reader.ReadFloat32();
                         break;
                     case 3:
-                        this.cells = NestedMessages.Read(reader, () => new GeometryMsgs.PointMsg());
+                        this.cells = NestedMessages.Read(this.cells, reader, () => new GeometryMsgs.PointMsg());
                         break;
                     default:
                         reader.Skip();
@@ -290,7 +290,7 @@ namespace Ros2Gateway.Messages.NavMsgs
                         (this.info ?? (this.info = new MapMetaDataMsg())).Read(reader);
                         break;
                     case 2:
-                        this.data = reader.ReadInt8s();
+                        this.data = reader.ReadInt8s(this.data);
                         break;
                     default:
                         reader.Skip();
@@ -432,7 +432,7 @@ namespace Ros2Gateway.Messages.NavMsgs
                         (this.header ?? (this.header = new StdMsgs.HeaderMsg())).Read(reader);
                         break;
                     case 1:
-                        this.poses = NestedMessages.Read(reader, () => new GeometryMsgs.PoseStampedMsg());
+                        this.poses = NestedMessages.Read(this.poses, reader, () => new GeometryMsgs.PoseStampedMsg());
                         break;
                     default:
                         reader.Skip();

@@ -175,10 +175,10 @@ namespace Ros2Gateway.Messages.RclInterfaces
                 switch (member)
                 {
                     case 0:
-                        this.names = reader.ReadStrings();
+                        this.names = reader.ReadStrings(this.names);
                         break;
                     case 1:
-                        this.prefixes = reader.ReadStrings();
+                        this.prefixes = reader.ReadStrings(this.prefixes);
                         break;
                     default:
                         reader.Skip();
@@ -286,19 +286,19 @@ namespace Ros2Gateway.Messages.RclInterfaces
                         this.string_value = reader.ReadString();
                         break;
                     case 5:
-                        this.byte_array_value = reader.ReadBytes();
+                        this.byte_array_value = reader.ReadBytes(this.byte_array_value);
                         break;
                     case 6:
-                        this.bool_array_value = reader.ReadBools();
+                        this.bool_array_value = reader.ReadBools(this.bool_array_value);
                         break;
                     case 7:
-                        this.integer_array_value = reader.ReadInt64s();
+                        this.integer_array_value = reader.ReadInt64s(this.integer_array_value);
                         break;
                     case 8:
-                        this.double_array_value = reader.ReadFloat64s();
+                        this.double_array_value = reader.ReadFloat64s(this.double_array_value);
                         break;
                     case 9:
-                        this.string_array_value = reader.ReadStrings();
+                        this.string_array_value = reader.ReadStrings(this.string_array_value);
                         break;
                     default:
                         reader.Skip();
@@ -643,10 +643,10 @@ namespace Ros2Gateway.Messages.RclInterfaces
                         this.dynamic_typing = reader.ReadBool();
                         break;
                     case 6:
-                        this.floating_point_range = NestedMessages.Read(reader, () => new FloatingPointRangeMsg());
+                        this.floating_point_range = NestedMessages.Read(this.floating_point_range, reader, () => new FloatingPointRangeMsg());
                         break;
                     case 7:
-                        this.integer_range = NestedMessages.Read(reader, () => new IntegerRangeMsg());
+                        this.integer_range = NestedMessages.Read(this.integer_range, reader, () => new IntegerRangeMsg());
                         break;
                     default:
                         reader.Skip();
@@ -772,7 +772,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
                 switch (member)
                 {
                     case 0:
-                        this.names = reader.ReadStrings();
+                        this.names = reader.ReadStrings(this.names);
                         break;
                     default:
                         reader.Skip();
@@ -826,7 +826,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
                 switch (member)
                 {
                     case 0:
-                        this.descriptors = NestedMessages.Read(reader, () => new ParameterDescriptorMsg());
+                        this.descriptors = NestedMessages.Read(this.descriptors, reader, () => new ParameterDescriptorMsg());
                         break;
                     default:
                         reader.Skip();
@@ -879,7 +879,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
                 switch (member)
                 {
                     case 0:
-                        this.names = reader.ReadStrings();
+                        this.names = reader.ReadStrings(this.names);
                         break;
                     default:
                         reader.Skip();
@@ -934,7 +934,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
                 switch (member)
                 {
                     case 0:
-                        this.types = reader.ReadBytes();
+                        this.types = reader.ReadBytes(this.types);
                         break;
                     default:
                         reader.Skip();
@@ -993,7 +993,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
                 switch (member)
                 {
                     case 0:
-                        this.names = reader.ReadStrings();
+                        this.names = reader.ReadStrings(this.names);
                         break;
                     default:
                         reader.Skip();
@@ -1047,7 +1047,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
                 switch (member)
                 {
                     case 0:
-                        this.values = NestedMessages.Read(reader, () => new ParameterValueMsg());
+                        this.values = NestedMessages.Read(this.values, reader, () => new ParameterValueMsg());
                         break;
                     default:
                         reader.Skip();
@@ -1108,7 +1108,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
                 switch (member)
                 {
                     case 0:
-                        this.prefixes = reader.ReadStrings();
+                        this.prefixes = reader.ReadStrings(this.prefixes);
                         break;
                     case 1:
                         this.depth = reader.ReadUInt64();
@@ -1213,7 +1213,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
                 switch (member)
                 {
                     case 0:
-                        this.parameters = NestedMessages.Read(reader, () => new ParameterMsg());
+                        this.parameters = NestedMessages.Read(this.parameters, reader, () => new ParameterMsg());
                         break;
                     default:
                         reader.Skip();
@@ -1263,7 +1263,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
                 switch (member)
                 {
                     case 0:
-                        this.results = NestedMessages.Read(reader, () => new SetParametersResultMsg());
+                        this.results = NestedMessages.Read(this.results, reader, () => new SetParametersResultMsg());
                         break;
                     default:
                         reader.Skip();
@@ -1317,7 +1317,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
                 switch (member)
                 {
                     case 0:
-                        this.parameters = NestedMessages.Read(reader, () => new ParameterMsg());
+                        this.parameters = NestedMessages.Read(this.parameters, reader, () => new ParameterMsg());
                         break;
                     default:
                         reader.Skip();

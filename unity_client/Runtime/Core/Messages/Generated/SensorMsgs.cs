@@ -214,10 +214,10 @@ namespace Ros2Gateway.Messages.SensorMsgs
                         this.present = reader.ReadBool();
                         break;
                     case 12:
-                        this.cell_voltage = reader.ReadFloat32s();
+                        this.cell_voltage = reader.ReadFloat32s(this.cell_voltage);
                         break;
                     case 13:
-                        this.cell_temperature = reader.ReadFloat32s();
+                        this.cell_temperature = reader.ReadFloat32s(this.cell_temperature);
                         break;
                     case 14:
                         this.location = reader.ReadString();
@@ -557,16 +557,16 @@ namespace Ros2Gateway.Messages.SensorMsgs
                         this.distortion_model = reader.ReadString();
                         break;
                     case 4:
-                        this.d = reader.ReadFloat64s();
+                        this.d = reader.ReadFloat64s(this.d);
                         break;
                     case 5:
-                        this.k = reader.ReadFloat64s(9);
+                        this.k = reader.ReadFloat64s(this.k, 9);
                         break;
                     case 6:
-                        this.r = reader.ReadFloat64s(9);
+                        this.r = reader.ReadFloat64s(this.r, 9);
                         break;
                     case 7:
-                        this.p = reader.ReadFloat64s(12);
+                        this.p = reader.ReadFloat64s(this.p, 12);
                         break;
                     case 8:
                         this.binning_x = reader.ReadUInt32();
@@ -677,7 +677,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
                         this.name = reader.ReadString();
                         break;
                     case 1:
-                        this.values = reader.ReadFloat32s();
+                        this.values = reader.ReadFloat32s(this.values);
                         break;
                     default:
                         reader.Skip();
@@ -782,7 +782,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
                         this.format = reader.ReadString();
                         break;
                     case 2:
-                        this.data = reader.ReadBytes();
+                        this.data = reader.ReadBytes(this.data);
                         break;
                     default:
                         reader.Skip();
@@ -1053,7 +1053,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
                         this.step = reader.ReadUInt32();
                         break;
                     case 6:
-                        this.data = reader.ReadBytes();
+                        this.data = reader.ReadBytes(this.data);
                         break;
                     default:
                         reader.Skip();
@@ -1158,19 +1158,19 @@ namespace Ros2Gateway.Messages.SensorMsgs
                         (this.orientation ?? (this.orientation = new GeometryMsgs.QuaternionMsg())).Read(reader);
                         break;
                     case 2:
-                        this.orientation_covariance = reader.ReadFloat64s(9);
+                        this.orientation_covariance = reader.ReadFloat64s(this.orientation_covariance, 9);
                         break;
                     case 3:
                         (this.angular_velocity ?? (this.angular_velocity = new GeometryMsgs.Vector3Msg())).Read(reader);
                         break;
                     case 4:
-                        this.angular_velocity_covariance = reader.ReadFloat64s(9);
+                        this.angular_velocity_covariance = reader.ReadFloat64s(this.angular_velocity_covariance, 9);
                         break;
                     case 5:
                         (this.linear_acceleration ?? (this.linear_acceleration = new GeometryMsgs.Vector3Msg())).Read(reader);
                         break;
                     case 6:
-                        this.linear_acceleration_covariance = reader.ReadFloat64s(9);
+                        this.linear_acceleration_covariance = reader.ReadFloat64s(this.linear_acceleration_covariance, 9);
                         break;
                     default:
                         reader.Skip();
@@ -1272,16 +1272,16 @@ namespace Ros2Gateway.Messages.SensorMsgs
                         (this.header ?? (this.header = new StdMsgs.HeaderMsg())).Read(reader);
                         break;
                     case 1:
-                        this.name = reader.ReadStrings();
+                        this.name = reader.ReadStrings(this.name);
                         break;
                     case 2:
-                        this.position = reader.ReadFloat64s();
+                        this.position = reader.ReadFloat64s(this.position);
                         break;
                     case 3:
-                        this.velocity = reader.ReadFloat64s();
+                        this.velocity = reader.ReadFloat64s(this.velocity);
                         break;
                     case 4:
-                        this.effort = reader.ReadFloat64s();
+                        this.effort = reader.ReadFloat64s(this.effort);
                         break;
                     default:
                         reader.Skip();
@@ -1351,10 +1351,10 @@ namespace Ros2Gateway.Messages.SensorMsgs
                         (this.header ?? (this.header = new StdMsgs.HeaderMsg())).Read(reader);
                         break;
                     case 1:
-                        this.axes = reader.ReadFloat32s();
+                        this.axes = reader.ReadFloat32s(this.axes);
                         break;
                     case 2:
-                        this.buttons = reader.ReadInt32s();
+                        this.buttons = reader.ReadInt32s(this.buttons);
                         break;
                     default:
                         reader.Skip();
@@ -1485,7 +1485,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
                 switch (member)
                 {
                     case 0:
-                        this.array = NestedMessages.Read(reader, () => new JoyFeedbackMsg());
+                        this.array = NestedMessages.Read(this.array, reader, () => new JoyFeedbackMsg());
                         break;
                     default:
                         reader.Skip();
@@ -1540,7 +1540,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
                 switch (member)
                 {
                     case 0:
-                        this.echoes = reader.ReadFloat32s();
+                        this.echoes = reader.ReadFloat32s(this.echoes);
                         break;
                     default:
                         reader.Skip();
@@ -1673,10 +1673,10 @@ namespace Ros2Gateway.Messages.SensorMsgs
                         this.range_max = reader.ReadFloat32();
                         break;
                     case 8:
-                        this.ranges = reader.ReadFloat32s();
+                        this.ranges = reader.ReadFloat32s(this.ranges);
                         break;
                     case 9:
-                        this.intensities = reader.ReadFloat32s();
+                        this.intensities = reader.ReadFloat32s(this.intensities);
                         break;
                     default:
                         reader.Skip();
@@ -1779,7 +1779,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
                         (this.magnetic_field ?? (this.magnetic_field = new GeometryMsgs.Vector3Msg())).Read(reader);
                         break;
                     case 2:
-                        this.magnetic_field_covariance = reader.ReadFloat64s(9);
+                        this.magnetic_field_covariance = reader.ReadFloat64s(this.magnetic_field_covariance, 9);
                         break;
                     default:
                         reader.Skip();
@@ -1872,16 +1872,16 @@ namespace Ros2Gateway.Messages.SensorMsgs
                         (this.header ?? (this.header = new StdMsgs.HeaderMsg())).Read(reader);
                         break;
                     case 1:
-                        this.joint_names = reader.ReadStrings();
+                        this.joint_names = reader.ReadStrings(this.joint_names);
                         break;
                     case 2:
-                        this.transforms = NestedMessages.Read(reader, () => new GeometryMsgs.TransformMsg());
+                        this.transforms = NestedMessages.Read(this.transforms, reader, () => new GeometryMsgs.TransformMsg());
                         break;
                     case 3:
-                        this.twist = NestedMessages.Read(reader, () => new GeometryMsgs.TwistMsg());
+                        this.twist = NestedMessages.Read(this.twist, reader, () => new GeometryMsgs.TwistMsg());
                         break;
                     case 4:
-                        this.wrench = NestedMessages.Read(reader, () => new GeometryMsgs.WrenchMsg());
+                        this.wrench = NestedMessages.Read(this.wrench, reader, () => new GeometryMsgs.WrenchMsg());
                         break;
                     default:
                         reader.Skip();
@@ -2024,10 +2024,10 @@ namespace Ros2Gateway.Messages.SensorMsgs
                         this.range_max = reader.ReadFloat32();
                         break;
                     case 8:
-                        this.ranges = NestedMessages.Read(reader, () => new LaserEchoMsg());
+                        this.ranges = NestedMessages.Read(this.ranges, reader, () => new LaserEchoMsg());
                         break;
                     case 9:
-                        this.intensities = NestedMessages.Read(reader, () => new LaserEchoMsg());
+                        this.intensities = NestedMessages.Read(this.intensities, reader, () => new LaserEchoMsg());
                         break;
                     default:
                         reader.Skip();
@@ -2261,7 +2261,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
                         this.altitude = reader.ReadFloat64();
                         break;
                     case 5:
-                        this.position_covariance = reader.ReadFloat64s(9);
+                        this.position_covariance = reader.ReadFloat64s(this.position_covariance, 9);
                         break;
                     case 6:
                         this.position_covariance_type = reader.ReadUInt8();
@@ -2350,10 +2350,10 @@ namespace Ros2Gateway.Messages.SensorMsgs
                         (this.header ?? (this.header = new StdMsgs.HeaderMsg())).Read(reader);
                         break;
                     case 1:
-                        this.points = NestedMessages.Read(reader, () => new GeometryMsgs.Point32Msg());
+                        this.points = NestedMessages.Read(this.points, reader, () => new GeometryMsgs.Point32Msg());
                         break;
                     case 2:
-                        this.channels = NestedMessages.Read(reader, () => new ChannelFloat32Msg());
+                        this.channels = NestedMessages.Read(this.channels, reader, () => new ChannelFloat32Msg());
                         break;
                     default:
                         reader.Skip();
@@ -2563,7 +2563,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
                         this.width = reader.ReadUInt32();
                         break;
                     case 3:
-                        this.fields = NestedMessages.Read(reader, () => new PointFieldMsg());
+                        this.fields = NestedMessages.Read(this.fields, reader, () => new PointFieldMsg());
                         break;
                     case 4:
                         this.is_bigendian = reader.ReadBool();
@@ -2575,7 +2575,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
                         this.row_step = reader.ReadUInt32();
                         break;
                     case 7:
-                        this.data = reader.ReadBytes();
+                        this.data = reader.ReadBytes(this.data);
                         break;
                     case 8:
                         this.is_dense = reader.ReadBool();

@@ -37,7 +37,7 @@ namespace Ros2Gateway.Messages.ShapeMsgs
                 switch (member)
                 {
                     case 0:
-                        this.vertex_indices = reader.ReadUInt32s(3);
+                        this.vertex_indices = reader.ReadUInt32s(this.vertex_indices, 3);
                         break;
                     default:
                         reader.Skip();
@@ -93,10 +93,10 @@ namespace Ros2Gateway.Messages.ShapeMsgs
                 switch (member)
                 {
                     case 0:
-                        this.triangles = NestedMessages.Read(reader, () => new MeshTriangleMsg());
+                        this.triangles = NestedMessages.Read(this.triangles, reader, () => new MeshTriangleMsg());
                         break;
                     case 1:
-                        this.vertices = NestedMessages.Read(reader, () => new GeometryMsgs.PointMsg());
+                        this.vertices = NestedMessages.Read(this.vertices, reader, () => new GeometryMsgs.PointMsg());
                         break;
                     default:
                         reader.Skip();
@@ -152,7 +152,7 @@ namespace Ros2Gateway.Messages.ShapeMsgs
                 switch (member)
                 {
                     case 0:
-                        this.coef = reader.ReadFloat64s(4);
+                        this.coef = reader.ReadFloat64s(this.coef, 4);
                         break;
                     default:
                         reader.Skip();
@@ -261,7 +261,7 @@ namespace Ros2Gateway.Messages.ShapeMsgs
                         this.type = reader.ReadUInt8();
                         break;
                     case 1:
-                        this.dimensions = reader.ReadFloat64s();
+                        this.dimensions = reader.ReadFloat64s(this.dimensions);
                         break;
                     case 2:
                         (this.polygon ?? (this.polygon = new GeometryMsgs.PolygonMsg())).Read(reader);

@@ -12,7 +12,8 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// This is generally used to communicate timestamped data
     /// in a particular coordinate frame.
     ///
-    /// A stamp of 0 is not written, so that the gateway stamps the message when it arrives.
+    /// A stamp that nobody has set is not written, so that the gateway stamps the message when it arrives.
+    /// A stamp of 0 that was read, or assigned (<c>header.stamp = new TimeMsg()</c>), stays 0.
     /// </summary>
     public sealed class HeaderMsg : IMessage
     {
@@ -28,6 +29,14 @@ namespace Ros2Gateway.Messages.StdMsgs
         private static readonly JsonMembers Members = new JsonMembers(
             "stamp",
             "frame_id");
+
+        private BuiltinInterfaces.TimeMsg _unset; // what stamp is until it is read or assigned
+
+        /// <summary>A header that the gateway will stamp.</summary>
+        public HeaderMsg()
+        {
+            _unset = this.stamp;
+        }
 
         /// <inheritdoc/>
         public string RosType
@@ -45,6 +54,7 @@ namespace Ros2Gateway.Messages.StdMsgs
                 switch (member)
                 {
                     case 0:
+                        _unset = null;
                         (this.stamp ?? (this.stamp = new BuiltinInterfaces.TimeMsg())).Read(reader);
                         break;
                     case 1:
@@ -61,7 +71,7 @@ namespace Ros2Gateway.Messages.StdMsgs
         public void Write(JsonWriter writer)
         {
             writer.BeginObject();
-            if (this.stamp != null && (this.stamp.sec != 0 || this.stamp.nanosec != 0))
+            if (this.stamp != null && (this.stamp != _unset || this.stamp.sec != 0 || this.stamp.nanosec != 0))
             {
                 writer.Name("stamp");
                 NestedMessages.Write(writer, this.stamp);
@@ -315,7 +325,7 @@ namespace Ros2Gateway.Messages.StdMsgs
                 switch (member)
                 {
                     case 0:
-                        this.dim = NestedMessages.Read(reader, () => new MultiArrayDimensionMsg());
+                        this.dim = NestedMessages.Read(this.dim, reader, () => new MultiArrayDimensionMsg());
                         break;
                     case 1:
                         this.data_offset = reader.ReadUInt32();
@@ -384,7 +394,7 @@ namespace Ros2Gateway.Messages.StdMsgs
                         (this.layout ?? (this.layout = new MultiArrayLayoutMsg())).Read(reader);
                         break;
                     case 1:
-                        this.data = reader.ReadBytes();
+                        this.data = reader.ReadBytes(this.data);
                         break;
                     default:
                         reader.Skip();
@@ -670,7 +680,7 @@ namespace Ros2Gateway.Messages.StdMsgs
                         (this.layout ?? (this.layout = new MultiArrayLayoutMsg())).Read(reader);
                         break;
                     case 1:
-                        this.data = reader.ReadFloat32s();
+                        this.data = reader.ReadFloat32s(this.data);
                         break;
                     default:
                         reader.Skip();
@@ -790,7 +800,7 @@ namespace Ros2Gateway.Messages.StdMsgs
                         (this.layout ?? (this.layout = new MultiArrayLayoutMsg())).Read(reader);
                         break;
                     case 1:
-                        this.data = reader.ReadFloat64s();
+                        this.data = reader.ReadFloat64s(this.data);
                         break;
                     default:
                         reader.Skip();
@@ -910,7 +920,7 @@ namespace Ros2Gateway.Messages.StdMsgs
                         (this.layout ?? (this.layout = new MultiArrayLayoutMsg())).Read(reader);
                         break;
                     case 1:
-                        this.data = reader.ReadInt16s();
+                        this.data = reader.ReadInt16s(this.data);
                         break;
                     default:
                         reader.Skip();
@@ -1030,7 +1040,7 @@ namespace Ros2Gateway.Messages.StdMsgs
                         (this.layout ?? (this.layout = new MultiArrayLayoutMsg())).Read(reader);
                         break;
                     case 1:
-                        this.data = reader.ReadInt32s();
+                        this.data = reader.ReadInt32s(this.data);
                         break;
                     default:
                         reader.Skip();
@@ -1150,7 +1160,7 @@ namespace Ros2Gateway.Messages.StdMsgs
                         (this.layout ?? (this.layout = new MultiArrayLayoutMsg())).Read(reader);
                         break;
                     case 1:
-                        this.data = reader.ReadInt64s();
+                        this.data = reader.ReadInt64s(this.data);
                         break;
                     default:
                         reader.Skip();
@@ -1270,7 +1280,7 @@ namespace Ros2Gateway.Messages.StdMsgs
                         (this.layout ?? (this.layout = new MultiArrayLayoutMsg())).Read(reader);
                         break;
                     case 1:
-                        this.data = reader.ReadInt8s();
+                        this.data = reader.ReadInt8s(this.data);
                         break;
                     default:
                         reader.Skip();
@@ -1444,7 +1454,7 @@ namespace Ros2Gateway.Messages.StdMsgs
                         (this.layout ?? (this.layout = new MultiArrayLayoutMsg())).Read(reader);
                         break;
                     case 1:
-                        this.data = reader.ReadUInt16s();
+                        this.data = reader.ReadUInt16s(this.data);
                         break;
                     default:
                         reader.Skip();
@@ -1564,7 +1574,7 @@ namespace Ros2Gateway.Messages.StdMsgs
                         (this.layout ?? (this.layout = new MultiArrayLayoutMsg())).Read(reader);
                         break;
                     case 1:
-                        this.data = reader.ReadUInt32s();
+                        this.data = reader.ReadUInt32s(this.data);
                         break;
                     default:
                         reader.Skip();
@@ -1684,7 +1694,7 @@ namespace Ros2Gateway.Messages.StdMsgs
                         (this.layout ?? (this.layout = new MultiArrayLayoutMsg())).Read(reader);
                         break;
                     case 1:
-                        this.data = reader.ReadUInt64s();
+                        this.data = reader.ReadUInt64s(this.data);
                         break;
                     default:
                         reader.Skip();
@@ -1804,7 +1814,7 @@ namespace Ros2Gateway.Messages.StdMsgs
                         (this.layout ?? (this.layout = new MultiArrayLayoutMsg())).Read(reader);
                         break;
                     case 1:
-                        this.data = reader.ReadBytes();
+                        this.data = reader.ReadBytes(this.data);
                         break;
                     default:
                         reader.Skip();

@@ -71,16 +71,16 @@ namespace Ros2Gateway.Messages.TrajectoryMsgs
                 switch (member)
                 {
                     case 0:
-                        this.positions = reader.ReadFloat64s();
+                        this.positions = reader.ReadFloat64s(this.positions);
                         break;
                     case 1:
-                        this.velocities = reader.ReadFloat64s();
+                        this.velocities = reader.ReadFloat64s(this.velocities);
                         break;
                     case 2:
-                        this.accelerations = reader.ReadFloat64s();
+                        this.accelerations = reader.ReadFloat64s(this.accelerations);
                         break;
                     case 3:
-                        this.effort = reader.ReadFloat64s();
+                        this.effort = reader.ReadFloat64s(this.effort);
                         break;
                     case 4:
                         (this.time_from_start ?? (this.time_from_start = new BuiltinInterfaces.DurationMsg())).Read(reader);
@@ -158,10 +158,10 @@ namespace Ros2Gateway.Messages.TrajectoryMsgs
                         (this.header ?? (this.header = new StdMsgs.HeaderMsg())).Read(reader);
                         break;
                     case 1:
-                        this.joint_names = reader.ReadStrings();
+                        this.joint_names = reader.ReadStrings(this.joint_names);
                         break;
                     case 2:
-                        this.points = NestedMessages.Read(reader, () => new JointTrajectoryPointMsg());
+                        this.points = NestedMessages.Read(this.points, reader, () => new JointTrajectoryPointMsg());
                         break;
                     default:
                         reader.Skip();
@@ -224,13 +224,13 @@ namespace Ros2Gateway.Messages.TrajectoryMsgs
                 switch (member)
                 {
                     case 0:
-                        this.transforms = NestedMessages.Read(reader, () => new GeometryMsgs.TransformMsg());
+                        this.transforms = NestedMessages.Read(this.transforms, reader, () => new GeometryMsgs.TransformMsg());
                         break;
                     case 1:
-                        this.velocities = NestedMessages.Read(reader, () => new GeometryMsgs.TwistMsg());
+                        this.velocities = NestedMessages.Read(this.velocities, reader, () => new GeometryMsgs.TwistMsg());
                         break;
                     case 2:
-                        this.accelerations = NestedMessages.Read(reader, () => new GeometryMsgs.TwistMsg());
+                        this.accelerations = NestedMessages.Read(this.accelerations, reader, () => new GeometryMsgs.TwistMsg());
                         break;
                     case 3:
                         (this.time_from_start ?? (this.time_from_start = new BuiltinInterfaces.DurationMsg())).Read(reader);
@@ -297,10 +297,10 @@ namespace Ros2Gateway.Messages.TrajectoryMsgs
                         (this.header ?? (this.header = new StdMsgs.HeaderMsg())).Read(reader);
                         break;
                     case 1:
-                        this.joint_names = reader.ReadStrings();
+                        this.joint_names = reader.ReadStrings(this.joint_names);
                         break;
                     case 2:
-                        this.points = NestedMessages.Read(reader, () => new MultiDOFJointTrajectoryPointMsg());
+                        this.points = NestedMessages.Read(this.points, reader, () => new MultiDOFJointTrajectoryPointMsg());
                         break;
                     default:
                         reader.Skip();

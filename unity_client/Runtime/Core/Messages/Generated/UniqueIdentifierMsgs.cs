@@ -38,7 +38,7 @@ namespace Ros2Gateway.Messages.UniqueIdentifierMsgs
                 switch (member)
                 {
                     case 0:
-                        this.uuid = reader.ReadBytes(16);
+                        this.uuid = reader.ReadBytes(this.uuid, 16);
                         break;
                     default:
                         reader.Skip();

@@ -138,10 +138,10 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
                         (this.lifetime ?? (this.lifetime = new BuiltinInterfaces.DurationMsg())).Read(reader);
                         break;
                     case 11:
-                        this.points = NestedMessages.Read(reader, () => new GeometryMsgs.PointMsg());
+                        this.points = NestedMessages.Read(this.points, reader, () => new GeometryMsgs.PointMsg());
                         break;
                     case 12:
-                        this.outline_colors = NestedMessages.Read(reader, () => new StdMsgs.ColorRGBAMsg());
+                        this.outline_colors = NestedMessages.Read(this.outline_colors, reader, () => new StdMsgs.ColorRGBAMsg());
                         break;
                     default:
                         reader.Skip();
@@ -422,7 +422,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
                         this.filename = reader.ReadString();
                         break;
                     case 1:
-                        this.data = reader.ReadBytes();
+                        this.data = reader.ReadBytes(this.data);
                         break;
                     default:
                         reader.Skip();
@@ -662,10 +662,10 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
                         this.frame_locked = reader.ReadBool();
                         break;
                     case 10:
-                        this.points = NestedMessages.Read(reader, () => new GeometryMsgs.PointMsg());
+                        this.points = NestedMessages.Read(this.points, reader, () => new GeometryMsgs.PointMsg());
                         break;
                     case 11:
-                        this.colors = NestedMessages.Read(reader, () => new StdMsgs.ColorRGBAMsg());
+                        this.colors = NestedMessages.Read(this.colors, reader, () => new StdMsgs.ColorRGBAMsg());
                         break;
                     case 12:
                         this.texture_resource = reader.ReadString();
@@ -674,7 +674,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
                         (this.texture ?? (this.texture = new SensorMsgs.CompressedImageMsg())).Read(reader);
                         break;
                     case 14:
-                        this.uv_coordinates = NestedMessages.Read(reader, () => new UVCoordinateMsg());
+                        this.uv_coordinates = NestedMessages.Read(this.uv_coordinates, reader, () => new UVCoordinateMsg());
                         break;
                     case 15:
                         this.text = reader.ReadString();
@@ -903,7 +903,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
                         this.always_visible = reader.ReadBool();
                         break;
                     case 5:
-                        this.markers = NestedMessages.Read(reader, () => new MarkerMsg());
+                        this.markers = NestedMessages.Read(this.markers, reader, () => new MarkerMsg());
                         break;
                     case 6:
                         this.independent_marker_orientation = reader.ReadBool();
@@ -1019,10 +1019,10 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
                         this.scale = reader.ReadFloat32();
                         break;
                     case 5:
-                        this.menu_entries = NestedMessages.Read(reader, () => new MenuEntryMsg());
+                        this.menu_entries = NestedMessages.Read(this.menu_entries, reader, () => new MenuEntryMsg());
                         break;
                     case 6:
-                        this.controls = NestedMessages.Read(reader, () => new InteractiveMarkerControlMsg());
+                        this.controls = NestedMessages.Read(this.controls, reader, () => new InteractiveMarkerControlMsg());
                         break;
                     default:
                         reader.Skip();
@@ -1259,7 +1259,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
                         this.seq_num = reader.ReadUInt64();
                         break;
                     case 2:
-                        this.markers = NestedMessages.Read(reader, () => new InteractiveMarkerMsg());
+                        this.markers = NestedMessages.Read(this.markers, reader, () => new InteractiveMarkerMsg());
                         break;
                     default:
                         reader.Skip();
@@ -1427,13 +1427,13 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
                         this.type = reader.ReadUInt8();
                         break;
                     case 3:
-                        this.markers = NestedMessages.Read(reader, () => new InteractiveMarkerMsg());
+                        this.markers = NestedMessages.Read(this.markers, reader, () => new InteractiveMarkerMsg());
                         break;
                     case 4:
-                        this.poses = NestedMessages.Read(reader, () => new InteractiveMarkerPoseMsg());
+                        this.poses = NestedMessages.Read(this.poses, reader, () => new InteractiveMarkerPoseMsg());
                         break;
                     case 5:
-                        this.erases = reader.ReadStrings();
+                        this.erases = reader.ReadStrings(this.erases);
                         break;
                     default:
                         reader.Skip();
@@ -1490,7 +1490,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
                 switch (member)
                 {
                     case 0:
-                        this.markers = NestedMessages.Read(reader, () => new MarkerMsg());
+                        this.markers = NestedMessages.Read(this.markers, reader, () => new MarkerMsg());
                         break;
                     default:
                         reader.Skip();
@@ -1593,7 +1593,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
                         this.sequence_number = reader.ReadUInt64();
                         break;
                     case 1:
-                        this.markers = NestedMessages.Read(reader, () => new InteractiveMarkerMsg());
+                        this.markers = NestedMessages.Read(this.markers, reader, () => new InteractiveMarkerMsg());
                         break;
                     default:
                         reader.Skip();

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: Apache-2.0
+import asyncio
+import threading
+import time
+
+import pytest
+
+from gateway.router.introspection import client_code
+from schemas.generate.request import ClientCodeError
+from schemas.installed import InstalledDefinitions
+from tests.cli.test_main import ros2_gateway
+from tests.router.conftest import Bench
+
+GOAL = "nav2_msgs/action/NavigateToPose"
+LIMIT = "nav2_msgs/msg/SpeedLimit"
+
+
+async def test_the_files_are_those_that_the_command_writes(bench: Bench, tmp_path):
+    client = bench.client()
+    types = [LIMIT, GOAL] * 150
+    client.send(op="generate", id=1, language="csharp", types=types, asmdef="Robot.Messages")
+    (answer,) = await client.sees(1, "generate")
+    assert (answer["id"], answer["notes"]) == (1, [])
+    command = ("generate", "csharp", GOAL, LIMIT, "--asmdef", "Robot.Messages")
+    written = await asyncio.to_thread(ros2_gateway, *command, "--output", str(tmp_path))
+    assert written.returncode == 0
+    assert answer["files"] == {path.name: path.read_text() for path in tmp_path.iterdir()}
+    assert "Robot.Messages.asmdef" in answer["files"]
+
+
+@pytest.mark.parametrize("language", ["typescript", "python", "json-schema"])
+async def test_other_languages_are_written_too(bench: Bench, language):
+    client = bench.client()
+    client.send(op="generate", language=language, types=[LIMIT])
+    (answer,) = await client.sees(1, "generate")
+    assert any("speed_limit" in text for text in answer["files"].values())
+
+
+@pytest.mark.parametrize(
+    ("types", "text"),
+    [
+        (["nav2_msgs/msg/SpedLimit"], f"; did you mean {LIMIT}?"),
+        (["nonsense"], "type"),
+        (["geometry_msgs/msg/Twist"], "the Unity package has all classes of geometry_msgs/msg/Twi"),
+    ],
+)
+async def test_what_cannot_be_written_is_refused_in_words(bench: Bench, types, text):
+    client = bench.client()
+    client.send(op="generate", language="csharp", types=types)
+    ((code, said),) = [(f["code"], f["msg"]) for f in await client.sees(1, "status")]
+    assert code == "bad_type"
+    assert text in said
+
+
+@pytest.mark.parametrize(
+    "members",
+    [
+        {"types": []},
+        {"types": [LIMIT] * 301},
+        {"types": [LIMIT], "asmdef": "../Robot"},
+        {"types": [LIMIT], "asmdef": ""},
+        {"types": [LIMIT], "asmdef": "Ros2Gateway.Core"},
+        {"types": [LIMIT], "asmdef": "a" * 101},
+        {"types": [LIMIT], "language": "perl"},
+        {"types": [LIMIT], "language": "typescript", "asmdef": "Robot"},
+    ],
+)
+async def test_a_request_beyond_its_bounds_is_refused(bench: Bench, members):
+    client = bench.client()
+    client.send(**{"op": "generate", "language": "csharp"} | members)
+    assert [code for code, _ in client.statuses] == ["bad_request"]
+
+
+async def test_more_code_than_a_client_reads_is_refused(bench: Bench, monkeypatch):
+    monkeypatch.setattr(client_code, "MAX_BYTES", 1000)
+    client = bench.client()
+    client.send(op="generate", language="csharp", types=[LIMIT])
+    await client.sees(1, "status")
+    text = "the code has over 1000 bytes: ask for fewer types at once"
+    assert client.statuses == [("limit_exceeded", text)]
+
+
+async def test_one_thread_writes_for_all_and_goes_on_when_a_client_leaves(
+    bench: Bench, monkeypatch
+):
+    running = asyncio.Event()
+    go_on = asyncio.Event()
+    loop = asyncio.get_running_loop()
+    count = most = 0
+
+    def written(*_):
+        nonlocal count, most
+        count += 1
+        most = max(most, count)
+        loop.call_soon_threadsafe(running.set)
+        asyncio.run_coroutine_threadsafe(go_on.wait(), loop).result()
+        count -= 1
+        return {"a": "b"}, []
+
+    monkeypatch.setattr(client_code, "_written", written)
+    first, second = bench.client(), bench.client()
+    first.send(op="generate", language="csharp", types=[LIMIT])
+    await running.wait()
+    bench.router.leave(first.session)
+    second.send(op="generate", language="csharp", types=[LIMIT])
+    await bench.settle()
+    go_on.set()
+    await second.sees(1, "generate")
+    assert most == 1
+
+
+async def test_the_time_of_the_thread_is_the_clients(bench: Bench, monkeypatch):
+    def written(*_):
+        begin_s = time.thread_time()
+        while time.thread_time() < begin_s + 0.02:
+            pass
+        raise ClientCodeError("there is nothing to write")
+
+    monkeypatch.setattr(client_code, "_written", written)
+    client = bench.client()
+    spent: list[float] = []
+    client.session.spend = lambda spent_s, _: spent.append(spent_s) or True
+    client.send(op="generate", language="csharp", types=[LIMIT])
+    await client.sees(1, "status")
+    assert max(spent) >= 0.02
+
+
+async def test_who_waits_too_long_for_others_is_told(bench: Bench, monkeypatch):
+    go_on = threading.Event()
+    monkeypatch.setattr(client_code, "TURN_S", 0.0)
+    monkeypatch.setattr(client_code, "_written", lambda *_: (go_on.wait(), ({}, []))[1])
+    first, second = bench.client(), bench.client()
+    first.send(op="generate", language="csharp", types=[LIMIT])
+    await bench.settle()
+    second.send(op="generate", language="csharp", types=[LIMIT])
+    await second.sees(1, "status")
+    go_on.set()
+    await first.sees(1, "generate")
+    assert second.statuses == [("limit_exceeded", "others ask for clients' code, too: ask again")]
+
+
+async def test_many_types_are_counted_in_each_file_and_not_named(bench: Bench):
+    client = bench.client()
+    types = [name for name in InstalledDefinitions().names() if name.startswith("std_msgs/msg/")]
+    client.send(op="generate", language="json-schema", types=types)
+    (answer,) = await client.sees(1, "generate")
+    head = f"ros2-gateway generate json-schema of {len(types)} types; do not edit."
+    assert all(head in text for text in answer["files"].values())
