@@ -5,13 +5,14 @@ import asyncio
 import contextlib
 import json
 from collections.abc import AsyncIterator, Callable
-from typing import Any
+from typing import Any, TypeVar
 
 from websockets.asyncio.client import ClientConnection, connect
 
 TIMEOUT_S = 120  # a busy machine may take its time; nothing here measures it
 
 Frame = dict[str, Any]
+T = TypeVar("T")
 
 
 class Client:
@@ -74,3 +75,12 @@ async def eventually(condition: Callable[[], bool], within_s: float = TIMEOUT_S)
     async with asyncio.timeout(within_s):
         while not condition():  # noqa: ASYNC110  # of anything, without its cooperation
             await asyncio.sleep(0.01)
+
+
+async def eventually_equal(look: Callable[[], T], expected: T) -> None:
+    """Wait until what is seen is what is expected; after that, show where it differs."""
+    try:
+        await eventually(lambda: look() == expected)
+    except TimeoutError:
+        assert look() == expected
+        raise

@@ -9,6 +9,7 @@ import numpy as np
 import pybase64
 
 from gateway.codec import cbor
+from gateway.codec.cdr import Cdr
 from gateway.codec.errors import CodecError
 from gateway.codec.json import dumps
 from gateway.codec.types import MessageType
@@ -16,7 +17,7 @@ from gateway.codec.types import MessageType
 GRID: Final = "nav_msgs/msg/OccupancyGrid"
 
 
-def grid_renderer(grid_type: MessageType) -> Callable[[bytes], bytes]:
+def grid_renderer(grid_type: MessageType) -> Callable[[Cdr], bytes]:
     """Return a function from the CDR of a grid to JSON with a PNG in the place of its cells.
 
     Grey is the octet of a cell: 0 to 100, and 255 for -1, which is unknown. The rows follow each
@@ -24,18 +25,18 @@ def grid_renderer(grid_type: MessageType) -> Callable[[bytes], bytes]:
     """
     decode = grid_type.decoder(octets="raw")
 
-    def render(cdr: bytes) -> bytes:
+    def render(cdr: Cdr) -> bytes:
         values = cast("dict[str, Any]", decode(cdr))
         return dumps(_message(values, values["info"], pybase64.b64encode_as_string))
 
     return render
 
 
-def cbor_grid_renderer(grid_type: MessageType) -> Callable[[bytes], bytes]:
+def cbor_grid_renderer(grid_type: MessageType) -> Callable[[Cdr], bytes]:
     """Return such a function to CBOR, with ``data`` as a byte string."""
     decode = grid_type.decoder(octets="raw")
 
-    def render(cdr: bytes) -> bytes:
+    def render(cdr: Cdr) -> bytes:
         values = cast("dict[str, Any]", decode(cdr))
         # CBOR has a float64, as in the plain message
         info = values["info"] | {"resolution": float(values["info"]["resolution"])}

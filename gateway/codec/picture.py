@@ -8,6 +8,7 @@ from typing import Any, Final, cast
 import pybase64
 
 from gateway.codec import cbor
+from gateway.codec.cdr import Cdr
 from gateway.codec.cdr.bounds import MAX_CDR_BYTES
 from gateway.codec.compressed_images import decompress
 from gateway.codec.image import ImageOptions, compress
@@ -19,7 +20,7 @@ IMAGE: Final = "sensor_msgs/msg/Image"
 COMPRESSED_IMAGE: Final = "sensor_msgs/msg/CompressedImage"
 
 
-def picture_renderer(image_type: MessageType, options: ImageOptions) -> Callable[[bytes], bytes]:
+def picture_renderer(image_type: MessageType, options: ImageOptions) -> Callable[[Cdr], bytes]:
     """Return a function from the CDR of an image to JSON in the shape of CompressedImage.
 
     Beside ``header``, ``format`` and ``data`` (base64) it has ``width`` and ``height`` of the
@@ -30,9 +31,7 @@ def picture_renderer(image_type: MessageType, options: ImageOptions) -> Callable
     return lambda cdr: dumps(render(cdr))
 
 
-def cbor_picture_renderer(
-    image_type: MessageType, options: ImageOptions
-) -> Callable[[bytes], bytes]:
+def cbor_picture_renderer(image_type: MessageType, options: ImageOptions) -> Callable[[Cdr], bytes]:
     """Return such a function to CBOR, with ``data`` as a byte string."""
     render = _renderer(image_type, options, lambda data: data)
     return lambda cdr: cbor.dumps(render(cdr))
@@ -40,11 +39,11 @@ def cbor_picture_renderer(
 
 def _renderer(
     image_type: MessageType, options: ImageOptions, wrap: Callable[[bytes], object]
-) -> Callable[[bytes], dict[str, object]]:
+) -> Callable[[Cdr], dict[str, object]]:
     decode = image_type.decoder(octets="raw")
     pixels_of = _unpacked if image_type.name == COMPRESSED_IMAGE else _as_it_is
 
-    def render(cdr: bytes) -> dict[str, object]:
+    def render(cdr: Cdr) -> dict[str, object]:
         values = cast("dict[str, Any]", decode(cdr))
         picture = compress(pixels_of(values), options)
         message: dict[str, object] = {

@@ -2,7 +2,6 @@
 """Parameters of other nodes, by the names that rosapi gives them: ``/node:parameter``."""
 
 import contextlib
-from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -13,20 +12,8 @@ from rclpy.parameter import Parameter
 
 from tests.clients.driver import ROSLIB_2, Connection, RefusedError
 from tests.clients.robot import until
-from tests.ros.outside import Outside
 
 pytestmark = pytest.mark.asyncio(loop_scope="package")
-
-
-@pytest.fixture(scope="package")
-def settings(outside: Outside) -> Iterator[Node]:
-    """Return another node, which has parameters."""
-    node = Node("settings", context=outside.context)
-    for name, value in {"speed": 0.5, "turn": 0.0, "name": "burger", "wheels": [1, 2]}.items():
-        node.declare_parameter(name, value)
-    outside._executor.add_node(node)
-    yield node
-    node.destroy_node()
 
 
 @pytest_asyncio.fixture(loop_scope="package")

@@ -7,6 +7,7 @@ encapsulation header, then every primitive aligned to its size, counted from aft
 
 from gateway.codec.cdr.decoder import Decoder, Transcoder, compile_decoder, compile_transcoder
 from gateway.codec.cdr.encoder import Encoder, compile_encoder
+from gateway.codec.cdr.layout import Cdr
 from gateway.codec.cdr.sliced import (
     SlicedDecoder,
     SlicedTranscoder,
@@ -16,6 +17,7 @@ from gateway.codec.cdr.sliced import (
 from gateway.codec.cdr.target import Octets
 
 __all__ = [
+    "Cdr",
     "Decoder",
     "Encoder",
     "Octets",

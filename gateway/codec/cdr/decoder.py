@@ -15,6 +15,7 @@ from gateway.codec.cdr.layout import (
     CODES,
     HEADER_BYTES,
     ByteOrder,
+    Cdr,
     Elements,
     Fixed,
     Member,
@@ -38,8 +39,8 @@ from gateway.codec.errors import CodecError
 from schemas.definition import Definition, FieldType
 from schemas.installed import InstalledDefinitions
 
-Decoder: TypeAlias = Callable[[bytes], dict[str, object]]
-Transcoder: TypeAlias = Callable[[bytes], bytes]
+Decoder: TypeAlias = Callable[[Cdr], dict[str, object]]
+Transcoder: TypeAlias = Callable[[Cdr], bytes]
 
 _PAUSE: Final = 'yield b""'
 
@@ -112,14 +113,14 @@ def compile_for(
         writer = _DecoderWriter(">", target, definitions)
         return writer.write(definition, members, selection, f"{title}, big-endian", _refuse)
 
-    def other_encapsulation(cdr: bytes, *rest: object) -> object:
+    def other_encapsulation(cdr: Cdr, *rest: object) -> object:
         return big_endian()(cdr, *rest)
 
     writer = _DecoderWriter("<", target, definitions)
     return writer.write(definition, members, selection, title, other_encapsulation)
 
 
-def _refuse(cdr: bytes, *_: object) -> object:
+def _refuse(cdr: Cdr, *_: object) -> object:
     raise CodecError(
         f"encapsulation 0x{cdr[:2].hex()} is not plain CDR, 0x0000 or 0x0001", offset=0
     )
@@ -258,7 +259,7 @@ class _DecoderWriter(Generic[Value]):
         if member.wanted and member.is_wide:
             source.line(f"{variable(member.path)} = wide_text(data[offset:end], {self._order!r})")
         elif member.wanted:
-            text = 'str(data[offset:end].partition(b"\\0")[0], "utf-8", "replace")'
+            text = 'str(data[offset:end], "utf-8", "replace").partition("\\0")[0]'
             source.line(f"{variable(member.path)} = {text}")
         source.line("offset = end")
         self._residue = None

@@ -379,7 +379,7 @@ class _EncoderWriter:
         if not self._is_lenient or member.base == "bool":
             return f"*{name}"
         if member.base in FLOATS:
-            return f"*[NON_FINITE.get(each, each) for each in {name}]"
+            return f"*map(NON_FINITE.get, {name}, {name})"
         return f"*wholes({name})"
 
     def _flush(self) -> None:

@@ -17,6 +17,9 @@ ALIGNMENTS: Final = 8  # no primitive is aligned to more than 8 bytes
 NUMPY_LENGTH: Final = 24
 
 ByteOrder = Literal["<", ">"]
+Cdr: TypeAlias = bytes | memoryview
+"""A message with its encapsulation header, as octets."""
+
 Path: TypeAlias = tuple[str, ...]
 
 CODES: Final = {

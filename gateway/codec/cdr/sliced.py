@@ -5,6 +5,7 @@ from collections.abc import Callable, Generator, Iterable, Sequence
 from typing import TypeAlias
 
 from gateway.codec.cdr.decoder import compile_for
+from gateway.codec.cdr.layout import Cdr
 from gateway.codec.cdr.target import SlicedValues
 from gateway.codec.cdr.to_cbor import SlicedCbor
 from gateway.codec.json_slices import Write
@@ -12,8 +13,8 @@ from gateway.codec.pieces import Piece
 from schemas.definition import Definition
 from schemas.installed import InstalledDefinitions
 
-SlicedDecoder: TypeAlias = Callable[[bytes, Write], Generator[bytes, None, dict[str, object]]]
-SlicedTranscoder: TypeAlias = Callable[[bytes], Generator[bytes, None, Sequence[Piece]]]
+SlicedDecoder: TypeAlias = Callable[[Cdr, Write], Generator[bytes, None, dict[str, object]]]
+SlicedTranscoder: TypeAlias = Callable[[Cdr], Generator[bytes, None, Sequence[Piece]]]
 
 
 def compile_sliced_decoder(

@@ -71,7 +71,7 @@ class Cbor:
     def numbers(self, member: Numbers, order: ByteOrder, source: SourceCode) -> str:
         """Make little-endian bytes, a slice of the CDR if that is little-endian."""
         if member.base == "bool":
-            return "data[offset:end].translate(BOOLEANS)"
+            return "bytes(data[offset:end]).translate(BOOLEANS)"
         if order == ">" and member.size > 1:
             wire = np.dtype(f">{CODES[member.base]}")
             dtype = source.constant(member.base.upper(), wire, wire.str)

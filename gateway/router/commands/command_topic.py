@@ -309,7 +309,7 @@ class CommandTopic:
         if self._is_guarded and not self._drive.needs_guard:
             self._is_guarded = False
             self._guard.rest(self.name)
-            self._close_if_idle()
+        self._close_if_idle()  # also after the zeros of a stop while nothing moved
         self._set_timer()
 
     def _record_holder(self) -> None:
@@ -368,8 +368,11 @@ class CommandTopic:
 
     def _is_to_be_answered(self, session: Session, request: Operation, code: str) -> bool:
         """Return whether an answer is due: with an id always, else once in `REPEAT_NS`."""
+        driver = self.drivers.get(session)
+        if driver is None:  # it has withdrawn or left meanwhile, and must not be one again
+            return request.id is not None
         now_ns = self._now_ns()
-        answered_ns = self.driver(session).answered_ns
+        answered_ns = driver.answered_ns
         last_ns = answered_ns.get(code)
         if request.id is None and last_ns is not None and now_ns - last_ns < REPEAT_NS:
             return False

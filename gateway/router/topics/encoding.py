@@ -13,6 +13,7 @@ from concurrent.futures import Executor
 from typing import Final
 
 from gateway.codec import cbor
+from gateway.codec.cdr import Cdr
 from gateway.codec.errors import CodecError
 from gateway.codec.grid_picture import GRID, cbor_grid_renderer, grid_renderer
 from gateway.codec.json import ascii_only
@@ -38,7 +39,7 @@ from gateway.router.topics.subscription import EncodingKey, Subscription
 
 logger = logging.getLogger(__name__)
 
-Encode = Callable[[bytes], bytes]
+Encode = Callable[[Cdr], bytes]
 """From CDR to a message as it stands in a frame; raises `CodecError`."""
 
 # Between slices of a worker. A sleep of 0 gives the GIL back, and takes it before others wake up.
@@ -300,7 +301,7 @@ def _to_json(message_type: MessageType, key: EncodingKey) -> Encode:
 def _to_json_slices(message_type: MessageType, key: EncodingKey) -> EncodeInSlices:
     write = writer(key.nonfinite)
 
-    def encode(cdr: bytes) -> Iterator[Piece]:
+    def encode(cdr: Cdr) -> Iterator[Piece]:
         # compiled when the first large sample has come
         value = yield from message_type.sliced_decoder(key.fields)(cdr, write)
         yield from json_slices(value, write)
@@ -317,7 +318,7 @@ def _to_cbor(message_type: MessageType, key: EncodingKey) -> Encode:
 
 
 def _to_cbor_slices(message_type: MessageType, key: EncodingKey) -> EncodeInSlices:
-    def encode(cdr: bytes) -> Iterator[Piece]:
+    def encode(cdr: Cdr) -> Iterator[Piece]:
         yield from (yield from message_type.sliced_transcoder(key.fields)(cdr))
 
     return encode
@@ -346,7 +347,7 @@ def _to_png(message_type: MessageType, key: EncodingKey) -> Encode:
     to_json = _to_json(message_type, key)
     prefix = messages.publish_prefix(key.requested_name)
 
-    def encode(cdr: bytes) -> bytes:
+    def encode(cdr: Cdr) -> bytes:
         text = b"".join((prefix, to_json(cdr), messages.PUBLISH_SUFFIX))
         return text_as_png(ascii_only(text))
 
@@ -355,13 +356,13 @@ def _to_png(message_type: MessageType, key: EncodingKey) -> Encode:
     decode = message_type.sliced_decoder(key.fields)  # now: it is not compiled in a worker
     write = writer(key.nonfinite)
 
-    def in_slices(cdr: bytes) -> Iterator[bytes]:
+    def in_slices(cdr: Cdr) -> Iterator[bytes]:
         yield ascii_only(prefix)
         value = yield from decode(cdr, write)
         yield from map(ascii_only, json_slices(value, write))
         yield messages.PUBLISH_SUFFIX
 
-    def encode_any(cdr: bytes) -> bytes:
+    def encode_any(cdr: Cdr) -> bytes:
         if len(cdr) <= LARGE_BYTES:
             return encode(cdr)
         return large_text_as_png(in_slices(cdr), _let_others_run)

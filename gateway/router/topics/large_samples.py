@@ -11,6 +11,7 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from typing import Final, Protocol, TypeAlias
 
+from gateway.codec.cdr import Cdr
 from gateway.codec.errors import CodecError
 from gateway.codec.pieces import Piece, Pieces
 from gateway.ports import Sample
@@ -27,7 +28,7 @@ LARGE_ELEMENTS_BYTES: Final = 32 * 1024
 # Smaller pieces are joined: to write thousands takes longer than copying them.
 PIECE_BYTES: Final = 64 * 1024
 
-EncodeInSlices: TypeAlias = Callable[[bytes], Iterator[Piece]]
+EncodeInSlices: TypeAlias = Callable[[Cdr], Iterator[Piece]]
 """From CDR to the pieces of a message, a slice of the work for each, some empty.
 
 It raises `CodecError`.

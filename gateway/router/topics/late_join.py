@@ -62,6 +62,12 @@ class LateJoin:
             self._take_ahead(next(iter(self._ahead)))
         return False
 
+    def cut_short(self) -> None:
+        """End it, and offer what has come to the topic and not to the late reader yet."""
+        for seq, sample in self._ahead.values():
+            self._offer(sample, seq)
+        self.close()
+
     def close(self) -> None:
         """End it. Closing twice is harmless."""
         self._timer.cancel()

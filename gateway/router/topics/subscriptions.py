@@ -124,7 +124,10 @@ class Subscriptions:
                 session, request.topic, name, requests, options, counts, self._on_step
             )
             self._subscriptions.setdefault(session, {})[request.topic] = subscription
+        former = subscription.source
         self._apply(subscription, requests, options, source)
+        if source is not None and former is not None and source.topic == former.topic:
+            self._topics[source.topic].welcome_again(subscription)
         self._report(session, request, name, source, asked)
 
     def view(self, session: Session, request: Subscribe) -> None:

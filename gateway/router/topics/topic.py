@@ -113,6 +113,17 @@ class Topic:
         if self._seq and self._is_latched():
             self._join_late(subscription)
 
+    def welcome_again(self, subscription: Subscription) -> None:
+        """Give retained samples to a subscription that somebody else of its client asks for, too.
+
+        rosbridge does so for each `subscribe`: its libraries have a second listener of a topic send
+        one, and rely on it.
+        """
+        if self._seq and self._is_latched():
+            if subscription in self._late_joins:  # which may have delivered them already
+                self._late_joins.pop(subscription).cut_short()
+            self._join_late(subscription)
+
     def close(self) -> None:
         """End the ROS subscriptions."""
         for join in self._late_joins.values():

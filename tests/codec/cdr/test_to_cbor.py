@@ -51,8 +51,10 @@ def test_every_type_becomes_a_map_with_the_same_values_from_either_byte_order(na
     transcode = transcoder_of(name)
     for values in samples(name):
         for order in "<>":
-            found = cbor2.loads(transcode(cdr_of(name, values, order, padding=0xA5)))
+            cdr = cdr_of(name, values, order, padding=0xA5)
+            found = cbor2.loads(transcode(cdr))
             assert untagged(found) == values
+            assert transcode(memoryview(cdr)) == transcode(cdr)
             assert list(found) == [field.name for field in DEFINITIONS.get(name).fields]
 
 

@@ -175,6 +175,18 @@ async def test_a_client_that_leaves_stops_the_robot_and_leaves_nothing_open(scen
     assert scene.router.counts()["publishers"] == 0
 
 
+async def test_a_client_that_stops_what_stands_and_leaves_leaves_nothing_open(scene: Scene):
+    heard = scene.listen()
+    client = scene.client()
+    client.send(op="advertise", topic="/cmd_vel", type=TWIST)
+    client.send(op="stop", topic="/cmd_vel")
+    scene.router.leave(client.session)  # while its zeros are still to be sent
+    assert scene.router.counts()["publishers"] == 1
+    await eventually(lambda: scene.router.counts()["publishers"] == 0)
+    assert set(speeds(heard)) == {0.0}
+    assert scene.ros.entity_count() == 0
+
+
 async def test_what_was_stopped_stays_so_for_a_client_that_comes_back(scene: Scene):
     heard = scene.listen()
     client = scene.client()

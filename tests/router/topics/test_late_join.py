@@ -176,3 +176,11 @@ def test_closing_it_ends_its_reader(scene: Scene):
     scene.join.close()
     assert scene.reader.is_closed
     assert scene.clock.timer is None
+
+
+def test_one_that_is_cut_short_loses_nothing_that_has_come_to_the_topic(scene: Scene):
+    scene.to_topic(1, 2)
+    scene.to_reader(1)
+    scene.join.cut_short()
+    assert scene.offered == [(b"1", 1), (b"2", 2)]
+    assert scene.reader.is_closed

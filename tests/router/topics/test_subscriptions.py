@@ -532,6 +532,21 @@ async def test_an_unknown_compression_is_a_warning_and_plain_json(bench: Bench):
     assert (await client.sees(1))[0]["msg"] == {"data": "x"}
 
 
+@pytest.mark.parametrize("second", [{"id": "b"}, {"id": "b", "fields": ["data"]}, {"id": "a"}])
+async def test_each_request_of_a_client_gets_what_a_latched_topic_keeps(bench: Bench, second):
+    bench.ros.add_publisher("/map", STRING, LATCHED)
+    client = bench.client()
+    client.send(op="subscribe", id="a", topic="/map")
+    bench.ros.publish("/map", bench.cdr(STRING, data="walls"))
+    await client.sees(1)
+    client.send(op="subscribe", topic="/map", **second)
+    await client.sees(2)
+    assert client.messages == [{"data": "walls"}] * 2
+    bench.ros.publish("/map", bench.cdr(STRING, data="more"))
+    await client.sees(3)
+    assert client.messages[2:] == [{"data": "more"}]
+
+
 async def test_a_late_client_gets_a_sample_of_each_latching_publisher(bench: Bench):
     for number in range(3):
         publisher = bench.ros.add_publisher("/tf_static", STRING, LATCHED, node=f"/node{number}")
