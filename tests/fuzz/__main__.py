@@ -57,8 +57,9 @@ def converse(seconds: int) -> int:
     """Let clients say anything to a gateway in a process; return pytest's exit code."""
     print(f"{CONVERSATIONS}: {seconds} s ...", flush=True)
     test = "tests/fuzz/test_conversations.py::test_nothing_that_clients_say_holds_the_event_loop"
+    limit = f"faulthandler_timeout={seconds + 660}"
     return subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-s", "-n0", test],
+        [sys.executable, "-m", "pytest", "-q", "-s", "-n0", "-o", limit, test],
         env={**os.environ, "FUZZ_SECONDS": str(seconds)},
         check=False,
     ).returncode

@@ -2,12 +2,15 @@
 """The gateway on a loop that reports what holds it for too long; its tests send SIGUSR1 to begin.
 
 The time is that of the loop's thread on a CPU, so other programs do not matter, and a callback that
-waits for the GIL is not blamed. A record of the log is a fault for the conversations.
+waits for the GIL is not blamed. A record of the log is a fault for the conversations, and says how
+much of the time went into collecting garbage, and into how many pages that the kernel had to find.
 """
 
 import asyncio
+import gc
 import logging
 import os
+import resource
 import signal
 import sys
 import time
@@ -26,6 +29,7 @@ class MeasuredLoop(asyncio.SelectorEventLoop):
     """Measures each callback, the steps of tasks among them."""
 
     longest_s = 0.0
+    collecting_s = 0.0
     is_measuring = False
 
     def call_soon(self, callback: Callable[..., Any], *args: Any, **more: Any) -> Any:
@@ -47,6 +51,7 @@ class MeasuredLoop(asyncio.SelectorEventLoop):
         return partial(self._call, callback)
 
     def _call(self, callback: Callable[..., Any], *args: Any) -> Any:
+        collecting_s, page_faults = MeasuredLoop.collecting_s, _page_faults()
         started_s = time.thread_time()
         try:
             return callback(*args)
@@ -55,7 +60,24 @@ class MeasuredLoop(asyncio.SelectorEventLoop):
             if MeasuredLoop.is_measuring:
                 MeasuredLoop.longest_s = max(MeasuredLoop.longest_s, took_s)
                 if took_s > BAR_S:
-                    logger.error("held the loop for %.1f ms: %r", took_s * 1e3, callback)
+                    logger.error(
+                        "held the loop for %.1f ms, with %.1f of garbage and %d page faults: %r",
+                        took_s * 1e3,
+                        (MeasuredLoop.collecting_s - collecting_s) * 1e3,
+                        _page_faults() - page_faults,
+                        callback,
+                    )
+
+
+def _page_faults() -> int:
+    usage = resource.getrusage(resource.RUSAGE_THREAD)
+    return usage.ru_minflt + usage.ru_majflt
+
+
+def _count_collection(phase: str, _: object) -> None:
+    """Add up what collections take, whichever thread does them: it holds the GIL meanwhile."""
+    now_s = time.thread_time()
+    MeasuredLoop.collecting_s += -now_s if phase == "start" else now_s
 
 
 def begin(*_: Any) -> None:
@@ -68,6 +90,7 @@ def run() -> None:
 
     app._loop_factory = lambda: MeasuredLoop
     signal.signal(signal.SIGUSR1, begin)
+    gc.callbacks.append(_count_collection)
     code = main()
     print(f"longest: {MeasuredLoop.longest_s * 1e3:.1f} ms", file=sys.stderr, flush=True)
     os._exit(code)

@@ -25,6 +25,10 @@ class Said:
     verdict: Verdict = "good"
     codes: frozenset[str] = frozenset({"bad_request"})
 
+    def is_part_of(self, operation: dict[str, Any]) -> bool:
+        """True unless a later one has replaced a member; compared by identity, as 1 equals True."""
+        return all(operation[key] is value for key, value in self.members.items())
+
 
 def bad(members: dict[str, Any], *codes: str) -> Said:
     return Said(members, "bad", frozenset(codes or ("bad_request",)))
@@ -151,8 +155,14 @@ ASKED: list[tuple[dict[str, Any], str, frozenset[str]]] = [
     ({"op": "auth", "token": "any"}, "auth", frozenset()),
     ({"op": "auth", "token": 7}, "auth", frozenset({"bad_request"})),
 ]
-# the same, but a node has to answer, or a frame to appear
+# the same, but a node has to answer, a frame to appear, or a thread to write
 ASKED_OF_NODES: list[dict[str, Any]] = [
+    *(
+        {"op": "generate", "language": language, "types": [name], "asmdef": asmdef}
+        for language in ("csharp", "python", "perl")
+        for name in ("std_msgs/msg/String", "tf2_msgs/srv/FrameGraph", "a/b", "", "x" * 500, 7)
+        for asmdef in (None, "A.B", "../x", 7)
+    ),
     *(
         {"op": op, "node": node}
         for op in ("list_parameters", "get_parameters", "describe_parameters")

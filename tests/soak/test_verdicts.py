@@ -7,7 +7,7 @@ import pytest
 
 from tests.soak.accounting import Accounting
 from tests.soak.driving import Fault
-from tests.soak.load import TOPICS
+from tests.soak.load import CAMERA, NUMBERS, TOPICS
 from tests.soak.machine import Machine
 from tests.soak.record import BAD_LINK, FROZEN, GOOD, Exit, Record
 from tests.soak.verdicts import HELD, NOT_JUDGED, judge
@@ -15,7 +15,6 @@ from tests.soak.vitals import Leftovers, Vitals
 
 SECONDS = 1200
 REST = Leftovers(26, 22, 3, 0, 0, 34)
-CAMERA = TOPICS[0].name
 
 
 def listener(**changes):
@@ -66,6 +65,10 @@ def client(name, **changes):
     return {**clients, name: listener(**changes)}
 
 
+def heard(topic, count):
+    return {"heard": {**listener()["heard"], topic.name: count}}
+
+
 def sequence(**changes):
     return {"sequence": {**listener()["sequence"], **changes}}
 
@@ -101,10 +104,18 @@ def test_all_holds_where_nothing_is_wrong(strict):
         ({"clients": client(GOOD[1], **sequence(repeated=1))}, "numbers at good 2"),
         ({"clients": client(GOOD[1], **sequence(disordered=1))}, "numbers at good 2"),
         ({"clients": client(GOOD[0], connections=2)}, "connections of good 1"),
+        (
+            {"clients": client(BAD_LINK, **heard(NUMBERS, 249))},
+            f"messages to the client {BAD_LINK}",
+        ),
+        (
+            {"clients": client(FROZEN, **heard(CAMERA, 9))},
+            f"messages to the client {FROZEN}",
+        ),
         ({"accounting": unequal()}, "received = sent + coalesced + dropped + pending"),
         ({"accounting": Accounting()}, "received = sent + coalesced + dropped + pending"),
-        ({"clients": client(GOOD[0], gaps={CAMERA: [(50.0, 51.5)]})}, "longest silence"),
-        ({"clients": client(GOOD[0], gaps={CAMERA: [(60.0, 69.5)]})}, "longest silence"),
+        ({"clients": client(GOOD[0], gaps={CAMERA.name: [(50.0, 51.5)]})}, "longest silence"),
+        ({"clients": client(GOOD[0], gaps={CAMERA.name: [(60.0, 69.5)]})}, "longest silence"),
         (
             {"faults": [Fault("link black", 100.0, 9.0, 0.6)]},
             "robot stops, link black",
@@ -132,7 +143,7 @@ def test_what_is_wrong_is_found(changes, subject, strict):
 )
 def test_drops_that_are_counted_wrongly_are_found(strict, missing, counted, uncounted):
     wrong = {"missing": missing, "counted": counted, "uncounted": uncounted}
-    found = record(clients=client(FROZEN, drops={CAMERA: wrong}))
+    found = record(clients=client(FROZEN, drops={CAMERA.name: wrong}))
     assert failing(found, strict=strict) == [f"samples lost by the client {FROZEN}"]
 
 
@@ -148,8 +159,8 @@ def test_round_trips_that_get_slower_are_found(strict, late_s):
 def test_a_load_that_loses_nothing_is_no_load():
     none = {"missing": 0, "counted": 0, "uncounted": 0}
     clients = {
-        **client(BAD_LINK, drops={CAMERA: none}),
-        FROZEN: listener(drops={CAMERA: none}),
+        **client(BAD_LINK, drops={CAMERA.name: none}),
+        FROZEN: listener(drops={CAMERA.name: none}),
     }
     assert failing(record(clients=clients)) == ["samples lost at all"]
 
@@ -167,7 +178,7 @@ def late(at_s: float, by_s: float) -> Machine:
         ),
         (
             {
-                "clients": client(GOOD[0], gaps={CAMERA: [(99.0, 101.5)]}),
+                "clients": client(GOOD[0], gaps={CAMERA.name: [(99.0, 101.5)]}),
                 "machine": late(101.4, 2.0),
             },
             "slept 2.00 s too long, waited 0.00 s for cores",

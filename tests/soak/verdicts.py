@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from tests.soak.driving import Fault
+from tests.soak.load import CAMERA, TOPICS
 from tests.soak.record import BAD_LINK, FROZEN, GOOD, Record
 from tests.soak.silences import beyond_control
 
@@ -31,6 +32,10 @@ SLOWER: Final = 1.5  # the last quarter's round trips, by the first's
 SLOWER_S: Final = 0.005
 EXIT_S: Final = 2.0
 ZERO_AT_EXIT_S: Final = 0.1
+# What a slow client gets at least, of what a good one gets. Its link is up for four fifths of the
+# time, or it is awake for half of it; small messages fit, of the pictures one in ten.
+SMALL_SHARE: Final = 0.25
+PICTURE_SHARE: Final = 0.01
 QUEUED: Final = (
     100  # samples that may be counted as dropped before the client sees that, per connection
 )
@@ -84,6 +89,7 @@ def _all(record: Record, *, strict: bool) -> list[Verdict]:
         memory(record, strict=strict),
         *leftovers(record),
         *good_clients(record),
+        *slow_clients(record),
         *drops(record),
         accounting(record),
         silence(record, strict=strict),
@@ -152,6 +158,26 @@ def good_clients(record: Record) -> list[Verdict]:
                 f"{report['connections']}" + (f": {ends[0]}" if ends else ""),
                 "1",
                 holds=report["connections"] == 1 and not ends,
+            )
+        )
+    return verdicts
+
+
+def slow_clients(record: Record) -> list[Verdict]:
+    """Judge that slow clients get what fits: one that gets nothing loses nothing uncounted."""
+    all_heard = record.clients[GOOD[0]]["heard"]
+    verdicts = []
+    for name in (BAD_LINK, FROZEN):
+        heard = record.clients[name]["heard"]
+        shares = {one: heard[one.name] / max(all_heard[one.name], 1) for one in TOPICS}
+        picture_share = shares.pop(CAMERA)
+        small, small_share = min(shares.items(), key=lambda item: item[1])
+        verdicts.append(
+            _verdict(
+                f"messages to the client {name}",
+                f"{small_share:.0%} of {small.name}, {picture_share:.1%} of the pictures",
+                f">= {SMALL_SHARE:.0%} and {PICTURE_SHARE:.0%}",
+                holds=small_share >= SMALL_SHARE and picture_share >= PICTURE_SHARE,
             )
         )
     return verdicts
