@@ -68,6 +68,22 @@ _WEBGL_PLUGIN: Final = """\
   assetBundleName:
   assetBundleVariant:
 """
+_NATIVE: Final = """\
+  externalObjects: {}
+  mainObjectFileID: %d
+  userData:
+  assetBundleName:
+  assetBundleVariant:
+"""
+_SHADER: Final = """\
+  externalObjects: {}
+  defaultTextures: []
+  nonModifiableTextures: []
+  preprocessorOverride: 0
+  userData:
+  assetBundleName:
+  assetBundleVariant:
+"""
 _IMPORTERS: Final = {
     ".cs": ("MonoImporter", _SCRIPT),
     ".asmdef": ("AssemblyDefinitionImporter", _PLAIN),
@@ -75,6 +91,10 @@ _IMPORTERS: Final = {
     ".txt": ("TextScriptImporter", _PLAIN),
     ".json": ("TextScriptImporter", _PLAIN),
     ".xml": ("TextScriptImporter", _PLAIN),
+    ".mat": ("NativeFormatImporter", _NATIVE % 2100000),
+    ".asset": ("NativeFormatImporter", _NATIVE % 11400000),
+    ".prefab": ("PrefabImporter", _PLAIN),
+    ".shader": ("ShaderImporter", _SHADER),
     ".jslib": ("PluginImporter", _WEBGL_PLUGIN),
 }
 

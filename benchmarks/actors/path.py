@@ -19,6 +19,7 @@ from rclpy.signals import SignalHandlerOptions
 from benchmarks.actors.audience import Audience
 from benchmarks.actors.orders import obey, reply
 from benchmarks.samples import SAMPLES, message_type, topic
+from gateway.codec.cdr import Cdr
 from gateway.codec.image import ImageOptions, compress, confine_to_calling_thread
 from gateway.codec.image_encodings import RawImage
 from gateway.codec.json import dumps
@@ -35,7 +36,7 @@ _IMAGE: Final = "sensor_msgs/msg/Image"
 _DEPTH: Final = 32  # as many as the gateway keeps
 _RECEIVING: Final = ("reception by DDS", "waking the event loop", "taking by rclpy")
 
-Work = Callable[[bytes], object]
+Work = Callable[[Cdr], object]
 
 
 def steps(name: str) -> tuple[str, ...]:
@@ -93,7 +94,7 @@ def _receive(
 def _works(name: str, audience: Audience) -> list[Work]:
     """Return the work on a sample: for each step, that step and all before it."""
     known = Types(InstalledDefinitions()).get(message_type(name))
-    decode: Callable[[bytes], Any] = known.decoder(octets="raw")
+    decode: Callable[[Cdr], Any] = known.decoder(octets="raw")
     encoding: list[Work] = []
     if known.name == _IMAGE:
         encoding.append(lambda cdr: _encode(decode(cdr)))
@@ -111,7 +112,7 @@ def _works(name: str, audience: Audience) -> list[Work]:
     ]
 
 
-def _json(known: MessageType) -> Callable[[bytes], bytes]:
+def _json(known: MessageType) -> Callable[[Cdr], bytes]:
     decode = known.decode
     return lambda cdr: dumps(decode(cdr))
 

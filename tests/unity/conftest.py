@@ -4,6 +4,7 @@
 from collections.abc import Callable, Iterator, Mapping
 
 import pytest
+from geometry_msgs.msg import Twist, TwistStamped
 
 from tests.clients.robot import Robot
 from tests.demonstration import demonstration
@@ -11,6 +12,7 @@ from tests.gateway_process import GatewayProcess
 from tests.ros.outside import Outside
 from tests.unity import csharp, mono
 from tests.unity.background import in_background
+from tests.unity.bases import CHANGING, STAMPED, Base
 from tests.unity.csharp import CSharpTest
 from tests.unity.rogue import deaf, rogue
 
@@ -29,12 +31,17 @@ def servers(gateway: GatewayProcess) -> Iterator[dict[str, str]]:
         outside = Outside("unity_tests")
         robot = Robot(outside)
         robot.provide_fibonacci("/fibonacci")
+        other = Outside("unity_tests_other")
+        Base(outside.node, STAMPED, TwistStamped).take()
+        Base(outside.node, CHANGING, TwistStamped)
+        Base(other.node, CHANGING, Twist)
         yield {
             "ROS2GATEWAY_TEST_URL": gateway.url,
             "ROS2GATEWAY_ROGUE_URL": rogue_url,
             "ROS2GATEWAY_DEAF_URL": deaf_url,
         }
         robot.close()
+        other.close()
         outside.close()
 
 

@@ -120,6 +120,22 @@ def compile_assembly(
     return binary
 
 
+def cached(content: str, fill: Callable[[Path], None]) -> Path:
+    """Return a directory that *fill* fills, once for this content."""
+    directory = CACHE / hashlib.sha256(content.encode()).hexdigest()[:16]
+    _make(directory, fill)
+    return directory
+
+
+def run(arguments: list[str]) -> None:
+    """Run a compiler.
+
+    Raises:
+        CompileError: With its words.
+    """
+    _run(arguments, COMPILE_TIMEOUT_S)
+
+
 def ahead_of_time(binary: Binary) -> Binary:
     """Translate an assembly and everything that it needs to machine code, completely.
 

@@ -162,24 +162,41 @@ def compiled(name: str, target: Target) -> Binary:
         CompileError: With the compiler's words.
     """
     definition = assembly_definitions()[name]
+    return compiled_definition(definition, target, definition.sources())
+
+
+def compiled_definition(
+    definition: AssemblyDefinition, target: Target, sources: list[Path]
+) -> Binary:
+    """Compile sources as an assembly definition says, which may be that of a project.
+
+    Raises:
+        CompileError: With the compiler's words.
+    """
     references = [
         compiled(reference, target) if reference in assembly_definitions() else stub(reference)
-        for reference in _present(definition.references, target)
+        for reference in referenced(definition, target)
     ]
-    if definition.engine:
-        references.insert(0, stub("UnityEngine"))
-        if target.platform == "Editor":
-            references.append(stub("UnityEditor"))
     if "nunit.framework.dll" in definition.precompiled:
         references.append(mono.nunit())
     return mono.compile_assembly(
-        name,
-        definition.sources(),
-        references=list(dict.fromkeys(references)),
+        definition.name,
+        sources,
+        references=references,
         defines=definition.defines(target),
         # a serialized field is assigned by Unity, which silences this warning, too
         options=["-nowarn:0649"] if definition.engine else [],
     )
+
+
+def referenced(definition: AssemblyDefinition, target: Target) -> list[str]:
+    """Name the assemblies of the package and of the stub that one is compiled against."""
+    names = list(_present(definition.references, target))
+    if definition.engine:
+        names.insert(0, "UnityEngine")
+        if target.platform == "Editor":
+            names.append("UnityEditor")
+    return list(dict.fromkeys(names))
 
 
 def undocumented(name: str) -> str:
@@ -199,6 +216,14 @@ def undocumented(name: str) -> str:
     except mono.CompileError as error:
         return str(error)
     return ""
+
+
+def stub_sources() -> dict[str, tuple[tuple[Path, ...], tuple[str, ...]]]:
+    """Return the files of each of the stub's assemblies, and which of those before it it needs."""
+    return {
+        name: (tuple(sorted((STUB / name).rglob("*.cs"))), references)
+        for name, references in _STUB_REFERENCES.items()
+    }
 
 
 @cache

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The package's JSON and messages under Mono, asked from Python by a program that answers lines."""
+"""The package's formats under Mono, asked from Python by programs that answer lines."""
 
 import base64
 import subprocess
@@ -12,19 +12,20 @@ from typing import Final
 from tests.unity import mono
 from tests.unity.mono import Binary
 
-_SOURCES: Final = sorted((Path(__file__).parent / "json_probe").glob("*.cs"))
+JSON: Final = "json_probe"
+JPEG: Final = "jpeg_probe"
 EXIT_TIMEOUT_S: Final = 120
 # Less than a pipe holds, so that nobody waits to write while the other does not read.
 _CHUNK_BYTES: Final = 32_768
 
 
 class ProbeFailedError(AssertionError):
-    """Something else than a JsonFormatException came out; the text is what."""
+    """Another exception came out than the format's own; the text is what."""
 
 
 @dataclass(frozen=True)
 class Refusal:
-    """The text of a JsonFormatException."""
+    """The text of a JsonFormatException, or of a JpegFormatException."""
 
     text: str
 
@@ -36,8 +37,9 @@ Question = tuple[str, bytes]
 class Probe:
     """One process; `close` ends it. The library is what it asks, with the JSON and the messages."""
 
-    def __init__(self, library: Binary, *, full_aot: bool = False) -> None:
-        program = mono.compile_assembly("json_probe.exe", _SOURCES, references=[library])
+    def __init__(self, library: Binary, name: str = JSON, *, full_aot: bool = False) -> None:
+        sources = sorted((Path(__file__).parent / name).glob("*.cs"))
+        program = mono.compile_assembly(f"{name}.exe", sources, references=[library])
         if full_aot:
             program = mono.ahead_of_time(program)
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115  # closed with the process
@@ -69,6 +71,11 @@ class Probe:
                 answers += self._exchange(waiting)
                 waiting, size = [], 0
         return answers + self._exchange(waiting)
+
+    def peak_bytes(self) -> int:
+        """Return how much memory the process has had at most."""
+        status = Path(f"/proc/{self._process.pid}/status").read_text()
+        return int(status.partition("VmHWM:")[2].split()[0]) * 1024
 
     def close(self) -> None:
         """End the process."""

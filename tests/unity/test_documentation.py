@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.unity import mono, package
+from tests.unity import mono, own_messages, package
 
 PAGES = sorted((package.PACKAGE / "Documentation~").glob("*.md"))
 EXAMPLES = [
@@ -27,6 +27,7 @@ def test_example_compiles(example: str, tmp_path: Path) -> None:
         package.stub("UnityEngine"),
         package.compiled("Ros2Gateway.Core", target),
         package.compiled("Ros2Gateway.Unity", target),
+        own_messages.assembly(target),
     ]
     source = tmp_path / "Example.cs"
     source.write_text(example)

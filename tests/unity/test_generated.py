@@ -5,13 +5,15 @@ import pytest
 
 from gateway.codec.json import dumps, loads
 from gateway.codec.types import Types
-from schemas.generate.csharp_catalogue import catalogue_source
+from schemas.folders import SHIPPED
 from schemas.generate.csharp_clients import files, text
+from schemas.generate.csharp_table import table_source
+from schemas.installed import InstalledDefinitions, installed_prefixes
 from tests.messages import RandomMessages, to_json
 from tests.schemas.generate.client_code import (
-    awkward_definitions,
     names_of_messages,
     request_of_everything,
+    write_awkward,
     write_texts,
 )
 from tests.unity import mono, package
@@ -19,18 +21,23 @@ from tests.unity.probe import Probe, Refusal
 
 pytestmark = pytest.mark.skipif(mono.missing() != "", reason=mono.missing())
 
+CATALOGUE = sorted((package.PACKAGE / "Runtime/Core/Catalogue").glob("*.cs"))
 NOW_NS = 1_700_000_000_123_456_789
 
 
 @pytest.fixture(scope="module")
 def definitions(tmp_path_factory):
-    return awkward_definitions(tmp_path_factory.mktemp("definitions"))
+    """Return the awkward, all that is installed, and all that comes with the gateway."""
+    prefix = tmp_path_factory.mktemp("definitions")
+    write_awkward(prefix)
+    return InstalledDefinitions([prefix, *installed_prefixes()], [SHIPPED])
 
 
 def runtime():
     """Return the sources that messages need beside themselves."""
     core = package.PACKAGE / "Runtime" / "Core"
-    return [*(core / "Json").glob("*.cs"), *(core / "Messages").glob("*.cs")]
+    pictures = (core / "Pictures" / f"{name}.cs" for name in ("GreyPng", "Inflater"))  # of maps
+    return [*(core / "Json").glob("*.cs"), *pictures, *(core / "Messages").glob("*.cs")]
 
 
 @pytest.mark.parametrize("write", [files, lambda request: {"All.cs": text(request)}])
@@ -44,9 +51,9 @@ def test_all_types_compile_beside_the_package(definitions, tmp_path, write):
 def probe(definitions, tmp_path_factory):
     """Return the classes of all types without those of the package, and what makes them by name."""
     request = request_of_everything(definitions, complete=True)
-    catalogue = {"MessageCatalogue.cs": catalogue_source(request.catalogue)}
-    made = write_texts(tmp_path_factory.mktemp("all"), files(request) | catalogue)
-    probe = Probe(mono.compile_assembly("Mine", sorted([*runtime(), *made])))
+    table = {"MessageTable.cs": table_source(request.catalogue)}
+    made = write_texts(tmp_path_factory.mktemp("all"), files(request) | table)
+    probe = Probe(mono.compile_assembly("Mine", sorted([*runtime(), *CATALOGUE, *made])))
     yield probe
     probe.close()
 

@@ -106,7 +106,9 @@ def probe_of_everything(everything, tmp_path_factory):
         (root / path).parent.mkdir(parents=True, exist_ok=True)
         (root / path).write_text(text)
     core = package.PACKAGE / "Runtime" / "Core"
-    sources = [*(core / "Json").glob("*.cs"), *(core / "Messages").glob("*.cs")]
+    folders = ("Json", "Messages", "Catalogue")
+    sources = [path for folder in folders for path in (core / folder).glob("*.cs")]
+    sources += (core / "Pictures" / f"{name}.cs" for name in ("GreyPng", "Inflater"))  # of maps
     generated = (root / CSHARP_FOLDER).glob("*.cs")
     probe = Probe(mono.compile_assembly("Everything", sorted([*sources, *generated])))
     yield probe

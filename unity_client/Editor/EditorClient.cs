@@ -40,10 +40,10 @@ namespace Ros2Gateway.Editor
             }
         }
 
-        /// <summary>What a settings asset says; without one, where the gateway is by default.</summary>
-        public static GatewayOptions OptionsOf(GatewaySettings settings)
+        /// <summary>What a connection of the scene says; without one, where the gateway is by default.</summary>
+        public static GatewayOptions OptionsOf(GatewayConnection connection)
         {
-            return settings != null ? settings.Options() : new GatewayOptions();
+            return connection != null ? connection.Options() : new GatewayOptions();
         }
 
         /// <summary>Calls what waits; from the editor's update.</summary>

@@ -24,7 +24,7 @@ namespace Ros2Gateway.Editor
         {
             GameObject screen = GameObject.CreatePrimitive(PrimitiveType.Quad);
             screen.name = "Image Screen";
-            Subscribing(screen, "/camera/image_raw", "sensor_msgs/msg/Image");
+            SceneParts.Subscribe(screen, "/camera/image_raw", "sensor_msgs/msg/Image");
             Finish(screen.AddComponent<ImageScreen>(), command);
         }
 
@@ -33,7 +33,7 @@ namespace Ros2Gateway.Editor
         public static void TextScreen(MenuCommand command)
         {
             GameObject screen = Text("Text Screen");
-            Subscribing(screen, "/chatter", "");
+            SceneParts.Subscribe(screen, "/chatter", "");
             Finish(screen.AddComponent<TextScreen>(), command);
         }
 
@@ -58,7 +58,7 @@ namespace Ros2Gateway.Editor
         public static void Twin(MenuCommand command)
         {
             GameObject twin = new GameObject("Digital Twin");
-            Subscribing(twin, "/odom", "nav_msgs/msg/Odometry");
+            SceneParts.Subscribe(twin, "/odom", "nav_msgs/msg/Odometry");
             Finish(twin.AddComponent<DigitalTwin>(), command);
         }
 
@@ -67,7 +67,7 @@ namespace Ros2Gateway.Editor
         public static void LaserScan(MenuCommand command)
         {
             GameObject scan = new GameObject("Laser Scan");
-            Subscribing(scan, "/scan", "sensor_msgs/msg/LaserScan");
+            SceneParts.Subscribe(scan, "/scan", "sensor_msgs/msg/LaserScan");
             Finish(scan.AddComponent<LaserScanDisplay>(), command);
         }
 
@@ -76,7 +76,7 @@ namespace Ros2Gateway.Editor
         public static void PointCloud(MenuCommand command)
         {
             GameObject cloud = new GameObject("Point Cloud");
-            Subscribing(cloud, "/points", "sensor_msgs/msg/PointCloud2");
+            SceneParts.Subscribe(cloud, "/points", "sensor_msgs/msg/PointCloud2");
             Finish(cloud.AddComponent<PointCloudDisplay>(), command);
         }
 
@@ -85,7 +85,7 @@ namespace Ros2Gateway.Editor
         public static void Battery(MenuCommand command)
         {
             GameObject battery = Text("Battery");
-            Subscribing(battery, "/battery_state", "sensor_msgs/msg/BatteryState");
+            SceneParts.Subscribe(battery, "/battery_state", "sensor_msgs/msg/BatteryState");
             Finish(battery.AddComponent<BatteryDisplay>(), command);
         }
 
@@ -103,24 +103,22 @@ namespace Ros2Gateway.Editor
             Finish(new GameObject("Target Driver", typeof(TargetDriver)), command);
         }
 
-        private static GameObject Text(string name)
+        internal static GameObject Text(string name)
         {
-            GameObject made = new GameObject(name, typeof(TextMesh));
-            TextMesh text = made.GetComponent<TextMesh>();
-            text.fontSize = 48; // the letters' resolution; the next line makes them some 7 cm high
-            text.characterSize = 0.015f;
-            text.anchor = TextAnchor.UpperLeft;
+            GameObject made = new GameObject(name);
+            SceneParts.AddText(made);
             return made;
         }
 
-        private static void Subscribing(GameObject made, string topic, string type)
+        internal static TopicSubscriber Subscribing(GameObject made, string topic, string type)
         {
             TopicSubscriber subscriber = made.AddComponent<TopicSubscriber>();
             subscriber.Topic = topic;
             subscriber.Type = type;
+            return subscriber;
         }
 
-        private static void Finish(Component on, MenuCommand command)
+        internal static void Finish(Component on, MenuCommand command)
         {
             Finish(on.gameObject, command);
         }

@@ -19,7 +19,7 @@ namespace Ros2Gateway.Editor
             if (GUILayout.Button("Test connection"))
             {
                 End();
-                _probe = new ConnectionProbe(EditorClient.OptionsOf((GatewaySettings)target));
+                _probe = new ConnectionProbe(((GatewaySettings)target).Options());
                 EditorApplication.update += Pump;
             }
             if (_probe != null)

@@ -104,9 +104,7 @@ namespace Ros2Gateway.Editor
 
         private void Connect()
         {
-            GatewayConnection connection = Connection();
-            GatewaySettings settings = connection == null ? null : connection.Settings;
-            _graph = new GraphDropdown(EditorClient.OptionsOf(settings));
+            _graph = new GraphDropdown(EditorClient.OptionsOf(Connection()));
             _graph.Changed += Repaint;
             EditorApplication.update += _graph.Pump;
         }

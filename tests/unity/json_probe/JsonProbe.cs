@@ -14,7 +14,11 @@ using Ros2Gateway.Messages;
 /// </summary>
 internal static class JsonProbe
 {
-    private static readonly JsonReader Reader = new JsonReader();
+    private const string Cbor = "cbor:";
+
+    private static readonly JsonReader OfJson = new JsonReader();
+    private static readonly JsonReader OfCbor = new CborReader();
+    private static JsonReader Reader = OfJson;
     private static readonly JsonWriter Writer = new JsonWriter();
 
     private static int Main()
@@ -62,6 +66,9 @@ internal static class JsonProbe
         buffer[0] = (byte)'1';
         argument.CopyTo(buffer, 1);
         buffer[argument.Length + 1] = (byte)'1';
+        bool isCbor = operation.StartsWith(Cbor, StringComparison.Ordinal);
+        operation = isCbor ? operation.Substring(Cbor.Length) : operation;
+        Reader = isCbor ? OfCbor : OfJson;
         Reader.Reset(buffer, 1, argument.Length);
         switch (operation)
         {
@@ -130,9 +137,17 @@ internal static class JsonProbe
             case "float64s": Writer.Values(Reader.ReadFloat64s()); Reader.End(); break;
             case "strings": Writer.Values(Reader.ReadStrings()); Reader.End(); break;
             default:
-                int colon = operation.IndexOf(':'); // read:TYPE takes JSON over, new:TYPE has the defaults
+                int colon = operation.IndexOf(':'); // read:TYPE takes it over, new:TYPE has the defaults
                 IMessage message = MessageCatalogue.Create(operation.Substring(colon + 1));
-                if (operation.StartsWith("read:", StringComparison.Ordinal))
+                if (operation.StartsWith("again:", StringComparison.Ordinal))
+                {
+                    // the length of a first message, that message, and the one that is read over it
+                    int first = 4 + BitConverter.ToInt32(argument, 0);
+                    Reader.Reset(argument, 4, first - 4);
+                    message.Read(Reader);
+                    Reader.Reset(argument, first, argument.Length - first);
+                }
+                if (!operation.StartsWith("new:", StringComparison.Ordinal))
                 {
                     message.Read(Reader);
                     Reader.End();

@@ -4,6 +4,7 @@ using System.Text;
 using NUnit.Framework;
 using Ros2Gateway.Json;
 using Ros2Gateway.Messages;
+using Ros2Gateway.Messages.BuiltinInterfaces;
 using Ros2Gateway.Messages.GeometryMsgs;
 using Ros2Gateway.Messages.NavMsgs;
 using Ros2Gateway.Messages.SensorMsgs;
@@ -63,12 +64,24 @@ namespace Ros2Gateway.Tests
         }
 
         [Test]
-        public void AStampOfZeroIsLeftOutSoThatTheGatewaySetsIt()
+        public void AStampThatNobodySetIsLeftOutSoThatTheGatewaySetsItAndOneOfZeroStays()
         {
+            const string Zero = "{\"stamp\":{\"sec\":0,\"nanosec\":0},\"frame_id\":\"map\"}";
+            const string Unset = "{\"frame_id\":\"map\"}";
             var header = new HeaderMsg { frame_id = "map" };
-            Assert.AreEqual("{\"frame_id\":\"map\"}", Written(header));
+            Assert.AreEqual(Unset, Written(header));
             header.stamp.nanosec = 1;
             Assert.AreEqual("{\"stamp\":{\"sec\":0,\"nanosec\":1},\"frame_id\":\"map\"}", Written(header));
+            header.stamp = null;
+            Assert.AreEqual(Unset, Written(header));
+            header.stamp = new TimeMsg();
+            Assert.AreEqual(Zero, Written(header));
+            foreach (string text in new[] { Zero, Unset })
+            {
+                var read = new HeaderMsg();
+                Read(read, text);
+                Assert.AreEqual(text, Written(read));
+            }
         }
 
         [Test]
@@ -103,6 +116,33 @@ namespace Ros2Gateway.Tests
         public void TheCatalogueHasNothingForAnUnknownType(string type)
         {
             Assert.IsNull(MessageCatalogue.Create(type));
+        }
+
+        [Test]
+        public void ARegisteredClassIsMadeByItsNameAndListedIfItIsAMessage()
+        {
+            MessageCatalogue.Register("own_msgs/msg/Thing", () => new DynamicMessage("own_msgs/msg/Thing"));
+            MessageCatalogue.Register("own_msgs/srv/Do_Request", () => new DynamicMessage("own_msgs/srv/Do_Request"));
+            Assert.AreEqual("own_msgs/msg/Thing", MessageCatalogue.Create("own_msgs/Thing").RosType);
+            Assert.AreEqual("own_msgs/srv/Do_Request", MessageCatalogue.Create("own_msgs/srv/Do_Request").RosType);
+            CollectionAssert.Contains(MessageCatalogue.Types, "own_msgs/msg/Thing");
+            CollectionAssert.DoesNotContain(MessageCatalogue.Types, "own_msgs/srv/Do_Request");
+            CollectionAssert.IsOrdered(MessageCatalogue.Types, System.StringComparer.Ordinal);
+        }
+
+        [Test]
+        public void TheFirstClassThatIsRegisteredForATypeStays()
+        {
+            MessageCatalogue.Register("own_msgs/msg/Twice", () => new DynamicMessage("own_msgs/msg/Twice"));
+            MessageCatalogue.Register("own_msgs/msg/Twice", () => new TwistMsg());
+            Assert.IsInstanceOf<DynamicMessage>(MessageCatalogue.Create("own_msgs/msg/Twice"));
+        }
+
+        [Test]
+        public void ARegistrationWithoutTypeOrClassIsRefused()
+        {
+            Assert.Throws<ArgumentException>(() => MessageCatalogue.Register("", () => new TwistMsg()));
+            Assert.Throws<ArgumentNullException>(() => MessageCatalogue.Register("own_msgs/msg/Nothing", null));
         }
 
         [Test]

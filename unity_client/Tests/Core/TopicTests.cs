@@ -2,10 +2,12 @@
 using System.Collections.Generic;
 using NUnit.Framework;
 using Ros2Gateway.Json;
+using Ros2Gateway.Messages.BuiltinInterfaces;
 using Ros2Gateway.Messages.GeometryMsgs;
 using Ros2Gateway.Messages.NavMsgs;
 using Ros2Gateway.Messages.SensorMsgs;
 using Ros2Gateway.Messages.StdMsgs;
+using Ros2Gateway.Pictures;
 
 namespace Ros2Gateway.Tests
 {
@@ -73,7 +75,8 @@ namespace Ros2Gateway.Tests
                     "/numbers", null, new SubscribeOptions { Queue = 100 });
                 Subscription<Int64Msg> some = live.Client.Subscribe<Int64Msg>(
                     "/numbers", null, new SubscribeOptions { Queue = 5 });
-                Subscription<Int64Msg> newest = live.Client.Subscribe<Int64Msg>("/numbers");
+                Subscription<Int64Msg> newest = live.Client.Subscribe<Int64Msg>(
+                    "/numbers", null, new SubscribeOptions { Queue = 1 });
                 WaitUntilHeard(live, publisher, all);
                 Empty(all);
                 Empty(some);
@@ -83,11 +86,115 @@ namespace Ros2Gateway.Tests
                     Assert.IsTrue(publisher.Publish(new Int64Msg { data = i }));
                 }
                 live.Until(() => all.Waiting == 20, "for all numbers");
+                LetFramesPass(live);
+                publisher.Publish(new Int64Msg { data = 21 });
+                live.Until(() => all.Waiting == 21, "for one more");
 
-                CollectionAssert.AreEqual(Numbers(1, 20), Empty(all));
-                CollectionAssert.AreEqual(Numbers(16, 20), Empty(some));
-                CollectionAssert.AreEqual(Numbers(20, 20), Empty(newest));
-                Assert.GreaterOrEqual(some.Dropped, 15);
+                CollectionAssert.AreEqual(Numbers(1, 21), Empty(all));
+                CollectionAssert.AreEqual(Numbers(17, 21), Empty(some));
+                CollectionAssert.AreEqual(Numbers(21, 21), Empty(newest));
+            }
+        }
+
+        [Test]
+        public void ABurstWithinAFrameIsWholeByDefault()
+        {
+            using (Live live = Live.Connected())
+            {
+                List<long> handled = new List<long>();
+                Publisher<Int64Msg> publisher = live.Client.Advertise<Int64Msg>("/numbers");
+                Subscription<Int64Msg> all = live.Client.Subscribe<Int64Msg>("/numbers", message => handled.Add(message.data));
+                WaitUntilHeard(live, publisher, all);
+                live.Client.Pump();
+                handled.Clear();
+                long before = all.Received;
+
+                // Nothing is pumped until all are here: as long as a frame of the application.
+                for (int i = 1; i <= 200; i++)
+                {
+                    Assert.IsTrue(publisher.Publish(new Int64Msg { data = i }));
+                }
+                live.Until(() => all.Received - before == 200, "for all numbers", () => { });
+                Assert.AreEqual(200, all.Waiting);
+                live.Until(() => handled.Count == 200, "for the handler");
+
+                CollectionAssert.AreEqual(Numbers(1, 200), handled);
+                Assert.AreEqual(0, publisher.Dropped);
+                Assert.AreEqual(0, all.Dropped);
+            }
+        }
+
+        [Test]
+        public void WhatTheApplicationLeavesIsDroppedAndToldWithACount()
+        {
+            using (Live live = Live.Connected())
+            {
+                int here = System.Threading.Thread.CurrentThread.ManagedThreadId;
+                List<long> told = new List<long>();
+                Publisher<Int64Msg> publisher = live.Client.Advertise<Int64Msg>("/numbers");
+                Subscription<Int64Msg> taken = live.Client.Subscribe<Int64Msg>("/numbers");
+                WaitUntilHeard(live, publisher, taken);
+                Empty(taken);
+                long before = taken.Dropped;
+                taken.DroppedChanged += count =>
+                {
+                    Assert.AreEqual(here, System.Threading.Thread.CurrentThread.ManagedThreadId);
+                    told.Add(count - before);
+                };
+
+                for (int i = 1; i <= 20; i++)
+                {
+                    publisher.Publish(new Int64Msg { data = i });
+                }
+                // without a frame of the application: within one a burst is whole, however long it takes
+                live.Until(() => taken.Waiting == 20, "for all numbers", () => { });
+                LetFramesPass(live);
+                publisher.Publish(new Int64Msg { data = 21 });
+                live.Until(() => told.Count > 0, "to be told");
+
+                CollectionAssert.AreEqual(new[] { 11 }, told);
+                CollectionAssert.AreEqual(Numbers(12, 21), Empty(taken));
+                live.Until(() => live.Heard("more than 10 waited for the application"), "for words");
+            }
+        }
+
+        [Test]
+        public void APublisherWhoseTopicIsRefusedSaysSoUntilTheReasonIsGone()
+        {
+            using (Live other = Live.Connected())
+            using (Live live = Live.Connected())
+            {
+                Publisher<StringMsg> first = other.Client.Advertise<StringMsg>("/of_one_type");
+                bool isThere = false; // else it might be the one that comes later, and is refused
+                Subscription<StringMsg> hearing = other.Client.Subscribe<StringMsg>(
+                    "/of_one_type", message => isThere = true);
+                other.Until(() => isThere, "to be heard", () =>
+                {
+                    first.Publish(new StringMsg());
+                    other.Client.Pump();
+                });
+                Int64Msg heard = null;
+                Publisher<Int64Msg> refused = live.Client.Advertise<Int64Msg>("/of_one_type");
+                live.Until(() => !refused.Publish(new Int64Msg()), "to be refused");
+                StringAssert.Contains("has type std_msgs/msg/String, not std_msgs/msg/Int64", refused.Refusal);
+                long before = refused.Published;
+                for (int i = 0; i < 47; i++)
+                {
+                    Assert.IsFalse(refused.Publish(new Int64Msg { data = i }));
+                }
+                Assert.AreEqual(before, refused.Published);
+
+                first.Dispose();
+                hearing.Dispose();
+                live.Until(() => refused.Refusal == null, "to be taken");
+                live.Client.Subscribe<Int64Msg>("/of_one_type", message => heard = message);
+                live.Until(() => heard != null && heard.data == 48, "for a message", () =>
+                {
+                    Assert.IsTrue(refused.Publish(new Int64Msg { data = 48 }));
+                    live.Client.Pump();
+                });
+                List<GatewayEvent> refusals = live.Events.FindAll(one => one.Code == "type_conflict" && one.Request == "advertise");
+                Assert.AreEqual(1, refusals.Count, string.Join(" | ", live.Events));
             }
         }
 
@@ -114,19 +221,165 @@ namespace Ros2Gateway.Tests
         }
 
         [Test]
-        public void RaysThatHitNothingComeBackAsInfinity()
+        public void AnInfiniteRangeAndAStampOfZeroSurviveTheWayToROSAndBackTwice()
         {
             using (Live live = Live.Connected())
             {
                 Publisher<LaserScanMsg> publisher = live.Client.Advertise<LaserScanMsg>("/rays");
                 Subscription<LaserScanMsg> subscription = live.Client.Subscribe<LaserScanMsg>("/rays");
                 LaserScanMsg sent = new LaserScanMsg();
+                sent.header.stamp = new TimeMsg();
                 sent.range_max = float.PositiveInfinity;
                 sent.ranges = new[] { 1.5f, float.PositiveInfinity, float.NaN, float.NegativeInfinity, 0.1f };
                 LaserScanMsg got = null;
                 live.Until(() => subscription.TryTake(out got), "for the scan", () => publisher.Publish(sent));
-                CollectionAssert.AreEqual(sent.ranges, got.ranges);
-                Assert.AreEqual(float.PositiveInfinity, got.range_max);
+                for (int i = 0; i < 2; i++)
+                {
+                    Assert.AreEqual(0, got.header.stamp.sec);
+                    Assert.AreEqual(0, got.header.stamp.nanosec);
+                    CollectionAssert.AreEqual(sent.ranges, got.ranges);
+                    Assert.AreEqual(float.PositiveInfinity, got.range_max);
+                    LaserScanMsg again = got;
+                    again.header.frame_id = "what was read";
+                    live.Until(
+                        () => subscription.TryTake(out got) && got.header.frame_id == again.header.frame_id,
+                        "for the scan again",
+                        () =>
+                        {
+                            live.Client.Pump();
+                            publisher.Publish(again);
+                        });
+                }
+            }
+        }
+
+        [Test]
+        public void PicturesComeInBinaryFramesUnlessTextIsAskedFor([Values(true, false)] bool isBinary)
+        {
+            using (Live live = Live.Connected())
+            {
+                long pictures = 0;
+                long octets = 0;
+                live.Client.Subscribe<CompressedImageMsg>(
+                    "/camera/image_raw/compressed",
+                    message =>
+                    {
+                        pictures++;
+                        octets += message.data.Length;
+                    },
+                    new SubscribeOptions { Queue = 100, Binary = isBinary ? null : (bool?)false });
+                live.Until(() => pictures > 0, "for a picture");
+                pictures = octets = 0;
+                long before = live.Client.BytesReceived;
+                live.Until(() => pictures >= 20, "for pictures");
+                double share = (double)(live.Client.BytesReceived - before) / octets;
+                // base64 takes a third more; what comes beside pictures, such as answers to pings, is little
+                Assert.AreEqual(isBinary, share < 1.2, share + " bytes for an octet");
+            }
+        }
+
+        [Test]
+        public void AnyMessageMayComeInABinaryFrameAlsoAsATree()
+        {
+            using (Live live = Live.Connected())
+            {
+                OdometryMsg odometry = null;
+                DynamicMessage tree = null;
+                SubscribeOptions binary = new SubscribeOptions { Binary = true };
+                live.Client.Subscribe<OdometryMsg>("/odom", message => odometry = message, binary);
+                live.Client.Subscribe("/odom", "", () => new DynamicMessage(""), message => tree = message, binary);
+                live.Until(() => odometry != null && tree != null, "for odometry");
+                Assert.AreEqual("base_footprint", odometry.child_frame_id);
+                Assert.AreEqual(36, odometry.pose.covariance.Length);
+                Assert.AreEqual("base_footprint", tree.Value["child_frame_id"].AsString());
+                Assert.AreEqual(36, tree.Value["pose"]["covariance"].Count);
+            }
+        }
+
+        [Test]
+        public void MessagesAreFilledAnewOnDemandAndEachIsTheHandlersUntilTheNext()
+        {
+            using (Live live = Live.Connected())
+            {
+                Publisher<Int64Msg> publisher = live.Client.Advertise<Int64Msg>(
+                    "/filled_anew", new AdvertiseOptions { Queue = 100 });
+                List<long> seen = new List<long>();
+                HashSet<Int64Msg> objects = new HashSet<Int64Msg>();
+                Int64Msg last = null;
+                long lastData = 0;
+                live.Client.Subscribe<Int64Msg>(
+                    "/filled_anew",
+                    message =>
+                    {
+                        last = message;
+                        lastData = message.data;
+                        seen.Add(message.data);
+                        objects.Add(message);
+                    },
+                    new SubscribeOptions { Queue = 1 },
+                    reuse: true);
+                long next = 0;
+                live.Until(
+                    () => seen.Count >= 60,
+                    "for numbers",
+                    () =>
+                    {
+                        publisher.Publish(new Int64Msg { data = ++next });
+                        Assert.IsTrue(last == null || last.data == lastData, "it changed in the handler's hands");
+                        live.Client.Pump(); // which hands out the next one
+                    });
+                CollectionAssert.IsOrdered(seen);
+                // one that waits, one that is read, one in the handler's hands
+                Assert.LessOrEqual(objects.Count, 3);
+            }
+        }
+
+        [Test]
+        public void PicturesThatAreFilledAnewKeepTheirBuffers([Values(true, false)] bool isBinary)
+        {
+            using (Live live = Live.Connected())
+            {
+                HashSet<PictureMsg> objects = new HashSet<PictureMsg>();
+                int pictures = 0;
+                live.Client.Subscribe<PictureMsg>(
+                    "/camera/image_raw/compressed",
+                    picture =>
+                    {
+                        pictures++;
+                        objects.Add(picture);
+                        Assert.AreEqual(0xFFD8, (picture.buffer[0] << 8) | picture.buffer[1], "where it begins");
+                        Assert.AreEqual(
+                            0xFFD9,
+                            (picture.buffer[picture.count - 2] << 8) | picture.buffer[picture.count - 1],
+                            "where it ends");
+                        Assert.AreEqual(picture.count, picture.Copy().data.Length);
+                    },
+                    new SubscribeOptions { Binary = isBinary, Queue = 1 },
+                    reuse: true);
+                live.Until(() => pictures >= 20, "for pictures");
+                Assert.LessOrEqual(objects.Count, 3);
+            }
+        }
+
+        [Test]
+        public void AScanThatIsFilledAnewKeepsItsArray()
+        {
+            using (Live live = Live.Connected())
+            {
+                HashSet<float[]> arrays = new HashSet<float[]>();
+                int scans = 0;
+                live.Client.Subscribe<LaserScanMsg>(
+                    "/scan",
+                    message =>
+                    {
+                        arrays.Add(message.ranges);
+                        Assert.AreEqual(360, message.ranges.Length);
+                        scans++;
+                    },
+                    new SubscribeOptions { Queue = 1 },
+                    reuse: true);
+                live.Until(() => scans >= 10, "for scans");
+                Assert.LessOrEqual(arrays.Count, 3);
             }
         }
 
@@ -295,6 +548,8 @@ namespace Ros2Gateway.Tests
                 }
                 live.Until(() => echoed.Contains(1000), "for the newest");
                 Assert.Greater(publisher.Dropped, 0);
+                Assert.IsTrue(live.Heard("/flood: "), "it was dropped in silence");
+                Assert.IsTrue(live.Heard("more than 3 waited for the network"));
                 CollectionAssert.IsOrdered(echoed);
             }
         }
@@ -381,6 +636,14 @@ namespace Ros2Gateway.Tests
             publisher.Publish(new Int64Msg { data = -1 });
             live.Until(() => last.TryTake(out message) && message.data == -1, "for the last of these");
             last.Dispose();
+        }
+
+        /// <summary>As many as after which what has come is no longer new.</summary>
+        private static void LetFramesPass(Live live)
+        {
+            live.Client.Pump();
+            live.Client.Pump();
+            live.Client.Pump();
         }
 
         private static List<long> Empty(Subscription<Int64Msg> subscription)

@@ -99,15 +99,23 @@ namespace Ros2Gateway.Editor.Tests
         }
 
         [Test]
-        public void SettingsGiveAddressAndToken()
+        public void AConnectionsOwnAddressComesBeforeThatOfItsSettings()
         {
             GatewaySettings settings = ScriptableObject.CreateInstance<GatewaySettings>();
             settings.Address = "ws://robot:9090";
             settings.Token = "secret";
-            GatewayOptions options = EditorClient.OptionsOf(settings);
-            Assert.AreEqual("ws://robot:9090", options.Address);
-            Assert.AreEqual("secret", options.Token);
+            GameObject holder = new GameObject("connection");
+            holder.SetActive(false);
+            GatewayConnection connection = holder.AddComponent<GatewayConnection>();
+            Assert.AreEqual(new GatewayOptions().Address, EditorClient.OptionsOf(connection).Address);
             Assert.AreEqual(new GatewayOptions().Address, EditorClient.OptionsOf(null).Address);
+            connection.Settings = settings;
+            Assert.AreEqual("ws://robot:9090", EditorClient.OptionsOf(connection).Address);
+            connection.Address = "ws://other:9090";
+            Assert.AreEqual("ws://other:9090", EditorClient.OptionsOf(connection).Address);
+            Assert.AreEqual("ws://other:9090", connection.Address);
+            Assert.AreEqual("secret", EditorClient.OptionsOf(connection).Token);
+            UnityEngine.Object.DestroyImmediate(holder);
             UnityEngine.Object.DestroyImmediate(settings);
         }
 

@@ -45,6 +45,30 @@ namespace Ros2Gateway.Editor.Tests
             Object.DestroyImmediate(parent);
         }
 
+        [Test]
+        public void TheMenuMakesWhatStandsInFrames()
+        {
+            GameObject parent = new GameObject("parent");
+            parent.SetActive(false);
+            MenuCommand command = new MenuCommand(parent);
+            Made<FixedFrame>(() => FramesMenu.FixedFrame(command), parent);
+            Made<FrameFollower>(() => FramesMenu.FrameFollower(command), parent);
+            Made<OccupancyGridDisplay>(() => FramesMenu.OccupancyGridDisplay(command), parent);
+            Made<PathDisplay>(() => FramesMenu.PathDisplay(command), parent);
+            Made<PoseDisplay>(() => FramesMenu.PoseDisplay(command), parent);
+            Made<PoseArrayDisplay>(() => FramesMenu.PoseArrayDisplay(command), parent);
+            Made<OdometryTrail>(() => FramesMenu.OdometryTrail(command), parent);
+            Made<MarkerArrayDisplay>(() => FramesMenu.MarkerArrayDisplay(command), parent);
+            Assert.Greater(((GameObject)Selection.activeObject).GetComponent<TopicSubscriber>().Queue, 1);
+            Made<RobotDescriptionDisplay>(() => FramesMenu.RobotDescriptionDisplay(command), parent);
+            Assert.IsNotNull(((GameObject)Selection.activeObject).GetComponentInChildren<JointStateDisplay>(true));
+            Made<DepthDisplay>(() => FramesMenu.DepthDisplay(command), parent);
+            Assert.AreEqual("png", ((GameObject)Selection.activeObject).GetComponent<TopicSubscriber>().ImageFormat);
+            Made<GoalPosePublisher>(() => FramesMenu.GoalPosePublisher(command), parent);
+            Made<NavigateToPose>(() => FramesMenu.NavigateToPose(command), parent);
+            Object.DestroyImmediate(parent);
+        }
+
         private static void Draw(Object target, System.Type inspector)
         {
             UnityEditor.Editor editor = UnityEditor.Editor.CreateEditor(target, inspector);

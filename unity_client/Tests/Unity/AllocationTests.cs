@@ -78,6 +78,7 @@ namespace Ros2Gateway.Unity.Tests
         public IEnumerator ShowingAPointCloudAllocatesNothing()
         {
             PointCloudDisplay display = _scene.Display<PointCloudDisplay>();
+            display.Subscriber.StopAllCoroutines(); // after a while one warns that it has no connection
             PointCloud2Msg cloud = new PointCloud2Msg
             {
                 width = 10000,

@@ -51,7 +51,8 @@ namespace Ros2Gateway.Unity.Tests
             Assert.IsFalse(publisher.Publish(new OdometryMsg()));
             Assert.IsFalse(publisher.PublishJson("{}"));
             Assert.IsFalse(publisher.PublishTexture(Texture2D.whiteTexture));
-            Assert.IsTrue(_scene.HasLogged("finds no Gateway Connection"));
+            yield return _scene.Until(
+                () => _scene.HasLogged("TopicSubscriber on DigitalTwin finds no Gateway Connection"), "for a warning");
         }
 
         [UnityTest]

@@ -28,8 +28,8 @@ namespace Ros2Gateway.Unity.Tests
 
         internal GatewayConnection Connection { get; private set; }
 
-        /// <summary>Adds the connection, which connects at once.</summary>
-        internal GatewayConnection Connect()
+        /// <summary>Adds a connection, which connects at once.</summary>
+        internal GatewayConnection Connect(Action<GatewayConnection> setUp = null)
         {
             string address = Environment.GetEnvironmentVariable(Gateway);
             if (string.IsNullOrEmpty(address))
@@ -42,6 +42,10 @@ namespace Ros2Gateway.Unity.Tests
             GameObject holder = Inactive("connection");
             Connection = holder.AddComponent<GatewayConnection>();
             Connection.Settings = settings;
+            if (setUp != null)
+            {
+                setUp(Connection);
+            }
             holder.SetActive(true);
             return Connection;
         }
@@ -88,6 +92,16 @@ namespace Ros2Gateway.Unity.Tests
             }
             holder.SetActive(true);
             return publisher;
+        }
+
+        /// <summary>The origin of a frame, for what is put below it; needs a connection.</summary>
+        internal FixedFrame Fixed(string frame)
+        {
+            GameObject holder = Inactive("fixed");
+            FixedFrame made = holder.AddComponent<FixedFrame>();
+            made.Frame = frame;
+            holder.SetActive(true);
+            return made;
         }
 
         /// <summary>Frames until something holds.</summary>

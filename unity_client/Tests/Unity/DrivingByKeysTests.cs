@@ -20,6 +20,7 @@ namespace Ros2Gateway.Unity.Tests
 
         private DrivingScene _scene;
         private HeldKeys _keys;
+        private TeleopDriver _driver; // the last that was made
 
         [SetUp]
         public void SetUp()
@@ -178,6 +179,7 @@ namespace Ros2Gateway.Unity.Tests
             yield return _scene.UntilHeard(0, 0);
             _scene.Heard.Clear();
             driver.enabled = true;
+            yield return _scene.Until(() => driver.CommandType != null, "for the type to be known, again");
             yield return Mark();
             Assert.IsFalse(_scene.HasHeard(Ahead, 0));
         }
@@ -256,13 +258,14 @@ namespace Ros2Gateway.Unity.Tests
             driver.Topic = Topic;
             driver.Input = _keys;
             holder.SetActive(true);
+            _driver = driver;
             return driver;
         }
 
         private IEnumerator Hold()
         {
-            yield return _scene.Until(() => _scene.Connection.Client.IsConnected, "to be connected");
-            yield return null; // keys that are held before there is a connection count for nothing
+            yield return _scene.Until(() => _driver.CommandType != null, "for the type to be known");
+            yield return null; // keys that are held before it is count for nothing
             _keys.Held = DriveKeys.Forward;
             yield return _scene.UntilHeard(Ahead, 0);
         }

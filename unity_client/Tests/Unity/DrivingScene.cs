@@ -40,7 +40,7 @@ namespace Ros2Gateway.Unity.Tests
 
         private readonly List<Object> _made = new List<Object>();
 
-        /// <param name="topic">What is observed.</param>
+        /// <param name="topic">What is observed, as Twist; null for nothing.</param>
         /// <param name="path">"/through" for a line that "cut" cuts; empty for the gateway itself.</param>
         internal DrivingScene(string topic, string path = "")
         {
@@ -52,7 +52,10 @@ namespace Ros2Gateway.Unity.Tests
             Connection.Settings = settings;
             Observer = new GatewayClient(new GatewayOptions { Address = Address(Gateway) });
             Observer.Connect();
-            Observer.Subscribe<TwistMsg>(topic, Hear, new SubscribeOptions { Queue = 1000 });
+            if (topic != null)
+            {
+                Observer.Subscribe<TwistMsg>(topic, Hear, new SubscribeOptions { Queue = 1000 });
+            }
             holder.SetActive(true);
         }
 
@@ -68,6 +71,12 @@ namespace Ros2Gateway.Unity.Tests
             made.SetActive(false);
             _made.Add(made);
             return made;
+        }
+
+        /// <summary>A command is heard.</summary>
+        internal void Hear(TwistMsg twist)
+        {
+            Heard.Add(new DriveCommand(twist.linear.x, twist.angular.z));
         }
 
         /// <summary>Frames until something holds.</summary>
@@ -149,11 +158,6 @@ namespace Ros2Gateway.Unity.Tests
         {
             // the Inspector's speeds are floats
             return Math.Abs(one.linear - other.linear) < 1e-6 && Math.Abs(one.angular - other.angular) < 1e-6;
-        }
-
-        private void Hear(TwistMsg twist)
-        {
-            Heard.Add(new DriveCommand(twist.linear.x, twist.angular.z));
         }
     }
 }

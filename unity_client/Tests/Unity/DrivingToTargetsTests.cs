@@ -224,6 +224,7 @@ namespace Ros2Gateway.Unity.Tests
             int zero = _scene.Heard.LastIndexOf(DriveCommand.Zero);
             yield return null;
             driver.enabled = true;
+            yield return _scene.Until(() => driver.CommandType != null, "for the type to be known");
             Assert.IsTrue(driver.SetTarget(Vector3.right));
             yield return _scene.Until(() => _scene.Last.angular < 0, "for a turn to the right");
             Assert.IsFalse(_scene.Heard.FindIndex(zero, heard => heard.angular > 0) >= 0);

@@ -36,6 +36,37 @@ namespace Ros2Gateway.Unity.Tests
                 "/camera/image_raw/compressed", "8", DisplayScene.OnRenderer);
             yield return _scene.Until(() => !screen.IsStale, "for a picture");
             Assert.Greater(screen.Texture.width, 0);
+            Assert.AreEqual(TextureFormat.RGBA32, screen.Texture.format, "not decoded by Unity");
+        }
+
+        [UnityTest]
+        public IEnumerator TheCameraIsOnTheScreenWithMessagesThatAreFilledAnew()
+        {
+            ImageScreen screen = _scene.Display<ImageScreen>("/camera/image_raw/compressed", "8", made =>
+            {
+                DisplayScene.OnRenderer(made);
+                made.GetComponent<TopicSubscriber>().Reuse = true;
+            });
+            yield return _scene.Until(() => !screen.IsStale, "for a picture");
+            Assert.IsInstanceOf<Ros2Gateway.Pictures.PictureMsg>(screen.Subscriber.Last);
+            Assert.AreEqual(TextureFormat.RGBA32, screen.Texture.format);
+            Assert.IsFalse(_scene.HasLogged("carries"), "which the screen would not know");
+        }
+
+        [UnityTest]
+        public IEnumerator PicturesComeAsLargeAsTheCameraSeesThem()
+        {
+            ImageScreen screen = _scene.Display<ImageScreen>(
+                "/camera/image_raw", "sensor_msgs/msg/Image", DisplayScene.OnRenderer);
+            yield return _scene.Until(() => !screen.IsStale, "for a picture");
+            Assert.Greater(screen.Texture.width, 160);
+            Camera camera = _scene.Inactive("camera").AddComponent<Camera>();
+            camera.tag = "MainCamera";
+            camera.transform.position = new Vector3(0, 0, -20);
+            camera.gameObject.SetActive(true);
+            yield return _scene.Until(() => screen.Texture.width == 160, "for small pictures");
+            Object.Destroy(camera.gameObject);
+            yield return _scene.Until(() => screen.Texture.width > 160, "for large ones again");
         }
 
         [UnityTest]

@@ -196,6 +196,7 @@ namespace Ros2Gateway.Unity.Tests
             Assert.AreEqual(480, target.height);
             yield return _scene.Until(() => screen.Texture != null, "for the picture");
             Assert.AreEqual(640, screen.Texture.width);
+            Assert.AreEqual(480, screen.Texture.height);
             holder.SetActive(false);
             Assert.IsNull(source.Camera.targetTexture);
             yield return null;

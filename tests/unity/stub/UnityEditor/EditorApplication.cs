@@ -62,6 +62,11 @@ namespace UnityEditor
     {
     }
 
+    [AttributeUsage(AttributeTargets.Method)]
+    public class InitializeOnLoadMethodAttribute : Attribute
+    {
+    }
+
     public sealed class AssetDatabase
     {
         public static T LoadAssetAtPath<T>(string assetPath) where T : Object
@@ -79,6 +84,10 @@ namespace UnityEditor
         }
 
         public static void SaveAssets()
+        {
+        }
+
+        public static void Refresh()
         {
         }
     }

@@ -34,6 +34,18 @@ namespace UnityEditor
             return Inspector.Field(label, text);
         }
 
+        public static bool ToggleLeft(string label, bool value, params GUILayoutOption[] options)
+        {
+            Inspector.Toggles[label] = value;
+            return Inspector.IsClicked(label) ? !value : value;
+        }
+
+        public static Object ObjectField(string label, Object obj, Type objType, bool allowSceneObjects,
+            params GUILayoutOption[] options)
+        {
+            return obj;
+        }
+
         public static int Popup(string label, int selectedIndex, string[] displayedOptions,
             params GUILayoutOption[] options)
         {
@@ -52,6 +64,15 @@ namespace UnityEditor
         }
 
         public static void Space()
+        {
+        }
+
+        public static Vector2 BeginScrollView(Vector2 scrollPosition, params GUILayoutOption[] options)
+        {
+            return scrollPosition;
+        }
+
+        public static void EndScrollView()
         {
         }
 

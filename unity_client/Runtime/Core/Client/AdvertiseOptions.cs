@@ -4,11 +4,16 @@ namespace Ros2Gateway
     /// <summary>What a publisher asks for beyond topic and type.</summary>
     public sealed class AdvertiseOptions
     {
+        /// <summary>As in ROS: 10.</summary>
+        public const int DefaultQueue = 10;
+
         /// <summary>
-        /// How many messages may wait for the network, the oldest being dropped. Small on purpose: a
-        /// command that waited is a command for a robot that is elsewhere by now.
+        /// How many messages may wait for the network from frame to frame, the oldest being dropped; what was
+        /// published within the last two frames waits beside them, up to 1024 messages and 1 MiB. 1 is always the
+        /// newest alone, and so it is on a topic that moves a robot, whatever this says: a command that waited is a
+        /// command for a robot that is elsewhere by now.
         /// </summary>
-        public int Queue = 2;
+        public int Queue = DefaultQueue;
 
         /// <summary>
         /// Whether late subscribers get the last message. It is also sent again after a reconnection.

@@ -11,7 +11,7 @@ namespace Ros2Gateway
         private readonly object _gate = new object();
         private readonly Mailbox _mailbox;
         private volatile ControlState _state;
-        private Action<ControlState> _watchers;
+        private readonly Listeners<ControlState> _watchers;
         private bool _isPosted;
 
         internal ControlTopic(string name, Mailbox mailbox)
@@ -19,6 +19,7 @@ namespace Ros2Gateway
             Name = name;
             Id = "control:" + name;
             _mailbox = mailbox;
+            _watchers = new Listeners<ControlState>(mailbox.ReportFault, "listener of who drives " + name);
             _state = new ControlState(name, NotKnown);
         }
 
@@ -45,12 +46,14 @@ namespace Ros2Gateway
             get { return _state; }
         }
 
+        internal FaultReport ReportFault
+        {
+            get { return _mailbox.ReportFault; }
+        }
+
         internal void Add(Action<ControlState> watcher)
         {
-            lock (_gate)
-            {
-                _watchers += watcher;
-            }
+            _watchers.Add(watcher);
             if (_state.IsKnown)
             {
                 Post();
@@ -59,10 +62,7 @@ namespace Ros2Gateway
 
         internal void Remove(Action<ControlState> watcher)
         {
-            lock (_gate)
-            {
-                _watchers -= watcher;
-            }
+            _watchers.Remove(watcher);
         }
 
         internal void Set(ControlState state)
@@ -83,7 +83,7 @@ namespace Ros2Gateway
         {
             lock (_gate)
             {
-                if (_isPosted || _watchers == null)
+                if (_isPosted || _watchers.IsEmpty)
                 {
                     return;
                 }
@@ -94,16 +94,11 @@ namespace Ros2Gateway
 
         private void Tell()
         {
-            Action<ControlState> watchers;
             lock (_gate)
             {
                 _isPosted = false;
-                watchers = _watchers;
             }
-            if (watchers != null)
-            {
-                watchers(_state);
-            }
+            _watchers.Call(_state);
         }
     }
 }

@@ -14,7 +14,7 @@ namespace Ros2Gateway
     /// graphs) is opened again after a reconnection; everything that was asked is answered, if only by
     /// "connection lost". Methods may be called from any thread.
     /// </remarks>
-    public sealed class GatewayClient : IDisposable
+    public sealed partial class GatewayClient : IDisposable
     {
         private const int TickMilliseconds = 50; // what is due is seconds away: this is soon enough
         private const int GoodbyeMilliseconds = 200; // a LAN takes one; a scene that ends must not hang
@@ -22,6 +22,7 @@ namespace Ros2Gateway
         private readonly GatewayOptions _options;
         private readonly Clock _clock = new Clock();
         private readonly Mailbox _mailbox = new Mailbox();
+        private readonly Listeners<ConnectionState> _stateChanged;
         private readonly Outbox _outbox;
         private readonly Reports _reports;
         private readonly Subscriptions _subscriptions;
@@ -31,6 +32,7 @@ namespace Ros2Gateway
         private readonly Goals _goals;
         private readonly ServiceProviders _providers;
         private readonly GraphWatch _graph;
+        private readonly TransformWatches _transforms;
         private readonly Inbox _inbox;
         private readonly Link _link;
         private readonly Timer _timer;
@@ -43,17 +45,20 @@ namespace Ros2Gateway
         {
             _options = options;
             RosClock = new ClockOffset(_clock);
+            _stateChanged = new Listeners<ConnectionState>(_mailbox.ReportFault, "listener of StateChanged");
             _outbox = new Outbox(_clock, options.FreshMilliseconds);
             _reports = new Reports(_mailbox, _clock);
             _subscriptions = new Subscriptions(_outbox);
             _controls = new Controls(_outbox, _mailbox, _reports, _clock);
-            _publishers = new Publishers(_outbox, _reports, _controls, _clock);
+            _publishers = new Publishers(_outbox, _mailbox, _reports, _controls, _clock);
             _requests = new Requests(_outbox, _mailbox, _reports, _clock);
             _goals = new Goals(_outbox, _mailbox, _reports);
             _providers = new ServiceProviders(_outbox, _mailbox);
             _graph = new GraphWatch(_outbox, _mailbox);
+            _transforms = new TransformWatches(_outbox, _clock);
             _inbox = new Inbox(
-                _subscriptions, _publishers, _controls, _requests, _goals, _providers, _graph, new Core(this), _reports);
+                _subscriptions, _publishers, _controls, _requests, _goals, _providers, _graph, _transforms, new Core(this),
+                _reports);
             _link = new Link(options, new Core(this));
             if (options.UsesThreads)
             {
@@ -62,7 +67,11 @@ namespace Ros2Gateway
         }
 
         /// <summary>The connection's state has changed; called by <see cref="Pump"/>, with the newest.</summary>
-        public event Action<ConnectionState> StateChanged;
+        public event Action<ConnectionState> StateChanged
+        {
+            add { _stateChanged.Add(value); }
+            remove { _stateChanged.Remove(value); }
+        }
 
         /// <summary>
         /// Something that people should know: every refusal and warning of the gateway in its own words,
@@ -70,8 +79,8 @@ namespace Ros2Gateway
         /// </summary>
         public event Action<GatewayEvent> EventHeard
         {
-            add { _mailbox.Heard += value; }
-            remove { _mailbox.Heard -= value; }
+            add { _mailbox.Heard.Add(value); }
+            remove { _mailbox.Heard.Remove(value); }
         }
 
         /// <summary>Where the gateway is; another address counts from the next attempt to connect on.</summary>
@@ -135,6 +144,7 @@ namespace Ros2Gateway
         /// <summary>Begins to connect, and keeps connecting until <see cref="Disconnect"/>.</summary>
         public void Connect()
         {
+            _isSuspended = false;
             _link.Connect(_clock.Now);
         }
 
@@ -144,16 +154,31 @@ namespace Ros2Gateway
         /// </summary>
         public void Disconnect()
         {
+            Leave(false);
+        }
+
+        /// <summary>
+        /// Like <see cref="Disconnect"/>, for a while: who awaits <see cref="ConnectAsync"/> goes on waiting.
+        /// </summary>
+        internal void Suspend()
+        {
+            Leave(true);
+        }
+
+        private void Leave(bool isSuspended)
+        {
+            _isSuspended = isSuspended;
             if (_options.UsesThreads)
             {
                 _outbox.WaitUntilEmpty(GoodbyeMilliseconds);
             }
             _link.Disconnect();
+            _mailbox.Post(TellConnecting); // where it was suspended before, no change of state tells them
         }
 
         /// <summary>
-        /// Disconnects for good, and calls no handler any more. Returns when the goodbye is through, mostly at
-        /// once, or after 0.4 s.
+        /// Disconnects for good, and calls no handler any more; what is awaited fails. Returns when the goodbye is
+        /// through, mostly at once, or after 0.4 s.
         /// </summary>
         public void Dispose()
         {
@@ -168,6 +193,7 @@ namespace Ros2Gateway
             Disconnect();
             _link.Close(GoodbyeMilliseconds);
             _mailbox.Close();
+            _awaited.Close();
         }
 
         /// <summary>
@@ -187,22 +213,34 @@ namespace Ros2Gateway
 
         /// <summary>Subscribes to a topic whose messages are of type T.</summary>
         /// <param name="handler">Called by <see cref="Pump"/>; null to take messages from the subscription.</param>
-        public Subscription<T> Subscribe<T>(string topic, Action<T> handler = null, SubscribeOptions options = null)
+        /// <param name="reuse">Whether messages, and their arrays where the length stays, are filled anew: each is
+        /// the handler's until the next one is handed out, and what it lacks is as in an earlier one.</param>
+        public Subscription<T> Subscribe<T>(
+            string topic, Action<T> handler = null, SubscribeOptions options = null, bool reuse = false)
             where T : IMessage, new()
         {
-            return Subscribe(topic, new T().RosType, () => new T(), handler, options);
+            return Subscribe(topic, new T().RosType, () => new T(), handler, options, null, reuse);
         }
 
         /// <summary>Subscribes to a topic of a type that is known only at run time.</summary>
         /// <param name="type">pkg/msg/Name, or empty to let the gateway find it out.</param>
         /// <param name="create">Makes an empty message, on the thread that reads frames.</param>
+        /// <param name="prepare">Called with each message on the thread that reads frames, before it waits for
+        /// the handler. All topics wait meanwhile: what takes long belongs to another thread.</param>
+        /// <param name="reuse">Whether messages are filled anew; see the other.</param>
         public Subscription<T> Subscribe<T>(
-            string topic, string type, Func<T> create, Action<T> handler = null, SubscribeOptions options = null)
+            string topic, string type, Func<T> create, Action<T> handler = null, SubscribeOptions options = null,
+            Action<T> prepare = null, bool reuse = false)
             where T : IMessage
         {
+            options = options ?? new SubscribeOptions();
+            string name = Names.Absolute(topic);
+            string reason = options.Queue <= 1 ? ""
+                : "more than " + options.Queue + " waited for the application; take them faster, or subscribe with a"
+                + " longer Queue";
             Subscription<T> subscription = new Subscription<T>(
-                _subscriptions, _mailbox, NewId("s"), Names.Absolute(topic), type ?? "",
-                options ?? new SubscribeOptions(), create, handler);
+                _subscriptions, _mailbox, new Drops(_mailbox, _reports, "subscribe", name, reason), NewId("s"), name,
+                type ?? "", options, create, handler, prepare, reuse);
             _subscriptions.Add(subscription);
             return subscription;
         }
@@ -254,27 +292,7 @@ namespace Ros2Gateway
             string service, IMessage request, Action<Reply<TResponse>> done, int timeoutMilliseconds = 0)
             where TResponse : IMessage, new()
         {
-            string name = Names.Absolute(service);
-            int patience = timeoutMilliseconds > 0 ? timeoutMilliseconds : _options.CallMilliseconds;
-            _requests.Send(
-                "call_service",
-                "call_service " + name,
-                frame =>
-                {
-                    frame.Member("service", name);
-                    frame.Name("args");
-                    request.Write(frame);
-                    frame.Member("nonfinite", "string");
-                    frame.Member("timeout", patience / 1000.0);
-                },
-                reader =>
-                {
-                    TResponse response = new TResponse();
-                    response.Read(reader);
-                    return response;
-                },
-                done,
-                patience);
+            SendCall(Names.Absolute(service), request, done, timeoutMilliseconds);
         }
 
         /// <summary>Provides a ROS service; the handler is called by <see cref="Pump"/>.</summary>
@@ -310,13 +328,7 @@ namespace Ros2Gateway
         public void Request(
             string op, JsonValue members, Action<Reply<JsonValue>> done, int timeoutMilliseconds = 0)
         {
-            _requests.Send(
-                op,
-                op,
-                frame => WriteMembers(frame, members),
-                JsonValue.Read,
-                done,
-                timeoutMilliseconds > 0 ? timeoutMilliseconds : _options.CallMilliseconds);
+            SendRequest(op, members, JsonValue.Read, done, timeoutMilliseconds);
         }
 
         /// <summary>Calls *watcher* with the graph, now and whenever it changes.</summary>
@@ -329,6 +341,60 @@ namespace Ros2Gateway
         public void UnwatchGraph(Action<RosGraph> watcher)
         {
             _graph.Remove(watcher);
+        }
+
+        /// <summary>
+        /// Watches where a frame is in another, by the transforms that the gateway hears. A gateway takes 16
+        /// watches of a client unless it is configured otherwise.
+        /// </summary>
+        /// <param name="rateHz">How often the pose may come; 200 at most.</param>
+        public TransformWatch WatchTransform(string targetFrame, string sourceFrame, double rateHz = 30)
+        {
+            return _transforms.Add(NewId("t"), targetFrame, sourceFrame, rateHz);
+        }
+
+        /// <summary>Tells of an exception of a handler of the application's; see <see cref="Listeners{T}"/>.</summary>
+        internal void ReportFault(string where, Exception error, long times)
+        {
+            _mailbox.ReportFault(where, error, times);
+        }
+
+        private string SendCall<TResponse>(
+            string name, IMessage request, Action<Reply<TResponse>> done, int timeoutMilliseconds)
+            where TResponse : IMessage, new()
+        {
+            int patience = timeoutMilliseconds > 0 ? timeoutMilliseconds : _options.CallMilliseconds;
+            return _requests.Send(
+                "call_service",
+                "call_service " + name,
+                frame =>
+                {
+                    frame.Member("service", name);
+                    frame.Name("args");
+                    request.Write(frame);
+                    frame.Member("nonfinite", "string");
+                    frame.Member("timeout", patience / 1000.0);
+                },
+                reader =>
+                {
+                    TResponse response = new TResponse();
+                    response.Read(reader);
+                    return response;
+                },
+                done,
+                patience);
+        }
+
+        private string SendRequest<T>(
+            string op, JsonValue members, Func<JsonReader, T> read, Action<Reply<T>> done, int timeoutMilliseconds)
+        {
+            return _requests.Send(
+                op,
+                op,
+                frame => WriteMembers(frame, members),
+                read,
+                done,
+                timeoutMilliseconds > 0 ? timeoutMilliseconds : _options.CallMilliseconds);
         }
 
         private static void WriteMembers(JsonWriter frame, JsonValue members)
@@ -358,6 +424,8 @@ namespace Ros2Gateway
             long now = _clock.Now;
             _link.Tick(now);
             _requests.Tick(now);
+            _publishers.Tick(now);
+            _transforms.Tick(now);
             if (_outbox.IsPingDue(now))
             {
                 SendPing();
@@ -376,11 +444,8 @@ namespace Ros2Gateway
         private void TellState()
         {
             Volatile.Write(ref _isStatePosted, 0);
-            Action<ConnectionState> changed = StateChanged;
-            if (changed != null)
-            {
-                changed(State);
-            }
+            TellConnecting();
+            _stateChanged.Call(State);
         }
 
         private void Up(ITransport transport)
@@ -401,14 +466,17 @@ namespace Ros2Gateway
             _outbox.OpenLanes();
             _subscriptions.Restore();
             _graph.Restore();
+            _transforms.Restore();
         }
 
         private void Down(string words)
         {
             _outbox.Detach();
             RosClock.Forget();
+            _isGreeted = false;
             _providers.OnDown();
             _controls.OnDown();
+            _transforms.OnDown();
             _requests.FailAll(words);
             _goals.FailAll(words);
         }
@@ -483,6 +551,7 @@ namespace Ros2Gateway
                 _client._link.Praise();
                 if (!double.IsNaN(sent))
                 {
+                    _client._publishers.OnPong(sent);
                     _client.RosClock.Add(sent, rosSeconds);
                 }
             }
@@ -491,6 +560,7 @@ namespace Ros2Gateway
             {
                 long bytes = hello["limits"]["message_bytes"].AsLong(int.MaxValue);
                 _client._outbox.MaxFrameBytes = (int)Math.Min(bytes, int.MaxValue);
+                _client.Greeted();
             }
 
             public void OnState(ConnectionState state)

@@ -30,6 +30,7 @@ namespace Ros2Gateway
     public abstract class Goal
     {
         private readonly Goals _goals;
+        private readonly object _statusGate = new object();
 
         internal Goal(Goals goals, string id, string action)
         {
@@ -43,7 +44,7 @@ namespace Ros2Gateway
         public string Action { get; private set; }
 
         /// <summary>How it stands.</summary>
-        public GoalStatus Status { get; internal set; }
+        public GoalStatus Status { get; private set; }
 
         /// <summary>Whether its result has come.</summary>
         public bool IsDone
@@ -56,10 +57,23 @@ namespace Ros2Gateway
         /// <summary>Asks for it to be cancelled; whether it was, its result tells.</summary>
         public void Cancel()
         {
-            if (!IsDone)
+            lock (_statusGate)
             {
+                if (IsDone)
+                {
+                    return;
+                }
                 Status = GoalStatus.Canceling;
-                _goals.Cancel(this);
+            }
+            _goals.Cancel(this);
+        }
+
+        /// <summary>Notes its end, which no request to cancel undoes.</summary>
+        protected void Finish(GoalStatus status)
+        {
+            lock (_statusGate)
+            {
+                Status = status;
             }
         }
 
@@ -159,7 +173,7 @@ namespace Ros2Gateway
 
         private void End(GoalResult<TResult> result)
         {
-            Status = result.Status;
+            Finish(result.Status);
             if (_onResult != null)
             {
                 _onResult(result);

@@ -10,7 +10,7 @@ namespace Ros2Gateway
         private readonly object _gate = new object();
         private readonly Outbox _outbox;
         private readonly Mailbox _mailbox;
-        private Action<RosGraph> _watchers;
+        private readonly Listeners<RosGraph> _watchers;
         private RosGraph _graph;
         private bool _isPosted;
 
@@ -18,6 +18,7 @@ namespace Ros2Gateway
         {
             _outbox = outbox;
             _mailbox = mailbox;
+            _watchers = new Listeners<RosGraph>(mailbox.ReportFault, "watcher of the graph");
         }
 
         /// <summary>The newest; null while nobody watches, or none has come.</summary>
@@ -37,8 +38,7 @@ namespace Ros2Gateway
             bool isFirst;
             lock (_gate)
             {
-                isFirst = _watchers == null;
-                _watchers += watcher;
+                isFirst = _watchers.Add(watcher);
             }
             if (isFirst)
             {
@@ -55,12 +55,7 @@ namespace Ros2Gateway
             bool wasLast;
             lock (_gate)
             {
-                if (_watchers == null)
-                {
-                    return;
-                }
-                _watchers -= watcher;
-                wasLast = _watchers == null;
+                wasLast = _watchers.Remove(watcher);
                 _graph = wasLast ? null : _graph;
             }
             if (wasLast)
@@ -74,7 +69,7 @@ namespace Ros2Gateway
             bool isWatched;
             lock (_gate)
             {
-                isWatched = _watchers != null;
+                isWatched = !_watchers.IsEmpty;
                 _graph = null;
             }
             if (isWatched)
@@ -90,7 +85,7 @@ namespace Ros2Gateway
             JsonValue changes = frame["changes"];
             lock (_gate)
             {
-                if (_watchers == null)
+                if (_watchers.IsEmpty)
                 {
                     return; // it was on its way when the last watcher left
                 }
@@ -117,17 +112,15 @@ namespace Ros2Gateway
 
         private void Tell()
         {
-            Action<RosGraph> watchers;
             RosGraph graph;
             lock (_gate)
             {
                 _isPosted = false;
-                watchers = _watchers;
                 graph = _graph;
             }
-            if (watchers != null && graph != null)
+            if (graph != null)
             {
-                watchers(graph);
+                _watchers.Call(graph);
             }
         }
 

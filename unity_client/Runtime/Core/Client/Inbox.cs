@@ -49,12 +49,17 @@ namespace Ros2Gateway
         private readonly Goals _goals;
         private readonly ServiceProviders _providers;
         private readonly GraphWatch _graph;
+        private readonly TransformWatches _transforms;
         private readonly IInboxOwner _owner;
         private readonly Reports _reports;
-        private readonly JsonReader _reader = new JsonReader();
-        private readonly JsonReader _second = new JsonReader(); // for what is read twice, or later
+        private readonly JsonReader _jsonReader = new JsonReader();
+        private readonly JsonReader _secondJsonReader = new JsonReader();
+        private readonly JsonReader _cborReader = new CborReader();
+        private readonly JsonReader _secondCborReader = new CborReader();
 
         // The frame at hand
+        private JsonReader _reader;
+        private JsonReader _second; // for what is read twice, or later
         private byte[] _buffer;
         private int _count;
         private string _op;
@@ -73,7 +78,8 @@ namespace Ros2Gateway
 
         internal Inbox(
             Subscriptions subscriptions, Publishers publishers, Controls controls, Requests requests, Goals goals,
-            ServiceProviders providers, GraphWatch graph, IInboxOwner owner, Reports reports)
+            ServiceProviders providers, GraphWatch graph, TransformWatches transforms, IInboxOwner owner,
+            Reports reports)
         {
             _subscriptions = subscriptions;
             _publishers = publishers;
@@ -82,6 +88,7 @@ namespace Ros2Gateway
             _goals = goals;
             _providers = providers;
             _graph = graph;
+            _transforms = transforms;
             _owner = owner;
             _reports = reports;
         }
@@ -92,6 +99,9 @@ namespace Ros2Gateway
             Forget();
             _buffer = buffer;
             _count = count;
+            bool isCbor = CborReader.Begins(buffer, count);
+            _reader = isCbor ? _cborReader : _jsonReader;
+            _second = isCbor ? _secondCborReader : _secondJsonReader;
             try
             {
                 _reader.Reset(buffer, 0, count);
@@ -228,6 +238,16 @@ namespace Ros2Gateway
                         _graph.OnFrame(Whole());
                     }
                     break;
+                case "lookup_transform":
+                    if (_requests.IsPending(_id))
+                    {
+                        _requests.Answer(_id, Whole());
+                    }
+                    else
+                    {
+                        _transforms.OnFrame(_id, Whole());
+                    }
+                    break;
                 case "control":
                 case "acquire_control":
                 case "release_control":
@@ -320,6 +340,18 @@ namespace Ros2Gateway
             {
                 words = topic + ": " + words;
             }
+            if (_request == "cancel_transform" && _code == "not_found")
+            {
+                return; // the same for a lookup
+            }
+            if (_level != "error")
+            {
+                _transforms.OnWarning(_id, words);
+            }
+            else if (_transforms.OnRefused(_id, words))
+            {
+                return;
+            }
             if (_level == "error" && _requests.IsPending(_id))
             {
                 _requests.Fail(_id, words);
@@ -331,7 +363,10 @@ namespace Ros2Gateway
                 {
                     return;
                 }
-                _publishers.OnRefused(_id, _code ?? "", words);
+                if (_publishers.OnRefused(_id, _request ?? "", _code ?? "", words))
+                {
+                    return;
+                }
             }
             EventLevel level = _level == "error" ? EventLevel.Error
                 : _level == "info" ? EventLevel.Info : EventLevel.Warning;

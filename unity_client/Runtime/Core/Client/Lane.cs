@@ -4,22 +4,22 @@ using Ros2Gateway.Json;
 
 namespace Ros2Gateway
 {
-    /// <summary>The frames of one publisher that wait, at most so many, the oldest being dropped.</summary>
+    /// <summary>The frames of one publisher that wait, within a bound, the oldest being dropped.</summary>
     internal sealed class Lane
     {
-        private readonly int _depth;
+        private readonly QueueBound _bound;
+        private readonly Drops _drops;
         private readonly Queue<JsonWriter> _waiting = new Queue<JsonWriter>();
         private readonly Stack<JsonWriter> _free = new Stack<JsonWriter>();
         private JsonWriter _last; // after all others, and never dropped for what is newer
         private bool _keepsNewest; // which is right even when it comes late
 
-        internal Lane(int depth)
+        /// <param name="drops">Count those that made room for newer ones, or became too old to be sent.</param>
+        internal Lane(QueueBound bound, Drops drops)
         {
-            _depth = depth < 1 ? 1 : depth;
+            _bound = bound;
+            _drops = drops;
         }
-
-        /// <summary>How many frames had to make room for newer ones, or became too old to be sent.</summary>
-        internal long Dropped { get; private set; }
 
         /// <summary>Whether it stands in the outbox's queue; the outbox's own mark, under its lock.</summary>
         internal bool IsReady { get; set; }
@@ -39,12 +39,12 @@ namespace Ros2Gateway
         {
             lock (_waiting)
             {
-                if (_waiting.Count >= _depth)
-                {
-                    _free.Push(_waiting.Dequeue());
-                    Dropped++;
-                }
                 _waiting.Enqueue(frame);
+                _bound.Add(frame.Count);
+                while (_bound.IsExceeded)
+                {
+                    DropOldest();
+                }
                 _keepsNewest = evenLate;
             }
         }
@@ -65,7 +65,9 @@ namespace Ros2Gateway
             {
                 if (_waiting.Count > 0)
                 {
-                    return _waiting.Dequeue();
+                    JsonWriter oldest = _waiting.Dequeue();
+                    _bound.Remove(oldest.Count);
+                    return oldest;
                 }
                 JsonWriter last = _last;
                 _last = null;
@@ -89,8 +91,7 @@ namespace Ros2Gateway
                 int kept = _keepsNewest ? 1 : 0;
                 while (_waiting.Count > kept)
                 {
-                    _free.Push(_waiting.Dequeue());
-                    Dropped++;
+                    DropOldest();
                 }
             }
         }
@@ -104,6 +105,14 @@ namespace Ros2Gateway
                 Drop();
                 _last = null;
             }
+        }
+
+        private void DropOldest()
+        {
+            JsonWriter oldest = _waiting.Dequeue();
+            _bound.Remove(oldest.Count);
+            _free.Push(oldest);
+            _drops.Add();
         }
     }
 }

@@ -65,6 +65,18 @@ namespace Ros2Gateway
 
         internal ConnectionState State { get; private set; }
 
+        /// <summary>Why it is not connected, in words; null while nothing has failed.</summary>
+        internal string LastWords
+        {
+            get
+            {
+                lock (_gate)
+                {
+                    return _lastWords;
+                }
+            }
+        }
+
         internal void Connect(long now)
         {
             lock (_gate)
@@ -205,9 +217,9 @@ namespace Ros2Gateway
             if (!Uri.TryCreate(_options.Address, UriKind.Absolute, out address)
                 || (address.Scheme != "ws" && address.Scheme != "wss"))
             {
+                _lastWords = "address '" + _options.Address + "': expected ws://HOST:PORT or wss://HOST:PORT";
                 Become(ConnectionState.Refused);
-                _owner.Report(
-                    EventLevel.Error, "address '" + _options.Address + "': expected ws://HOST:PORT or wss://HOST:PORT");
+                _owner.Report(EventLevel.Error, _lastWords);
                 return;
             }
             _attemptBegan = _now;

@@ -19,9 +19,21 @@ namespace Ros2Gateway
         private int _droppedEvents;
         private bool _isPumping;
         private bool _isClosed;
+        private volatile int _frame;
 
-        /// <summary>Raised while pumping, for each event; a listener that fails harms no other.</summary>
-        internal event Action<GatewayEvent> Heard;
+        internal Mailbox()
+        {
+            Heard = new Listeners<GatewayEvent>(ReportFault, "listener of events");
+        }
+
+        /// <summary>Called while pumping, for each event.</summary>
+        internal Listeners<GatewayEvent> Heard { get; private set; }
+
+        /// <summary>Another number with each time that the application pumps.</summary>
+        internal int Frame
+        {
+            get { return _frame; }
+        }
 
         internal void Post(Action action)
         {
@@ -51,6 +63,18 @@ namespace Ros2Gateway
             }
         }
 
+        /// <summary>
+        /// Tells that a handler of the application's has thrown: the first time, and the 10th, 100th ... time.
+        /// </summary>
+        /// <param name="where">The handler, for people: "handler of /odom".</param>
+        internal void ReportFault(string where, Exception error, long times)
+        {
+            if (IsPowerOfTen(times))
+            {
+                Report(Fault(where, error, times == 1 ? "" : ", " + times + " times by now"));
+            }
+        }
+
         /// <summary>A subscription has messages for its handler; once until it has none.</summary>
         internal void Ready(Subscription subscription)
         {
@@ -74,6 +98,7 @@ namespace Ros2Gateway
                 return 0;
             }
             _isPumping = true;
+            _frame++;
             try
             {
                 return PumpOnce(budgetMilliseconds);
@@ -134,7 +159,8 @@ namespace Ros2Gateway
                 catch (Exception error)
                 {
                     Ready(subscription);
-                    Report(Fault("handler of " + subscription.Topic, error));
+                    subscription.HandlerFaults++;
+                    ReportFault("handler of " + subscription.Topic, error, subscription.HandlerFaults);
                 }
             }
             while (_watch.Elapsed.TotalMilliseconds < budgetMilliseconds);
@@ -167,7 +193,7 @@ namespace Ros2Gateway
             catch (Exception error)
             {
                 // A fault of one handler of the application must not keep the others from their messages.
-                Report(Fault("handler", error));
+                Report(Fault("handler", error, ""));
             }
         }
 
@@ -187,38 +213,24 @@ namespace Ros2Gateway
             }
             if (dropped > 0)
             {
-                Tell(new GatewayEvent(EventLevel.Warning, dropped + " events were dropped", "client", ""));
+                Heard.Call(new GatewayEvent(EventLevel.Warning, dropped + " events were dropped", "client", ""));
             }
-            Tell(happened);
+            Heard.Call(happened);
         }
 
-        private void Tell(GatewayEvent happened)
+        private static GatewayEvent Fault(string where, Exception error, string often)
         {
-            Action<GatewayEvent> heard = Heard;
-            if (heard == null)
-            {
-                return;
-            }
-            foreach (Delegate listener in heard.GetInvocationList())
-            {
-                try
-                {
-                    ((Action<GatewayEvent>)listener)(happened);
-                }
-                catch (Exception error)
-                {
-                    if (happened.Exception == null) // else it would never end
-                    {
-                        Report(Fault("listener of events", error));
-                    }
-                }
-            }
-        }
-
-        private static GatewayEvent Fault(string where, Exception error)
-        {
-            string text = where + " threw " + error.GetType().Name + ": " + error.Message;
+            string text = where + " threw " + error.GetType().Name + often + ": " + error.Message;
             return new GatewayEvent(EventLevel.Error, text, "client", "", error);
+        }
+
+        private static bool IsPowerOfTen(long number)
+        {
+            while (number >= 10 && number % 10 == 0)
+            {
+                number /= 10;
+            }
+            return number == 1;
         }
     }
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 using System;
 using System.Collections.Generic;
+using System.Threading;
+using System.Threading.Tasks;
 using Ros2Gateway.Json;
 
 namespace Ros2Gateway
@@ -53,6 +55,45 @@ namespace Ros2Gateway
                 Members(node, names),
                 reply => done(Map(reply, frame => frame["parameters"])),
                 Patience);
+        }
+
+        /// <summary>Asks for the names of a node's parameters, to await; a token ends the waiting.</summary>
+        public static async Task<string[]> ListParametersAsync(
+            this GatewayClient client, string node, CancellationToken cancellation = default(CancellationToken))
+        {
+            JsonValue frame = await client.RequestAsync("list_parameters", Members(node), cancellation, Patience);
+            return Strings(frame["names"]);
+        }
+
+        /// <summary>Asks for values by name, to await; without names for all that the node has.</summary>
+        public static async Task<JsonValue> GetParametersAsync(
+            this GatewayClient client, string node, string[] names = null,
+            CancellationToken cancellation = default(CancellationToken))
+        {
+            JsonValue frame = await client.RequestAsync("get_parameters", Members(node, names), cancellation, Patience);
+            return frame["values"];
+        }
+
+        /// <summary>
+        /// Sets values by name, each by itself, to await; the result holds for each {"successful", "reason"}.
+        /// </summary>
+        public static async Task<JsonValue> SetParametersAsync(
+            this GatewayClient client, string node, JsonValue values,
+            CancellationToken cancellation = default(CancellationToken))
+        {
+            JsonValue frame = await client.RequestAsync(
+                "set_parameters", Members(node).With("values", values), cancellation, Patience);
+            return frame["results"];
+        }
+
+        /// <summary>Asks for types, ranges and words, to await; without names of all that the node has.</summary>
+        public static async Task<JsonValue> DescribeParametersAsync(
+            this GatewayClient client, string node, string[] names = null,
+            CancellationToken cancellation = default(CancellationToken))
+        {
+            JsonValue frame = await client.RequestAsync(
+                "describe_parameters", Members(node, names), cancellation, Patience);
+            return frame["parameters"];
         }
 
         private static JsonValue Members(string node, string[] names = null)

@@ -15,14 +15,19 @@ namespace Ros2Gateway
 
         private readonly Publishers _publishers;
         private readonly Lane _lane;
+        private readonly QueueBound _bound;
+        private readonly Drops _drops;
         private byte[] _latched; // a frame, to be sent again with each connection
+        private readonly Advertisement _advertisement = new Advertisement();
         private volatile Refused _refused;
         private string _told; // of the refusals, so that a held stick is one piece of news
 
         internal Publisher(Publishers publishers, string id, string topic, string type, AdvertiseOptions options)
         {
             _publishers = publishers;
-            _lane = new Lane(options.Queue);
+            _bound = publishers.NewBound(options.Queue);
+            _drops = publishers.NewDrops(topic, options.Queue);
+            _lane = new Lane(_bound, _drops);
             Id = id;
             Topic = topic;
             Type = type;
@@ -41,17 +46,31 @@ namespace Ros2Gateway
         /// <summary>How many of them made room for newer ones, or became too old, before they had left.</summary>
         public long Dropped
         {
-            get { return _lane.Dropped; }
+            get { return _drops.Count; }
         }
 
         /// <summary>
-        /// Why the gateway takes no command to move now, in words, or null. Then <see cref="Publish"/> is false:
-        /// on a command topic for all but zeros, which reset a robot that was stopped.
+        /// Messages were dropped: gets <see cref="Dropped"/>; called by <see cref="GatewayClient.Pump"/>.
+        /// </summary>
+        public event Action<long> DroppedChanged
+        {
+            add { _drops.Listeners.Add(value); }
+            remove { _drops.Listeners.Remove(value); }
+        }
+
+        /// <summary>
+        /// Why the gateway takes nothing, or no command to move, now, in words, or null. Then <see cref="Publish"/>
+        /// is false; on a command topic that is advertised for all but zeros, which reset a robot that was stopped.
         /// </summary>
         public string Refusal
         {
             get
             {
+                string notAdvertised = _advertisement.Refusal;
+                if (notAdvertised != null)
+                {
+                    return notAdvertised;
+                }
                 ControlState state = Control == null ? null : Control.State;
                 if (state != null && state.Refusal != null)
                 {
@@ -71,12 +90,20 @@ namespace Ros2Gateway
 
         internal AdvertiseOptions Options { get; private set; }
 
+        /// <summary>Whether the gateway has taken it, as far as is known.</summary>
+        internal Advertisement Advertisement
+        {
+            get { return _advertisement; }
+        }
+
         internal bool IsDisposed { get; private set; }
 
         /// <summary>
         /// Sends a message; false, and an event says why, if there is no connection, if the gateway has left a
         /// ping unanswered for <see cref="GatewayOptions.FreshMilliseconds"/>, if it cannot be written, or if the
-        /// gateway refuses what moves a robot, see <see cref="Refusal"/>.
+        /// gateway has refused the topic, or what moves a robot, see <see cref="Refusal"/>. True does not promise
+        /// that it leaves: while the network takes less than is published, the oldest that waits is dropped, see
+        /// <see cref="AdvertiseOptions.Queue"/> and <see cref="DroppedChanged"/>.
         /// </summary>
         /// <remarks>
         /// Nothing is kept for later: a robot must not carry out what was meant for another moment. What the
@@ -128,7 +155,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>The gateway has refused a message, or the topic itself.</summary>
+        /// <summary>The gateway has refused a message.</summary>
         internal void OnRefused(string code, string words)
         {
             bool isTripped = code == "tripped";
@@ -157,7 +184,7 @@ namespace Ros2Gateway
             {
                 return false;
             }
-            if (Control != null && Velocities.MayBeZero(message))
+            if (Control != null && _advertisement.Refusal == null && Velocities.MayBeZero(message))
             {
                 Refused refused = _refused;
                 if (refused != null && refused.Until == long.MaxValue)
@@ -198,6 +225,10 @@ namespace Ros2Gateway
             }
             else
             {
+                if (MovesARobot)
+                {
+                    _bound.Depth = 1; // a command that waited is one for a robot that is elsewhere by now
+                }
                 refusal = _publishers.Send(_lane, frame, evenLate);
             }
             Published += refusal == null ? 1 : 0;
@@ -208,6 +239,10 @@ namespace Ros2Gateway
         {
             frame.Begin("publish", Id);
             frame.Member("topic", Topic);
+            if (!_advertisement.IsAgreed)
+            {
+                frame.Member("type", Type);
+            }
             if (Control != null)
             {
                 // by which the gateway tells commands that are late
@@ -243,7 +278,7 @@ namespace Ros2Gateway
         {
         }
 
-        /// <inheritdoc cref="Publisher.Publish(IMessage)"/>
+        /// <inheritdoc cref="Publisher.Publish(IMessage, bool)"/>
         public bool Publish(T message, bool evenLate = false)
         {
             return base.Publish(message, evenLate);

@@ -9,14 +9,16 @@ namespace Ros2Gateway
     {
         private readonly object _gate = new object(); // held while sending, so that nothing overtakes its advertisement
         private readonly Outbox _outbox;
+        private readonly Mailbox _mailbox;
         private readonly Reports _reports;
         private readonly Controls _controls;
         private readonly Clock _clock;
         private readonly List<Publisher> _all = new List<Publisher>();
 
-        internal Publishers(Outbox outbox, Reports reports, Controls controls, Clock clock)
+        internal Publishers(Outbox outbox, Mailbox mailbox, Reports reports, Controls controls, Clock clock)
         {
             _outbox = outbox;
+            _mailbox = mailbox;
             _reports = reports;
             _controls = controls;
             _clock = clock;
@@ -66,6 +68,7 @@ namespace Ros2Gateway
             {
                 foreach (Publisher publisher in _all)
                 {
+                    publisher.Advertisement.Forget();
                     Advertise(publisher);
                     publisher.Restore();
                 }
@@ -79,14 +82,63 @@ namespace Ros2Gateway
             return found == null ? null : found.Topic;
         }
 
-        /// <summary>The gateway has refused something of a publisher, if there is one with that id.</summary>
-        internal void OnRefused(string id, string code, string words)
+        /// <summary>
+        /// The gateway has refused something of a publisher, if there is one with that id; returns whether that is
+        /// known already.
+        /// </summary>
+        /// <param name="request">The operation that was refused.</param>
+        internal bool OnRefused(string id, string request, string code, string words)
         {
             Publisher found = Find(id);
-            if (found != null)
+            if (found == null)
             {
-                found.OnRefused(code, words);
+                return false;
             }
+            if (request == "advertise")
+            {
+                return !found.Advertisement.Refuse(words, _clock.Now);
+            }
+            found.OnRefused(code, words);
+            return false;
+        }
+
+        /// <summary>Advertises again what was refused, from time to time.</summary>
+        internal void Tick(long now)
+        {
+            lock (_gate)
+            {
+                foreach (Publisher publisher in _all)
+                {
+                    if (publisher.Advertisement.IsDue(now))
+                    {
+                        Advertise(publisher);
+                    }
+                }
+            }
+        }
+
+        /// <summary>A ping that left at that time is back, and every answer to what went before it.</summary>
+        internal void OnPong(double sent)
+        {
+            lock (_gate)
+            {
+                foreach (Publisher publisher in _all)
+                {
+                    publisher.Advertisement.OnPong(sent);
+                }
+            }
+        }
+
+        internal QueueBound NewBound(int queue)
+        {
+            return new QueueBound(_mailbox, queue, true);
+        }
+
+        internal Drops NewDrops(string topic, int queue)
+        {
+            string reason = queue <= 1 ? ""
+                : "more than " + queue + " waited for the network; publish less, or advertise with a longer Queue";
+            return new Drops(_mailbox, _reports, "publish", topic, reason);
         }
 
         /// <summary>Hands a frame over; returns why it does not go, or null.</summary>
@@ -137,6 +189,7 @@ namespace Ros2Gateway
             }
             frame.EndObject();
             _outbox.Post(frame);
+            publisher.Advertisement.Ask(_clock.Precise); // a ping that leaves from now on comes after it
         }
     }
 }

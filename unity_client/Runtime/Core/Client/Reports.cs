@@ -22,6 +22,12 @@ namespace Ros2Gateway
             _clock = clock;
         }
 
+        /// <summary>Milliseconds of a clock that never goes back.</summary>
+        internal long Now
+        {
+            get { return _clock.Now; }
+        }
+
         internal void Error(string request, string text)
         {
             Tell(EventLevel.Error, text, "client", request);

@@ -41,11 +41,11 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>Sends a request; *done* is called while the client is pumped.</summary>
+        /// <summary>Sends a request; *done* is called while the client is pumped. Returns its id.</summary>
         /// <param name="what">What it is, for people: "call_service /reset".</param>
         /// <param name="write">Writes the members after op and id.</param>
         /// <param name="read">Reads the answer: its values, or the whole frame where it has none.</param>
-        internal void Send<T>(
+        internal string Send<T>(
             string op, string what, Action<JsonWriter> write, Func<JsonReader, T> read,
             Action<Reply<T>> done, long timeoutMilliseconds)
         {
@@ -59,7 +59,7 @@ namespace Ros2Gateway
                 if (_pending.Count >= MaxPending)
                 {
                     Fail(request, "at most " + MaxPending + " requests at once");
-                    return;
+                    return id;
                 }
                 _pending[id] = request;
             }
@@ -74,13 +74,20 @@ namespace Ros2Gateway
             {
                 // A message may be a class of the application's, which may throw anything.
                 Fail(id, error.Message);
-                return;
+                return id;
             }
             string refusal = _outbox.Post(frame);
             if (refusal != null)
             {
                 Fail(id, refusal);
             }
+            return id;
+        }
+
+        /// <summary>Gives a request up: its answer will be ignored. False if the answer, or a failure, is here.</summary>
+        internal bool Forget(string id)
+        {
+            return Take(id) != null;
         }
 
         internal bool IsPending(string id)

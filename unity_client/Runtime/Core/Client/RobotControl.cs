@@ -19,6 +19,7 @@ namespace Ros2Gateway
         private readonly Requests _requests;
         private readonly ControlTopic _topic;
         private readonly int _patience;
+        private readonly Listeners<ControlState> _changed;
         private bool _isDisposed;
 
         internal RobotControl(Controls controls, Requests requests, string topic, int patience)
@@ -27,6 +28,7 @@ namespace Ros2Gateway
             _requests = requests;
             _patience = patience;
             _topic = controls.Open(topic);
+            _changed = new Listeners<ControlState>(_topic.ReportFault, "listener of who drives " + topic);
             _topic.Add(Tell);
         }
 
@@ -34,7 +36,11 @@ namespace Ros2Gateway
         /// The state has changed, or is known for the first time; called by <see cref="GatewayClient.Pump"/>, with
         /// the newest.
         /// </summary>
-        public event Action<ControlState> Changed;
+        public event Action<ControlState> Changed
+        {
+            add { _changed.Add(value); }
+            remove { _changed.Remove(value); }
+        }
 
         /// <summary>The command topic, with its leading slash.</summary>
         public string Topic
@@ -121,10 +127,7 @@ namespace Ros2Gateway
 
         private void Tell(ControlState state)
         {
-            if (Changed != null)
-            {
-                Changed(state);
-            }
+            _changed.Call(state);
         }
 
         private static string[] ReadTopics(JsonReader reader)

@@ -11,6 +11,7 @@ namespace Ros2Gateway
         private static readonly string[] Nothing = new string[0];
 
         private readonly SortedDictionary<string, string[]> _topics;
+        private readonly SortedDictionary<string, string[]> _subscribers;
         private readonly SortedDictionary<string, string[]> _services;
         private readonly SortedDictionary<string, string[]> _actions;
         private readonly SortedDictionary<string, string[]> _nodes;
@@ -22,10 +23,11 @@ namespace Ros2Gateway
 
         private RosGraph(RosGraph before, JsonValue changes)
         {
-            _topics = Merged(before == null ? null : before._topics, changes, "topics", "gone_topics");
-            _services = Merged(before == null ? null : before._services, changes, "services", "gone_services");
-            _actions = Merged(before == null ? null : before._actions, changes, "actions", "gone_actions");
-            _nodes = Merged(before == null ? null : before._nodes, changes, "nodes", "gone_nodes");
+            _topics = Merged(before == null ? null : before._topics, changes, "topics", "types");
+            _subscribers = Merged(before == null ? null : before._subscribers, changes, "topics", "subscribers");
+            _services = Merged(before == null ? null : before._services, changes, "services", "types");
+            _actions = Merged(before == null ? null : before._actions, changes, "actions", "types");
+            _nodes = Merged(before == null ? null : before._nodes, changes, "nodes", "");
         }
 
         /// <summary>Topics in the order of their names.</summary>
@@ -58,6 +60,18 @@ namespace Ros2Gateway
             return Only(_topics, topic);
         }
 
+        /// <summary>The types of a topic, in order; none if there is no such topic, mostly one.</summary>
+        public string[] TopicTypes(string topic)
+        {
+            return All(_topics, topic);
+        }
+
+        /// <summary>The nodes that subscribe to a topic, one for each subscription.</summary>
+        public string[] TopicSubscribers(string topic)
+        {
+            return All(_subscribers, topic);
+        }
+
         /// <summary>The type of a service; empty if there is no such service.</summary>
         public string ServiceType(string service)
         {
@@ -86,8 +100,15 @@ namespace Ros2Gateway
             return of.TryGetValue(Names.Absolute(name), out types) && types.Length == 1 ? types[0] : "";
         }
 
+        private static string[] All(SortedDictionary<string, string[]> of, string name)
+        {
+            string[] all;
+            return of.TryGetValue(Names.Absolute(name), out all) ? (string[])all.Clone() : Nothing;
+        }
+
+        // Takes over the entries of one kind that are new or different, what a member of them says.
         private static SortedDictionary<string, string[]> Merged(
-            SortedDictionary<string, string[]> before, JsonValue changes, string present, string gone)
+            SortedDictionary<string, string[]> before, JsonValue changes, string kind, string member)
         {
             SortedDictionary<string, string[]> after = before == null
                 ? new SortedDictionary<string, string[]>(StringComparer.Ordinal)
@@ -96,21 +117,21 @@ namespace Ros2Gateway
             {
                 return after;
             }
-            foreach (JsonValue one in changes[present].Items)
+            foreach (JsonValue one in changes[kind].Items)
             {
                 if (one.Kind == JsonKind.String)
                 {
                     after[one.AsString("")] = Nothing; // a node is its name
                     continue;
                 }
-                List<string> types = new List<string>();
-                foreach (JsonValue type in one["types"].Items)
+                List<string> words = new List<string>();
+                foreach (JsonValue word in one[member].Items)
                 {
-                    types.Add(type.AsString(""));
+                    words.Add(word.AsString(""));
                 }
-                after[one["name"].AsString("")] = types.ToArray();
+                after[one["name"].AsString("")] = words.ToArray();
             }
-            foreach (JsonValue one in changes[gone].Items)
+            foreach (JsonValue one in changes["gone_" + kind].Items)
             {
                 after.Remove(one.AsString(""));
             }

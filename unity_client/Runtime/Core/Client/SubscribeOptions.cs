@@ -6,11 +6,18 @@ namespace Ros2Gateway
     /// <summary>What a subscription asks for beyond topic and type.</summary>
     public sealed class SubscribeOptions
     {
+        /// <summary>As in ROS: 10.</summary>
+        public const int DefaultQueue = 10;
+
         /// <summary>
-        /// How many messages may wait for the application, the oldest being dropped. 1, the default, is
-        /// always the newest; more keeps every message in order, as long as they are taken fast enough.
+        /// How many messages may wait for the application from frame to frame, the oldest being dropped; what came
+        /// within the last two frames waits beside them, up to 1024 messages and 1 MiB. 1 is always the newest alone:
+        /// for pictures, scans, and poses that only place something.
         /// </summary>
-        public int Queue = 1;
+        public int Queue = DefaultQueue;
+
+        /// <summary>Whether bursts wait beside the queue; false where a library of old is taken at its word.</summary>
+        internal bool KeepsBursts = true;
 
         /// <summary>At most one message in so many milliseconds, the newest; 0 for all.</summary>
         public double ThrottleMilliseconds;
@@ -18,7 +25,16 @@ namespace Ros2Gateway
         /// <summary>Only these fields, as dotted paths ("pose.pose.position"); null for all.</summary>
         public string[] Fields;
 
-        /// <summary>What pictures of sensor_msgs/msg/Image should be like; null for the gateway's defaults.</summary>
+        /// <summary>
+        /// Whether messages come in binary frames (CBOR), without base64 and text; null: those of types whose
+        /// bulk is an array, pictures, scans, clouds and maps.
+        /// </summary>
+        public bool? Binary;
+
+        /// <summary>
+        /// What pictures of sensor_msgs/msg/Image should be like; null for the gateway's defaults. The format png makes
+        /// nav_msgs/msg/OccupancyGrid smaller on its way, too.
+        /// </summary>
         public ImageOptions Image;
 
         /// <summary>Quality of service; null to take what the publishers offer, which is nearly always right.</summary>
@@ -46,7 +62,7 @@ namespace Ros2Gateway
         /// <summary>At most so many pictures a second; 0 for all.</summary>
         public double MaxFps;
 
-        internal void Write(JsonWriter writer)
+        internal void Write(JsonWriter writer, int maxWidth, int maxHeight)
         {
             writer.BeginObject();
             if (!string.IsNullOrEmpty(Format))
@@ -61,13 +77,13 @@ namespace Ros2Gateway
             {
                 writer.Member("adapt", Adapt.Value);
             }
-            if (MaxWidth > 0)
+            if (maxWidth > 0)
             {
-                writer.Member("max_width", MaxWidth);
+                writer.Member("max_width", maxWidth);
             }
-            if (MaxHeight > 0)
+            if (maxHeight > 0)
             {
-                writer.Member("max_height", MaxHeight);
+                writer.Member("max_height", maxHeight);
             }
             if (MaxFps > 0)
             {

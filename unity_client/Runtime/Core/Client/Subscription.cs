@@ -8,16 +8,22 @@ namespace Ros2Gateway
     /// <summary>A subscription to a topic. It survives reconnections and ends with <see cref="Dispose"/>.</summary>
     public abstract class Subscription : IDisposable
     {
+        /// <summary>How often its handler has thrown; for <see cref="Mailbox.ReportFault"/>.</summary>
+        internal long HandlerFaults;
+
         private readonly Subscriptions _subscriptions;
+        private readonly Drops _drops;
 
         internal Subscription(
-            Subscriptions subscriptions, string id, string topic, string type, SubscribeOptions options)
+            Subscriptions subscriptions, Drops drops, string id, string topic, string type, SubscribeOptions options)
         {
             _subscriptions = subscriptions;
+            _drops = drops;
             Id = id;
             Topic = topic;
             Type = type;
             Options = options;
+            Image = options.Image;
         }
 
         /// <summary>The topic, with its leading slash.</summary>
@@ -30,7 +36,19 @@ namespace Ros2Gateway
         public long Received { get; protected set; }
 
         /// <summary>How many messages the application was too slow for: they made room for newer ones.</summary>
-        public long Dropped { get; private set; }
+        public long Dropped
+        {
+            get { return _drops.Count; }
+        }
+
+        /// <summary>
+        /// Messages were dropped: gets <see cref="Dropped"/>; called by <see cref="GatewayClient.Pump"/>.
+        /// </summary>
+        public event Action<long> DroppedChanged
+        {
+            add { _drops.Listeners.Add(value); }
+            remove { _drops.Listeners.Remove(value); }
+        }
 
         /// <summary>How many messages could not be read as <see cref="Type"/>; events say why.</summary>
         public long Unreadable { get; internal set; }
@@ -38,6 +56,18 @@ namespace Ros2Gateway
         internal string Id { get; private set; }
 
         internal SubscribeOptions Options { get; private set; }
+
+        internal ImageOptions Image { get; private set; }
+
+        /// <summary>
+        /// Asks for pictures of another size, quality or rate from now on; null for the gateway's defaults. Of several
+        /// subscriptions to a topic the largest size counts, and else what the newest asks for.
+        /// </summary>
+        public void ChangeImage(ImageOptions image)
+        {
+            Image = image;
+            _subscriptions.SendAgain(this);
+        }
 
         /// <summary>Ends the subscription; its handler is not called again.</summary>
         public void Dispose()
@@ -51,7 +81,7 @@ namespace Ros2Gateway
         /// <summary>Notes that a message made room for a newer one; on the thread that reads frames.</summary>
         protected void CountDrop()
         {
-            Dropped++;
+            _drops.Add();
             _subscriptions.Dropped++;
         }
 
@@ -69,21 +99,27 @@ namespace Ros2Gateway
     {
         private readonly Func<T> _create;
         private readonly Action<T> _handler;
+        private readonly Action<T> _prepare;
         private readonly Mailbox _mailbox;
-        private readonly Queue<T> _waiting;
-        private readonly int _depth;
+        private readonly Queue<Waiter> _waiting;
+        private readonly QueueBound _bound;
+        private readonly Stack<T> _free; // null unless messages are used again
+        private T _handedOut; // the last, until the next one
+        private bool _hasHandedOut;
         private bool _isReady; // stands in the mailbox's queue
 
         internal Subscription(
-            Subscriptions subscriptions, Mailbox mailbox, string id, string topic, string type,
-            SubscribeOptions options, Func<T> create, Action<T> handler)
-            : base(subscriptions, id, topic, type, options)
+            Subscriptions subscriptions, Mailbox mailbox, Drops drops, string id, string topic, string type,
+            SubscribeOptions options, Func<T> create, Action<T> handler, Action<T> prepare, bool reuse)
+            : base(subscriptions, drops, id, topic, type, options)
         {
             _create = create;
             _handler = handler;
+            _prepare = prepare;
             _mailbox = mailbox;
-            _depth = options.Queue < 1 ? 1 : options.Queue;
-            _waiting = new Queue<T>(Math.Min(_depth, 16));
+            _bound = new QueueBound(mailbox, options.Queue, options.KeepsBursts);
+            _waiting = new Queue<Waiter>(Math.Min(_bound.Depth, 16));
+            _free = reuse ? new Stack<T>() : null;
         }
 
         /// <summary>How many messages wait to be taken.</summary>
@@ -98,14 +134,17 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>Takes the oldest message that waits; false if none does. Any thread.</summary>
+        /// <summary>
+        /// Takes the oldest message that waits; false if none does. Any thread. Where messages are used again it is
+        /// the caller's until the next one is taken.
+        /// </summary>
         public bool TryTake(out T message)
         {
             lock (_waiting)
             {
                 if (_waiting.Count > 0)
                 {
-                    message = _waiting.Dequeue();
+                    message = HandOutOldest();
                     return true;
                 }
             }
@@ -113,19 +152,52 @@ namespace Ros2Gateway
             return false;
         }
 
+        /// <summary>Looks at the oldest message, which stays.</summary>
+        internal bool TryPeek(out T message)
+        {
+            lock (_waiting)
+            {
+                message = _waiting.Count > 0 ? _waiting.Peek().Message : default(T);
+                return _waiting.Count > 0;
+            }
+        }
+
+        /// <summary>Takes the oldest message if it is still this one; else it has made room for newer ones.</summary>
+        internal void Remove(T message)
+        {
+            lock (_waiting)
+            {
+                if (_waiting.Count > 0 && ReferenceEquals(_waiting.Peek().Message, message))
+                {
+                    TakeOldest();
+                }
+            }
+        }
+
         internal override void Deliver(JsonReader reader)
         {
-            T message = _create();
+            T message = Rent();
+            int begin = reader.Position;
             message.Read(reader);
+            int bytes = reader.Position - begin;
+            if (_prepare != null)
+            {
+                _prepare(message);
+            }
             bool becameReady;
             lock (_waiting)
             {
-                if (_waiting.Count >= _depth)
+                _waiting.Enqueue(new Waiter(message, bytes));
+                _bound.Add(bytes);
+                while (_bound.IsExceeded)
                 {
-                    _waiting.Dequeue();
+                    T dropped = TakeOldest();
+                    if (_free != null)
+                    {
+                        _free.Push(dropped);
+                    }
                     CountDrop();
                 }
-                _waiting.Enqueue(message);
                 Received++;
                 becameReady = _handler != null && !_isReady;
                 _isReady |= becameReady;
@@ -146,10 +218,58 @@ namespace Ros2Gateway
                     _isReady = false;
                     return false;
                 }
-                message = _waiting.Dequeue();
+                message = HandOutOldest();
             }
             _handler(message);
             return true;
+        }
+
+        private T Rent()
+        {
+            lock (_waiting)
+            {
+                if (_free != null && _free.Count > 0)
+                {
+                    return _free.Pop();
+                }
+            }
+            return _create();
+        }
+
+        // Within the lock. With the next message the one before is no longer the application's.
+        private T HandOutOldest()
+        {
+            T message = TakeOldest();
+            if (_free != null)
+            {
+                if (_hasHandedOut)
+                {
+                    _free.Push(_handedOut);
+                }
+                _handedOut = message;
+                _hasHandedOut = true;
+            }
+            return message;
+        }
+
+        private T TakeOldest()
+        {
+            Waiter oldest = _waiting.Dequeue();
+            _bound.Remove(oldest.Bytes);
+            return oldest.Message;
+        }
+
+        /// <summary>A message that waits, and how long it was on the wire.</summary>
+        private struct Waiter
+        {
+            internal readonly T Message;
+            internal readonly int Bytes;
+
+            internal Waiter(T message, int bytes)
+            {
+                Message = message;
+                Bytes = bytes;
+            }
         }
     }
 }

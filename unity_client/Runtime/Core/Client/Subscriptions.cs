@@ -11,6 +11,14 @@ namespace Ros2Gateway
         // What the gateway lets wait for a client on a topic; more may wait here.
         private const int MaxGatewayQueue = 1024;
 
+        // Where binary frames save most: base64 is a third longer than its octets, and a float as text takes 35
+        // times as long to read.
+        private static readonly string[] MostlyArrays =
+        {
+            "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage", "sensor_msgs/msg/LaserScan",
+            "sensor_msgs/msg/PointCloud2", "nav_msgs/msg/OccupancyGrid",
+        };
+
         private static readonly Subscription[] None = new Subscription[0];
 
         private readonly object _gate = new object();
@@ -68,6 +76,19 @@ namespace Ros2Gateway
             }
         }
 
+        /// <summary>Asks anew, after its options have changed.</summary>
+        internal void SendAgain(Subscription subscription)
+        {
+            lock (_gate)
+            {
+                Subscription[] all = Of(subscription.Topic);
+                if (Array.IndexOf(all, subscription) >= 0)
+                {
+                    Send(all);
+                }
+            }
+        }
+
         /// <summary>The topic of a subscription; null if there is none with that id.</summary>
         internal string TopicOf(string id)
         {
@@ -106,8 +127,9 @@ namespace Ros2Gateway
             }
         }
 
-        // All to one topic: the gateway serves them by one stream with the shortest of their queues, so
-        // each has to ask for the longest. What it has already with the same id it replaces.
+        // All to one topic: the gateway serves them by one stream with the shortest of their queues and the newest
+        // one's pictures, so each has to ask for the longest and the largest. What it has already with the same
+        // id it replaces.
         private void Send(Subscription[] subscriptions)
         {
             int queue = 1;
@@ -116,10 +138,27 @@ namespace Ros2Gateway
                 queue = Math.Max(queue, subscription.Options.Queue);
             }
             queue = Math.Min(queue, MaxGatewayQueue);
+            // Whoever asks for a number gets that many, however old; left to itself the gateway keeps a burst
+            // whole, and of what a slow link cannot take the newest.
+            queue = queue > 1 && queue <= SubscribeOptions.DefaultQueue ? 0 : queue;
+            int width = Largest(subscriptions, image => image.MaxWidth);
+            int height = Largest(subscriptions, image => image.MaxHeight);
             foreach (Subscription subscription in subscriptions)
             {
-                Send(subscription, queue);
+                Send(subscription, queue, width, height);
             }
+        }
+
+        // Of bounds in pixels; 0, that there is none, is the largest.
+        private static int Largest(Subscription[] subscriptions, Func<ImageOptions, int> bound)
+        {
+            int largest = 1;
+            foreach (Subscription subscription in subscriptions)
+            {
+                int own = subscription.Image == null ? 0 : bound(subscription.Image);
+                largest = own <= 0 || largest == 0 ? 0 : Math.Max(largest, own);
+            }
+            return largest;
         }
 
         // Without an id, all to the topic.
@@ -132,7 +171,7 @@ namespace Ros2Gateway
             _outbox.Post(frame);
         }
 
-        private void Send(Subscription subscription, int queue)
+        private void Send(Subscription subscription, int queue, int maxWidth, int maxHeight)
         {
             SubscribeOptions options = subscription.Options;
             JsonWriter frame = _outbox.Rent();
@@ -146,17 +185,24 @@ namespace Ros2Gateway
             {
                 frame.Member("throttle_rate", options.ThrottleMilliseconds);
             }
-            frame.Member("queue_length", queue);
+            if (queue > 0)
+            {
+                frame.Member("queue_length", queue);
+            }
+            if (options.Binary ?? Array.IndexOf(MostlyArrays, subscription.Type) >= 0)
+            {
+                frame.Member("compression", "cbor");
+            }
             frame.Member("nonfinite", "string"); // without it infinities are null, and read as NaN
             if (options.Fields != null)
             {
                 frame.Name("fields");
                 frame.Values(options.Fields);
             }
-            if (options.Image != null)
+            if (subscription.Image != null)
             {
                 frame.Name("image");
-                options.Image.Write(frame);
+                subscription.Image.Write(frame, maxWidth, maxHeight);
             }
             if (options.Qos != null)
             {

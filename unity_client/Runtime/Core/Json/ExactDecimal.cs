@@ -8,6 +8,11 @@ namespace Ros2Gateway.Json
     /// obvious: for the few numbers about which <see cref="FastDecimal"/> and <see cref="ShortestDecimal"/>
     /// say nothing.
     /// </summary>
+    /// <remarks>
+    /// .NET's own would be less code, and wrong. Of doubles outside their table, written shortest, Mono 6.8's
+    /// <c>double.Parse</c> misreads 0.9 % of the normal and 44 % of the subnormal ones; its <c>ToString("R")</c> writes
+    /// 0.1 % and 1.3 % of them as another number.
+    /// </remarks>
     internal static class ExactDecimal
     {
         internal const float SmallestNormalFloat = 1.17549435E-38f;

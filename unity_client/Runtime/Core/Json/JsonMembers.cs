@@ -66,6 +66,13 @@ namespace Ros2Gateway.Json
             return isNext ? name.Length : -1;
         }
 
+        /// <summary>Whether the name at an index is these bytes; false if there is no such index.</summary>
+        internal bool IsAt(int index, byte[] buffer, int start, int count)
+        {
+            return index < _encoded.Length && _encoded[index].Length == count
+                && BeginsAt(_encoded[index], buffer, start);
+        }
+
         private static bool BeginsAt(byte[] name, byte[] buffer, int start)
         {
             for (int i = 0; i < name.Length; i++)

@@ -3,8 +3,10 @@ using System;
 
 namespace Ros2Gateway.Json
 {
-    public sealed partial class JsonReader
+    public partial class JsonReader
     {
+        private const int NoBase64 = -1;
+
         private static readonly byte[] Base64Values = MakeBase64Values(); // 64: none of the alphabet
 
         /// <summary>
@@ -14,62 +16,106 @@ namespace Ros2Gateway.Json
         /// <param name="length">How many there must be; -1 takes any number.</param>
         public byte[] ReadBytes(int length = -1)
         {
+            return ReadBytes(null, length);
+        }
+
+        /// <summary>Like the other; fills *previous* again if that has the right length.</summary>
+        public virtual byte[] ReadBytes(byte[] previous, int length = -1)
+        {
             JsonKind kind = Kind;
             if (kind == JsonKind.Array)
             {
-                return ReadUInt8s(length);
+                return ReadUInt8s(previous, length);
             }
             if (kind != JsonKind.String)
             {
                 throw Unexpected("base64 or an array of integers");
             }
             int quote = _position;
-            int closing = Array.IndexOf(_buffer, (byte)'"', quote + 1, _end - quote - 1);
-            byte[] octets = closing < 0 ? null : DecodeBase64(_buffer, quote + 1, closing - quote - 1);
-            _position = closing + 1;
-            if (octets == null)
-            {
-                // Some writers escape the slash, which base64 has; or it is none, or no JSON.
-                _position = quote + 1;
-                octets = DecodeBase64(DecodeString());
-            }
-            if (octets == null)
+            byte[] octets = previous;
+            int count = ReadBase64(ref octets, true);
+            if (length >= 0 && count != length)
             {
                 _position = quote;
-                throw Error("expected base64, got another text");
-            }
-            if (length >= 0 && octets.Length != length)
-            {
-                _position = quote;
-                throw Error("expected " + length + " octets, got " + octets.Length);
+                throw Error("expected " + length + " octets, got " + count);
             }
             return octets;
         }
 
-        private static byte[] DecodeBase64(string text)
+        /// <summary>Reads octets into a buffer, in whose place a longer one is put if it is too short.</summary>
+        /// <returns>How many they are; what is behind them in the buffer is of earlier ones.</returns>
+        public virtual int ReadBytes(ref byte[] buffer)
+        {
+            if (Kind == JsonKind.String)
+            {
+                return ReadBase64(ref buffer, false);
+            }
+            byte[] octets = ReadBytes(null);
+            buffer = RoomForBytes(buffer, octets.Length, false);
+            Buffer.BlockCopy(octets, 0, buffer, 0, octets.Length);
+            return octets.Length;
+        }
+
+        /// <summary>The array for so many octets: this one, or a new one if it is too short, or not exact.</summary>
+        private protected static byte[] RoomForBytes(byte[] buffer, int count, bool isExact)
+        {
+            if (buffer != null && (isExact ? buffer.Length == count : buffer.Length >= count))
+            {
+                return buffer;
+            }
+            // the next one may be a little longer
+            return count == 0 ? Array.Empty<byte>() : new byte[isExact ? count : count + count / 4];
+        }
+
+        // At the quote.
+        private int ReadBase64(ref byte[] octets, bool isExact)
+        {
+            int quote = _position;
+            int closing = Array.IndexOf(_buffer, (byte)'"', quote + 1, _end - quote - 1);
+            int count = closing < 0
+                ? NoBase64
+                : DecodeBase64(_buffer, quote + 1, closing - quote - 1, ref octets, isExact);
+            _position = closing + 1;
+            if (count == NoBase64)
+            {
+                // Some writers escape the slash, which base64 has; or it is none, or no JSON.
+                _position = quote + 1;
+                count = DecodeBase64(DecodeString(), ref octets, isExact);
+            }
+            if (count == NoBase64)
+            {
+                _position = quote;
+                throw Error("expected base64, got another text");
+            }
+            return count;
+        }
+
+        private static int DecodeBase64(string text, ref byte[] octets, bool isExact)
         {
             byte[] plain = new byte[text.Length];
             for (int i = 0; i < plain.Length; i++)
             {
                 plain[i] = text[i] < 0x80 ? (byte)text[i] : (byte)0;
             }
-            return DecodeBase64(plain, 0, plain.Length);
+            return DecodeBase64(plain, 0, plain.Length, ref octets, isExact);
         }
 
-        /// <summary>Returns null if the text is no base64.</summary>
-        private static byte[] DecodeBase64(byte[] text, int start, int count)
+        /// <summary>Returns how many octets it was, or <see cref="NoBase64"/>.</summary>
+        private static int DecodeBase64(byte[] text, int start, int count, ref byte[] decoded, bool isExact)
         {
             if (count % 4 != 0)
             {
-                return null;
+                return NoBase64;
             }
             if (count == 0)
             {
-                return Array.Empty<byte>();
+                decoded = RoomForBytes(decoded, 0, isExact);
+                return 0;
             }
             int end = start + count;
             int padding = text[end - 1] != (byte)'=' ? 0 : text[end - 2] != (byte)'=' ? 1 : 2;
-            byte[] octets = new byte[count / 4 * 3 - padding];
+            int length = count / 4 * 3 - padding;
+            byte[] octets = RoomForBytes(decoded, length, isExact);
             byte[] values = Base64Values;
             int to = 0;
             int seen = 0; // all values together: has the bit 64 as soon as one was none
@@ -100,10 +146,11 @@ namespace Ros2Gateway.Json
                 // The bits that stand for nothing must be zero, or two texts would mean the same octets.
                 if ((padding == 1 ? c & 3 : b & 15) != 0)
                 {
-                    return null;
+                    return NoBase64;
                 }
             }
-            return seen < 64 ? octets : null;
+            decoded = octets;
+            return seen < 64 ? length : NoBase64;
         }
 
         private static byte[] MakeBase64Values()

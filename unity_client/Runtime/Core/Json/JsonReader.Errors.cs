@@ -4,21 +4,24 @@ using System.Text;
 
 namespace Ros2Gateway.Json
 {
-    public sealed partial class JsonReader
+    public partial class JsonReader
     {
-        private const int LongestNameInPath = 40; // a path is for people; names are the peer's
+        /// <summary>So much of a name is in the path of an error.</summary>
+        private protected const int LongestNameInPath = 40; // a path is for people; names are the peer's
 
-        private JsonFormatException Unexpected(string expected)
+        /// <summary>Something else comes next than was asked for.</summary>
+        private protected JsonFormatException Unexpected(string expected)
         {
             return Error("expected " + expected + ", got " + DescribeNext());
         }
 
-        private JsonFormatException Error(string reason)
+        /// <summary>An error here.</summary>
+        private protected JsonFormatException Error(string reason)
         {
             return new JsonFormatException(reason, Path(), _position);
         }
 
-        private string DescribeNext()
+        internal virtual string DescribeNext()
         {
             if (_position >= _end)
             {
@@ -50,7 +53,7 @@ namespace Ros2Gateway.Json
             }
         }
 
-        private string Path()
+        internal virtual string Path()
         {
             var path = new StringBuilder();
             for (int i = 1; i <= _depth; i++)

@@ -4,7 +4,7 @@ using System.Globalization;
 
 namespace Ros2Gateway.Json
 {
-    public sealed partial class JsonReader
+    public partial class JsonReader
     {
         private const long LargestExponent = 1000000000000; // no text is long enough to bring more back
 
@@ -68,7 +68,7 @@ namespace Ros2Gateway.Json
         /// Reads the single precision number nearest to what is written; null is NaN, the texts "NaN",
         /// "Infinity" and "-Infinity" are what they name.
         /// </summary>
-        public float ReadFloat32()
+        public virtual float ReadFloat32()
         {
             double named;
             if (TryReadNonFinite(out named))
@@ -94,7 +94,7 @@ namespace Ros2Gateway.Json
         /// Reads the double precision number nearest to what is written; null is NaN, the texts "NaN",
         /// "Infinity" and "-Infinity" are what they name.
         /// </summary>
-        public double ReadFloat64()
+        public virtual double ReadFloat64()
         {
             double named;
             if (TryReadNonFinite(out named))
@@ -108,7 +108,7 @@ namespace Ros2Gateway.Json
         /// <summary>Reads a number as an integer where it is written as one and has 64 bits.</summary>
         /// <returns>True for an integer: <paramref name="magnitude"/> and its sign; false for a double.
         /// </returns>
-        internal bool ReadNumber(out bool isNegative, out ulong magnitude, out double value)
+        internal virtual bool ReadNumber(out bool isNegative, out ulong magnitude, out double value)
         {
             SkipSpace();
             ScanNumber("a number");
@@ -124,7 +124,7 @@ namespace Ros2Gateway.Json
             return isWhole;
         }
 
-        private long ReadSigned(long least, long most)
+        internal virtual long ReadSigned(long least, long most)
         {
             SkipSpace();
             int start = _position;
@@ -139,7 +139,7 @@ namespace Ros2Gateway.Json
             return _isNegative ? unchecked(-(long)magnitude) : (long)magnitude;
         }
 
-        private ulong ReadUnsigned(ulong most)
+        internal virtual ulong ReadUnsigned(ulong most)
         {
             SkipSpace();
             int start = _position;

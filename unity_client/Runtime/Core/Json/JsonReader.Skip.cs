@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 namespace Ros2Gateway.Json
 {
-    public sealed partial class JsonReader
+    public partial class JsonReader
     {
         /// <summary>
         /// Passes over one value of any kind. Brackets must pair, nesting and strings must end; whether what
         /// is inside is JSON in every detail is not looked at, which makes this several times as fast as
         /// reading.
         /// </summary>
-        public void Skip()
+        public virtual void Skip()
         {
             JsonKind kind = Kind;
             if (kind == JsonKind.End)

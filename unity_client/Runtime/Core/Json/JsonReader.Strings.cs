@@ -3,9 +3,10 @@ using System;
 
 namespace Ros2Gateway.Json
 {
-    public sealed partial class JsonReader
+    public partial class JsonReader
     {
-        private const int LongestCached = 32; // bytes: frames, topics and operations, not texts
+        /// <summary>The longest text that may be the same object as an equal one before.</summary>
+        private protected const int LongestCached = 32; // bytes: frames, topics and operations, not texts
         private const int CacheSlots = 256; // a power of two; a slot keeps the last string that hashed to it
         private const int LargestScratch = 1 << 16; // chars: one huge text must not be paid for ever after
 
@@ -15,7 +16,7 @@ namespace Ros2Gateway.Json
         /// <summary>
         /// Reads a text. One of up to 32 bytes of ASCII is mostly the same object as the last of that text.
         /// </summary>
-        public string ReadString()
+        public virtual string ReadString()
         {
             SkipSpace();
             if (_position >= _end || _buffer[_position] != (byte)'"')
@@ -65,7 +66,8 @@ namespace Ros2Gateway.Json
             return false;
         }
 
-        private string Cached(int start, int length)
+        /// <summary>A short text of ASCII.</summary>
+        private protected string Cached(int start, int length)
         {
             uint hash = 2166136261; // FNV-1a
             for (int i = 0; i < length; i++)

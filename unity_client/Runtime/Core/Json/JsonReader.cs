@@ -9,12 +9,22 @@ namespace Ros2Gateway.Json
     /// which it also needs after a <see cref="JsonFormatException"/>. Of two members of one name the last
     /// wins.
     /// </summary>
-    public sealed partial class JsonReader
+    /// <remarks>
+    /// A client's subscriptions may get the same values as CBOR; what reads them is of this class, too, so
+    /// messages do not notice.
+    /// </remarks>
+    public partial class JsonReader
     {
         private readonly Level[] _levels;
-        private byte[] _buffer = Array.Empty<byte>();
-        private int _position;
-        private int _end;
+        /// <summary>What is read, from <see cref="_position"/> to before <see cref="_end"/>.</summary>
+        private protected byte[] _buffer = Array.Empty<byte>();
+
+        /// <summary>Where the next byte is read.</summary>
+        private protected int _position;
+
+        /// <summary>Where what is read ends.</summary>
+        private protected int _end;
+
         private int _depth;
 
         /// <summary>Makes a reader of nothing; objects and arrays may nest up to a depth.</summary>
@@ -31,7 +41,7 @@ namespace Ros2Gateway.Json
 
         /// <summary>The kind of the value that comes next; nothing is consumed but white space.</summary>
         /// <exception cref="JsonFormatException">What comes next begins no value.</exception>
-        public JsonKind Kind
+        public virtual JsonKind Kind
         {
             get
             {
@@ -66,7 +76,7 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>Starts anew with a part of a buffer, which must not change while it is read.</summary>
-        public void Reset(byte[] buffer, int offset, int count)
+        public virtual void Reset(byte[] buffer, int offset, int count)
         {
             if (buffer == null)
             {
@@ -85,7 +95,7 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>Enters the object that comes next.</summary>
-        public void BeginObject()
+        public virtual void BeginObject()
         {
             Enter((byte)'{', "an object", false);
         }
@@ -98,7 +108,7 @@ namespace Ros2Gateway.Json
         /// <param name="member">Start with <see cref="JsonMembers.Unknown"/>; becomes the index of the name.
         /// The one after the last is tried first, because fields mostly come in order.</param>
         /// <returns>False when the object has ended.</returns>
-        public bool NextMember(JsonMembers members, ref int member)
+        public virtual bool NextMember(JsonMembers members, ref int member)
         {
             if (!NextQuote())
             {
@@ -129,7 +139,7 @@ namespace Ros2Gateway.Json
 
         /// <summary>Goes to the next member of the object that was entered.</summary>
         /// <returns>Its name, null when the object has ended.</returns>
-        public string NextName()
+        public virtual string NextName()
         {
             if (!NextQuote())
             {
@@ -142,7 +152,7 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>Enters the array that comes next.</summary>
-        public void BeginArray()
+        public virtual void BeginArray()
         {
             Enter((byte)'[', "an array", true);
         }
@@ -152,7 +162,7 @@ namespace Ros2Gateway.Json
         /// skipped before the next call.
         /// </summary>
         /// <returns>False when the array has ended.</returns>
-        public bool NextElement()
+        public virtual bool NextElement()
         {
             SkipSpace();
             int index = _levels[_depth].Index + 1;
@@ -176,7 +186,7 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>Reads true or false.</summary>
-        public bool ReadBool()
+        public virtual bool ReadBool()
         {
             SkipSpace();
             byte next = _position < _end ? _buffer[_position] : (byte)0;
@@ -192,7 +202,7 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>Consumes a null, if one comes next.</summary>
-        public bool TryReadNull()
+        public virtual bool TryReadNull()
         {
             SkipSpace();
             if (_position >= _end || _buffer[_position] != (byte)'n')
@@ -207,7 +217,7 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>Makes sure that only white space is left.</summary>
-        public void End()
+        public virtual void End()
         {
             SkipSpace();
             if (_position < _end)

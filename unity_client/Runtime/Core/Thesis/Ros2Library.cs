@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+using System;
 using System.Collections.Generic;
 using System.Globalization;
 using Ros2Gateway.Json;
 using Ros2Gateway.Messages;
-using Ros2Gateway.Messages.GeometryMsgs;
-using Ros2Gateway.Messages.NavMsgs;
-using Ros2Gateway.Messages.SensorMsgs;
-using Ros2Gateway.Messages.StdMsgs;
 
 namespace Ros2Gateway.Thesis
 {
@@ -19,7 +16,7 @@ namespace Ros2Gateway.Thesis
     /// static state. Every call returns at once and none throws; what fails returns false, and
     /// <see cref="poll_debug_message"/> says why. Types are the numbers of the message table. Any thread.
     /// </remarks>
-    public static class Ros2Library
+    public static partial class Ros2Library
     {
         private const int MaxDebugMessages = 100; // what a debug screen shows, and some more
 
@@ -42,8 +39,8 @@ namespace Ros2Gateway.Thesis
 
         /// <summary>Begins to connect. Called again it does nothing; true in both cases.</summary>
         /// <param name="prefix">
-        /// Was the prefix of the library's three nodes, which the gateway's configuration names now
-        /// (<c>ros.node_prefix</c>). Kept for debug messages.
+        /// What the names of the nodes begin with. They are the gateway's, which takes it as <c>--node-prefix</c>;
+        /// a debug message tells if it has another one. Debug messages begin with it, too.
         /// </param>
         public static bool ros2_init(string prefix = "")
         {
@@ -54,6 +51,10 @@ namespace Ros2Gateway.Thesis
                     _prefix = prefix ?? "";
                     _client = new GatewayClient(Options ?? new GatewayOptions());
                     _client.EventHeard += happened => Remember(happened.ToString());
+                    if (_prefix.Length > 0)
+                    {
+                        _client.WatchGraph(CompareNodes);
+                    }
                     _client.Connect();
                 }
                 return true;
@@ -84,10 +85,10 @@ namespace Ros2Gateway.Thesis
             }
         }
 
-        /// <summary>Registers a publisher; a second one on the same topic takes the place of the first.</summary>
+        /// <summary>Registers a publisher; false where the topic has one, which stays.</summary>
         /// <param name="type">The number of the type in the message table.</param>
         /// <param name="backlog">How many messages may wait, the oldest being dropped.</param>
-        public static bool add_publisher(string topic, int type, int backlog)
+        public static bool add_publisher(string topic, uint type, uint backlog)
         {
             lock (Gate)
             {
@@ -96,22 +97,27 @@ namespace Ros2Gateway.Thesis
                 {
                     return false;
                 }
-                Publisher former;
-                if (Publishers.TryGetValue(topic, out former))
+                if (Publishers.ContainsKey(topic))
                 {
-                    former.Dispose();
+                    return Failed("add_publisher", topic, "the topic has a publisher already");
                 }
                 Publishers[topic] = _client.Advertise(
-                    topic, example.RosType, new AdvertiseOptions { Queue = backlog });
+                    topic, example.RosType, new AdvertiseOptions { Queue = Signed(backlog) });
                 return true;
             }
+        }
+
+        /// <inheritdoc cref="add_publisher(string, uint, uint)"/>
+        public static bool add_publisher(string topic, int type, int backlog)
+        {
+            return add_publisher(topic, Number(type), Unsigned(backlog));
         }
 
         /// <summary>Registers a subscriber; a second one on the same topic takes the place of the first.</summary>
         /// <param name="type">The number of the type in the message table.</param>
         /// <param name="libraryBacklog">How many messages wait here to be polled, the oldest being dropped.</param>
         /// <param name="rosBacklog">The depth of the ROS subscription.</param>
-        public static bool add_subscriber(string topic, int type, int libraryBacklog, int rosBacklog)
+        public static bool add_subscriber(string topic, uint type, uint libraryBacklog, uint rosBacklog)
         {
             lock (Gate)
             {
@@ -127,8 +133,9 @@ namespace Ros2Gateway.Thesis
                 }
                 SubscribeOptions options = new SubscribeOptions
                 {
-                    Queue = libraryBacklog,
-                    Qos = rosBacklog > 0 ? new QosOptions { Depth = System.Math.Min(rosBacklog, MaxDepth) } : null,
+                    Queue = Signed(libraryBacklog),
+                    KeepsBursts = false,
+                    Qos = rosBacklog > 0 ? new QosOptions { Depth = (int)Math.Min(rosBacklog, MaxDepth) } : null,
                     Image = example.RosType == ImageType ? new ImageOptions { Format = "raw" } : null,
                 };
                 string name = example.RosType;
@@ -138,49 +145,10 @@ namespace Ros2Gateway.Thesis
             }
         }
 
-        /// <summary>Sends a text.</summary>
-        public static bool send_string(string topic, string text)
+        /// <inheritdoc cref="add_subscriber(string, uint, uint, uint)"/>
+        public static bool add_subscriber(string topic, int type, int libraryBacklog, int rosBacklog)
         {
-            return send(topic, new StringMsg { data = text });
-        }
-
-        /// <summary>Sends a velocity: metres and radians per second, in ROS coordinates.</summary>
-        public static bool send_twist(
-            string topic, double linearX, double linearY, double linearZ,
-            double angularX, double angularY, double angularZ)
-        {
-            TwistMsg twist = new TwistMsg();
-            twist.linear.x = linearX;
-            twist.linear.y = linearY;
-            twist.linear.z = linearZ;
-            twist.angular.x = angularX;
-            twist.angular.y = angularY;
-            twist.angular.z = angularZ;
-            return send(topic, twist);
-        }
-
-        /// <summary>Sends a velocity.</summary>
-        public static bool send_twist(string topic, TwistMsg twist)
-        {
-            return send(topic, twist);
-        }
-
-        /// <summary>Sends a header; with a stamp of 0 it gets the time at which it arrives.</summary>
-        public static bool send_header(string topic, HeaderMsg header)
-        {
-            return send(topic, header);
-        }
-
-        /// <summary>Sends a pose in a frame.</summary>
-        public static bool send_pose(string topic, PoseStampedMsg pose)
-        {
-            return send(topic, pose);
-        }
-
-        /// <summary>Sends a pose with its covariance.</summary>
-        public static bool send_pose_with_cov(string topic, PoseWithCovarianceStampedMsg pose)
-        {
-            return send(topic, pose);
+            return add_subscriber(topic, Number(type), Unsigned(libraryBacklog), Unsigned(rosBacklog));
         }
 
         /// <summary>Sends a message of whatever type the publisher has.</summary>
@@ -203,89 +171,12 @@ namespace Ros2Gateway.Thesis
             }
         }
 
-        /// <summary>Takes the oldest unread text.</summary>
-        public static bool poll_string(string topic, out string text)
-        {
-            StringMsg message;
-            bool isThere = poll(topic, out message);
-            text = isThere ? message.data : "";
-            return isThere;
-        }
-
-        /// <summary>Takes the oldest unread velocity.</summary>
-        public static bool poll_twist(string topic, out TwistMsg twist)
-        {
-            return poll(topic, out twist);
-        }
-
-        /// <summary>Takes the oldest unread header.</summary>
-        public static bool poll_header(string topic, out HeaderMsg header)
-        {
-            return poll(topic, out header);
-        }
-
-        /// <summary>Takes the oldest unread picture, as pixels.</summary>
-        public static bool poll_image(string topic, out ImageMsg image)
-        {
-            return poll(topic, out image);
-        }
-
-        /// <summary>Takes the oldest unread picture, as JPEG or PNG.</summary>
-        public static bool poll_compressed_image(string topic, out CompressedImageMsg image)
-        {
-            return poll(topic, out image);
-        }
-
-        /// <summary>Takes the oldest unread state of the battery.</summary>
-        public static bool poll_battery_state(string topic, out BatteryStateMsg state)
-        {
-            return poll(topic, out state);
-        }
-
-        /// <summary>Takes the oldest unread laser scan.</summary>
-        public static bool poll_laser_scan(string topic, out LaserScanMsg scan)
-        {
-            return poll(topic, out scan);
-        }
-
-        /// <summary>Takes the oldest unread odometry.</summary>
-        /// <param name="withCovariances">Without, both covariances are null.</param>
-        public static bool poll_odometry(string topic, out OdometryMsg odometry, bool withCovariances = true)
-        {
-            bool isThere = poll(topic, out odometry);
-            if (isThere && !withCovariances)
-            {
-                odometry.pose.covariance = null;
-                odometry.twist.covariance = null;
-            }
-            return isThere;
-        }
-
         /// <summary>Takes the oldest unread message of whatever type the subscriber has.</summary>
-        /// <returns>False if there is none, no subscriber, or one of another type.</returns>
+        /// <returns>False if there is none, or no subscriber, or if it is of another type: then it stays.</returns>
         public static bool poll<T>(string topic, out T message)
             where T : class, IMessage
         {
-            message = null;
-            lock (Gate)
-            {
-                if (!Pumped())
-                {
-                    return Failed("poll", topic, "ros2_init comes first");
-                }
-                Subscription<IMessage> subscriber;
-                if (!Subscribers.TryGetValue(topic ?? "", out subscriber))
-                {
-                    return Failed("poll", topic, "no subscriber; add_subscriber comes first");
-                }
-                IMessage taken;
-                if (!subscriber.TryTake(out taken))
-                {
-                    return false;
-                }
-                message = taken as T;
-                return message != null || Failed("poll", topic, "the subscriber has type " + subscriber.Type);
-            }
+            return Poll("poll", topic, out message);
         }
 
         /// <summary>Takes the oldest unread word on what happened: refusals, faults, the connection.</summary>
@@ -299,6 +190,44 @@ namespace Ros2Gateway.Thesis
             }
         }
 
+        private static bool Poll<T>(string call, string topic, out T message)
+            where T : class, IMessage
+        {
+            lock (Gate)
+            {
+                return Oldest(call, topic, out message) && Taken(topic, message);
+            }
+        }
+
+        // The oldest unread message, which stays until it is taken.
+        private static bool Oldest<T>(string call, string topic, out T message)
+            where T : class, IMessage
+        {
+            message = null;
+            if (!Pumped())
+            {
+                return Failed(call, topic, "ros2_init comes first");
+            }
+            Subscription<IMessage> subscriber;
+            if (!Subscribers.TryGetValue(topic ?? "", out subscriber))
+            {
+                return Failed(call, topic, "no subscriber; add_subscriber comes first");
+            }
+            IMessage oldest;
+            if (!subscriber.TryPeek(out oldest))
+            {
+                return false;
+            }
+            message = oldest as T;
+            return message != null || Failed(call, topic, "the subscriber has type " + subscriber.Type);
+        }
+
+        private static bool Taken(string topic, IMessage message)
+        {
+            Subscribers[topic].Remove(message);
+            return true;
+        }
+
         private static bool Pumped()
         {
             if (_client == null)
@@ -309,7 +238,7 @@ namespace Ros2Gateway.Thesis
             return true;
         }
 
-        private static IMessage Example(string call, string topic, int type)
+        private static IMessage Example(string call, string topic, uint type)
         {
             if (!Pumped())
             {
@@ -324,9 +253,37 @@ namespace Ros2Gateway.Thesis
             IMessage example = MessageCatalogue.Create(type.ToString(CultureInfo.InvariantCulture));
             if (example == null)
             {
-                Failed(call, topic, "the message table has no number " + type);
+                string name = MessageCatalogue.Resolve(type.ToString(CultureInfo.InvariantCulture));
+                Failed(call, topic, name == null
+                    ? "the message table has no number " + type
+                    : name + " has no class in this build: MessageCatalogue.Register adds it");
             }
             return example;
+        }
+
+        // Once: nodes that come and go later are no business of the prefix.
+        private static void CompareNodes(RosGraph graph)
+        {
+            _client.UnwatchGraph(CompareNodes);
+            foreach (string node in graph.Nodes)
+            {
+                if (node.Substring(node.LastIndexOf('/') + 1).StartsWith(_prefix + "_", StringComparison.Ordinal))
+                {
+                    return;
+                }
+            }
+            Remember("ros2_init: no node is named " + _prefix + "_...; the gateway names its nodes so if it is started"
+                + " with --node-prefix " + _prefix);
+        }
+
+        private static uint Number(int type)
+        {
+            return type < 0 ? uint.MaxValue : (uint)type; // the table has no such number either
+        }
+
+        private static int Signed(uint backlog)
+        {
+            return (int)Math.Min(backlog, int.MaxValue);
         }
 
         private static bool Failed(string call, string topic, string words)

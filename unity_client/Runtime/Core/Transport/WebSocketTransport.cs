@@ -18,7 +18,8 @@ namespace Ros2Gateway
     {
         private const int FirstBufferBytes = 64 * 1024; // most frames; larger ones make it grow
         private const int PieceBytes = 32 * 1024; // so that a slow link shows progress: 1 Mbit/s does it in 0.3 s
-        private const int RetainedBufferBytes = 1024 * 1024; // what one rare huge frame needed is given back
+        private const int RetainedBufferBytes = 1024 * 1024; // what one rare huge frame needed is given back,
+        private const int FramesUntilRare = 1000; // once so many were smaller: a cloud at 1 Hz beside what a robot says
         private const int GoodbyeMilliseconds = 1000; // how long a peer may take to answer a close frame
 
         private readonly int _connectMilliseconds;
@@ -148,6 +149,7 @@ namespace Ros2Gateway
             byte[] buffer = new byte[FirstBufferBytes];
             int count = 0;
             long skipped = 0;
+            int smaller = 0; // frames, since the last that would not fit in what is kept
             while (true)
             {
                 WebSocketReceiveResult result = await _socket.ReceiveAsync(
@@ -183,9 +185,10 @@ namespace Ros2Gateway
                 {
                     _listener.OnFrame(buffer, count);
                 }
+                smaller = count > RetainedBufferBytes ? 0 : smaller + 1;
                 skipped = 0;
                 count = 0;
-                if (buffer.Length > RetainedBufferBytes)
+                if (buffer.Length > RetainedBufferBytes && smaller >= FramesUntilRare)
                 {
                     buffer = new byte[FirstBufferBytes];
                 }

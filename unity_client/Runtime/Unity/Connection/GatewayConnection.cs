@@ -8,8 +8,11 @@ namespace Ros2Gateway.Unity
 {
     /// <summary>The scene's connection: connects while it is enabled, and calls all handlers in Update.</summary>
     /// <remarks>
-    /// Components that are given no connection take the one that they find in the scene. Disabling it
-    /// disconnects, enabling it connects again; what was subscribed and advertised stays until it is destroyed.
+    /// Components that are given no connection find this one by themselves, whichever of them comes first, and take
+    /// another when it is destroyed; what moves robots, and what was given this one, takes only another to the same
+    /// address. Disabling it disconnects, enabling it connects again; what was subscribed and
+    /// advertised stays until it is destroyed. While the application is paused (a headset that is put down, a
+    /// desktop window without *Run In Background* that is left) it is disconnected.
     /// </remarks>
     [AddComponentMenu("ROS 2 Gateway/Gateway Connection")]
     [DefaultExecutionOrder(-1000)] // messages are there when other components' Update looks for them
@@ -19,8 +22,17 @@ namespace Ros2Gateway.Unity
         private const int RememberedEvents = 200; // a log screen that comes late shows what led to the present
 
         [SerializeField]
-        [Tooltip("Where the gateway is; without, ws://localhost:9090")]
+        [Tooltip("ws://HOST:PORT; empty to take that of the settings, or without settings ws://localhost:9090")]
+        private string _address = "";
+
+        [SerializeField]
+        [Tooltip("What several scenes share: address, token, time-outs")]
         private GatewaySettings _settings;
+
+        [SerializeField]
+        [Tooltip("Stay when another scene is loaded, as an object without parent. Of several such connections to one "
+            + "address, as when a scene is loaded again, the first stays")]
+        private bool _dontDestroyOnLoad;
 
         [SerializeField]
         [Tooltip("Write events to Unity's console")]
@@ -33,24 +45,58 @@ namespace Ros2Gateway.Unity
         private UnityEvent _onDisconnected = new UnityEvent();
 
         private readonly Queue<GatewayEvent> _events = new Queue<GatewayEvent>();
+        private readonly Listeners<GatewayEvent> _eventHeard;
+        private readonly Listeners<ConnectionState> _stateChanged;
+        private readonly Listeners<string> _halted;
+        private readonly Listeners<GatewayConnection> _leaving;
+        private readonly Listeners<bool> _inspector; // the lists of the Inspector
         private GatewayClient _client;
         private float _pumpMilliseconds = 4;
         private bool _wasConnected;
         private bool _isLeaving;
+        private bool _isPaused;
+
+        /// <summary>A component of the scene; made by Unity.</summary>
+        public GatewayConnection()
+        {
+            // Of the client's mailbox, which is made later, and anew for each Play.
+            _eventHeard = new Listeners<GatewayEvent>(ReportFault, "listener of EventHeard");
+            _stateChanged = new Listeners<ConnectionState>(ReportFault, "listener of StateChanged");
+            _halted = new Listeners<string>(ReportFault, "driver that is halted");
+            _leaving = new Listeners<GatewayConnection>(ReportFault, "listener of Leaving");
+            _inspector = new Listeners<bool>(ReportFault, "listener of On Connected or On Disconnected");
+            _inspector.Add(isConnected => (isConnected ? _onConnected : _onDisconnected).Invoke());
+        }
 
         /// <summary>Something that people should know, in the gateway's words or the client's.</summary>
-        public event Action<GatewayEvent> EventHeard;
+        public event Action<GatewayEvent> EventHeard
+        {
+            add { _eventHeard.Add(value); }
+            remove { _eventHeard.Remove(value); }
+        }
 
         /// <summary>The connection was made or lost; also while it is being made.</summary>
-        public event Action<ConnectionState> StateChanged;
-
-        /// <summary>Somebody stops the robot: whatever drives it by this connection gives up.</summary>
-        internal event Action<string> Halted;
+        public event Action<ConnectionState> StateChanged
+        {
+            add { _stateChanged.Add(value); }
+            remove { _stateChanged.Remove(value); }
+        }
 
         /// <summary>
         /// The connection is about to be ended from this side: the moment for last words, such as a robot's stop.
         /// </summary>
-        public event Action Leaving;
+        public event Action<GatewayConnection> Leaving
+        {
+            add { _leaving.Add(value); }
+            remove { _leaving.Remove(value); }
+        }
+
+        /// <summary>Somebody stops the robot: whatever drives it by this connection gives up.</summary>
+        internal event Action<string> Halted
+        {
+            add { _halted.Add(value); }
+            remove { _halted.Remove(value); }
+        }
 
         /// <summary>The client; it is there from the first use on, connected or not.</summary>
         public GatewayClient Client
@@ -85,52 +131,95 @@ namespace Ros2Gateway.Unity
 
         /// <summary>
         /// Where the gateway is. Another address, for instance from a text field, counts when the component is
-        /// enabled the next time.
+        /// enabled the next time; an empty one is that of the settings.
         /// </summary>
+        public string Address
+        {
+            get { return Options().Address; }
+            set { _address = value ?? ""; }
+        }
+
+        /// <summary>What several scenes share; like <see cref="Address"/>.</summary>
         public GatewaySettings Settings
         {
             get { return _settings; }
             set { _settings = value; }
         }
 
-        /// <summary>The connection that a component uses: its own choice, else the scene's, else null and a warning.</summary>
-        public static GatewayConnection For(Component component, GatewayConnection chosen)
+        /// <summary>Whether it stays when another scene is loaded; before it is active.</summary>
+        public bool OutlivesScenes
         {
-            if (chosen != null)
-            {
-                return chosen;
-            }
-            GatewayConnection found = FindAnyObjectByType<GatewayConnection>();
-            if (found == null)
-            {
-                Debug.LogWarning(
-                    component.GetType().Name + " on " + component.name
-                    + " finds no Gateway Connection: add one to the scene", component);
-            }
-            return found;
+            get { return _dontDestroyOnLoad; }
+            set { _dontDestroyOnLoad = value; }
+        }
+
+        /// <summary>
+        /// Whether it is being destroyed, be it as another, which outlives its scene, has taken its place.
+        /// </summary>
+        internal bool IsOver { get; private set; }
+
+        /// <summary>
+        /// The address that it leads to now, or led to before it was destroyed: not one that counts only later.
+        /// </summary>
+        internal string Gateway
+        {
+            get { return _client != null ? _client.Address : Address; }
+        }
+
+        /// <summary>What a client of this connection is made with.</summary>
+        public GatewayOptions Options()
+        {
+            GatewayOptions options = _settings != null ? _settings.Options() : new GatewayOptions();
+            options.Address = _address.Length > 0 ? _address : options.Address;
+            return options;
         }
 
         /// <summary>Makes everything that drives a robot by this connection give up, with the reason.</summary>
         internal void Halt(string reason)
         {
-            if (Halted != null)
+            _halted.Call(reason);
+        }
+
+        private void Awake()
+        {
+            IsOver = _dontDestroyOnLoad && LiveConnections.Lasting(this) != null;
+            if (IsOver)
             {
-                Halted(reason);
+                Destroy(this);
+                return;
             }
+            LiveConnections.Add(this);
         }
 
         private void OnEnable()
         {
+            if (IsOver)
+            {
+                return;
+            }
             if (_client != null && _client.IsDisposed)
             {
                 _client = null; // of the last Play, where the editor reloads neither scripts nor scene
             }
+            _isPaused = false;
+            GatewayOptions options = Options();
+            Client.Address = options.Address;
             if (_settings != null)
             {
-                Client.Address = _settings.Address;
-                Client.Token = _settings.Token;
+                Client.Token = options.Token;
             }
             Client.Connect();
+            LiveConnections.Add(this);
+            LiveConnections.Tell();
+        }
+
+        private void Start()
+        {
+            if (_dontDestroyOnLoad && !IsOver)
+            {
+                transform.SetParent(null); // Unity keeps no other; not in Awake, when a parent may be being activated
+                DontDestroyOnLoad(gameObject);
+            }
         }
 
         private void Update()
@@ -138,7 +227,40 @@ namespace Ros2Gateway.Unity
             Client.Pump(_pumpMilliseconds);
         }
 
+        private void OnApplicationPause(bool isPaused)
+        {
+            if (isPaused == _isPaused || _client == null || !isActiveAndEnabled)
+            {
+                return; // Android says at the start that it is not paused
+            }
+            _isPaused = isPaused;
+            if (isPaused)
+            {
+                Leave(true); // the socket of an application that sleeps is dead when it wakes, and nobody would notice
+            }
+            else
+            {
+                _client.Connect();
+            }
+        }
+
         private void OnDisable()
+        {
+            Leave(false);
+            LiveConnections.Tell();
+        }
+
+        private void OnDestroy()
+        {
+            IsOver = true;
+            LiveConnections.Remove(this);
+            if (_client != null)
+            {
+                _client.Dispose(); // and stays, for those who look at it in their own OnDestroy
+            }
+        }
+
+        private void Leave(bool isForAWhile)
         {
             if (_client == null || _isLeaving)
             {
@@ -147,11 +269,15 @@ namespace Ros2Gateway.Unity
             _isLeaving = true; // whoever hears of it may destroy this
             try
             {
-                if (Leaving != null)
+                _leaving.Call(this);
+                if (isForAWhile)
                 {
-                    Leaving();
+                    _client.Suspend();
                 }
-                _client.Disconnect();
+                else
+                {
+                    _client.Disconnect();
+                }
                 _client.Pump(0); // so that all hear of it
             }
             finally
@@ -160,17 +286,14 @@ namespace Ros2Gateway.Unity
             }
         }
 
-        private void OnDestroy()
+        private void ReportFault(string where, Exception error, long times)
         {
-            if (_client != null)
-            {
-                _client.Dispose(); // and stays, for those who look at it in their own OnDestroy
-            }
+            Client.ReportFault(where, error, times);
         }
 
         private GatewayClient NewClient()
         {
-            GatewayOptions options = _settings != null ? _settings.Options() : new GatewayOptions();
+            GatewayOptions options = Options();
             _pumpMilliseconds = _settings != null ? _settings.PumpMilliseconds : _pumpMilliseconds;
 #if UNITY_WEBGL && !UNITY_EDITOR
             options.Transport = chosen => new WebGlTransport(chosen.MaxMessageBytes);
@@ -193,10 +316,7 @@ namespace Ros2Gateway.Unity
             {
                 Log(happened);
             }
-            if (EventHeard != null)
-            {
-                EventHeard(happened);
-            }
+            _eventHeard.Call(happened);
         }
 
         private void Log(GatewayEvent happened)
@@ -204,6 +324,7 @@ namespace Ros2Gateway.Unity
             string text = "[ROS 2 Gateway] " + happened;
             if (happened.Exception != null)
             {
+                Debug.LogError(text, this); // which handler it was; the stack is the exception's
                 Debug.LogException(happened.Exception, this);
             }
             else if (happened.Level == EventLevel.Error)
@@ -226,12 +347,9 @@ namespace Ros2Gateway.Unity
             if (isConnected != _wasConnected)
             {
                 _wasConnected = isConnected;
-                (isConnected ? _onConnected : _onDisconnected).Invoke();
+                _inspector.Call(isConnected);
             }
-            if (StateChanged != null)
-            {
-                StateChanged(state);
-            }
+            _stateChanged.Call(state);
         }
     }
 }

@@ -11,7 +11,7 @@ namespace Ros2Gateway.Unity
 {
     /// <summary>Shows a battery's charge as text and as a bar, and says when it gets low.</summary>
     [AddComponentMenu("ROS 2 Gateway/Battery Display")]
-    public sealed class BatteryDisplay : TopicDisplay<BatteryStateMsg>
+    public sealed class BatteryDisplay : TypedDisplay<BatteryStateMsg>
     {
         private const float Tremble = 0.02f; // of the whole: a level that falls and rises by less is the same
 

@@ -71,8 +71,7 @@ namespace Ros2Gateway.Unity
                 return;
             }
             _next = now + Interval;
-            GatewayConnection connection = _connection;
-            connection = connection != null ? connection : FindAnyObjectByType<GatewayConnection>();
+            GatewayConnection connection = LiveConnections.Best(this, _connection, _counted);
             if (connection == null)
             {
                 _text.Show("no Gateway Connection in the scene");

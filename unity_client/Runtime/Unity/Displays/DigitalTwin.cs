@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-using System.Collections.Generic;
 using Ros2Gateway.Messages.NavMsgs;
 using UnityEngine;
 
 namespace Ros2Gateway.Unity
 {
     /// <summary>
-    /// Follows a robot by its odometry; the parent is the origin of its frame. Never ahead of what is known:
-    /// it stands where the newest message says, or is on its way there.
+    /// Follows a robot by its odometry, in the odometry's frame below a Fixed Frame; without one the parent is the origin of
+    /// that frame. Never ahead of what is known: it stands where the newest message says, or is on its way there.
     /// </summary>
     [AddComponentMenu("ROS 2 Gateway/Digital Twin")]
-    public sealed class DigitalTwin : TopicDisplay<OdometryMsg>
+    public sealed class DigitalTwin : FramedDisplay<OdometryMsg>
     {
         [SerializeField]
         [Tooltip("How long it takes to where a message says, in seconds; 0 to jump")]
@@ -25,12 +24,11 @@ namespace Ros2Gateway.Unity
         [Tooltip("Without a message for so long it is not drawn, in seconds; 0 for never")]
         private float _hideAfter;
 
-        private readonly List<Renderer> _hidden = new List<Renderer>();
         private Pose _from;
         private Pose _to;
+        private Pose _at = Pose.identity; // on the way from one to the other
         private float _since;
         private bool _hasPose;
-        private bool _isHidden;
 
         /// <summary>How long it takes to where a message says, in seconds; 0 to jump.</summary>
         public float Smoothing
@@ -53,24 +51,21 @@ namespace Ros2Gateway.Unity
             set { _hideAfter = value; }
         }
 
-        /// <summary>Whether it is not drawn because the newest message is too old.</summary>
-        public bool IsHidden
+        /// <inheritdoc/>
+        protected override bool IsOutdated
         {
-            get { return _isHidden; }
+            get { return _hideAfter > 0 && AgeSeconds > _hideAfter; }
         }
 
         /// <inheritdoc/>
         protected override void Update()
         {
             base.Update();
-            if (_hasPose)
+            if (_hasPose && !HasFixedFrame)
             {
-                Move();
-            }
-            bool isHidden = _hideAfter > 0 && AgeSeconds > _hideAfter;
-            if (isHidden != _isHidden)
-            {
-                Hide(isHidden);
+                Pose pose = PoseInFrame();
+                transform.localPosition = pose.position;
+                transform.localRotation = pose.rotation;
             }
         }
 
@@ -79,7 +74,6 @@ namespace Ros2Gateway.Unity
         {
             base.OnDisable();
             _hasPose = false; // it may be elsewhere when it is enabled again
-            Hide(false);
         }
 
         /// <inheritdoc/>
@@ -91,7 +85,8 @@ namespace Ros2Gateway.Unity
                 Complain("the odometry's position is not finite");
                 return false;
             }
-            _from = new Pose(transform.localPosition, transform.localRotation);
+            StandIn(message.header);
+            _from = _at;
             _to = pose;
             _since = Time.unscaledTime - Time.unscaledDeltaTime; // this frame moves it already
             bool isFar = _teleportDistance > 0
@@ -104,37 +99,14 @@ namespace Ros2Gateway.Unity
             return true;
         }
 
-        private void Move()
+        /// <inheritdoc/>
+        protected override Pose PoseInFrame()
         {
             float elapsed = Time.unscaledTime - _since;
             float way = _smoothing > 0 ? elapsed / _smoothing : 1; // Lerp and Slerp end at 1
-            transform.localPosition = Vector3.Lerp(_from.position, _to.position, way);
-            transform.localRotation = Quaternion.Slerp(_from.rotation, _to.rotation, way);
-        }
-
-        private void Hide(bool isHidden)
-        {
-            _isHidden = isHidden;
-            if (isHidden)
-            {
-                foreach (Renderer part in GetComponentsInChildren<Renderer>())
-                {
-                    if (part.enabled)
-                    {
-                        part.enabled = false;
-                        _hidden.Add(part);
-                    }
-                }
-                return;
-            }
-            foreach (Renderer part in _hidden)
-            {
-                if (part != null)
-                {
-                    part.enabled = true;
-                }
-            }
-            _hidden.Clear();
+            _at = new Pose(
+                Vector3.Lerp(_from.position, _to.position, way), Quaternion.Slerp(_from.rotation, _to.rotation, way));
+            return _at;
         }
 
         private static bool IsFinite(float value)

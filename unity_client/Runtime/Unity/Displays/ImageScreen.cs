@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 using System;
 using Ros2Gateway.Messages.SensorMsgs;
+using Ros2Gateway.Pictures;
 using UnityEngine;
 using UnityEngine.Events;
 
@@ -16,15 +17,26 @@ namespace Ros2Gateway.Unity
     /// Shows pictures, JPEG or PNG, on the Renderer or the RawImage beside it; the newest only. For
     /// sensor_msgs/msg/CompressedImage, and for sensor_msgs/msg/Image, which the gateway sends as JPEG.
     /// </summary>
+    /// <remarks>
+    /// Baseline JPEGs, as cameras and the gateway make them, are decoded on another thread as soon as they
+    /// arrive; Update uploads the newest that is decoded, one at most. Progressive JPEGs and PNGs, and in WebGL,
+    /// which has no threads, all pictures are decoded by Unity on the main thread.
+    /// </remarks>
     [AddComponentMenu("ROS 2 Gateway/Image Screen")]
-    public sealed class ImageScreen : TopicDisplay<CompressedImageMsg>
+    public sealed class ImageScreen : TypedDisplay<CompressedImageMsg>
     {
         private const int MaxSide = 8192; // pixels: what small GPUs take; as a texture already 256 MB
+        private const float LookSeconds = 1;
         private const float Dim = 0.35f; // of the brightness: plainly not live, and still to be made out
 
         [SerializeField]
         [Tooltip("Make it as wide as the picture demands; the height stays")]
         private bool _keepAspect = true;
+
+        [SerializeField]
+        [Tooltip("Ask for no larger pictures than the main camera sees of it; of sensor_msgs/msg/Image, as JPEG. Switch it "
+            + "off where a script of yours wants the Topic Subscriber's pictures as they are")]
+        private bool _shrinksToView = true;
 
         [SerializeField]
         [Tooltip("Without a picture for so long it counts as stale, in seconds")]
@@ -43,10 +55,20 @@ namespace Ros2Gateway.Unity
         [Tooltip("Says \"no picture\", or how old it is; a TextMesh or Text below this one shows it")]
         private TextOutput _status = new TextOutput();
 
+#if UNITY_WEBGL && !UNITY_EDITOR
+        private static readonly bool HasThreads = false;
+#else
+        private static readonly bool HasThreads = true;
+#endif
+
+        private static readonly CompressedImageMsg NoPicture = new CompressedImageMsg();
+
+        private readonly BackgroundDecoder _decoder = new BackgroundDecoder();
         private PictureSurface _surface;
         private Texture2D _texture;
         private bool _isStale;
         private int _statusSeconds;
+        private float _nextLook;
 
         /// <summary>The picture; null before the first. This component uses it again.</summary>
         public Texture2D Texture
@@ -72,6 +94,13 @@ namespace Ros2Gateway.Unity
         {
             get { return _keepAspect; }
             set { _keepAspect = value; }
+        }
+
+        /// <summary>Whether it asks for no larger pictures than the main camera sees of it.</summary>
+        public bool ShrinksToView
+        {
+            get { return _shrinksToView; }
+            set { _shrinksToView = value; }
         }
 
         /// <summary>Called with true when pictures stay away, with false when they come again.</summary>
@@ -100,12 +129,18 @@ namespace Ros2Gateway.Unity
             }
             _status.Find(this, false);
             SetStale(true);
+            if (HasThreads)
+            {
+                Subscriber.MessageArriving += Decode;
+            }
         }
 
         /// <inheritdoc/>
         protected override void Update()
         {
             base.Update();
+            AskForShownSize();
+            Upload();
             bool isStale = _texture == null || AgeSeconds > _staleAfter;
             if (isStale != _isStale)
             {
@@ -118,36 +153,158 @@ namespace Ros2Gateway.Unity
         }
 
         /// <inheritdoc/>
+        protected override void OnDisable()
+        {
+            base.OnDisable();
+            Subscriber.MessageArriving -= Decode;
+            Subscriber.ShownSide = 0; // others may show its pictures
+            _nextLook = 0;
+        }
+
+        /// <inheritdoc/>
+        protected override CompressedImageMsg Converted(IMessage message)
+        {
+            PictureMsg picture = message as PictureMsg;
+            if (picture == null)
+            {
+                return base.Converted(message);
+            }
+            return HasThreads ? NoPicture : picture.Copy(); // with threads it is decoded already, see Receive
+        }
+
+        /// <inheritdoc/>
+        protected override void Receive(CompressedImageMsg message)
+        {
+            if (!HasThreads)
+            {
+                base.Receive(message); // else it went to the decoder when it arrived
+            }
+        }
+
+        /// <summary>Has a picture decoded, which is shown once it is; false until then.</summary>
         protected override bool Draw(CompressedImageMsg message)
+        {
+            if (HasThreads)
+            {
+                _decoder.Offer(message.data, message.format);
+                return false;
+            }
+            return LoadImage(message.data, message.format);
+        }
+
+        private void AskForShownSize()
+        {
+            float now = Time.unscaledTime;
+            if (now >= _nextLook)
+            {
+                _nextLook = now + LookSeconds;
+                float pixels = _shrinksToView ? _surface.PixelsAcross(Camera.main) : float.PositiveInfinity;
+                Subscriber.ShownSide = PictureBound.Next(Subscriber.ShownSide, pixels);
+            }
+        }
+
+        private void Decode(IMessage message)
+        {
+            CompressedImageMsg picture = message as CompressedImageMsg;
+            PictureMsg filledAnew = message as PictureMsg;
+            if (filledAnew != null)
+            {
+                _decoder.Offer(filledAnew.buffer, filledAnew.count, filledAnew.format);
+            }
+            else if (picture != null)
+            {
+                _decoder.Offer(picture.data, picture.format);
+            }
+        }
+
+        private void Upload()
+        {
+            DecodedPicture picture = _decoder.Take();
+            if (picture == null)
+            {
+                return;
+            }
+            bool isShown = picture.IsOther
+                ? LoadImage(picture.Compressed(), picture.Format)
+                : UploadPixels(picture);
+            if (isShown)
+            {
+                SetDrawn((float)picture.AgeSeconds);
+            }
+            _decoder.GiveBack(picture);
+        }
+
+        private bool UploadPixels(DecodedPicture picture)
+        {
+            if (picture.Error != null)
+            {
+                Complain("a picture of format \"" + picture.Format + "\" is damaged: " + picture.Error);
+                return false;
+            }
+            if (!Fits(picture.Width, picture.Height))
+            {
+                return false;
+            }
+            // four bytes a pixel, as GPUs have it: nothing is converted on the way
+            const TextureFormat Format = TextureFormat.RGBA32;
+            if (_texture == null)
+            {
+                _texture = new Texture2D(picture.Width, picture.Height, Format, false);
+            }
+            else if (_texture.width != picture.Width || _texture.height != picture.Height
+                || _texture.format != Format)
+            {
+                _texture.Reinitialize(picture.Width, picture.Height, Format, false);
+            }
+            _texture.LoadRawTextureData(picture.Pixels);
+            _texture.Apply(false);
+            ShowTexture();
+            return true;
+        }
+
+        private bool LoadImage(byte[] picture, string format)
         {
             int width;
             int height;
-            if (message.data == null || !PictureSize.TryRead(message.data, out width, out height))
+            if (picture == null || !PictureSize.TryRead(picture, out width, out height))
             {
-                Complain("cannot show a picture of format \"" + message.format + "\": JPEG and PNG only");
+                Complain("cannot show a picture of format \"" + format + "\": JPEG and PNG only");
                 return false;
             }
-            if (width > MaxSide || height > MaxSide)
+            if (!Fits(width, height))
             {
-                Complain(
-                    "a picture has " + width + " x " + height + " pixels, at most " + MaxSide + " each way");
                 return false;
             }
             if (_texture == null)
             {
                 _texture = new Texture2D(2, 2, TextureFormat.RGB24, false);
             }
-            if (!_texture.LoadImage(message.data))
+            if (!_texture.LoadImage(picture))
             {
-                Complain("a picture of format \"" + message.format + "\" is damaged");
+                Complain("a picture of format \"" + format + "\" is damaged");
                 return false;
             }
+            ShowTexture();
+            return true;
+        }
+
+        private bool Fits(int width, int height)
+        {
+            if (width <= MaxSide && height <= MaxSide)
+            {
+                return true;
+            }
+            Complain("a picture has " + width + " x " + height + " pixels, at most " + MaxSide + " each way");
+            return false;
+        }
+
+        private void ShowTexture()
+        {
             _surface.Show(_texture);
             if (_keepAspect)
             {
                 _surface.KeepAspect((float)_texture.width / _texture.height);
             }
-            return true;
         }
 
         private void OnDestroy()

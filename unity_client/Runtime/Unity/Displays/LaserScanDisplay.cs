@@ -28,10 +28,10 @@ namespace Ros2Gateway.Unity
         Intensity,
     }
 
-    /// <summary>Draws a laser scan; the Transform is the sensor's, x of ROS being its forward.</summary>
+    /// <summary>Draws a laser scan; below a Fixed Frame where the scan's frame is; else the Transform is the sensor's.</summary>
     [AddComponentMenu("ROS 2 Gateway/Laser Scan Display")]
     [RequireComponent(typeof(MeshFilter), typeof(MeshRenderer))]
-    public sealed class LaserScanDisplay : TopicDisplay<LaserScanMsg>
+    public sealed class LaserScanDisplay : FramedDisplay<LaserScanMsg>
     {
         private const int MaxBeams = 65536; // ten times what scanners have; more are thinned out
         private const float SameThing = 0.1f; // of the range: neighbours that differ more are not joined
@@ -98,6 +98,7 @@ namespace Ros2Gateway.Unity
         /// <inheritdoc/>
         protected override bool Draw(LaserScanMsg message)
         {
+            StandIn(message.header);
             Hits = 0;
             float[] ranges = message.ranges;
             if (ranges == null || ranges.Length == 0)

@@ -30,16 +30,11 @@ namespace Ros2Gateway.Unity
     /// Shows the log of all nodes (/rosout) and the client's own events, the newest at the bottom.
     /// </summary>
     [AddComponentMenu("ROS 2 Gateway/Log Screen")]
-    public sealed class LogScreen : MonoBehaviour
+    public sealed class LogScreen : ConnectedBehaviour
     {
         private const float Interval = 0.1f; // seconds: nobody reads faster
-        private const float SearchInterval = 1; // seconds: a scene is searched for a connection
         private const int Queue = 200; // messages: a node that starts says so much at once
         private const int LongestLine = 200; // characters: two lines of a screen
-
-        [SerializeField]
-        [Tooltip("Without, the scene's")]
-        private GatewayConnection _connection;
 
         [SerializeField]
         private string _topic = "/rosout";
@@ -61,19 +56,10 @@ namespace Ros2Gateway.Unity
 
         private readonly Queue<string> _lines = new Queue<string>();
         private readonly StringBuilder _builder = new StringBuilder();
-        private GatewayConnection _heard;
         private Subscription<LogMsg> _subscription;
         private DateTime _lastEvent;
         private bool _isChanged;
         private float _next;
-        private float _nextSearch;
-
-        /// <summary>Whose log this is; a change takes effect when it is enabled the next time.</summary>
-        public GatewayConnection Connection
-        {
-            get { return _connection; }
-            set { _connection = value; }
-        }
 
         /// <summary>What is less severe is left out, from now on.</summary>
         public LogLevel MinLevel
@@ -122,19 +108,15 @@ namespace Ros2Gateway.Unity
             _isChanged = true;
         }
 
-        private void OnEnable()
+        /// <inheritdoc/>
+        protected override void OnEnable()
         {
             _text.Demand(this, true);
-            Listen(GatewayConnection.For(this, _connection));
+            base.OnEnable();
         }
 
         private void Update()
         {
-            if (_heard == null && Time.unscaledTime >= _nextSearch)
-            {
-                _nextSearch = Time.unscaledTime + SearchInterval;
-                Listen(_connection != null ? _connection : FindAnyObjectByType<GatewayConnection>());
-            }
             if (_isChanged && Time.unscaledTime >= _next)
             {
                 _isChanged = false;
@@ -143,33 +125,9 @@ namespace Ros2Gateway.Unity
             }
         }
 
-        private void OnDisable()
+        /// <inheritdoc/>
+        protected override void Bind(GatewayConnection connection)
         {
-            StopListening();
-        }
-
-        private void StopListening()
-        {
-            if (_subscription != null)
-            {
-                _subscription.Dispose();
-                _subscription = null;
-            }
-            if ((object)_heard != null) // also one that is destroyed
-            {
-                _heard.EventHeard -= Hear;
-                _heard = null;
-            }
-        }
-
-        private void Listen(GatewayConnection connection)
-        {
-            if (connection == null)
-            {
-                return;
-            }
-            StopListening(); // to one that is gone
-            _heard = connection;
             foreach (GatewayEvent happened in connection.Events)
             {
                 if (happened.Time > _lastEvent)
@@ -180,6 +138,14 @@ namespace Ros2Gateway.Unity
             connection.EventHeard += Hear;
             _subscription = connection.Client.Subscribe<LogMsg>(
                 _topic, Receive, new SubscribeOptions { Queue = Queue });
+        }
+
+        /// <inheritdoc/>
+        protected override void Unbind(GatewayConnection connection)
+        {
+            connection.EventHeard -= Hear;
+            _subscription.Dispose();
+            _subscription = null;
         }
 
         private void Receive(LogMsg message)

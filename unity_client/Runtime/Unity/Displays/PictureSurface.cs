@@ -91,6 +91,33 @@ namespace Ros2Gateway.Unity
             }
         }
 
+        /// <summary>
+        /// How many pixels of a camera's its longer side takes at most; infinite if nobody knows, such as without one.
+        /// </summary>
+        internal float PixelsAcross(Camera camera)
+        {
+#if ROS2GATEWAY_UGUI
+            if (_image != null)
+            {
+                Canvas canvas = _image.GetComponentInParent<Canvas>();
+                Rect rect = ((RectTransform)_image.transform).rect;
+                Vector3 scale = _image.transform.lossyScale;
+                float side = Mathf.Max(rect.width * scale.x, rect.height * scale.y);
+                if (canvas != null && canvas.renderMode == RenderMode.ScreenSpaceOverlay)
+                {
+                    return side; // a unit of the world is a pixel there
+                }
+                return Seen(camera, _image.transform.position, side);
+            }
+#endif
+            if (_renderer == null)
+            {
+                return float.PositiveInfinity;
+            }
+            Bounds bounds = _renderer.bounds;
+            return Seen(camera, bounds.center, Mathf.Max(bounds.size.x, Mathf.Max(bounds.size.y, bounds.size.z)));
+        }
+
         /// <summary>Makes it darker than its colour; a share of 1 is its colour.</summary>
         internal void Darken(float share)
         {
@@ -124,6 +151,22 @@ namespace Ros2Gateway.Unity
                 Object.Destroy(_fitter);
             }
 #endif
+        }
+
+        // As if it faced the camera in the middle of the view, with half of it nearer than the middle.
+        private static float Seen(Camera camera, Vector3 middle, float side)
+        {
+            if (camera == null)
+            {
+                return float.PositiveInfinity;
+            }
+            if (camera.orthographic)
+            {
+                return side / (2 * camera.orthographicSize) * camera.pixelHeight;
+            }
+            float distance = Vector3.Distance(camera.transform.position, middle) - side / 2;
+            float height = 2 * distance * Mathf.Tan(camera.fieldOfView / 2 * Mathf.Deg2Rad);
+            return height > 0 ? side / height * camera.pixelHeight : float.PositiveInfinity;
         }
 
         private static Color Darker(Color color, float share)

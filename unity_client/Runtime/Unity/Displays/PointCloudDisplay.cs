@@ -5,12 +5,12 @@ using UnityEngine;
 namespace Ros2Gateway.Unity
 {
     /// <summary>
-    /// Draws a point cloud with float32 fields x, y, z and, if it has one, rgb or rgba; the Transform is the
-    /// sensor's.
+    /// Draws a point cloud with float32 fields x, y, z and, if it has one, rgb or rgba; it stands where
+    /// the cloud's frame is if a Fixed Frame is above it; else the Transform is the sensor's.
     /// </summary>
     [AddComponentMenu("ROS 2 Gateway/Point Cloud Display")]
     [RequireComponent(typeof(MeshFilter), typeof(MeshRenderer))]
-    public sealed class PointCloudDisplay : TopicDisplay<PointCloud2Msg>
+    public sealed class PointCloudDisplay : FramedDisplay<PointCloud2Msg>
     {
         [SerializeField]
         [Tooltip("Of larger clouds every second, third ... point is drawn")]
@@ -56,6 +56,7 @@ namespace Ros2Gateway.Unity
         /// <inheritdoc/>
         protected override bool Draw(PointCloud2Msg message)
         {
+            StandIn(message.header);
             Drawn = 0;
             PointCloudLayout layout = new PointCloudLayout();
             string refusal = layout.Read(message);

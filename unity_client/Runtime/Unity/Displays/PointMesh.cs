@@ -1,24 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
+using Ros2Gateway.Shapes;
 using UnityEngine;
 using UnityEngine.Rendering;
 
 namespace Ros2Gateway.Unity
 {
-    /// <summary>Coloured points as a mesh; its arrays are filled, uploaded and used again.</summary>
+    /// <summary>Coloured points, lines or triangles as a mesh.</summary>
     internal sealed class PointMesh
     {
+        // in the order of MeshKind
+        private static readonly MeshTopology[] Topologies =
+        {
+            MeshTopology.Triangles, MeshTopology.Lines, MeshTopology.Points,
+        };
+
         private readonly Mesh _mesh = new Mesh();
         private readonly MeshFilter _filter;
         private readonly MeshRenderer _renderer;
         private readonly Material _material; // ours, if the renderer had none
-
-        internal Vector3[] Positions = new Vector3[0];
-        internal Color32[] Colors = new Color32[0];
-        internal int[] Indices = new int[0];
+        private readonly MeshStaging _staging;
 
         /// <param name="display">Has a MeshFilter and a MeshRenderer beside it.</param>
-        internal PointMesh(Component display)
+        /// <param name="isSolid">Whether triangles are drawn, which hide each other.</param>
+        /// <param name="staging">That several meshes share; null for one of its own.</param>
+        internal PointMesh(Component display, bool isSolid = false, MeshStaging staging = null)
         {
+            _staging = staging ?? new MeshStaging();
             _mesh.name = display.name;
             _mesh.MarkDynamic();
             _filter = display.GetComponent<MeshFilter>();
@@ -26,27 +33,32 @@ namespace Ros2Gateway.Unity
             _renderer = display.GetComponent<MeshRenderer>();
             if (_renderer.sharedMaterial == null)
             {
-                // the one shader that is part of every build and takes the colours of vertices
-                Shader shader = Shader.Find("Sprites/Default");
-                _material = shader != null ? new Material(shader) : null;
+                _material = isSolid ? DisplayMaterials.Solid() : DisplayMaterials.Flat();
                 _renderer.sharedMaterial = _material;
             }
             _renderer.shadowCastingMode = ShadowCastingMode.Off;
             _renderer.receiveShadows = false;
         }
 
+        internal Vector3[] Positions
+        {
+            get { return _staging.Positions; }
+        }
+
+        internal Color32[] Colors
+        {
+            get { return _staging.Colors; }
+        }
+
+        internal int[] Indices
+        {
+            get { return _staging.Indices; }
+        }
+
         /// <summary>Makes room; what was there is lost.</summary>
         internal void Reserve(int points, int indices)
         {
-            if (Positions.Length < points)
-            {
-                Positions = new Vector3[points];
-                Colors = new Color32[points];
-            }
-            if (Indices.Length < indices)
-            {
-                Indices = new int[indices];
-            }
+            _staging.Reserve(points, indices);
         }
 
         internal void Upload(int points, int indices, MeshTopology topology)
@@ -56,6 +68,22 @@ namespace Ros2Gateway.Unity
             _mesh.SetVertices(Positions, 0, points);
             _mesh.SetColors(Colors, 0, points);
             _mesh.SetIndices(Indices, 0, indices, topology, 0);
+        }
+
+        internal void Upload(MeshBuffer shapes)
+        {
+            Reserve(shapes.VertexCount, shapes.IndexCount);
+            Vector3[] positions = Positions;
+            Color32[] colors = Colors;
+            for (int i = 0; i < shapes.VertexCount; i++)
+            {
+                Rgba color = shapes.Colors[i];
+                positions[i] = new Vector3(
+                    shapes.Positions[3 * i], shapes.Positions[3 * i + 1], shapes.Positions[3 * i + 2]);
+                colors[i] = new Color32(color.r, color.g, color.b, color.a);
+            }
+            System.Array.Copy(shapes.Indices, Indices, shapes.IndexCount);
+            Upload(shapes.VertexCount, shapes.IndexCount, Topologies[(int)shapes.Kind]);
         }
 
         internal void Clear()

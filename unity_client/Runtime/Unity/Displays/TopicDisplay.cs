@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 using System.Collections.Generic;
+using Ros2Gateway.Pictures;
 using UnityEngine;
 
 namespace Ros2Gateway.Unity
@@ -8,7 +9,7 @@ namespace Ros2Gateway.Unity
     /// Shows the messages of the Topic Subscriber beside it; the base of all displays of one type.
     /// </summary>
     [RequireComponent(typeof(TopicSubscriber))]
-    public abstract class TopicDisplay<T> : MonoBehaviour
+    public abstract class TopicDisplay<T> : MonoBehaviour, INewestOnly
         where T : class, IMessage
     {
         private const int MaxComplaints = 8; // what is wrong with so many messages is wrong with all
@@ -30,25 +31,74 @@ namespace Ros2Gateway.Unity
             get { return Time.unscaledTime - _drawnTime; }
         }
 
-        /// <summary>
-        /// Shows a message in Update unless a newer one comes until then. The subscriber's messages come here
-        /// by themselves; others may, too, such as those of a recording.
-        /// </summary>
-        public void Show(T message)
+        bool INewestOnly.IsNewestOnly
         {
+            get { return !DrawsEvery; }
+        }
+
+        /// <summary>
+        /// Whether a message changes only a part of what is shown. Then each is drawn when it comes, in order, and a
+        /// subscriber whose Queue is 0 asks for them all; else the newest is drawn in Update.
+        /// </summary>
+        protected virtual bool DrawsEvery
+        {
+            get { return false; }
+        }
+
+        /// <summary>
+        /// Shows a message in Update unless a newer one comes until then; at once if <see cref="DrawsEvery"/>, and then
+        /// only while this is enabled. The subscriber's messages come here by themselves; others may, too, such as those
+        /// of a recording.
+        /// </summary>
+        public virtual void Show(T message)
+        {
+            if (DrawsEvery)
+            {
+                // not kept until Update: where messages are filled anew, the next one may be on its way into this
+                if (isActiveAndEnabled && Draw(message))
+                {
+                    SetDrawn(0);
+                }
+                return;
+            }
             _newest = message;
             _newestTime = Time.unscaledTime;
         }
 
-        /// <summary>Draws a message; in Update, of several that came in a frame only the newest.</summary>
+        /// <summary>
+        /// Draws a message; in Update, of several that came in a frame only the newest, unless
+        /// <see cref="DrawsEvery"/>.
+        /// </summary>
         /// <returns>Whether it could be drawn.</returns>
         protected abstract bool Draw(T message);
+
+        /// <summary>
+        /// The message that comes as another class, if this display knows that; else null. A display of pictures gets a
+        /// copy of one that is filled anew.
+        /// </summary>
+        protected virtual T Converted(IMessage message)
+        {
+            PictureMsg picture = message as PictureMsg;
+            return picture == null ? message as T : picture.Copy() as T;
+        }
+
+        /// <summary>Gets what the subscriber receives: shows it, unless it is overridden.</summary>
+        protected virtual void Receive(T message)
+        {
+            Show(message);
+        }
+
+        /// <summary>Notes that a message is shown now which came so long ago; for what Draw only begins.</summary>
+        protected void SetDrawn(float ageSeconds)
+        {
+            _drawnTime = Time.unscaledTime - ageSeconds;
+        }
 
         /// <summary>Begins to listen; overriders call it.</summary>
         protected virtual void OnEnable()
         {
             Subscriber = GetComponent<TopicSubscriber>();
-            Subscriber.MessageReceived += Receive;
+            Subscriber.MessageReceived += ReceiveAny;
         }
 
         /// <summary>Draws what has come; overriders call it.</summary>
@@ -65,7 +115,7 @@ namespace Ros2Gateway.Unity
         /// <summary>Listens no longer; overriders call it.</summary>
         protected virtual void OnDisable()
         {
-            Subscriber.MessageReceived -= Receive;
+            Subscriber.MessageReceived -= ReceiveAny;
             _newest = null;
         }
 
@@ -79,12 +129,12 @@ namespace Ros2Gateway.Unity
             }
         }
 
-        private void Receive(IMessage message)
+        private void ReceiveAny(IMessage message)
         {
-            T shown = message as T;
+            T shown = Converted(message);
             if (shown != null)
             {
-                Show(shown);
+                Receive(shown);
                 return;
             }
             Complain(

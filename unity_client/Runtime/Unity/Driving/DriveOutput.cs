@@ -8,10 +8,11 @@ using Ros2Gateway.Messages.GeometryMsgs;
 namespace Ros2Gateway.Unity
 {
     /// <summary>
-    /// Publishes commands as Twist, and knows whether the robot may still be moving by them: after a
-    /// connection was lost in the middle of driving, the first thing that the robot hears is zero; and when
-    /// the application freezes in the middle of driving, a timer of its own sends zero. Where the gateway has
-    /// stopped the robot, zeros that are sent once nobody pushes any more allow to drive on.
+    /// Publishes commands as the topic takes them, Twist or TwistStamped, and nothing before it is known which.
+    /// It knows whether the robot may still be moving by them: after a connection was lost in the middle of driving,
+    /// the first thing that the robot hears is zero; and when the application freezes in the middle of driving, a
+    /// timer of its own sends zero. Where the gateway has stopped the robot, zeros that are sent once nobody pushes
+    /// any more allow to drive on.
     /// </summary>
     internal sealed class DriveOutput : IDisposable
     {
@@ -26,12 +27,16 @@ namespace Ros2Gateway.Unity
         private readonly object _gate = new object(); // the timer has a thread of its own
         private readonly GatewayConnection _connection;
         private readonly GatewayClient _client;
-        private readonly Publisher<TwistMsg> _publisher;
+        private readonly string _topic;
+        private readonly CommandType _type;
         private readonly RobotControl _control;
         private readonly TwistMsg _twist = new TwistMsg();
+        private readonly TwistStampedMsg _stamped = new TwistStampedMsg(); // with a stamp of 0: the gateway's time
+        private readonly Stopwatch _clock = Stopwatch.StartNew();
         private readonly Stopwatch _sinceSent = new Stopwatch();
         private readonly Stopwatch _sinceZero = Stopwatch.StartNew();
         private readonly Timer _deadMan; // null where there are no threads: there the page is what freezes
+        private Publisher _publisher; // null while no type is known
         private bool _isMoving;
         private bool _hasPushed; // so it may be this driver whom the gateway waits for to let go
         private bool _isUp;
@@ -40,12 +45,14 @@ namespace Ros2Gateway.Unity
         {
             _connection = connection;
             _client = connection.Client;
-            // A command that waited is one for a robot that is elsewhere by now.
-            _publisher = _client.Advertise<TwistMsg>(topic, new AdvertiseOptions { Queue = 1 });
+            _topic = topic;
+            _type = new CommandType(topic);
+            _stamped.twist = _twist;
             _control = _client.Control(topic);
             _isUp = _client.IsConnected;
+            _client.WatchGraph(See);
             connection.StateChanged += Changed;
-            connection.Leaving += Stand; // a scene may disable the connection first
+            connection.Leaving += Leave; // a scene may disable the connection first
 #if !UNITY_WEBGL || UNITY_EDITOR
             _deadMan = new Timer(state => StandIfFrozen(), null, CheckMilliseconds, CheckMilliseconds);
 #endif
@@ -54,7 +61,19 @@ namespace Ros2Gateway.Unity
         /// <summary>Whether a command would go now.</summary>
         internal bool IsConnected
         {
-            get { return _isUp && _client.IsConnected; }
+            get { return Missing == null; }
+        }
+
+        /// <summary>What is missing for a command to go, in words, or null.</summary>
+        internal string Missing
+        {
+            get { return _isUp && _client.IsConnected ? _type.Reason : "connection lost"; }
+        }
+
+        /// <summary>What is published, pkg/msg/Name; null while it is not known.</summary>
+        internal string Type
+        {
+            get { return _type.Name; }
         }
 
         /// <summary>Who drives, and whether the robot may be driven.</summary>
@@ -66,20 +85,31 @@ namespace Ros2Gateway.Unity
         /// <summary>Why no command to move goes, or null.</summary>
         internal string Refusal
         {
-            get { return _publisher.Refusal; }
+            get { return _publisher == null ? _type.Reason : _publisher.Refusal; }
         }
 
         /// <summary>How things stand, in words for people.</summary>
         internal string Status
         {
-            get { return !IsConnected ? "not connected" : _publisher.Refusal ?? _control.State.ToString(); }
+            get
+            {
+                return !_isUp || !_client.IsConnected ? "not connected" : Refusal ?? _control.State.ToString();
+            }
         }
 
         /// <summary>
-        /// Another number than before means that the connection is another, too: one that was lost and made
-        /// again between two frames is never seen as lost.
+        /// Another number than before means that the connection is another, or the type: a connection that was lost
+        /// and made again between two frames is never seen as lost, and a key that is held when a robot comes up is
+        /// not to move it.
         /// </summary>
         internal int Changes { get; private set; }
+
+        /// <summary>Does what is due; in every frame.</summary>
+        internal void Tick()
+        {
+            _type.Tick(_clock.ElapsedMilliseconds);
+            Advertise();
+        }
 
         /// <summary>Sends a command; false if it does not go. Zero goes even late, when a network is back.</summary>
         internal bool Send(DriveCommand command)
@@ -163,9 +193,43 @@ namespace Ros2Gateway.Unity
             }
             Stand();
             _control.Dispose();
-            _publisher.Dispose();
+            _client.UnwatchGraph(See);
+            if (_publisher != null)
+            {
+                _publisher.Dispose();
+            }
             _connection.StateChanged -= Changed;
-            _connection.Leaving -= Stand;
+            _connection.Leaving -= Leave;
+        }
+
+        private void See(RosGraph graph)
+        {
+            _type.See(graph, _clock.ElapsedMilliseconds);
+            Advertise();
+        }
+
+        /// <summary>Advertises the type that is known now, and no other.</summary>
+        private void Advertise()
+        {
+            lock (_gate)
+            {
+                if (_type.Name == (_publisher == null ? null : _publisher.Type))
+                {
+                    return;
+                }
+                if (_publisher != null)
+                {
+                    Stand();
+                    _publisher.Dispose();
+                    _publisher = null;
+                    _isMoving = false;
+                }
+                if (_type.Name != null)
+                {
+                    _publisher = _client.Advertise(_topic, _type.Name, new AdvertiseOptions { Queue = 1 });
+                }
+                Changes++;
+            }
         }
 
         private void StandIfFrozen()
@@ -175,7 +239,7 @@ namespace Ros2Gateway.Unity
                 // While commands are refused it is the gateway that has stopped the robot, and a zero of ours would
                 // say that a stick was let go of.
                 bool isSilent = _sinceSent.ElapsedMilliseconds > FrozenMilliseconds;
-                if (_isMoving && isSilent && _publisher.Refusal == null)
+                if (_isMoving && isSilent && Refusal == null)
                 {
                     Publish(DriveCommand.Zero);
                 }
@@ -188,7 +252,9 @@ namespace Ros2Gateway.Unity
             _twist.linear.x = command.linear;
             _twist.angular.z = command.angular;
             _hasPushed |= !isZero;
-            bool isSent = _client.IsConnected && _publisher.Publish(_twist, isZero);
+            bool isStamped = _publisher != null && _publisher.Type == TwistStampedMsg.Type;
+            bool isSent = _publisher != null && _client.IsConnected
+                && _publisher.Publish(isStamped ? (IMessage)_stamped : _twist, isZero);
             if (isSent)
             {
                 _isMoving = !isZero;
@@ -199,6 +265,11 @@ namespace Ros2Gateway.Unity
                 }
             }
             return isSent;
+        }
+
+        private void Leave(GatewayConnection connection)
+        {
+            Stand();
         }
 
         private void Changed(ConnectionState state)

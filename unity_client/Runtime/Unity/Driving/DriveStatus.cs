@@ -4,6 +4,9 @@ namespace Ros2Gateway.Unity
     /// <summary>The words that a driver last had for how things stand.</summary>
     internal sealed class DriveStatus
     {
+        /// <summary>Of a driver that waits for one.</summary>
+        internal const string NoConnection = "no Gateway Connection";
+
         internal string Words { get; private set; } = "";
 
         /// <summary>Takes the words of now; returns whether they are others.</summary>

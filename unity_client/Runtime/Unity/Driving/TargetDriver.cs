@@ -21,17 +21,13 @@ namespace Ros2Gateway.Unity
     /// again.
     /// </summary>
     [AddComponentMenu("ROS 2 Gateway/Target Driver")]
-    public sealed class TargetDriver : MonoBehaviour
+    public sealed class TargetDriver : ConnectedBehaviour
     {
         // A robot that was stopped may drive again 0.25 s after a zero; what takes longer has other reasons.
         private const double LetGoSeconds = 2;
 
         [SerializeField]
-        [Tooltip("Without, the scene's")]
-        private GatewayConnection _connection;
-
-        [SerializeField]
-        [Tooltip("Where commands go, as geometry_msgs/msg/Twist")]
+        [Tooltip("Where commands go, as Twist or TwistStamped, whichever the robot takes")]
         private string _topic = "/cmd_vel";
 
         [SerializeField]
@@ -112,6 +108,15 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
+        /// What is published, geometry_msgs/msg/Twist or TwistStamped, as the gateway says that the topic has; null
+        /// before it is known, and until then nothing moves.
+        /// </summary>
+        public string CommandType
+        {
+            get { return _output == null ? null : _output.Type; }
+        }
+
+        /// <summary>
         /// Where commands go; a change takes effect when the component is enabled the next time.
         /// </summary>
         public string Topic
@@ -125,13 +130,6 @@ namespace Ros2Gateway.Unity
         {
             get { return _odometryTopic; }
             set { _odometryTopic = value; }
-        }
-
-        /// <summary>Whose messages these are; like <see cref="Topic"/>.</summary>
-        public GatewayConnection Connection
-        {
-            get { return _connection; }
-            set { _connection = value; }
         }
 
         /// <summary>
@@ -206,8 +204,8 @@ namespace Ros2Gateway.Unity
 
         /// <summary>
         /// Drives to a point of the scene, its height being ignored; what was the target before is no longer.
-        /// False, and nothing happens, while there is no connection or the component is disabled; false, too,
-        /// for a point that is not finite.
+        /// False, and nothing happens, while there is no connection, no robot is known that takes commands, or the
+        /// component is disabled; false, too, for a point that is not finite.
         /// </summary>
         public bool SetTarget(Vector3 worldPosition)
         {
@@ -239,8 +237,9 @@ namespace Ros2Gateway.Unity
         {
             if (_output != null)
             {
-                _connection.Halt(reason);
-                _output.Stop();
+                GatewayConnection connection = Connection;
+                _output.Stop(); // first, for who hears that the target is given up may disable this
+                connection.Halt(reason);
             }
         }
 
@@ -252,22 +251,31 @@ namespace Ros2Gateway.Unity
         {
             if (_output != null)
             {
-                _connection.Halt(reason);
+                GatewayConnection connection = Connection;
                 if (_output.Control.Holder != ControlHolder.Other)
                 {
-                    _output.Send(DriveCommand.Zero);
+                    _output.Send(DriveCommand.Zero); // first, as in Stop
                 }
+                connection.Halt(reason);
             }
         }
 
-        private void OnEnable()
+        /// <inheritdoc/>
+        protected override void OnEnable()
         {
-            _connection = GatewayConnection.For(this, _connection);
             ShowMarker();
-            if (_connection == null)
-            {
-                return;
-            }
+            base.OnEnable();
+        }
+
+        /// <inheritdoc/>
+        protected internal override bool MovesRobots
+        {
+            get { return true; }
+        }
+
+        /// <inheritdoc/>
+        protected override void Bind(GatewayConnection connection)
+        {
             try
             {
                 _drive = new DriveToTarget(_settings);
@@ -278,15 +286,16 @@ namespace Ros2Gateway.Unity
                 return;
             }
             _poseTime = double.NaN;
-            _output = new DriveOutput(_connection, _topic);
-            _connection.Halted += GiveUp;
+            _output = new DriveOutput(connection, _topic);
+            connection.Halted += GiveUp;
             if (_odometry != null)
             {
                 _odometry.MessageReceived += TakeAny;
             }
             else
             {
-                _subscription = _connection.Client.Subscribe<OdometryMsg>(_odometryTopic, Take);
+                _subscription = connection.Client.Subscribe<OdometryMsg>(
+                    _odometryTopic, Take, new SubscribeOptions { Queue = 1 }); // where it is, not where it was
             }
         }
 
@@ -294,17 +303,22 @@ namespace Ros2Gateway.Unity
         {
             if (_output == null)
             {
+                if (_status.Take(IsBound ? "" : DriveStatus.NoConnection))
+                {
+                    TellStatus();
+                }
                 return;
             }
+            _output.Tick();
             if (!_output.IsConnected || _changes != _output.Changes)
             {
-                GiveUp("connection lost");
+                GiveUp(_output.Missing ?? "connection lost");
             }
-            if (_status.Take(_output.Status))
+            if (_output != null && _status.Take(_output.Status)) // who is told may disable this
             {
                 TellStatus();
             }
-            if (_output == null) // who is told may disable this
+            if (_output == null)
             {
                 return;
             }
@@ -343,9 +357,21 @@ namespace Ros2Gateway.Unity
             GiveUp("the application ends");
         }
 
-        private void OnDisable()
+        /// <inheritdoc/>
+        protected override void OnDisable()
         {
             GiveUp("the Target Driver was disabled");
+            base.OnDisable();
+            if (_status.Take(""))
+            {
+                TellStatus();
+            }
+        }
+
+        /// <inheritdoc/>
+        protected override void Unbind(GatewayConnection connection)
+        {
+            GiveUp("its connection is gone");
             if (_odometry != null)
             {
                 _odometry.MessageReceived -= TakeAny;
@@ -357,13 +383,9 @@ namespace Ros2Gateway.Unity
             }
             if (_output != null)
             {
-                _connection.Halted -= GiveUp;
+                connection.Halted -= GiveUp;
                 _output.Dispose();
                 _output = null;
-                if (_status.Take(""))
-                {
-                    TellStatus();
-                }
             }
         }
 

@@ -6,19 +6,15 @@ using UnityEngine;
 namespace Ros2Gateway.Unity
 {
     /// <summary>
-    /// Drives a robot by keys: a Twist while one is held, zero on release. The robot is told to stand, and
+    /// Drives a robot by keys: a velocity while one is held, zero on release. The robot is told to stand, and
     /// held keys must be pressed anew, when the window loses the focus, the application pauses, the component
     /// is disabled or STOP is pressed; while there is no connection nothing is published, and a new one
     /// resumes no motion. Where the gateway has stopped the robot, or another client drives it, <see
     /// cref="Status"/> says so, and keys must be let go before it drives on.
     /// </summary>
     [AddComponentMenu("ROS 2 Gateway/Teleop Driver")]
-    public sealed class TeleopDriver : MonoBehaviour
+    public sealed class TeleopDriver : ConnectedBehaviour
     {
-        [SerializeField]
-        [Tooltip("Without, the scene's")]
-        private GatewayConnection _connection;
-
         [SerializeField]
         private string _topic = "/cmd_vel";
 
@@ -72,18 +68,20 @@ namespace Ros2Gateway.Unity
             get { return _output == null ? null : _output.Control; }
         }
 
+        /// <summary>
+        /// What is published, geometry_msgs/msg/Twist or TwistStamped, as the gateway says that the topic has; null
+        /// before it is known, and until then nothing moves.
+        /// </summary>
+        public string CommandType
+        {
+            get { return _output == null ? null : _output.Type; }
+        }
+
         /// <summary>The topic; a change takes effect when the component is enabled the next time.</summary>
         public string Topic
         {
             get { return _topic; }
             set { _topic = value; }
-        }
-
-        /// <summary>Whose publisher this is; like <see cref="Topic"/>.</summary>
-        public GatewayConnection Connection
-        {
-            get { return _connection; }
-            set { _connection = value; }
         }
 
         /// <summary>m/s ahead and back; like <see cref="Topic"/>.</summary>
@@ -115,18 +113,21 @@ namespace Ros2Gateway.Unity
         {
             if (_output != null)
             {
-                _connection.Halt("stop was pressed");
-                _output.Stop();
+                GatewayConnection connection = Connection;
+                _output.Stop(); // first, for a listener of what is halted may disable this
+                connection.Halt("stop was pressed");
             }
         }
 
-        private void OnEnable()
+        /// <inheritdoc/>
+        protected internal override bool MovesRobots
         {
-            _connection = GatewayConnection.For(this, _connection);
-            if (_connection == null)
-            {
-                return;
-            }
+            get { return true; }
+        }
+
+        /// <inheritdoc/>
+        protected override void Bind(GatewayConnection connection)
+        {
             try
             {
                 _keys = new KeyDrive(_linearSpeed, _angularSpeed, _rate);
@@ -136,8 +137,9 @@ namespace Ros2Gateway.Unity
                 Debug.LogError("Teleop Driver on " + name + ": " + error.Message, this);
                 return;
             }
-            _output = new DriveOutput(_connection, _topic);
-            _connection.Halted += Halt;
+            _output = new DriveOutput(connection, _topic);
+            _changes = _output.Changes; // each output counts anew
+            connection.Halted += Halt;
             _isUnfocused = !Application.isFocused; // it may have come back while this was disabled
             _isPaused = false;
             LetGo(); // a key that is held already drives nothing
@@ -147,8 +149,13 @@ namespace Ros2Gateway.Unity
         {
             if (_output == null)
             {
+                if (_status.Take(IsBound ? "" : DriveStatus.NoConnection))
+                {
+                    TellStatus();
+                }
                 return;
             }
+            _output.Tick();
             if (_status.Take(_output.Status))
             {
                 TellStatus();
@@ -165,6 +172,10 @@ namespace Ros2Gateway.Unity
             if (Input.StopPressed)
             {
                 Stop();
+                if (_output == null) // so may a listener of another driver that gives up
+                {
+                    return;
+                }
             }
             DriveCommand command = DriveCommand.Zero;
             bool isDue = !_isUnfocused && !_isPaused
@@ -201,17 +212,24 @@ namespace Ros2Gateway.Unity
             LetGo();
         }
 
-        private void OnDisable()
+        /// <inheritdoc/>
+        protected override void OnDisable()
+        {
+            base.OnDisable();
+            if (_status.Take(""))
+            {
+                TellStatus();
+            }
+        }
+
+        /// <inheritdoc/>
+        protected override void Unbind(GatewayConnection connection)
         {
             if (_output != null)
             {
-                _connection.Halted -= Halt;
+                connection.Halted -= Halt;
                 _output.Dispose();
                 _output = null;
-                if (_status.Take(""))
-                {
-                    TellStatus();
-                }
             }
         }
 

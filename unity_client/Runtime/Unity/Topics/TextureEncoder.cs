@@ -13,17 +13,31 @@ namespace Ros2Gateway.Unity
         /// <param name="maxHeight">In pixels; 0 for no bound.</param>
         internal byte[] Encode(Texture texture, int maxWidth, int maxHeight, int quality)
         {
-            if (texture == null || texture.width <= 0 || texture.height <= 0)
+            if (!HasPixels(texture))
             {
                 return null;
             }
-            float scale = Mathf.Min(Share(maxWidth, texture.width), Share(maxHeight, texture.height));
-            int width = Mathf.Max(1, Mathf.RoundToInt(texture.width * scale));
-            int height = Mathf.Max(1, Mathf.RoundToInt(texture.height * scale));
+            int width;
+            int height;
+            bool isWhole = Fit(texture, maxWidth, maxHeight, out width, out height);
             Texture2D plain = texture as Texture2D;
-            bool isAsItShouldBe = plain != null && scale >= 1 && plain.isReadable
+            bool isAsItShouldBe = plain != null && isWhole && plain.isReadable
                 && (plain.format == TextureFormat.RGB24 || plain.format == TextureFormat.RGBA32);
             return (isAsItShouldBe ? plain : Scale(texture, width, height)).EncodeToJPG(quality);
+        }
+
+        internal static bool HasPixels(Texture texture)
+        {
+            return texture != null && texture.width > 0 && texture.height > 0;
+        }
+
+        /// <summary>Finds the size in which a texture fits; true if that is its own.</summary>
+        internal static bool Fit(Texture texture, int maxWidth, int maxHeight, out int width, out int height)
+        {
+            float scale = Mathf.Min(Share(maxWidth, texture.width), Share(maxHeight, texture.height));
+            width = Mathf.Max(1, Mathf.RoundToInt(texture.width * scale));
+            height = Mathf.Max(1, Mathf.RoundToInt(texture.height * scale));
+            return scale >= 1;
         }
 
         internal void Destroy()

@@ -10,7 +10,7 @@ namespace Ros2Gateway.Unity
     /// </summary>
     [AddComponentMenu("ROS 2 Gateway/Texture Publisher")]
     [RequireComponent(typeof(TopicPublisher))]
-    public sealed class TexturePublisher : MonoBehaviour
+    public sealed class TexturePublisher : MonoBehaviour, INewestOnly
     {
         private const int DepthBits = 24; // what Unity's own cameras use
 
@@ -32,6 +32,11 @@ namespace Ros2Gateway.Unity
 
         private TopicPublisher _publisher;
         private RenderTexture _rendered;
+
+        bool INewestOnly.IsNewestOnly
+        {
+            get { return true; }
+        }
 
         /// <summary>Whose picture is published; before the component is enabled.</summary>
         public Camera Camera

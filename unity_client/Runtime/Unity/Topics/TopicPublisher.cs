@@ -11,12 +11,8 @@ namespace Ros2Gateway.Unity
     /// Publishes on any topic while it is enabled: from code, or the message in the Inspector at a rate.
     /// </summary>
     [AddComponentMenu("ROS 2 Gateway/Topic Publisher")]
-    public sealed class TopicPublisher : MonoBehaviour
+    public sealed class TopicPublisher : ConnectedBehaviour
     {
-        [SerializeField]
-        [Tooltip("Without, the scene's")]
-        private GatewayConnection _connection;
-
         [SerializeField]
         private string _topic = "/chatter";
 
@@ -29,9 +25,10 @@ namespace Ros2Gateway.Unity
         private bool _latch;
 
         [SerializeField]
-        [Tooltip("How many messages may wait for the network, the oldest being dropped")]
-        [Range(1, 100)]
-        private int _queue = 2;
+        [Tooltip("How many messages may wait for the network, the oldest being dropped; 1 is always the newest. 0: the "
+            + "newest of textures, else 10")]
+        [Range(0, 100)]
+        private int _queue;
 
         [SerializeField]
         private QosSettings _qos = new QosSettings();
@@ -63,6 +60,7 @@ namespace Ros2Gateway.Unity
         private int _imageMaxHeight;
 
         private readonly TextureEncoder _encoder = new TextureEncoder();
+        private readonly TextureReadback _readback = new TextureReadback();
         private Publisher _publisher;
         private string _fullType;
         private DynamicMessage _parsed;
@@ -118,13 +116,6 @@ namespace Ros2Gateway.Unity
             set { _imageMaxHeight = value; }
         }
 
-        /// <summary>Whose publisher this is; like <see cref="Topic"/>.</summary>
-        public GatewayConnection Connection
-        {
-            get { return _connection; }
-            set { _connection = value; }
-        }
-
         /// <summary>Publishes a message; false, and an event says why, if it does not go.</summary>
         public bool Publish(IMessage message)
         {
@@ -142,12 +133,15 @@ namespace Ros2Gateway.Unity
 
         /// <summary>
         /// Publishes a picture as JPEG, if <see cref="Rate"/> allows it now; the type must be
-        /// sensor_msgs/msg/CompressedImage. Encoding takes a few milliseconds of the main thread.
+        /// sensor_msgs/msg/CompressedImage. Where the GPU can be read without waiting for it, the picture follows
+        /// some frames later, with the time of this call, and is encoded on another thread; a call until then
+        /// returns false. Elsewhere (WebGL, OpenGL ES of old phones) this waits for the GPU, and encodes.
         /// </summary>
+        /// <returns>Whether the picture was published, or is under way.</returns>
         public bool PublishTexture(Texture texture, string frameId = "")
         {
             float now = Time.unscaledTime;
-            if (now < _next || _publisher == null || _connection == null || !_connection.Client.IsConnected)
+            if (now < _next || _publisher == null || !Connection.Client.IsConnected)
             {
                 return false;
             }
@@ -155,35 +149,49 @@ namespace Ros2Gateway.Unity
             {
                 return Publish(new CompressedImageMsg()); // which is refused in words, before any encoding
             }
-            byte[] jpeg = _encoder.Encode(texture, _imageMaxWidth, _imageMaxHeight, _imageQuality);
-            if (jpeg == null)
+            if (!TextureEncoder.HasPixels(texture) || _readback.IsBusy)
             {
                 return false;
             }
             _next = now + (_rate > 0 ? 1 / _rate : 0);
-            CompressedImageMsg picture = new CompressedImageMsg { format = "jpeg", data = jpeg };
+            CompressedImageMsg picture = new CompressedImageMsg { format = "jpeg" };
             picture.header.frame_id = frameId;
             Stamp(picture.header.stamp);
-            return Publish(picture);
+            if (!TextureReadback.IsSupported)
+            {
+                picture.data = _encoder.Encode(texture, _imageMaxWidth, _imageMaxHeight, _imageQuality);
+                return Publish(picture);
+            }
+            int width;
+            int height;
+            TextureEncoder.Fit(texture, _imageMaxWidth, _imageMaxHeight, out width, out height);
+            Publisher publisher = _publisher; // that of now: the component may be disabled and enabled meanwhile
+            _readback.Begin(texture, width, height, _imageQuality, jpeg =>
+            {
+                picture.data = jpeg;
+                publisher.Publish(picture);
+            });
+            return true;
         }
 
-        private void OnEnable()
+        /// <inheritdoc/>
+        protected internal override bool MovesRobots
         {
-            _connection = GatewayConnection.For(this, _connection);
-            if (_connection == null)
-            {
-                return;
-            }
-            IMessage example = MessageCatalogue.Create(_type);
-            _fullType = example == null ? _type : example.RosType;
+            get { return true; } // by commands, if that is the topic
+        }
+
+        /// <inheritdoc/>
+        protected override void Bind(GatewayConnection connection)
+        {
+            _fullType = MessageCatalogue.Resolve(_type) ?? _type;
             _parsedFrom = null; // it may be of another type now
             AdvertiseOptions options = new AdvertiseOptions
             {
-                Queue = _queue,
+                Queue = _queue > 0 ? _queue : QueueDefault.Beside(this, AdvertiseOptions.DefaultQueue),
                 Latch = _latch,
                 Qos = _qos.Options(),
             };
-            _publisher = _connection.Client.Advertise(_topic, _fullType, options);
+            _publisher = connection.Client.Advertise(_topic, _fullType, options);
         }
 
         private void Update()
@@ -198,13 +206,14 @@ namespace Ros2Gateway.Unity
                 _parsedFrom = _message;
                 _parsed = Parse(_message);
             }
-            if (_parsed != null && _connection != null && _connection.Client.IsConnected)
+            if (_parsed != null && _publisher != null && Connection.Client.IsConnected)
             {
                 Publish(_parsed);
             }
         }
 
-        private void OnDisable()
+        /// <inheritdoc/>
+        protected override void Unbind(GatewayConnection connection)
         {
             if (_publisher != null)
             {
@@ -216,6 +225,7 @@ namespace Ros2Gateway.Unity
         private void OnDestroy()
         {
             _encoder.Destroy();
+            _readback.Destroy();
         }
 
         private DynamicMessage Parse(string json)
@@ -234,7 +244,7 @@ namespace Ros2Gateway.Unity
         /// <summary>ROS time, as far as the connection knows it.</summary>
         private void Stamp(TimeMsg stamp)
         {
-            double now = _connection.Client.RosClock.RosSeconds;
+            double now = Connection.Client.RosClock.RosSeconds;
             if (!double.IsNaN(now))
             {
                 double seconds = System.Math.Floor(now);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 using System;
 using Ros2Gateway.Messages;
+using Ros2Gateway.Messages.NavMsgs;
 using Ros2Gateway.Messages.SensorMsgs;
+using Ros2Gateway.Pictures;
 using UnityEngine;
 using UnityEngine.Events;
 
@@ -15,14 +17,10 @@ namespace Ros2Gateway.Unity
 
     /// <summary>Subscribes to any topic while it is enabled; displays beside it show what comes.</summary>
     [AddComponentMenu("ROS 2 Gateway/Topic Subscriber")]
-    public sealed class TopicSubscriber : MonoBehaviour
+    public sealed class TopicSubscriber : ConnectedBehaviour
     {
         private const string ImageType = "sensor_msgs/msg/Image";
         private const float RateSeconds = 1; // over how long the rate is counted
-
-        [SerializeField]
-        [Tooltip("Without, the scene's")]
-        private GatewayConnection _connection;
 
         [SerializeField]
         private string _topic = "/odom";
@@ -32,9 +30,10 @@ namespace Ros2Gateway.Unity
         private string _type = "";
 
         [SerializeField]
-        [Tooltip("How many messages may wait, the oldest being dropped; 1 is always the newest")]
-        [Range(1, 1000)]
-        private int _queue = 1;
+        [Tooltip("How many messages may wait, the oldest being dropped; 1 is always the newest. 0: the newest where "
+            + "displays beside this show it alone, else 10")]
+        [Range(0, 1000)]
+        private int _queue;
 
         [SerializeField]
         [Tooltip("At most so many messages a second, the newest; 0 for all")]
@@ -46,7 +45,15 @@ namespace Ros2Gateway.Unity
         private string[] _fields = new string[0];
 
         [SerializeField]
+        [Tooltip("Fill messages anew instead of making new ones: each may be used until the next one comes")]
+        private bool _reuse;
+
+        [SerializeField]
         private QosSettings _qos = new QosSettings();
+
+        [SerializeField]
+        [Tooltip("Of pictures: jpeg, or png for what must come exactly, such as depth")]
+        private string _imageFormat = "jpeg";
 
         [SerializeField]
         [Tooltip("Of pictures: quality of the JPEG")]
@@ -68,12 +75,33 @@ namespace Ros2Gateway.Unity
         [SerializeField]
         private MessageEvent _onMessage = new MessageEvent();
 
+        private readonly Listeners<IMessage> _messageReceived;
         private Subscription<IMessage> _subscription;
+        private bool _isPicture; // an Image, of which the gateway makes one
+        private int _shownSide;
+        private long _faults; // of the Inspector's list
         private float _rateSince;
         private int _rateCount;
 
+        /// <summary>A component of the scene; made by Unity.</summary>
+        public TopicSubscriber()
+        {
+            _messageReceived = new Listeners<IMessage>(ReportFault, "listener of MessageReceived");
+        }
+
         /// <summary>A message has come; called in Update.</summary>
-        public event Action<IMessage> MessageReceived;
+        public event Action<IMessage> MessageReceived
+        {
+            add { _messageReceived.Add(value); }
+            remove { _messageReceived.Remove(value); }
+        }
+
+        /// <summary>
+        /// A message has come, and waits for <see cref="MessageReceived"/>, unless a newer one takes its place.
+        /// Called on the thread that reads frames, where nothing of Unity may be used and all topics wait:
+        /// for handing work to other threads early.
+        /// </summary>
+        public event Action<IMessage> MessageArriving;
 
         /// <summary>The topic; a change takes effect when the component is enabled the next time.</summary>
         public string Topic
@@ -96,11 +124,56 @@ namespace Ros2Gateway.Unity
             set { _maxRate = value; }
         }
 
-        /// <summary>Whose messages these are; like <see cref="Topic"/>.</summary>
-        public GatewayConnection Connection
+        /// <summary>Of pictures: jpeg, or png for what must come exactly, such as depth; like <see cref="Topic"/>.</summary>
+        public string ImageFormat
         {
-            get { return _connection; }
-            set { _connection = value; }
+            get { return _imageFormat; }
+            set { _imageFormat = value; }
+        }
+
+        /// <summary>
+        /// Whether messages are filled anew, which spares the garbage collector large ones: each may be used until
+        /// the next one comes. The package's displays do not keep them longer. Pictures come as
+        /// <see cref="PictureMsg"/> then. Like <see cref="Topic"/>.
+        /// </summary>
+        public bool Reuse
+        {
+            get { return _reuse; }
+            set { _reuse = value; }
+        }
+
+        /// <summary>
+        /// How many messages may wait; 0 for the newest where displays beside this show it alone, else 10; like
+        /// <see cref="Topic"/>.
+        /// </summary>
+        public int Queue
+        {
+            get { return _queue; }
+            set { _queue = value; }
+        }
+
+        /// <summary>
+        /// The longest side that a picture is shown with, in pixels; 0 for any. Those of sensor_msgs/msg/Image come no
+        /// larger, unless as PNG; all others come as they are. A change takes effect at once.
+        /// </summary>
+        public int ShownSide
+        {
+            get
+            {
+                return _shownSide;
+            }
+
+            set
+            {
+                if (value != _shownSide)
+                {
+                    _shownSide = value;
+                    if (_subscription != null && _isPicture)
+                    {
+                        _subscription.ChangeImage(Picture());
+                    }
+                }
+            }
         }
 
         /// <summary>What the Inspector's list calls.</summary>
@@ -124,42 +197,42 @@ namespace Ros2Gateway.Unity
             get { return _subscription == null ? 0 : _subscription.Dropped; }
         }
 
-        private void OnEnable()
+        /// <inheritdoc/>
+        protected override void OnEnable()
         {
             LastTime = -1;
-            _connection = GatewayConnection.For(this, _connection);
-            if (_connection == null)
-            {
-                return;
-            }
+            base.OnEnable();
+        }
+
+        /// <inheritdoc/>
+        protected override void Bind(GatewayConnection connection)
+        {
             SubscribeOptions options = new SubscribeOptions
             {
-                Queue = _queue,
+                Queue = _queue > 0 ? _queue : QueueDefault.Beside(this, SubscribeOptions.DefaultQueue),
                 ThrottleMilliseconds = _maxRate > 0 ? 1000 / _maxRate : 0,
                 Fields = _fields.Length > 0 ? _fields : null,
                 Qos = _qos.Options(),
             };
-            IMessage example = string.IsNullOrEmpty(_type) ? null : MessageCatalogue.Create(_type);
-            string type = example == null ? _type : example.RosType;
-            Func<IMessage> create = () => new DynamicMessage(type);
-            if (type == ImageType && _fields.Length == 0)
+            string type = MessageCatalogue.Resolve(_type) ?? _type;
+            // asked for each message: what shows this type may be enabled, and register it, after this
+            Func<IMessage> create = () => MessageCatalogue.Create(type) ?? new DynamicMessage(type);
+            _isPicture = type == ImageType && _fields.Length == 0;
+            if (_isPicture)
             {
-                options.Image = new ImageOptions
-                {
-                    Format = "jpeg",
-                    Quality = _imageQuality,
-                    Adapt = _imageAdapts,
-                    MaxWidth = _imageMaxWidth,
-                    MaxHeight = _imageMaxHeight,
-                    MaxFps = _maxRate,
-                };
-                create = () => new CompressedImageMsg(); // what the gateway makes of an Image
+                options.Image = Picture();
+                create = NewPicture(); // what the gateway makes of an Image
             }
-            else if (example != null)
+            else if (type == CompressedImageMsg.Type)
             {
-                create = () => MessageCatalogue.Create(type);
+                create = NewPicture();
             }
-            _subscription = _connection.Client.Subscribe(_topic, type, create, Receive, options);
+            else if (type == OccupancyGridMsg.Type && _fields.Length == 0)
+            {
+                options.Image = new ImageOptions { Format = "png" }; // on its way; read, it is the map's cells
+                create = () => new OccupancyGridMsg();
+            }
+            _subscription = connection.Client.Subscribe(_topic, type, create, Receive, options, Arrive, _reuse);
         }
 
         private void Update()
@@ -173,7 +246,8 @@ namespace Ros2Gateway.Unity
             }
         }
 
-        private void OnDisable()
+        /// <inheritdoc/>
+        protected override void Unbind(GatewayConnection connection)
         {
             if (_subscription != null)
             {
@@ -182,16 +256,59 @@ namespace Ros2Gateway.Unity
             }
         }
 
+        private ImageOptions Picture()
+        {
+            bool isExact = _imageFormat == "png";
+            int side = isExact ? 0 : _shownSide;
+            return new ImageOptions
+            {
+                Format = _imageFormat,
+                Quality = isExact ? 0 : _imageQuality,
+                Adapt = isExact ? (bool?)null : _imageAdapts,
+                MaxWidth = Narrower(_imageMaxWidth, side),
+                MaxHeight = Narrower(_imageMaxHeight, side),
+                MaxFps = _maxRate,
+            };
+        }
+
+        private static int Narrower(int bound, int other)
+        {
+            return bound > 0 && other > 0 ? Math.Min(bound, other) : Math.Max(bound, other);
+        }
+
+        private Func<IMessage> NewPicture()
+        {
+            if (_reuse)
+            {
+                return () => new PictureMsg();
+            }
+            return () => new CompressedImageMsg();
+        }
+
+        private void Arrive(IMessage message)
+        {
+            Action<IMessage> arriving = MessageArriving;
+            if (arriving != null)
+            {
+                arriving(message);
+            }
+        }
+
         private void Receive(IMessage message)
         {
             Last = message;
             LastTime = Time.unscaledTime;
             _rateCount++;
-            if (MessageReceived != null)
+            _messageReceived.Call(message);
+            try
             {
-                MessageReceived(message);
+                _onMessage.Invoke(message);
             }
-            _onMessage.Invoke(message);
+            catch (Exception error)
+            {
+                _faults++;
+                ReportFault("listener of On Message", error, _faults);
+            }
         }
     }
 }

@@ -21,7 +21,8 @@ namespace Ros2Gateway.Unity
         private const int PollBytes = 1024 * 1024; // some 8 ms to parse, half a frame of the player's time
         private const int SendBytes = 256 * 1024; // what the browser may hold: more would only be late
         private const int FirstBufferBytes = 64 * 1024; // most frames; larger ones make it grow
-        private const int RetainedBufferBytes = 1024 * 1024; // what one rare huge frame needed is given back
+        private const int RetainedBufferBytes = 1024 * 1024; // what one rare huge frame needed is given back,
+        private const int FramesUntilRare = 1000; // once so many were smaller: a cloud at 1 Hz beside what a robot says
         private const int ReasonBytes = 512; // a close frame's 123, or the browser's words
 
         private readonly int _maxMessageBytes;
@@ -30,6 +31,7 @@ namespace Ros2Gateway.Unity
         private int _handle;
         private bool _isOpen;
         private bool _isSending;
+        private int _smallerFrames; // since the last that would not fit in what is kept
 
         /// <param name="maxMessageBytes">Longer messages are thrown away.</param>
         public WebGlTransport(int maxMessageBytes)
@@ -137,8 +139,9 @@ namespace Ros2Gateway.Unity
                     _listener.OnFrame(_buffer, count);
                 }
                 left -= size;
+                _smallerFrames = size > RetainedBufferBytes ? 0 : _smallerFrames + 1;
             }
-            if (_buffer.Length > RetainedBufferBytes)
+            if (_buffer.Length > RetainedBufferBytes && _smallerFrames >= FramesUntilRare)
             {
                 _buffer = new byte[FirstBufferBytes];
             }

@@ -9,6 +9,11 @@ namespace UnityEngine
         public Vector3 position;
         public Quaternion rotation;
 
+        public static Pose identity
+        {
+            get { return new Pose(Vector3.zero, Quaternion.identity); }
+        }
+
         public Pose(Vector3 position, Quaternion rotation)
         {
             this.position = position;

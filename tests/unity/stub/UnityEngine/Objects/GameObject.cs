@@ -10,6 +10,7 @@ namespace UnityEngine
     {
         private readonly List<Component> _components = new List<Component>();
         private string _tag = "Untagged";
+        private SceneManagement.Scene _scene;
 
         public GameObject()
             : this("New Game Object")
@@ -25,6 +26,7 @@ namespace UnityEngine
         {
             MainThread.Check("Internal_CreateGameObject");
             Rename(name);
+            _scene = SceneManagement.SceneManager.GetActiveScene();
             activeSelf = true;
             transform = (Transform)Attach(
                 components.Contains(typeof(RectTransform)) ? typeof(RectTransform) : typeof(Transform));
@@ -39,6 +41,15 @@ namespace UnityEngine
         public GameObject gameObject
         {
             get { return this; }
+        }
+
+        public SceneManagement.Scene scene
+        {
+            get
+            {
+                MainThread.Check("get_scene");
+                return transform.root.gameObject._scene;
+            }
         }
 
         public int layer { get; set; }
@@ -209,6 +220,11 @@ namespace UnityEngine
             _components.Remove(old);
             transform = rect;
             return rect;
+        }
+
+        internal void MoveTo(SceneManagement.Scene scene)
+        {
+            _scene = scene;
         }
 
         internal void Detach(Component component)

@@ -79,6 +79,23 @@ namespace UnityEngine
             }
         }
 
+        /// <summary>The end of a Play that is followed by another without a new scene.</summary>
+        internal void EndPlay()
+        {
+            if (_isOn)
+            {
+                _isOn = false;
+                Messages.Send(Messages.OnDisable);
+            }
+            if (_isAwake)
+            {
+                _isAwake = false;
+                Messages.Send(Messages.OnDestroy);
+            }
+            StopAllCoroutines();
+            IsStarted = false;
+        }
+
         internal override void Die()
         {
             if (_isOn)

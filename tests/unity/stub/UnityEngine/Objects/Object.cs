@@ -95,6 +95,18 @@ namespace UnityEngine
         public static void DontDestroyOnLoad(Object target)
         {
             MainThread.Check("DontDestroyOnLoad");
+            var component = target as Component;
+            GameObject holder = component != null ? component.gameObject : target as GameObject;
+            if (holder == null)
+            {
+                return;
+            }
+            if (holder.transform.parent != null)
+            {
+                Debug.LogWarning("DontDestroyOnLoad only works for root GameObjects or components on root GameObjects.");
+                return;
+            }
+            holder.MoveTo(SceneManagement.SceneManager.Lasting);
         }
 
         public static T Instantiate<T>(T original) where T : Object

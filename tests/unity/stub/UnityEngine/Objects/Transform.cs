@@ -174,6 +174,10 @@ namespace UnityEngine
             Vector3 oldPosition = position;
             Quaternion oldRotation = rotation;
             bool wasActive = Owner.activeInHierarchy;
+            if (_parent != null && parent == null)
+            {
+                gameObject.MoveTo(gameObject.scene); // it stays in the scene of its parents
+            }
             if (_parent != null)
             {
                 _parent._children.Remove(this);
@@ -345,6 +349,12 @@ namespace UnityEngine
         public Vector2 sizeDelta { get; set; }
 
         public Vector2 pivot { get; set; }
+
+        /// <summary>Without what anchors that are apart would add.</summary>
+        public Rect rect
+        {
+            get { return new Rect(-sizeDelta.x * pivot.x, -sizeDelta.y * pivot.y, sizeDelta.x, sizeDelta.y); }
+        }
 
         public Vector2 offsetMin
         {

@@ -5,13 +5,15 @@ namespace UnityEngine
     {
         private float _fieldOfView = 60F;
 
+        /// <summary>Without a list: Unity's allocates nothing either.</summary>
         public static Camera main
         {
             get
             {
-                foreach (Camera camera in All<Camera>())
+                foreach (Object any in Stage.Scene.Objects)
                 {
-                    if (camera.tag == "MainCamera")
+                    var camera = any as Camera;
+                    if (camera != null && camera.IsActive() && camera.tag == "MainCamera")
                     {
                         return camera;
                     }
@@ -21,6 +23,15 @@ namespace UnityEngine
         }
 
         public RenderTexture targetTexture { get; set; }
+
+        public bool orthographic { get; set; }
+
+        public float orthographicSize { get; set; }
+
+        public int pixelHeight
+        {
+            get { return targetTexture != null ? targetTexture.height : Screen.height; }
+        }
 
         public float fieldOfView
         {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 using System;
+using UnityEngine.Experimental.Rendering;
 using UnityEngine.Stage;
 
 namespace UnityEngine
@@ -36,6 +37,17 @@ namespace UnityEngine
         {
             MainThread.Check("EncodeToJPG");
             return GrayJpeg.Of(tex.width, tex.height);
+        }
+
+        /// <summary>Like EncodeToJPG; any thread.</summary>
+        public static byte[] EncodeArrayToJPG(
+            Array array, GraphicsFormat format, uint width, uint height, uint rowBytes = 0, int quality = 75)
+        {
+            if (array.Length < 4 * width * height)
+            {
+                throw new ArgumentException("array is too small for " + width + " x " + height);
+            }
+            return GrayJpeg.Of((int)width, (int)height);
         }
     }
 }

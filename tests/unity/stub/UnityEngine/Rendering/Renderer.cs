@@ -24,6 +24,12 @@ namespace UnityEngine
             set { _material = value; }
         }
 
+        /// <summary>As of a cube with sides of 1, which is not turned.</summary>
+        public Bounds bounds
+        {
+            get { return new Bounds(transform.position, transform.lossyScale); }
+        }
+
         public Rendering.ShadowCastingMode shadowCastingMode { get; set; }
 
         public bool receiveShadows { get; set; }

@@ -119,6 +119,13 @@ namespace UnityEngine
             return true;
         }
 
+        public bool Reinitialize(int width, int height, TextureFormat format, bool hasMipMap)
+        {
+            Reinitialize(width, height);
+            this.format = format;
+            return true;
+        }
+
         public void ReadPixels(Rect source, int destX, int destY)
         {
             MainThread.Check("ReadPixelsImpl");

@@ -214,6 +214,14 @@ namespace UnityEngine.Scripting
     }
 }
 
+namespace UnityEngine.Scripting
+{
+    [AttributeUsage(AttributeTargets.Assembly)]
+    public class AlwaysLinkAssemblyAttribute : Attribute
+    {
+    }
+}
+
 namespace UnityEngine.Serialization
 {
     [AttributeUsage(AttributeTargets.Field, AllowMultiple = true, Inherited = false)]

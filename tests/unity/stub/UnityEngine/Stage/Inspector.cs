@@ -14,6 +14,9 @@ namespace UnityEngine.Stage
         /// <summary>The help boxes since the last call of <see cref="Look"/>.</summary>
         public static readonly List<string> Words = new List<string>();
 
+        /// <summary>The toggles since the last call of <see cref="Look"/>, and whether each is on.</summary>
+        public static readonly Dictionary<string, bool> Toggles = new Dictionary<string, bool>();
+
         private static readonly Dictionary<string, string> Typed = new Dictionary<string, string>();
         private static string _clicked;
 
@@ -21,6 +24,7 @@ namespace UnityEngine.Stage
         public static void Look(Action draw, string click = null)
         {
             Words.Clear();
+            Toggles.Clear();
             _clicked = click;
             draw();
             _clicked = null;

@@ -3,6 +3,7 @@ using System;
 using System.Collections;
 using System.Collections.Generic;
 using System.Diagnostics;
+using System.Reflection;
 using System.Threading;
 
 namespace UnityEngine.Stage
@@ -11,6 +12,8 @@ namespace UnityEngine.Stage
     /// written as [UnityTest] and yield instead of calling it.</summary>
     public static class PlayerLoop
     {
+        private const BindingFlags Initializers =
+            BindingFlags.Static | BindingFlags.Public | BindingFlags.NonPublic | BindingFlags.DeclaredOnly;
         private const int FrameMs = 4;  // 250 frames per second: quick tests, and time for other threads
         private static readonly List<Coroutine> Coroutines = new List<Coroutine>();
         private static FrameSynchronizationContext _context;
@@ -30,6 +33,7 @@ namespace UnityEngine.Stage
             MainThread.Check("Step");
             Time.Advance(deltaTime);
             StartNew();
+            UnityEngine.Rendering.AsyncGPUReadback.Complete();
             _untilFixedUpdate -= Time.deltaTime;
             while (_untilFixedUpdate <= 0)
             {
@@ -108,6 +112,46 @@ namespace UnityEngine.Stage
                 {
                     Object.DestroyImmediate(root);
                 }
+            }
+        }
+
+        /// <summary>Calls what is to be called when Play begins, before any scene is loaded.</summary>
+        public static void BeginPlay()
+        {
+            foreach (Assembly assembly in AppDomain.CurrentDomain.GetAssemblies())
+            {
+                if (!assembly.FullName.StartsWith("Ros2Gateway", StringComparison.Ordinal))
+                {
+                    continue;
+                }
+                foreach (Type type in assembly.GetTypes())
+                {
+                    foreach (MethodInfo method in type.GetMethods(Initializers))
+                    {
+                        if (method.IsDefined(typeof(RuntimeInitializeOnLoadMethodAttribute), false))
+                        {
+                            method.Invoke(null, null);
+                        }
+                    }
+                }
+            }
+        }
+
+        /// <summary>Leaves play mode and enters it again where the editor reloads neither scripts nor scene: objects
+        /// and static state stay as they are.</summary>
+        public static void PlayAgain()
+        {
+            Application.SendQuitting();
+            ForEach(behaviour => behaviour.Messages.OnApplicationQuit);
+            MonoBehaviour[] all = Scene.Behaviours.ToArray();
+            foreach (MonoBehaviour behaviour in all)
+            {
+                behaviour.EndPlay();
+            }
+            BeginPlay();
+            foreach (MonoBehaviour behaviour in all)
+            {
+                behaviour.ActivityChanged();
             }
         }
 

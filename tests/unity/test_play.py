@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Play after Play in an editor that reloads nothing in between."""
+
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from tests.unity import csharp, mono, package
+from tests.unity.csharp import IN_EDITOR
+from tests.unity.mono import Binary
+
+_SOURCES = Path(__file__).parent / "play_tests"
+
+
+@cache
+def binary() -> Binary:
+    """Compile the tests that begin and end a Play, which none within Unity can."""
+    names = ("Ros2Gateway.Core", "Ros2Gateway.Unity")
+    return mono.compile_assembly(
+        "PlayTests",
+        sorted(_SOURCES.glob("*.cs")),
+        references=[
+            mono.nunit(),
+            *map(package.stub, ("UnityEngine", "UnityEngine.TestRunner")),
+            *(package.compiled(name, IN_EDITOR) for name in names),
+        ],
+    )
+
+
+@pytest.mark.parametrize("test", csharp.parameters_of_compiled("play", binary))
+def test_play(test, check_csharp):
+    check_csharp(test)

@@ -1,0 +1,253 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Prefabs and scenes are what the generator writes, and everything in them refers to something.
+
+No Unity editor is here to open them: these tests read them as Unity documents its format, and
+compare every script and field with the C# sources.
+"""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from schemas.table import Table
+from tests.unity.package import STUB
+from tests.unity.unity_yaml import Document, all_fields, documents, links, read_script
+from tools.unity_metas import PACKAGE
+from tools.unity_scenes.__main__ import PREFABS, files, main
+from tools.unity_scenes.asset import Asset, Node, quaternion
+
+# Unity's own assets: the same GUIDs and file IDs in every project.
+LIBRARY = {"0000000000000000e000000000000000", "0000000000000000f000000000000000"}
+LIBRARY_ASSETS = {46, 10202, 10206, 10207, 10209, 10210, 10303, 10306, 10102, 10100}
+URP_LIT = "933532a4fcc9baf4fa0491de14d08ed7"  # of com.unity.render-pipelines.universal
+CLASSES = {
+    1: "GameObject",
+    4: "Transform",
+    20: "Camera",
+    21: "Material",
+    23: "MeshRenderer",
+    29: "OcclusionCullingSettings",
+    33: "MeshFilter",
+    64: "MeshCollider",
+    102: "TextMesh",
+    104: "RenderSettings",
+    108: "Light",
+    114: "MonoBehaviour",
+    120: "LineRenderer",
+    157: "LightmapSettings",
+    196: "NavMeshSettings",
+}
+MONO_BEHAVIOUR = 114
+SCRIPT = 11500000
+OWN_MEMBERS = {"m_ObjectHideFlags", "m_GameObject", "m_Enabled", "m_Script", "m_Name"}
+
+SOURCES = {
+    path.stem: path
+    for folder in (PACKAGE / "Runtime" / "Unity", PACKAGE / "Samples~")
+    for path in folder.rglob("*.cs")
+}
+GUIDS = {
+    re.findall(r"^guid: (\w+)$", meta.read_text(), re.MULTILINE)[0]: meta.with_suffix("")
+    for meta in PACKAGE.rglob("*.meta")
+}
+BUILDERS = PACKAGE / "Runtime/Unity/Scenes"  # what both scenes have
+SCENES = sorted((PACKAGE / "Samples~").rglob("*.unity"))
+FILES = [*sorted(PREFABS.rglob("*.prefab")), *SCENES]
+ASSETS = sorted([*PACKAGE.rglob("*.mat"), *PACKAGE.rglob("*.asset")])
+
+ints = re.compile(r"-?\d+")
+VALUES = {
+    "string": re.compile(r"|'([^']|'')*'"),
+    "bool": re.compile(r"[01]"),
+    "int": ints,
+    "float": re.compile(r"-?\d+(\.\d+)?(e-?\d+)?"),
+}
+
+
+def read(path: Path) -> list[Document]:
+    return documents(path.read_text())
+
+
+def test_they_are_up_to_date(capsys):
+    assert main(["--check"]) == 0, "run make docs\n" + capsys.readouterr().out
+
+
+def test_every_message_type_has_its_prefabs_and_its_topic():
+    for row in Table.load().rows:
+        package, _, name = row.name.split("/")
+        for folder, direction in (("Subscribers", "subscribe"), ("Publishers", "publish")):
+            path = PREFABS / folder / package / f"{name}.prefab"
+            assert path.exists() == (row.directions in {"both", direction}), path
+            if path.exists():
+                [component] = [d for d in read(path) if d.class_id == MONO_BEHAVIOUR]
+                assert component.members["_type"] == f"'{row.name}'"
+                assert re.fullmatch(r"'(/[a-z0-9_]+)+'", component.members["_topic"])
+
+
+def test_every_component_that_the_menu_offers_is_in_a_prefab():
+    menus = " ".join(path.read_text() for path in (PACKAGE / "Editor").glob("*Menu.cs"))
+    offered = set(re.findall(r"AddComponent<(\w+)>|typeof\((\w+)\)\)", menus))
+    names = {one or other for one, other in offered} & set(SOURCES)
+    used = {
+        GUIDS[document.link("m_Script").guid].stem
+        for path in FILES
+        for document in read(path)
+        if document.class_id == MONO_BEHAVIOUR
+    }
+    assert len(names) > 20
+    assert names - used == set()
+
+
+@pytest.mark.parametrize(
+    "folder", sorted({p.parent for p in (*FILES, *ASSETS)}), ids=lambda f: f.name
+)
+def test_everything_refers_to_something(folder):
+    for path in (file for file in folder.iterdir() if file in {*FILES, *ASSETS}):
+        found = read(path)
+        by_id = {document.file_id: document for document in found}
+        assert len(by_id) == len(found), f"{path.name}: two objects of one file ID"
+        for link in (link for document in found for link in document.links):
+            if link.guid in LIBRARY:
+                assert link.file_id in LIBRARY_ASSETS, path.name
+            elif link.guid and link.guid != URP_LIT:
+                to = GUIDS[link.guid]
+                assert to.exists(), path.name
+                if to.suffix != ".cs":
+                    assert link.kind == "2"
+                    assert link.file_id in {document.file_id for document in read(to)}, path.name
+            elif not link.guid:
+                assert link.file_id == 0 or link.file_id in by_id, path.name
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda p: p.relative_to(PACKAGE).as_posix())
+def test_objects_and_components_know_each_other(path):
+    found = read(path)
+    by_id = {document.file_id: document for document in found}
+    roots = 0
+    for document in found:
+        if document.class_id == 1:
+            listed = [link.file_id for link in document.links]
+            components = [d for d in found if d.members.get("m_GameObject")]
+            assert listed == [
+                d.file_id for d in components if d.link("m_GameObject").file_id == document.file_id
+            ]
+            assert by_id[listed[0]].class_id == 4, "the first component is the Transform"
+        elif document.class_id == 4:
+            father = document.link("m_Father").file_id
+            roots += father == 0
+            if father:
+                assert f"fileID: {document.file_id}}}" in by_id[father].members["m_Children"]
+        assert CLASSES[document.class_id] == document.name
+    assert roots == 1 or path in SCENES
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda p: p.relative_to(PACKAGE).as_posix())
+def test_every_field_is_one_of_its_script_and_has_a_value_of_its_type(path):
+    found = read(path)
+    for document in found:
+        if document.class_id != MONO_BEHAVIOUR:
+            continue
+        link = document.link("m_Script")
+        assert (link.file_id, link.kind) == (SCRIPT, "3")
+        fields = all_fields(read_script(GUIDS[link.guid]), SOURCES)
+        for name in document.members.keys() - OWN_MEMBERS:
+            assert name in fields, f"{GUIDS[link.guid].stem} has no field {name}"
+            if fields[name] in VALUES:
+                assert VALUES[fields[name]].fullmatch(document.members[name]), name
+            elif name.startswith("_on"):
+                check_calls(document.members[name], found)
+            else:
+                check_reference(document.link(name), fields[name], found)
+
+
+def check_reference(link, wanted, found):
+    """Check that a field of a type refers to an object of that type."""
+    documents_there = read(GUIDS[link.guid]) if link.guid else found
+    [to] = [document for document in documents_there if document.file_id == link.file_id]
+    kind = to.name
+    if to.class_id == MONO_BEHAVIOUR:
+        kind = GUIDS[to.link("m_Script").guid].stem
+    assert kind == wanted
+
+
+def check_calls(text, found):
+    """Check that an event calls a method with the text that it brings."""
+    [target] = links(text)
+    [to] = [document for document in found if document.file_id == target.file_id]
+    assert to.name == "TextMesh"
+    assert "m_TargetAssemblyTypeName: 'UnityEngine.TextMesh, UnityEngine'" in text
+    assert "m_MethodName: 'set_text'" in text
+    assert "UnityEngine.TextMesh { string text get set }" in (STUB / "members.txt").read_text()
+
+
+def test_both_demonstrations_are_scenes_with_materials_for_both_pipelines():
+    assert [path.stem for path in SCENES] == ["Teleoperation", "XrTarget"]
+    for path in SCENES:
+        materials = {asset.stem for asset in (path.parent / "Materials").glob("*.mat")}
+        assert materials == {*materials} | {f"{m.removesuffix(' URP')} URP" for m in materials}
+        used = {GUIDS[link.guid] for d in read(path) for link in d.links if link.guid in GUIDS}
+        assert {asset.parent.name for asset in used if asset.suffix == ".mat"} == {"Materials"}
+        [settings] = [asset for asset in used if asset.suffix == ".asset"]
+        [document] = read(settings)
+        assert document.members["Address"] == "'ws://localhost:9090'"
+        assert re.search(r"public string Address\b", SOURCES["GatewaySettings"].read_text())
+
+
+def test_a_scene_has_the_components_that_its_builder_adds():
+    shared = "".join(path.read_text() for path in BUILDERS.glob("*.cs"))
+    for path in SCENES:
+        builder = (path.parent / f"{path.stem}Scene.cs").read_text() + shared
+        added = set(re.findall(r"AddComponent<(\w+)>", builder)) & set(SOURCES)
+        present = {
+            GUIDS[document.link("m_Script").guid].stem
+            for document in read(path)
+            if document.class_id == MONO_BEHAVIOUR
+        }
+        assert added == present
+
+
+def test_a_component_has_what_its_class_requires():
+    for path in FILES:
+        by_object: dict[int, set[str]] = {}
+        for document in read(path):
+            if "m_GameObject" in document.members:
+                name = document.name
+                if document.class_id == MONO_BEHAVIOUR:
+                    name = GUIDS[document.link("m_Script").guid].stem
+                by_object.setdefault(document.link("m_GameObject").file_id, set()).add(name)
+        for present in by_object.values():
+            for name in present & set(SOURCES):
+                assert required(name) <= present, f"{path.name}: {name}"
+
+
+def required(name: str) -> set[str]:
+    wanted: set[str] = set()
+    while name in SOURCES:
+        text = SOURCES[name].read_text()
+        for types in re.findall(r"\[RequireComponent\((.*?)\)\]", text):
+            wanted |= set(re.findall(r"typeof\((\w+)\)", types))
+        name = read_script(SOURCES[name]).base
+    return wanted
+
+
+def test_fields_of_base_classes_count():
+    assert "_fixedFrame" in all_fields(read_script(SOURCES["PathDisplay"]), SOURCES)
+    assert "_maxMarkers" in all_fields(read_script(SOURCES["MarkerArrayDisplay"]), SOURCES)
+    assert "_fixedFrame" not in all_fields(read_script(SOURCES["TextScreen"]), SOURCES)
+
+
+def test_two_nodes_of_one_name_are_refused():
+    with pytest.raises(ValueError, match="same name"):
+        Asset("a").text([Node("a", children=[Node("a")])])
+
+
+def test_turns_are_those_of_unity():
+    # about x by a right angle, then about y: Unity's forward, z, looks down
+    assert quaternion((90, 0, 0)) == pytest.approx((0.70710678, 0, 0, 0.70710678))
+    assert quaternion((90, 90, 0)) == pytest.approx((0.5, 0.5, -0.5, 0.5))
+
+
+def test_every_generated_file_is_read_back():
+    for path, text in files().items():
+        assert documents(text), path

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+using Ros2Gateway.Unity;
+using UnityEditor;
+using UnityEngine;
+
+namespace Ros2Gateway.Editor
+{
+    /// <summary>GameObject > ROS 2 Gateway: what stands in the frames of a robot, and goals for it.</summary>
+    public static class FramesMenu
+    {
+        private const string Path = "GameObject/ROS 2 Gateway/";
+        private const int Priority = 30; // below the others, after a line
+        private const int MarkerQueue = 32; // each message may add to the others
+        private const float DepthRate = 5; // pictures a second: each is decoded on the main thread
+
+        /// <summary>The origin of a ROS frame; what stands in it goes below.</summary>
+        [MenuItem(Path + "Fixed Frame", false, Priority)]
+        public static void FixedFrame(MenuCommand command)
+        {
+            GatewayMenu.Finish(new GameObject("Fixed Frame").AddComponent<FixedFrame>(), command);
+        }
+
+        /// <summary>What follows a frame of the robot.</summary>
+        [MenuItem(Path + "Frame Follower", false, Priority)]
+        public static void FrameFollower(MenuCommand command)
+        {
+            GatewayMenu.Finish(new GameObject("Frame Follower").AddComponent<FrameFollower>(), command);
+        }
+
+        /// <summary>The robot's map, on the ground.</summary>
+        [MenuItem(Path + "Map", false, Priority)]
+        public static void OccupancyGridDisplay(MenuCommand command)
+        {
+            GameObject made = new GameObject("Map");
+            GatewayMenu.Subscribing(made, "/map", "nav_msgs/msg/OccupancyGrid");
+            GatewayMenu.Finish(made.AddComponent<OccupancyGridDisplay>(), command);
+        }
+
+        /// <summary>The way that a planner has found.</summary>
+        [MenuItem(Path + "Path", false, Priority)]
+        public static void PathDisplay(MenuCommand command)
+        {
+            GameObject made = new GameObject("Path");
+            GatewayMenu.Subscribing(made, "/plan", "nav_msgs/msg/Path");
+            GatewayMenu.Finish(made.AddComponent<PathDisplay>(), command);
+        }
+
+        /// <summary>A pose, such as a goal, as an arrow.</summary>
+        [MenuItem(Path + "Pose", false, Priority)]
+        public static void PoseDisplay(MenuCommand command)
+        {
+            GameObject made = new GameObject("Pose");
+            GatewayMenu.Subscribing(made, "/goal_pose", "geometry_msgs/msg/PoseStamped");
+            GatewayMenu.Finish(made.AddComponent<PoseDisplay>(), command);
+        }
+
+        /// <summary>Many poses, such as a localisation's particles, as arrows.</summary>
+        [MenuItem(Path + "Pose Array", false, Priority)]
+        public static void PoseArrayDisplay(MenuCommand command)
+        {
+            GameObject made = new GameObject("Pose Array");
+            GatewayMenu.Subscribing(made, "/particle_cloud", "geometry_msgs/msg/PoseArray");
+            GatewayMenu.Finish(made.AddComponent<PoseArrayDisplay>(), command);
+        }
+
+        /// <summary>Where a robot has been.</summary>
+        [MenuItem(Path + "Odometry Trail", false, Priority)]
+        public static void OdometryTrail(MenuCommand command)
+        {
+            GameObject made = new GameObject("Odometry Trail");
+            GatewayMenu.Subscribing(made, "/odom", "nav_msgs/msg/Odometry");
+            GatewayMenu.Finish(made.AddComponent<OdometryTrail>(), command);
+        }
+
+        /// <summary>What programs want to be seen.</summary>
+        [MenuItem(Path + "Markers", false, Priority)]
+        public static void MarkerArrayDisplay(MenuCommand command)
+        {
+            GameObject made = new GameObject("Markers");
+            GatewayMenu.Subscribing(made, "/markers", "visualization_msgs/msg/MarkerArray").Queue = MarkerQueue;
+            GatewayMenu.Finish(made.AddComponent<MarkerArrayDisplay>(), command);
+        }
+
+        /// <summary>A robot by its description, whose joints move.</summary>
+        [MenuItem(Path + "Robot", false, Priority)]
+        public static void RobotDescriptionDisplay(MenuCommand command)
+        {
+            GameObject robot = new GameObject("Robot");
+            GatewayMenu.Subscribing(robot, "/robot_description", "std_msgs/msg/String");
+            robot.AddComponent<RobotDescriptionDisplay>();
+            GameObject joints = new GameObject("Joint States");
+            joints.transform.SetParent(robot.transform, false);
+            GatewayMenu.Subscribing(joints, "/joint_states", "sensor_msgs/msg/JointState");
+            joints.AddComponent<JointStateDisplay>();
+            GatewayMenu.Finish(robot.transform, command);
+        }
+
+        /// <summary>What a depth camera sees, as points.</summary>
+        [MenuItem(Path + "Depth", false, Priority)]
+        public static void DepthDisplay(MenuCommand command)
+        {
+            GameObject made = new GameObject("Depth");
+            TopicSubscriber subscriber = GatewayMenu.Subscribing(
+                made, "/camera/depth/image_raw", "sensor_msgs/msg/Image");
+            subscriber.ImageFormat = "png";
+            subscriber.MaxRate = DepthRate;
+            GatewayMenu.Finish(made.AddComponent<DepthDisplay>(), command);
+        }
+
+        /// <summary>Where this object is becomes a goal.</summary>
+        [MenuItem(Path + "Goal Pose Publisher", false, Priority)]
+        public static void GoalPosePublisher(MenuCommand command)
+        {
+            GatewayMenu.Finish(new GameObject("Goal Pose Publisher").AddComponent<GoalPosePublisher>(), command);
+        }
+
+        /// <summary>Where this object is becomes a goal of Nav2's action.</summary>
+        [MenuItem(Path + "Navigate To Pose", false, Priority)]
+        public static void NavigateToPose(MenuCommand command)
+        {
+            GatewayMenu.Finish(new GameObject("Navigate To Pose").AddComponent<NavigateToPose>(), command);
+        }
+    }
+}

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+using System.Collections.Generic;
+
+namespace Ros2Gateway
+{
+    /// <summary>Something that the application awaits.</summary>
+    internal interface IAwaited
+    {
+        /// <summary>Nothing will come any more: ends it, with the reason, unless it has ended.</summary>
+        void Abandon(string words);
+    }
+
+    /// <summary>What is awaited of a client, so that all of it ends with the client. Any thread.</summary>
+    internal sealed class AwaitedTasks
+    {
+        private const string Closed = "the client was disposed";
+
+        private readonly HashSet<IAwaited> _open = new HashSet<IAwaited>(); // bounded as requests and goals are
+        private bool _isClosed;
+
+        /// <summary>Keeps it until it is removed; of a client that has ended it is abandoned at once.</summary>
+        internal void Add(IAwaited awaited)
+        {
+            lock (_open)
+            {
+                if (!_isClosed)
+                {
+                    _open.Add(awaited);
+                    return;
+                }
+            }
+            awaited.Abandon(Closed);
+        }
+
+        internal void Remove(IAwaited awaited)
+        {
+            lock (_open)
+            {
+                _open.Remove(awaited);
+            }
+        }
+
+        internal void Close()
+        {
+            List<IAwaited> all;
+            lock (_open)
+            {
+                _isClosed = true;
+                all = new List<IAwaited>(_open);
+                _open.Clear();
+            }
+            foreach (IAwaited awaited in all)
+            {
+                awaited.Abandon(Closed);
+            }
+        }
+    }
+}

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+using System;
+using System.Collections.Generic;
+using System.Threading;
+using System.Threading.Tasks;
+using Ros2Gateway.Json;
+using Ros2Gateway.Messages.GeometryMsgs;
+
+namespace Ros2Gateway
+{
+    /// <content>
+    /// Answers to await, beside those by callback. Each task ends in <see cref="Pump"/>, and what awaits it goes on
+    /// there: in Unity on the main thread. Never block that thread by Wait or Result. A task that cannot
+    /// succeed fails with a <see cref="GatewayException"/>: refused, too late, the connection lost, the client
+    /// disposed. One whose token is cancelled is cancelled.
+    /// </content>
+    public sealed partial class GatewayClient
+    {
+        private static readonly JsonMembers TransformMembers = new JsonMembers("transform");
+
+        private readonly AwaitedTasks _awaited = new AwaitedTasks();
+        private readonly List<AwaitedReply<bool>> _connecting = new List<AwaitedReply<bool>>(); // one for each caller
+        private volatile bool _isSuspended; // disconnected for a while
+        private volatile bool _isGreeted; // a gateway accepts a connection before it looks at its token
+
+        /// <summary>
+        /// Begins to connect unless that was done, and ends when the gateway has introduced itself. It tries until
+        /// then, for an absent gateway may come; it fails if it refuses this client, or on <see cref="Disconnect"/>.
+        /// </summary>
+        /// <param name="cancellation">Ends the waiting, and the attempts if this call has begun them.</param>
+        public Task ConnectAsync(CancellationToken cancellation = default(CancellationToken))
+        {
+            if (cancellation.IsCancellationRequested)
+            {
+                return Task.FromCanceled(cancellation);
+            }
+            bool hasBegun = State == ConnectionState.Disconnected || State == ConnectionState.Refused;
+            Connect();
+            AwaitedReply<bool> awaited = new AwaitedReply<bool>(_awaited, "connect", cancellation);
+            lock (_connecting)
+            {
+                _connecting.Add(awaited);
+            }
+            _mailbox.Post(TellConnecting); // it may be connected, or refused, already
+            awaited.OnCancelled(() => _mailbox.Post(() =>
+            {
+                if (StopsConnecting(awaited) && hasBegun)
+                {
+                    Disconnect();
+                }
+                awaited.Cancel();
+            }));
+            return awaited.Task;
+        }
+
+        /// <summary>Calls a service.</summary>
+        /// <param name="cancellation">Ends the waiting; ROS services themselves cannot be cancelled.</param>
+        /// <param name="timeoutMilliseconds">0 for <see cref="GatewayOptions.CallMilliseconds"/>.</param>
+        public Task<TResponse> CallServiceAsync<TResponse>(
+            string service, IMessage request, CancellationToken cancellation = default(CancellationToken),
+            int timeoutMilliseconds = 0)
+            where TResponse : IMessage, new()
+        {
+            string name = Names.Absolute(service);
+            return Asked<TResponse>(
+                "call_service " + name, done => SendCall(name, request, done, timeoutMilliseconds), cancellation);
+        }
+
+        /// <summary>
+        /// Sends a goal to an action server. Await what this returns for the result, or go through the feedback first.
+        /// </summary>
+        /// <param name="cancellation">Cancels the goal.</param>
+        /// <param name="keep">Whether the goal goes on when this client leaves; else it is cancelled then.</param>
+        public GoalTask<TFeedback, TResult> SendGoalAsync<TFeedback, TResult>(
+            string action, IMessage goal, CancellationToken cancellation = default(CancellationToken), bool keep = false)
+            where TFeedback : IMessage, new()
+            where TResult : IMessage, new()
+        {
+            GoalTask<TFeedback, TResult> task = new GoalTask<TFeedback, TResult>(
+                _awaited, Names.Absolute(action), cancellation);
+            if (!cancellation.IsCancellationRequested)
+            {
+                task.Follow(SendGoal<TFeedback, TResult>(action, goal, task.OnFeedback, task.OnResult, keep));
+            }
+            return task;
+        }
+
+        /// <summary>Asks for anything else that the gateway knows; the result is the whole frame of the answer.</summary>
+        /// <param name="members">The members of the operation; null for none.</param>
+        /// <param name="cancellation">Ends the waiting.</param>
+        /// <param name="timeoutMilliseconds">0 for <see cref="GatewayOptions.CallMilliseconds"/>.</param>
+        public Task<JsonValue> RequestAsync(
+            string op, JsonValue members, CancellationToken cancellation = default(CancellationToken),
+            int timeoutMilliseconds = 0)
+        {
+            return Asked<JsonValue>(
+                op, done => SendRequest(op, members, JsonValue.Read, done, timeoutMilliseconds), cancellation);
+        }
+
+        /// <summary>Asks for the graph as it is now.</summary>
+        public Task<RosGraph> GetGraphAsync(CancellationToken cancellation = default(CancellationToken))
+        {
+            return Asked<RosGraph>(
+                "graph",
+                done => SendRequest("graph", null, reader => RosGraph.Read(JsonValue.Read(reader)), done, 0),
+                cancellation);
+        }
+
+        /// <summary>Asks for the newest transform that takes points from the source into the target frame.</summary>
+        /// <param name="cancellation">Ends the waiting.</param>
+        /// <param name="timeoutMilliseconds">How long a transform that is not known yet is waited for.</param>
+        public Task<TransformStampedMsg> LookupTransformAsync(
+            string targetFrame, string sourceFrame, CancellationToken cancellation = default(CancellationToken),
+            int timeoutMilliseconds = 1000)
+        {
+            JsonValue members = JsonValue.Object()
+                .With("target_frame", targetFrame)
+                .With("source_frame", sourceFrame)
+                .With("timeout", timeoutMilliseconds / 1000.0);
+            return Asked<TransformStampedMsg>(
+                "lookup_transform",
+                done => SendRequest("lookup_transform", members, ReadTransform, done, timeoutMilliseconds),
+                cancellation);
+        }
+
+        private static TransformStampedMsg ReadTransform(JsonReader reader)
+        {
+            TransformStampedMsg transform = new TransformStampedMsg();
+            reader.BeginObject();
+            int member = JsonMembers.Unknown;
+            while (reader.NextMember(TransformMembers, ref member))
+            {
+                if (member == JsonMembers.Unknown)
+                {
+                    reader.Skip();
+                }
+                else
+                {
+                    transform.Read(reader);
+                }
+            }
+            return transform;
+        }
+
+        private Task<T> Asked<T>(string what, Func<Action<Reply<T>>, string> send, CancellationToken cancellation)
+        {
+            if (cancellation.IsCancellationRequested)
+            {
+                return Task.FromCanceled<T>(cancellation);
+            }
+            AwaitedReply<T> awaited = new AwaitedReply<T>(_awaited, what, cancellation);
+            string id = send(awaited.Answer);
+            awaited.OnCancelled(() =>
+            {
+                if (_requests.Forget(id)) // else the answer waits for the pump already
+                {
+                    _mailbox.Post(awaited.Cancel);
+                }
+            });
+            return awaited.Task;
+        }
+
+        private void Greeted()
+        {
+            _isGreeted = true;
+            _mailbox.Post(TellConnecting);
+        }
+
+        // By the pump, with each change of state, and when somebody begins to wait.
+        private void TellConnecting()
+        {
+            ConnectionState state = State;
+            if (state == ConnectionState.Connecting || state == ConnectionState.Waiting
+                || (state == ConnectionState.Disconnected && _isSuspended)
+                || (state == ConnectionState.Connected && !_isGreeted))
+            {
+                return;
+            }
+            AwaitedReply<bool>[] all;
+            lock (_connecting)
+            {
+                if (_connecting.Count == 0)
+                {
+                    return;
+                }
+                all = _connecting.ToArray();
+                _connecting.Clear();
+            }
+            Reply<bool> reply = state == ConnectionState.Connected ? Reply<bool>.Of(true)
+                : Reply<bool>.Failed(state == ConnectionState.Refused ? _link.LastWords : "Disconnect was called");
+            foreach (AwaitedReply<bool> awaited in all)
+            {
+                awaited.Answer(reply);
+            }
+        }
+
+        private bool StopsConnecting(AwaitedReply<bool> awaited)
+        {
+            lock (_connecting)
+            {
+                return _connecting.Remove(awaited);
+            }
+        }
+    }
+}

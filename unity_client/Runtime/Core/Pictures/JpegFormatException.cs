@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+using System;
+
+namespace Ros2Gateway.Pictures
+{
+    /// <summary>The bytes are no JPEG, or a damaged one; the message says what is wrong, and where.</summary>
+    public class JpegFormatException : Exception
+    {
+        /// <summary>An error at a byte of the JPEG, counted from 0.</summary>
+        public JpegFormatException(string words, int offset)
+            : base(words + " (byte " + offset + ")")
+        {
+            Offset = offset;
+        }
+
+        /// <summary>Where, counted from 0.</summary>
+        public int Offset { get; private set; }
+    }
+
+    /// <summary>A JPEG that may be right, but of a kind that <see cref="JpegDecoder"/> does not read.</summary>
+    public sealed class JpegNotSupportedException : JpegFormatException
+    {
+        /// <summary>What it is, and where that is said.</summary>
+        public JpegNotSupportedException(string words, int offset)
+            : base(words, offset)
+        {
+        }
+    }
+}

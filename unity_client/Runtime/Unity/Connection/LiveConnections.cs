@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+using System;
+using System.Collections.Generic;
+using UnityEngine;
+
+namespace Ros2Gateway.Unity
+{
+    /// <summary>The connections that live, over all scenes, and who is to hear when one comes or goes.</summary>
+    /// <remarks>
+    /// This is static, as a component that is enabled before there is any connection knows nobody who could tell it
+    /// of one, and Unity's own search finds what is there when it is asked: whoever waits would search all scenes in
+    /// every frame. It makes no connection, and holds none that is destroyed. The editor may keep static state from
+    /// one Play to the next, so each begins without any.
+    /// </remarks>
+    internal static class LiveConnections
+    {
+        private static readonly List<GatewayConnection> Connections = new List<GatewayConnection>();
+        private static readonly List<ConnectedBehaviour> Users = new List<ConnectedBehaviour>();
+
+        /// <summary>
+        /// The connection that a component uses: its own choice; else one that is enabled, of its scene rather than
+        /// of another; else one that is disabled. Null if there is none.
+        /// </summary>
+        /// <param name="present">What it uses now; it stays with that as long as nothing is better.</param>
+        /// <param name="gateway">The only address that will do without a choice; null for any.</param>
+        internal static GatewayConnection Best(
+            Component user, GatewayConnection chosen, GatewayConnection present, string gateway = null)
+        {
+            if (chosen != null && !chosen.IsOver)
+            {
+                return chosen;
+            }
+            string only = Only(chosen, present, gateway);
+            GatewayConnection best = null;
+            int bestRank = 0;
+            foreach (GatewayConnection one in Connections)
+            {
+                if (only != null && one.Gateway != only)
+                {
+                    continue;
+                }
+                int rank = 1 + (one.gameObject.scene == user.gameObject.scene ? 1 : 0)
+                    + (one == present ? 2 : 0) + (one.isActiveAndEnabled ? 4 : 0);
+                if (rank > bestRank)
+                {
+                    best = one;
+                    bestRank = rank;
+                }
+            }
+            return best;
+        }
+
+        /// <summary>
+        /// The address of what is to take the place of a choice that is gone, or of a connection that lives but may be
+        /// disabled: another address may be another robot. Else what is given.
+        /// </summary>
+        internal static string Only(GatewayConnection chosen, GatewayConnection present, string gateway)
+        {
+            // What is destroyed equals null, and yet has a reference.
+            return !ReferenceEquals(chosen, null) && chosen.IsOver ? chosen.Gateway
+                : Connections.Contains(present) ? present.Gateway : gateway;
+        }
+
+        /// <summary>Another that outlives its scene, and leads to the same gateway; null if there is none.</summary>
+        internal static GatewayConnection Lasting(GatewayConnection other)
+        {
+            return Connections.Find(one => one != other && one.OutlivesScenes && one.Address == other.Address);
+        }
+
+        internal static void Add(GatewayConnection connection)
+        {
+            if (!Connections.Contains(connection))
+            {
+                Connections.Add(connection);
+            }
+        }
+
+        internal static void Remove(GatewayConnection connection)
+        {
+            Connections.Remove(connection);
+            Tell();
+        }
+
+        internal static void Enter(ConnectedBehaviour user)
+        {
+            Users.Add(user);
+        }
+
+        internal static void Leave(ConnectedBehaviour user)
+        {
+            Users.Remove(user);
+        }
+
+        /// <summary>A connection was enabled, disabled or destroyed: everyone looks anew.</summary>
+        internal static void Tell()
+        {
+            foreach (ConnectedBehaviour user in Users.ToArray()) // who is told may come and go
+            {
+                try
+                {
+                    user.Choose();
+                }
+                catch (Exception error)
+                {
+                    Debug.LogException(error, user); // a fault of one component must not keep the others waiting
+                }
+            }
+        }
+
+        [RuntimeInitializeOnLoadMethod(RuntimeInitializeLoadType.SubsystemRegistration)]
+        private static void Forget()
+        {
+            Connections.Clear();
+            Users.Clear();
+        }
+    }
+}

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+using System;
+using System.Collections.Generic;
+using Ros2Gateway.Messages.VisualizationMsgs;
+using Ros2Gateway.Shapes;
+using UnityEngine;
+
+namespace Ros2Gateway.Unity
+{
+    /// <summary>
+    /// Draws the markers of a MarkerArray, each in its own frame if there is a Fixed Frame above; else the Transform is
+    /// the frame of all.
+    /// </summary>
+    /// <remarks>A message may add to what others have added, so each is shown when it comes.</remarks>
+    [AddComponentMenu("ROS 2 Gateway/Marker Array Display")]
+    public sealed class MarkerArrayDisplay : TypedDisplay<MarkerArrayMsg>
+    {
+        [SerializeField]
+        [Tooltip("Without, the one above in the hierarchy; with neither, the Transform is the markers' frame")]
+        private FixedFrame _fixedFrame;
+
+        [SerializeField]
+        [Tooltip("How many markers are kept; more are left out")]
+        [Range(1, 10000)]
+        private int _maxMarkers = 1000; // an object of the scene each
+
+        [SerializeField]
+        [Tooltip("How many vertices they have in all, a cube 24; of more only a part is drawn")]
+        [Range(1000, 50000000)]
+        private int _maxVertices = 1 << 22; // 16 bytes each and, as cubes, 6 of indices: 88 MB
+
+        [SerializeField]
+        [Tooltip("Of solids; without, one that takes the colours of vertices")]
+        private Material _material;
+
+        private readonly Dictionary<Key, MarkerObject> _markers = new Dictionary<Key, MarkerObject>();
+        private readonly List<Key> _over = new List<Key>();
+        private readonly MeshBuffer _shapes = new MeshBuffer();
+        private readonly MeshStaging _staging = new MeshStaging();
+        private int _vertexCount; // of all
+        private FixedFrame _found;
+        private Material _own; // if none was chosen
+
+        /// <summary>In what markers are placed; a change counts when the component is enabled the next time.</summary>
+        public FixedFrame FixedFrame
+        {
+            get { return _fixedFrame; }
+            set { _fixedFrame = value; }
+        }
+
+        /// <summary>How many markers are kept; more are left out.</summary>
+        public int MaxMarkers
+        {
+            get { return _maxMarkers; }
+            set { _maxMarkers = value; }
+        }
+
+        /// <summary>How many vertices they have in all, a cube 24; of more only a part is drawn.</summary>
+        public int MaxVertices
+        {
+            get { return _maxVertices; }
+            set { _maxVertices = value; }
+        }
+
+        /// <summary>How many markers there are.</summary>
+        public int Count
+        {
+            get { return _markers.Count; }
+        }
+
+        /// <inheritdoc/>
+        protected override bool DrawsEvery
+        {
+            get { return true; }
+        }
+
+        /// <summary>Takes all markers away.</summary>
+        public void Clear()
+        {
+            foreach (MarkerObject marker in _markers.Values)
+            {
+                marker.Destroy();
+            }
+            _markers.Clear();
+            _vertexCount = 0;
+        }
+
+        /// <inheritdoc/>
+        protected override void OnEnable()
+        {
+            base.OnEnable();
+            _found = FixedFrame.For(this, _fixedFrame);
+        }
+
+        /// <inheritdoc/>
+        protected override void Update()
+        {
+            base.Update();
+            Camera camera = Camera.main;
+            foreach (KeyValuePair<Key, MarkerObject> marker in _markers)
+            {
+                if (marker.Value.IsOver)
+                {
+                    _over.Add(marker.Key);
+                }
+                else
+                {
+                    marker.Value.Place(_found, camera);
+                }
+            }
+            foreach (Key key in _over)
+            {
+                Remove(key);
+            }
+            _over.Clear();
+        }
+
+        /// <inheritdoc/>
+        protected override void OnDisable()
+        {
+            base.OnDisable();
+            Clear();
+        }
+
+        private void OnDestroy()
+        {
+            Destroy(_own);
+        }
+
+        /// <inheritdoc/>
+        protected override bool Draw(MarkerArrayMsg message)
+        {
+            MarkerMsg[] markers = message.markers ?? new MarkerMsg[0];
+            for (int i = 0; i < markers.Length; i++)
+            {
+                if (markers[i] != null)
+                {
+                    Apply(markers[i]);
+                }
+            }
+            return true;
+        }
+
+        private void Apply(MarkerMsg marker)
+        {
+            Key key = new Key(marker.ns ?? "", marker.id);
+            switch (marker.action)
+            {
+                case MarkerMsg.ADD:
+                    Add(key, marker);
+                    break;
+                case MarkerMsg.DELETE:
+                    Remove(key);
+                    break;
+                case MarkerMsg.DELETEALL:
+                    Clear();
+                    break;
+                default:
+                    Complain("a marker's action " + marker.action + " is unknown");
+                    break;
+            }
+        }
+
+        private void Add(Key key, MarkerMsg marker)
+        {
+            MarkerObject shown;
+            if (!_markers.TryGetValue(key, out shown))
+            {
+                if (_markers.Count >= _maxMarkers)
+                {
+                    Complain("at most " + _maxMarkers + " markers: the others are left out");
+                    return;
+                }
+                _own = _material != null ? _own : _own ?? DisplayMaterials.Solid();
+                shown = new MarkerObject(transform, _material != null ? _material : _own, _staging);
+                _markers[key] = shown;
+            }
+            _vertexCount -= shown.VertexCount;
+            _shapes.Room = _maxVertices - _vertexCount;
+            string problem = shown.Show(marker, _shapes);
+            _vertexCount += shown.VertexCount;
+            if (problem != null)
+            {
+                Complain("a marker: " + problem);
+            }
+        }
+
+        private void Remove(Key key)
+        {
+            MarkerObject shown;
+            if (_markers.TryGetValue(key, out shown))
+            {
+                shown.Destroy();
+                _vertexCount -= shown.VertexCount;
+                _markers.Remove(key);
+            }
+        }
+
+        private struct Key : IEquatable<Key>
+        {
+            private readonly string _namespace;
+            private readonly int _id;
+
+            internal Key(string space, int id)
+            {
+                _namespace = space;
+                _id = id;
+            }
+
+            public bool Equals(Key other)
+            {
+                return _id == other._id && _namespace == other._namespace;
+            }
+
+            public override bool Equals(object obj)
+            {
+                return obj is Key && Equals((Key)obj);
+            }
+
+            public override int GetHashCode()
+            {
+                return unchecked(_namespace.GetHashCode() * 397 ^ _id);
+            }
+        }
+    }
+}

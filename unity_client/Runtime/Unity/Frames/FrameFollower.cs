@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+using UnityEngine;
+
+namespace Ros2Gateway.Unity
+{
+    /// <summary>
+    /// Follows a ROS frame, such as base_link, in a Fixed Frame, and says in a text beside or below it how old
+    /// the pose is.
+    /// </summary>
+    [AddComponentMenu("ROS 2 Gateway/Frame Follower")]
+    [DefaultExecutionOrder(-800)] // before the displays on it
+    public sealed class FrameFollower : MonoBehaviour
+    {
+        private const float TextSeconds = 0.2f; // nobody reads faster
+
+        [SerializeField]
+        [Tooltip("Without, the one above in the hierarchy")]
+        private FixedFrame _fixedFrame;
+
+        [SerializeField]
+        private string _frame = "base_link";
+
+        [SerializeField]
+        [Tooltip("When the pose is older it is not drawn, in seconds; 0 for never")]
+        private float _hideAfter;
+
+        [SerializeField]
+        private TextOutput _output = new TextOutput();
+
+        private readonly HiddenRenderers _renderers = new HiddenRenderers();
+        private FixedFrame _found;
+        private float _nextText;
+
+        /// <summary>The frame that is followed; a change counts at once.</summary>
+        public string Frame
+        {
+            get { return _frame; }
+            set { _frame = value; }
+        }
+
+        /// <summary>In what it is followed; a change counts when the component is enabled the next time.</summary>
+        public FixedFrame FixedFrame
+        {
+            get { return _fixedFrame; }
+            set { _fixedFrame = value; }
+        }
+
+        /// <summary>When the pose is older it is not drawn, in seconds; 0 for never.</summary>
+        public float HideAfter
+        {
+            get { return _hideAfter; }
+            set { _hideAfter = value; }
+        }
+
+        /// <summary>The text.</summary>
+        public TextOutput Output
+        {
+            get { return _output; }
+        }
+
+        /// <summary>How long ago the pose came, in seconds; infinite before the first.</summary>
+        public float AgeSeconds { get; private set; }
+
+        /// <summary>Why nothing, or nothing new, is known of the frame; null while all is well.</summary>
+        public string Problem { get; private set; }
+
+        /// <summary>Whether it is not drawn, because the pose is too old or not known yet.</summary>
+        public bool IsHidden
+        {
+            get { return _renderers.IsHidden; }
+        }
+
+        private void OnEnable()
+        {
+            AgeSeconds = float.PositiveInfinity;
+            _nextText = 0;
+            _output.Find(this, false);
+            _found = FixedFrame.For(this, _fixedFrame);
+            if (_found == null)
+            {
+                Problem = "no Fixed Frame: put this below one";
+                Debug.LogWarning("FrameFollower on " + name + ": " + Problem, this);
+            }
+        }
+
+        private void Update()
+        {
+            if (_found != null)
+            {
+                Follow();
+            }
+            _renderers.Set(this, _hideAfter > 0 && AgeSeconds > _hideAfter);
+            if (Time.unscaledTime >= _nextText)
+            {
+                _nextText = Time.unscaledTime + TextSeconds;
+                _output.Show(Text());
+            }
+        }
+
+        private void OnDisable()
+        {
+            _renderers.Set(this, false);
+        }
+
+        private void Follow()
+        {
+            Pose pose;
+            float age;
+            string problem;
+            if (_found.TryGetPose(_frame, out pose, out age, out problem))
+            {
+                _found.Place(transform, pose);
+                AgeSeconds = age;
+            }
+            else
+            {
+                AgeSeconds = float.PositiveInfinity;
+            }
+            Problem = problem;
+        }
+
+        private string Text()
+        {
+            string what = _found == null ? _frame : _frame + " in " + _found.Frame;
+            if (Problem != null)
+            {
+                return what + ": " + Problem;
+            }
+            return what + ", " + AgeSeconds.ToString("0.0", System.Globalization.CultureInfo.InvariantCulture) + " s old";
+        }
+    }
+}

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+using Ros2Gateway.Messages.GeometryMsgs;
+using UnityEngine;
+
+namespace Ros2Gateway.Unity
+{
+    /// <summary>
+    /// Publishes where something is as a goal, on /goal_pose: what RViz' "2D Goal Pose" does. Who wants to know
+    /// how it ends takes a Navigate To Pose.
+    /// </summary>
+    [AddComponentMenu("ROS 2 Gateway/Goal Pose Publisher")]
+    public sealed class GoalPosePublisher : ConnectedBehaviour
+    {
+        [SerializeField]
+        private string _topic = "/goal_pose";
+
+        [SerializeField]
+        [Tooltip("Without, the one above in the hierarchy")]
+        private FixedFrame _fixedFrame;
+
+        [SerializeField]
+        [Tooltip("Without a Fixed Frame: the frame whose origin is that of the scene")]
+        private string _frame = "map";
+
+        private Publisher<PoseStampedMsg> _publisher;
+
+        /// <summary>The topic; a change takes effect when the component is enabled the next time.</summary>
+        public string Topic
+        {
+            get { return _topic; }
+            set { _topic = value; }
+        }
+
+        /// <summary>In what the goal is given; null for the one above.</summary>
+        public FixedFrame FixedFrame
+        {
+            get { return _fixedFrame; }
+            set { _fixedFrame = value; }
+        }
+
+        /// <summary>Without a Fixed Frame: the frame whose origin is that of the scene.</summary>
+        public string Frame
+        {
+            get { return _frame; }
+            set { _frame = value; }
+        }
+
+        /// <summary>Makes the place of this object the goal; what a button calls.</summary>
+        public void Publish()
+        {
+            Publish(transform);
+        }
+
+        /// <summary>Makes a place the goal; its forward is the heading, height and tilt do not count.</summary>
+        /// <returns>Whether it was sent; if not, the connection's events say why.</returns>
+        public bool Publish(Transform place)
+        {
+            return _publisher != null && _publisher.Publish(GoalPoses.Of(
+                place, FixedFrame.For(this, _fixedFrame), _frame));
+        }
+
+        /// <inheritdoc/>
+        protected internal override bool MovesRobots
+        {
+            get { return true; }
+        }
+
+        /// <inheritdoc/>
+        protected override void Bind(GatewayConnection connection)
+        {
+            _publisher = connection.Client.Advertise<PoseStampedMsg>(_topic);
+        }
+
+        /// <inheritdoc/>
+        protected override void Unbind(GatewayConnection connection)
+        {
+            _publisher.Dispose();
+            _publisher = null;
+        }
+    }
+}

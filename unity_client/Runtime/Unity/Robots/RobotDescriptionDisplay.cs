@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: Apache-2.0
+using System.Collections.Generic;
+using Ros2Gateway.Messages.StdMsgs;
+using Ros2Gateway.Robots;
+using Ros2Gateway.Shapes;
+using UnityEngine;
+
+namespace Ros2Gateway.Unity
+{
+    /// <summary>
+    /// Builds a robot from its description (URDF): an object for each link, which joints move. Below a Fixed Frame it
+    /// stands where its root link's frame is; else the Transform is the root link.
+    /// </summary>
+    /// <remarks>
+    /// Boxes, cylinders and spheres are drawn. A mesh is one of *Models* with the name of its file, else a small box.
+    /// </remarks>
+    [AddComponentMenu("ROS 2 Gateway/Robot Description Display")]
+    public sealed class RobotDescriptionDisplay : FramedDisplay<StringMsg>
+    {
+        private const double MeshBox = 0.05; // metres: where something is, not what it is like
+
+        [SerializeField]
+        [Tooltip("Imported models for the robot's meshes: base.stl and base.dae are the one with the name base")]
+        private GameObject[] _models = new GameObject[0];
+
+        [SerializeField]
+        [Tooltip("Before the names of links in the frames of transforms, such as robot1/")]
+        private string _framePrefix = "";
+
+        [SerializeField]
+        [Tooltip("Of solids; without, one that takes the colours of vertices")]
+        private Material _material;
+
+        private readonly Dictionary<string, Transform> _links = new Dictionary<string, Transform>();
+        private readonly List<GameObject> _made = new List<GameObject>();
+        private readonly List<PointMesh> _meshes = new List<PointMesh>();
+        private readonly MeshBuffer _shapes = new MeshBuffer();
+        private readonly MeshStaging _staging = new MeshStaging();
+        private string _shown;
+        private Material _own; // if none was chosen
+
+        /// <summary>Imported models for the robot's meshes, by the files' names; for the next description.</summary>
+        public GameObject[] Models
+        {
+            get { return _models; }
+            set { _models = value; }
+        }
+
+        /// <summary>Before the names of links in the frames of transforms, such as robot1/.</summary>
+        public string FramePrefix
+        {
+            get { return _framePrefix; }
+            set { _framePrefix = value; }
+        }
+
+        /// <summary>The robot that is shown; null before the first description.</summary>
+        public RobotDescription Robot { get; private set; }
+
+        /// <summary>The object of a link, or null.</summary>
+        public Transform Link(string name)
+        {
+            Transform link;
+            return name != null && _links.TryGetValue(name, out link) ? link : null;
+        }
+
+        /// <summary>Moves a joint, and those that mimic it; false if there is no such joint.</summary>
+        /// <param name="position">In radians or metres.</param>
+        public bool SetJoint(string name, double position)
+        {
+            RobotJoint joint = Robot == null ? null : Robot.Joint(name);
+            if (joint == null)
+            {
+                return false;
+            }
+            Move(joint, position);
+            foreach (RobotJoint other in Robot.Joints)
+            {
+                if (other.Mimicked == name)
+                {
+                    Move(other, other.Multiplier * position + other.Offset);
+                }
+            }
+            return true;
+        }
+
+        private void OnDestroy()
+        {
+            Clear();
+            Destroy(_own);
+        }
+
+        /// <inheritdoc/>
+        protected override bool Draw(StringMsg message)
+        {
+            if (Robot != null && message.data == _shown)
+            {
+                StandIn(_framePrefix + Robot.Root);
+                return true; // published again: joints stay where they are
+            }
+            RobotDescription robot;
+            try
+            {
+                robot = UrdfReader.Read(message.data);
+            }
+            catch (UrdfException error)
+            {
+                Complain(error.Message);
+                return false;
+            }
+            Clear();
+            Robot = robot;
+            _shown = message.data;
+            StandIn(_framePrefix + robot.Root);
+            Build();
+            return true;
+        }
+
+        private void Build()
+        {
+            _links[Robot.Root] = transform;
+            foreach (RobotJoint joint in Robot.Joints)
+            {
+                GameObject link = new GameObject(joint.Child);
+                link.transform.SetParent(_links[joint.Parent], false);
+                _links[joint.Child] = link.transform;
+                _made.Add(link);
+                Move(joint, 0);
+            }
+            foreach (RobotJoint joint in Robot.Joints)
+            {
+                if (joint.Mimicked.Length > 0)
+                {
+                    Move(joint, joint.Offset);
+                }
+            }
+            foreach (RobotLink link in Robot.Links)
+            {
+                foreach (RobotVisual visual in link.Visuals)
+                {
+                    Add(visual, _links[link.Name]);
+                }
+            }
+        }
+
+        private void Add(RobotVisual visual, Transform link)
+        {
+            GameObject model = visual.Shape == RobotShape.Mesh ? Model(visual.Mesh) : null;
+            if (model != null)
+            {
+                Pose pose = visual.Origin.ToUnity();
+                GameObject copy = Instantiate(model, link);
+                copy.transform.localPosition = pose.position;
+                copy.transform.localRotation = pose.rotation * copy.transform.localRotation;
+                copy.transform.localScale = Vector3.Scale(copy.transform.localScale, ScaleOf(visual));
+                _made.Add(copy);
+                return;
+            }
+            GameObject made = new GameObject(visual.Shape.ToString(), typeof(MeshFilter), typeof(MeshRenderer));
+            made.transform.SetParent(link, false);
+            _made.Add(made);
+            _own = _material != null ? _own : _own ?? DisplayMaterials.Solid();
+            made.GetComponent<MeshRenderer>().sharedMaterial = _material != null ? _material : _own;
+            PointMesh mesh = new PointMesh(made.transform, true, _staging);
+            _meshes.Add(mesh);
+            _shapes.Clear(MeshKind.Triangles);
+            Shape(visual);
+            mesh.Upload(_shapes);
+        }
+
+        private void Shape(RobotVisual visual)
+        {
+            switch (visual.Shape)
+            {
+                case RobotShape.Box:
+                    _shapes.Box(visual.Origin, visual.Size, visual.Color);
+                    break;
+                case RobotShape.Cylinder:
+                    _shapes.Cylinder(visual.Origin, visual.Size, visual.Color);
+                    break;
+                case RobotShape.Sphere:
+                    _shapes.Sphere(visual.Origin, visual.Size, visual.Color);
+                    break;
+                default:
+                    Complain("there is no model for " + visual.Mesh + ": a small box stands for it");
+                    _shapes.Box(visual.Origin, new Vector3<Flu>(MeshBox, MeshBox, MeshBox), visual.Color);
+                    break;
+            }
+        }
+
+        private GameObject Model(string mesh)
+        {
+            int from = mesh.LastIndexOf('/') + 1;
+            int dot = mesh.LastIndexOf('.');
+            string file = dot > from ? mesh.Substring(from, dot - from) : mesh.Substring(from);
+            foreach (GameObject model in _models)
+            {
+                if (model != null && model.name == file)
+                {
+                    return model;
+                }
+            }
+            return null;
+        }
+
+        // factors along x, y, z of ROS, which are forward, left, up
+        private static Vector3 ScaleOf(RobotVisual visual)
+        {
+            return new Vector3((float)visual.Size.y, (float)visual.Size.z, (float)visual.Size.x);
+        }
+
+        private void Move(RobotJoint joint, double position)
+        {
+            Pose pose = joint.PoseAt(position).ToUnity();
+            Transform link = _links[joint.Child];
+            link.localPosition = pose.position;
+            link.localRotation = pose.rotation;
+        }
+
+        private void Clear()
+        {
+            foreach (PointMesh mesh in _meshes)
+            {
+                mesh.Destroy();
+            }
+            foreach (GameObject made in _made)
+            {
+                if (made != null) // else it went with its parent
+                {
+                    Destroy(made);
+                }
+            }
+            _meshes.Clear();
+            _made.Clear();
+            _links.Clear();
+            Robot = null;
+        }
+    }
+}
