@@ -42,11 +42,11 @@ demo: $(READY) ## start the simulated robot and the gateway (make demo ARGS='--p
 serve: $(READY) ## start the gateway alone (make serve ARGS='--domain-id 7')
 	@$(BIN)/ros2-gateway serve $(ARGS)
 
-test: lint $(CLIENTS) ## check and test everything, some 8 minutes (make test ARGS='tests/cli/test_main.py -x -n0')
+test: lint $(CLIENTS) ## check and test everything, a quarter of an hour (make test ARGS='tests/cli/test_main.py -x -n0')
 	$(BIN)/python -m schemas.generate --check
 	@$(BIN)/python -m tests.interfaces
 	@sh tools/make-mono.sh
-	@$(if $(PYTEST_ARGS),:,echo "testing takes about eight minutes on two cores, the first time ten ...")
+	@$(if $(PYTEST_ARGS),:,echo "testing takes about a quarter of an hour on two cores, the first time some minutes more ...")
 	$(BIN)/python -m pytest $(WORKERS) $(PYTEST_ARGS)
 
 kilted: $(READY_ON_KILTED) ## test what depends on ROS with ROS 2 Kilted, in .venv-kilted, some 5 minutes
@@ -65,6 +65,7 @@ format: $(READY_FOR_TESTS) ## repair what style repairs can
 
 docs: $(READY_FOR_TESTS) ## write the generated parts of code and documentation anew
 	$(BIN)/python -m schemas.generate
+	$(BIN)/python -m tools.unity_scenes
 	$(BIN)/python -m tools.unity_metas
 	@page=$$($(BIN)/python -m tools.mutants --page) && printf '%s\n' "$$page" > docs/mutants.md
 	@keys=$$($(BIN)/ros2-gateway check-config --keys) \
@@ -77,7 +78,7 @@ screenshots: $(READY_FOR_TESTS) ## take the pictures of the pages anew, for docs
 bench: $(READY) ## measure speed, an hour (make bench WHAT=odometry, make bench COMPARE=ref)
 	@$(BIN)/python -m benchmarks $(WHAT) $(if $(COMPARE),--compare $(COMPARE)) $(ARGS)
 
-faults: $(READY_FOR_TESTS) $(CLIENTS) ## kill, freeze and cut off what drives a robot, see that it stops (make faults REPEAT=20)
+faults: $(READY_FOR_TESTS) $(CLIENTS) ## kill, freeze and cut off what drives a robot, three quarters of an hour (make faults REPEAT=3)
 	FAULTS_REPEAT=$(or $(REPEAT),20) $(BIN)/python -m pytest tests/e2e/faults -n0 -q $(ARGS)
 
 fuzz: $(READY_FOR_FUZZING) ## feed anything to parsers, codecs and a gateway (make fuzz WHAT=cdr_decoder SECONDS=60)
@@ -125,5 +126,5 @@ $(READY_ON_KILTED): pyproject.toml
 	@touch $@
 
 $(CLIENTS): tools/make-clients.sh $(wildcard tests/clients/*/package-lock.json) | $(READY_FOR_TESTS)
-	@echo "installing the clients that the tests drive, some 115 MB ..."
+	@echo "installing the clients that the tests drive, some 210 MB ..."
 	@sh tools/make-clients.sh $(VENV)

