@@ -30,10 +30,12 @@ LOOK_S: Final = 0.02
 # second: a server that answers late, or never, has most likely taken the oldest by then.
 MAX_IN_FLIGHT: Final = 10
 PACING_S: Final = 1.0
-# A client whose reader does not match, such as one that requests transient_local, gets no response,
-# but rmw waits 0.1 s for it each time and blocks the event loop. A request does not show which
-# client sent it: after this many such waits the service sends no responses for a while, which
-# leaves the loop 97 % of its time.
+# rmw waits 0.1 s, and blocks the event loop, for a client whose reader DDS has not matched yet, as
+# on a bad network; then the response is lost. It is sent once more after this time.
+SEND_AGAIN_S: Final = 1.0
+# A client whose reader never matches, such as one that requests transient_local, costs these waits
+# each time. A request does not show which client sent it: after this many waits the service sends
+# no responses for a while, which leaves the loop 97 % of its time.
 MAX_STALLS: Final = 3
 STALLED_S: Final = 10.0
 
@@ -365,22 +367,34 @@ class Replier:
         return True
 
     def _reply(self, response: Any, request_id: rclpy_private.RequestId) -> None:
-        if self._is_closed or self._loop.time() < self._silent_until:
-            return
         self.has_replied = True
+        if not self._send(response, request_id):
+            self._loop.call_later(SEND_AGAIN_S, self._send_again, response, request_id)
+
+    def _send_again(self, response: Any, request_id: rclpy_private.RequestId) -> None:
+        if not self._send(response, request_id):
+            _logger.warning("%s: a client's QoS does not let it get responses", self._subject)
+
+    def _send(self, response: Any, request_id: rclpy_private.RequestId) -> bool:
+        """Send a response; return whether there is no use in sending it again."""
+        if self._is_closed or self._loop.time() < self._silent_until:
+            return True
         with losses(self._subject) as waits:
             self._send_response(response, request_id)
         if waits:
             self._stall()
+        return not waits
 
     def _stall(self) -> None:
         now = self._loop.time()
         self._stalls.append(now)
-        _logger.warning("%s: a client's QoS does not let it get responses", self._subject)
         if len(self._stalls) == MAX_STALLS and now - self._stalls[0] < STALLED_S:
             self._stalls.clear()
             self._silent_until = now + STALLED_S
-            _logger.warning("%s: no responses for %g s", self._subject, STALLED_S)
+            _logger.warning(
+                "%s: no responses for %g s, as its clients do not get them: see their QoS",
+                *(self._subject, STALLED_S),
+            )
 
 
 def _profile() -> QoSProfile:

@@ -28,9 +28,14 @@ from schemas.definition import DefinitionError
 from schemas.installed import UnknownTypeError
 
 # A node that spins answers within milliseconds, after some tenths of a second for discovery.
-NODE_TIMEOUT_S: Final = 1.0
-# All nodes together, however many of them are dead: roslibpy gives rosapi 3 s.
+# roslibpy gives rosapi 3 s.
+NODE_TIMEOUT_S: Final = 2.5
+# All nodes together, however many of them are dead, and each of these.
 ALL_NODES_TIMEOUT_S: Final = 2.0
+EACH_NODE_TIMEOUT_S: Final = 1.0
+# A node that DDS has not matched with this client yet loses its answer, and only the node hears of
+# it. What changes nothing is therefore asked again: after this time, then after twice as long.
+ASK_AGAIN_S: Final = 1.2
 # However long a client would wait: a node that is silent for longer has stopped spinning.
 MAX_TIMEOUT_S: Final = 60.0
 # Each takes a ROS client, of 256 entities in all; two batches of dead nodes fit the time above.
@@ -52,11 +57,14 @@ class _Service:
     name: str
     type_name: str
     items: str  # the field of the response with one item for each item of the request
+    is_read: bool = True  # asking twice does no harm
 
 
 _LIST: Final = _Service("list_parameters", "rcl_interfaces/srv/ListParameters", "result")
 _GET: Final = _Service("get_parameters", "rcl_interfaces/srv/GetParameters", "values")
-_SET: Final = _Service("set_parameters", "rcl_interfaces/srv/SetParameters", "results")
+_SET: Final = _Service(
+    "set_parameters", "rcl_interfaces/srv/SetParameters", "results", is_read=False
+)
 _DESCRIBE: Final = _Service(
     "describe_parameters", "rcl_interfaces/srv/DescribeParameters", "descriptors"
 )
@@ -169,7 +177,7 @@ class Parameters:
 
         async def look(node: str) -> None:
             try:
-                found[node] = await self._with(node, NODE_TIMEOUT_S).names()
+                found[node] = await self._with(node, EACH_NODE_TIMEOUT_S).names()
             except ProtocolError:
                 pass  # the result leaves it out
             finally:
@@ -194,6 +202,12 @@ class Parameters:
             raise bad_type(error, self._types.definitions) from error
         name = f"{node}/{service.name}"
         self._check(name)
+        wait_s = ASK_AGAIN_S
+        while service.is_read:
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(wait_s):
+                    return await self._service_clients.call(name, service_type, request, deadline)
+            wait_s *= 2
         return await self._service_clients.call(name, service_type, request, deadline)
 
     def offers(self, node: str, service: _Service) -> bool:

@@ -3,6 +3,7 @@
 
 import asyncio
 import logging
+import warnings
 from collections.abc import AsyncIterator, Callable, Iterator
 from types import SimpleNamespace
 from typing import Any
@@ -14,6 +15,7 @@ from gateway.ports import MAX_TAKES_PER_TURN, Request, RosError
 from gateway.ros import RosOptions, endpoints
 from gateway.ros.interfaces import service_class
 from gateway.ros.port import RclpyRos
+from gateway.ros.rclpy_private import RESPONSE_TIMED_OUT
 from gateway.ros.service_entities import RclpyClient
 from tests.client import eventually
 from tests.ros.outside import Outside
@@ -359,6 +361,43 @@ async def test_a_server_is_found_though_nothing_tells_of_it(
     assert text_of(await soon(calling)) == "got True"
 
 
+async def test_a_response_that_came_before_dds_had_matched_the_client_is_sent_again(
+    ros: RclpyRos, outside: Outside
+) -> None:
+    requests: list[Request] = []
+    service = ros.serve("/arm", SET_BOOL, requests.append)
+    replier = service._replier
+    send, sent = replier._send_response, []
+
+    def send_in_vain_at_first(response: Any, request_id: Any) -> None:
+        sent.append(response)
+        if len(sent) == 1:
+            warnings.warn(RESPONSE_TIMED_OUT, RuntimeWarning, stacklevel=1)
+        else:
+            send(response, request_id)
+
+    replier._send_response = send_in_vain_at_first
+    calling = asyncio.ensure_future(outside.add_client("/arm", SET_BOOL).call(request(True)))
+    await eventually(lambda: bool(requests))
+    requests[0].answer(response("done"))
+    assert text_of(await soon(calling)) == "done"
+    assert len(sent) == 2
+
+
+async def test_a_client_that_no_response_can_reach_is_told_of(
+    ros: RclpyRos, outside: Outside, caplog: pytest.LogCaptureFixture
+) -> None:
+    ros.serve("/arm", SET_BOOL, echo)
+    found = service_class(SET_BOOL)
+    profile = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    deaf = outside.node.create_client(found, "/arm", qos_profile=profile)
+    await eventually(outside.add_client("/arm", SET_BOOL)._client.service_is_ready)
+    with caplog.at_level(logging.WARNING, "gateway.ros.endpoints"):
+        deaf.handle.send_request(found.Request())
+        await eventually(lambda: bool(caplog.messages))
+    assert caplog.messages == ["service /arm: a client's QoS does not let it get responses"]
+
+
 async def test_a_client_that_no_response_can_reach_stops_the_loop_only_so_often(
     ros: RclpyRos, outside: Outside, caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -375,8 +414,9 @@ async def test_a_client_that_no_response_can_reach_stops_the_loop_only_so_often(
     with caplog.at_level(logging.WARNING, "gateway.ros.endpoints"):
         for each in requests:
             each.answer(response("unheard"))
-    stalls = ["service /arm: a client's QoS does not let it get responses"] * MAX_STALLS
-    assert caplog.messages == [*stalls, "service /arm: no responses for 10 s"]
+    assert caplog.messages == [
+        "service /arm: no responses for 10 s, as its clients do not get them: see their QoS"
+    ]
     assert service._replier._silent_until - asyncio.get_running_loop().time() > 5
     service._replier._silent_until = 0.0  # later
     calling = asyncio.ensure_future(client.call(request(True)))

@@ -51,7 +51,7 @@ class UnhurriedParameters(Parameters):
 async def parameters(
     ros: Ros, robot: NodeWithParameters, monkeypatch: pytest.MonkeyPatch
 ) -> AsyncIterator[Parameters]:
-    monkeypatch.setattr("gateway.rosapi.node_parameters.NODE_TIMEOUT_S", TIMEOUT_S)
+    monkeypatch.setattr("gateway.rosapi.node_parameters.EACH_NODE_TIMEOUT_S", TIMEOUT_S)
     monkeypatch.setattr("gateway.rosapi.parameter_services.ALL_NODES_TIMEOUT_S", TIMEOUT_S)
     await discovered(ros, robot)
     calls = ServiceClients(ros)

@@ -19,7 +19,7 @@ from tests.rosapi.scripted import ScriptedNodes
 
 OK = SetResult(successful=True)
 
-NODE_TIMEOUT_S = 1.0
+NODE_TIMEOUT_S = 2.5
 NODES_AT_ONCE = 32
 
 
@@ -293,6 +293,40 @@ async def test_the_deadline_is_for_all_questions_together(nodes: ScriptedNodes) 
     assert second < first <= NODE_TIMEOUT_S
 
 
+async def test_a_node_whose_answer_is_lost_is_asked_again(
+    nodes: ScriptedNodes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    answers = iter([None, {"result": {"names": ["speed"]}}])
+    nodes.offer("/robot", "list_parameters", lambda _: next(answers))
+    clock = StoppedClock(monkeypatch)
+    reading = asyncio.ensure_future(nodes.parameters.list_names("/robot"))
+    await clock.advance(0)  # it asks
+    await clock.advance(1.1)
+    assert nodes.calls.asked == ["/robot/list_parameters"]
+    await clock.advance(0.2)
+    assert await reading == ["speed"]
+    assert nodes.calls.asked == ["/robot/list_parameters"] * 2
+
+
+async def test_what_sets_a_parameter_is_not_sent_again(
+    nodes: ScriptedNodes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    nodes.add("/robot", "speed")
+    nodes.ros.services = [
+        service for service in nodes.ros.services if service.name != "/robot/set_parameters"
+    ]
+    nodes.offer("/robot", "set_parameters", lambda _: None)
+    clock = StoppedClock(monkeypatch)
+    setting = asyncio.ensure_future(nodes.parameters.set("/robot", {"speed": 1.0}))
+    await clock.advance(0)  # it asks
+    await clock.advance(2.4)
+    assert not setting.done()
+    await clock.advance(0.2)
+    with pytest.raises(ProtocolError, match=r"has not answered within 2\.5 s"):
+        await setting
+    assert nodes.calls.asked == ["/robot/describe_parameters", "/robot/set_parameters"]
+
+
 async def test_hidden_nodes_are_not_asked_for_their_names(nodes: ScriptedNodes) -> None:
     for node in ("/robot", "/_ros2cli_1", "/_hidden/robot"):
         nodes.add(node, "speed")
@@ -303,7 +337,7 @@ async def test_hidden_nodes_are_not_asked_for_their_names(nodes: ScriptedNodes) 
 async def test_more_dead_nodes_than_are_asked_at_once_do_not_hide_a_living_one(
     nodes: ScriptedNodes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("gateway.rosapi.node_parameters.NODE_TIMEOUT_S", 1.0)
+    monkeypatch.setattr("gateway.rosapi.node_parameters.EACH_NODE_TIMEOUT_S", 1.0)
     for number in range(NODES_AT_ONCE + 1):
         nodes.add_silent(f"/dead{number}")
     nodes.add("/living", "speed")
@@ -315,7 +349,7 @@ async def test_more_dead_nodes_than_are_asked_at_once_do_not_hide_a_living_one(
 async def test_looking_at_all_nodes_ends_however_many_are_dead(
     nodes: ScriptedNodes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("gateway.rosapi.node_parameters.NODE_TIMEOUT_S", 3600.0)
+    monkeypatch.setattr("gateway.rosapi.node_parameters.EACH_NODE_TIMEOUT_S", 3600.0)
     for number in range(2 * NODES_AT_ONCE + 1):
         nodes.add_silent(f"/dead{number:02}")
     nodes.add("/alive", "speed")
@@ -350,7 +384,7 @@ async def test_all_nodes_together_have_two_seconds(
 async def test_nodes_that_were_silent_before_are_asked_last(
     nodes: ScriptedNodes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("gateway.rosapi.node_parameters.NODE_TIMEOUT_S", 0.05)
+    monkeypatch.setattr("gateway.rosapi.node_parameters.EACH_NODE_TIMEOUT_S", 0.05)
     monkeypatch.setattr("gateway.rosapi.unresponsive_nodes.FRESH_S", -1.0)
     nodes.add_silent("/dead")
     nodes.add("/living", "speed")
