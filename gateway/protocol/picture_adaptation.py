@@ -32,7 +32,7 @@ MAX_HOLD_S: Final = 0.08
 # A larger picture is tried when it would fit with some room, and the smaller one has for a while;
 # else pictures would change all the time.
 ROOM: Final = 0.75
-PATIENCE_NS: Final = 2_000_000_000
+LARGER_AFTER_NS: Final = 2_000_000_000
 
 
 # By how much what is learned about a step may differ from the table: one scene may have changed
@@ -79,7 +79,7 @@ class PictureAdaptation:
         elif at and whole * parts[at - 1] <= fitting * ROOM:
             if self._fits_since_ns is None:
                 self._fits_since_ns = now_ns
-            elif now_ns - self._fits_since_ns >= PATIENCE_NS:
+            elif now_ns - self._fits_since_ns >= LARGER_AFTER_NS:
                 self._fits_since_ns = None
                 self.step = STEPS[at - 1]
         else:

@@ -27,7 +27,7 @@ ANSWER_S: Final = 5.0
 ASKED_NODES: Final = 3  # of those with a type; often a dozen have the same package
 # A node that has not told a type is not asked for it again for so long. One without a service for
 # that may be about to start it.
-PATIENCE_S: Final = 30.0
+PAUSE_S: Final = 30.0
 STARTING_S: Final = 2.0
 MAX_SILENT: Final = 1024
 # Between two looks at all topics: a robot that starts changes its graph for seconds, and a topic
@@ -172,7 +172,7 @@ class LearnedTypes:
         except _ERRORS as error:
             _logger.warning("%s is not learned of %s: %s", type_name, holder.node, error)
             is_late = isinstance(error, ProtocolError) and error.code == "timeout"
-            self._leave_alone(_whole(holder) if is_late else holder, PATIENCE_S)
+            self._leave_alone(_whole(holder) if is_late else holder, PAUSE_S)
             return _NO_ANSWER if is_late else f"a node that has it says: {error}"
         self._hashes[type_name] = holder.type_hash
         _logger.info("%s is learned of %s", type_name, holder.node)
@@ -194,11 +194,11 @@ class LearnedTypes:
         in_use = {name: known for name, known in self._hashes.items() if name in present}
         learn(self._definitions, type_name, told, holder.type_hash, in_use)
 
-    def _leave_alone(self, holder: TypeHolder, patience_s: float) -> None:
+    def _leave_alone(self, holder: TypeHolder, pause_s: float) -> None:
         loop = asyncio.get_running_loop()
         if len(self._silent) >= MAX_SILENT:
             del self._silent[next(iter(self._silent))]
-        self._silent[holder] = loop.time() + patience_s
+        self._silent[holder] = loop.time() + pause_s
         if self._again is not None:
             self._again.cancel()
         self._again = loop.call_at(min(self._silent.values()), self._look_again)

@@ -25,7 +25,7 @@ string<=5 name 'ab'
 geometry_msgs/Point[<=2] ends
 float64[2] x [1, 2]
 """
-PATIENCE = ("--timeout", str(TIMEOUT_S))
+TIMEOUT = ("--timeout", str(TIMEOUT_S))
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +62,7 @@ async def said(*arguments, **environment):
 @pytest.mark.parametrize("language", ["csharp", "typescript", "python", "json-schema"])
 async def test_a_gateway_gives_what_its_own_machine_has(gateway, workspace, language):
     everything = (language, "*", *(["--complete"] if language == "csharp" else []))
-    there = await asyncio.to_thread(generated, *everything, "--from", gateway.url, *PATIENCE)
+    there = await asyncio.to_thread(generated, *everything, "--from", gateway.url, *TIMEOUT)
     assert there == generated(*everything, "--types-path", str(workspace))
     assert "Walk" in there
 
@@ -79,7 +79,7 @@ async def test_a_gateway_gives_what_its_own_machine_has(gateway, workspace, lang
     ],
 )
 async def test_types_go_by_name_number_pattern_and_topic(gateway, requested, name):
-    arguments = ("json-schema", requested, "--from", gateway.url, *PATIENCE)
+    arguments = ("json-schema", requested, "--from", gateway.url, *TIMEOUT)
     schema = json.loads(await asyncio.to_thread(generated, *arguments))
     assert schema["title"] == name
     shown = requested if requested.endswith("*") else name
@@ -102,7 +102,7 @@ async def test_types_go_by_name_number_pattern_and_topic(gateway, requested, nam
     ],
 )
 async def test_what_the_gateway_does_not_know_comes_in_its_words(gateway, requested, words):
-    code, sentence = await said("python", requested, "--from", gateway.url, *PATIENCE)
+    code, sentence = await said("python", requested, "--from", gateway.url, *TIMEOUT)
     assert code == 2
     assert sentence.startswith(f"{gateway.url}: ")
     assert words in sentence
@@ -110,7 +110,7 @@ async def test_what_the_gateway_does_not_know_comes_in_its_words(gateway, reques
 
 @pytest.mark.asyncio(loop_scope="module")
 async def test_a_pattern_that_the_gateway_has_no_type_for_is_refused(gateway):
-    code, sentence = await said("python", "own_msg/*", "--from", gateway.url, *PATIENCE)
+    code, sentence = await said("python", "own_msg/*", "--from", gateway.url, *TIMEOUT)
     assert (code, sentence) == (2, "no known type fits own_msg/*, did you mean own_msgs/*")
 
 
@@ -118,7 +118,7 @@ async def test_a_token_is_shown_by_argument_and_by_environment(tmp_path, monkeyp
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     token = ros2_gateway("token", "create", "me", "--role", "viewer").stdout.strip()
     async with gateway_process("serve", "--set", "access.authentication=token") as gateway:
-        asked = ("typescript", "std_msgs/*", "--from", gateway.url, *PATIENCE)
+        asked = ("typescript", "std_msgs/*", "--from", gateway.url, *TIMEOUT)
         texts = {
             await asyncio.to_thread(generated, *asked, "--token", token),
             await asyncio.to_thread(generated, *asked, ROS2_GATEWAY_TOKEN=token),
@@ -138,13 +138,13 @@ async def test_a_certificate_is_verified(tmp_path):
     cert, key = tmp_path / "cert.pem", tmp_path / "key.pem"
     tls = ("--tls-cert", str(cert), "--tls-key", str(key))
     async with gateway_process("serve", *tls) as gateway:
-        asked = ("python", "std_msgs/String", "--from", gateway.url, *PATIENCE)
+        asked = ("python", "std_msgs/String", "--from", gateway.url, *TIMEOUT)
         assert "class String" in await asyncio.to_thread(generated, *asked, "--ca", str(cert))
         code, sentence = await said(*asked)
         assert (code, "its certificate is not trusted" in sentence) == (1, True)
         assert sentence.endswith("by --ca")
         plain = gateway.url.replace("wss", "ws")
-        code, sentence = await said("python", "1", "--from", plain, *PATIENCE)
+        code, sentence = await said("python", "1", "--from", plain, *TIMEOUT)
         assert (code, sentence.startswith(f"{plain}: ")) == (1, True)
 
 
@@ -251,7 +251,7 @@ def test_a_server_without_websockets_is_told_of():
 
         thread = threading.Thread(target=answer)
         thread.start()
-        code, sentence = refusal("generate", "python", "1", "--from", url, *PATIENCE)
+        code, sentence = refusal("generate", "python", "1", "--from", url, *TIMEOUT)
         thread.join()
     assert (code, sentence) == (1, f"{url}: the handshake is refused: 404 Not Found")
 

@@ -95,6 +95,6 @@ async def client(
     yield connection
     await connection.close()
     # roslibpy knows no status, and may hear one even when it has begun to close
-    complaints = (str(each) for each in library.take("warning"))
-    assert [each for each in complaints if 'operation "status"' not in each] == []
+    warnings = (str(each) for each in library.take("warning"))
+    assert [each for each in warnings if 'operation "status"' not in each] == []
     library.events.clear()

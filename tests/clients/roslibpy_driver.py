@@ -18,7 +18,7 @@ from urllib.parse import urlsplit
 import roslibpy  # type: ignore[import-not-found]  # on the path that this is started with
 from roslibpy.tf import TFClient  # type: ignore[import-not-found]
 
-_PATIENCE_S = 120  # as long as `tests.client.TIMEOUT_S`
+_TIMEOUT_S = 120  # as long as `tests.client.TIMEOUT_S`
 
 _writing = threading.Lock()
 
@@ -29,7 +29,7 @@ def say(**line: Any) -> None:
         print(json.dumps(line, default=dict), flush=True)  # noqa: T201  # this is how it speaks
 
 
-class Complaints(logging.Handler):
+class Warnings(logging.Handler):
     """Tells what roslibpy logs from warnings on."""
 
     def emit(self, record: logging.LogRecord) -> None:
@@ -72,7 +72,7 @@ class Ros(roslibpy.Ros):  # type: ignore[misc]  # of a library without types
         super().__init__(address.hostname, address.port, headers=headers)
 
     def connect(self) -> None:
-        self.factory.setProtocolOptions(openHandshakeTimeout=_PATIENCE_S)
+        self.factory.setProtocolOptions(openHandshakeTimeout=_TIMEOUT_S)
         # Of its attempts to connect again. They would come ever more rarely, each 2.7 times as long
         # after the last, while a gateway starts slowly.
         self.factory.initialDelay = 0.1
@@ -109,7 +109,7 @@ class Connection:
         self._ros = Ros(url, token, self._tell)
         # Version 1 connects outside the reactor's thread, which then sleeps on for up to a second.
         self._ros.call_later(0, lambda: None)
-        answer.of(lambda: self._ros.run(_PATIENCE_S))
+        answer.of(lambda: self._ros.run(_TIMEOUT_S))
         return False
 
     def close(self, answer: Answer) -> bool:
@@ -166,7 +166,7 @@ class Connection:
 
         def tell(event: str) -> Callable[[Any], None]:
             def arrive(value: Any) -> None:
-                identified.wait(_PATIENCE_S)
+                identified.wait(_TIMEOUT_S)
                 self._tell(event, goals[0], _plain(value))
 
             return arrive
@@ -196,15 +196,15 @@ class Connection:
         return True
 
     def get_param(self, answer: Answer, name: str) -> bool:
-        answer.of(lambda: roslibpy.Param(self._ros, name).get(timeout=_PATIENCE_S))
+        answer.of(lambda: roslibpy.Param(self._ros, name).get(timeout=_TIMEOUT_S))
         return False
 
     def set_param(self, answer: Answer, name: str, value: Any) -> bool:
-        answer.of(lambda: roslibpy.Param(self._ros, name).set(value, timeout=_PATIENCE_S))
+        answer.of(lambda: roslibpy.Param(self._ros, name).set(value, timeout=_TIMEOUT_S))
         return False
 
     def delete_param(self, answer: Answer, name: str) -> bool:
-        answer.of(lambda: roslibpy.Param(self._ros, name).delete(timeout=_PATIENCE_S))
+        answer.of(lambda: roslibpy.Param(self._ros, name).delete(timeout=_TIMEOUT_S))
         return False
 
     def ask(self, answer: Answer, question: str, args: list[Any]) -> bool:
@@ -240,8 +240,8 @@ def _plain(value: Any) -> Any:
 
 def main() -> None:
     """Carry out commands until there are no more."""
-    roslibpy.set_rosapi_timeout(_PATIENCE_S)
-    logging.getLogger().addHandler(Complaints(logging.WARNING))
+    roslibpy.set_rosapi_timeout(_TIMEOUT_S)
+    logging.getLogger().addHandler(Warnings(logging.WARNING))
     connections: dict[str, Connection] = {}
     for line in sys.stdin:
         command = json.loads(line)

@@ -113,7 +113,7 @@ async def publishers(speaker: Client, topic: str) -> int:
     return next(len(each["publishers"]) for each in graph["topics"] if each["name"] == topic)
 
 
-def is_complaint(frame: Frame) -> bool:
+def is_warning(frame: Frame) -> bool:
     return frame["op"] == "status" and frame.get("code") == "qos_incompatible"
 
 
@@ -310,7 +310,7 @@ async def test_who_publishes_what_a_node_does_not_match_is_told(
     qos = {"durability": "volatile"}
     await speaker.send(op="advertise", id=8, topic=topic, type=STRING, qos=qos)
     robot.listen(QoSProfile(depth=1, durability=LATCHED))
-    status = await speaker.receive(is_complaint)
+    status = await speaker.receive(is_warning)
     assert (status["level"], status["id"], status["request"]) == ("warning", 8, "advertise")
     assert status["msg"] == (
         f"topic {topic}: /outside asks for durability transient_local, published is with durability"
@@ -367,7 +367,7 @@ async def test_who_insists_on_what_is_not_offered_is_told_and_nobody_else(
         await strict.send(
             op="subscribe", id=7, topic=topic, type=STRING, qos={"reliability": "reliable"}
         )
-        status = await strict.receive(is_complaint)
+        status = await strict.receive(is_warning)
         assert (status["level"], status["id"], status["request"]) == ("warning", 7, "subscribe")
         assert "/outside" in status["msg"]
         assert "best_effort" in status["msg"]
@@ -396,7 +396,7 @@ async def test_each_thing_that_is_not_offered_is_told_in_words(
 ):
     await speaker.send(op="subscribe", topic=topic, type=STRING, qos=options)
     robot.publisher(offer)
-    status = await speaker.receive(is_complaint)
+    status = await speaker.receive(is_warning)
     assert words in status["msg"]
 
 

@@ -14,7 +14,7 @@ def test_a_node_is_known_to_be_silent_for_a_moment() -> None:
     assert not unresponsive.has_just_timed_out("/other", 1.0, now_s=10.0)
 
 
-def test_who_has_more_patience_asks_again() -> None:
+def test_a_request_with_a_longer_time_out_is_sent() -> None:
     unresponsive = UnresponsiveNodes()
     unresponsive.add("/slow", waited_s=0.1, now_s=10.0)
     assert unresponsive.has_just_timed_out("/slow", 0.05, now_s=10.0)

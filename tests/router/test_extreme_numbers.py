@@ -133,9 +133,9 @@ def operations(op: str) -> st.SearchStrategy[dict[str, Any]]:
 
 
 async def carry_out(text: str) -> list[Any]:
-    """Send an operation to a gateway with a camera; return what its loop has complained of."""
-    complaints: list[Any] = []
-    asyncio.get_running_loop().set_exception_handler(lambda _, context: complaints.append(context))
+    """Send an operation to a gateway with a camera; return the errors of its loop."""
+    errors: list[Any] = []
+    asyncio.get_running_loop().set_exception_handler(lambda _, context: errors.append(context))
     ros = FakeRos()
     camera = ros.add_publisher("/camera", IMAGE)
     pixels = TYPES.get(IMAGE)
@@ -149,7 +149,7 @@ async def carry_out(text: str) -> list[Any]:
                 await asyncio.sleep(0)
         router.close()
         await asyncio.sleep(0)
-    return complaints
+    return errors
 
 
 def written(operation: dict[str, Any]) -> str:

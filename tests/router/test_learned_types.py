@@ -132,7 +132,7 @@ async def test_a_node_that_has_yet_to_introduce_itself_is_waited_for(bench: Benc
 
 
 async def test_who_waits_hears_once_why_there_is_none(bench: Bench, monkeypatch):
-    monkeypatch.setattr(learned_types, "PATIENCE_S", 0.5)
+    monkeypatch.setattr(learned_types, "PAUSE_S", 0.5)
     node = Node(bench)
     node.publish("/lamp", LAMP)
     client = bench.client()
@@ -251,7 +251,7 @@ async def test_few_are_asked_at_once(bench: Bench):
 
 async def test_the_memory_of_who_said_no_is_bounded(bench: Bench, monkeypatch):
     monkeypatch.setattr(learned_types, "MAX_SILENT", 1)
-    monkeypatch.setattr(learned_types, "PATIENCE_S", 600)
+    monkeypatch.setattr(learned_types, "PAUSE_S", 600)
     node = Node(bench)
     for number in range(2):
         node.publish(f"/lamp{number}", f"my_msgs/msg/Lamp{number}")

@@ -14,7 +14,7 @@ namespace Ros2Gateway.Editor
     {
         private readonly EditorClient _client;
         private readonly Stopwatch _watch = Stopwatch.StartNew();
-        private readonly int _patienceMilliseconds;
+        private readonly int _timeoutMilliseconds;
         private string _server;
         private bool _isAsked;
 
@@ -22,7 +22,7 @@ namespace Ros2Gateway.Editor
         public ConnectionProbe(GatewayOptions options)
         {
             // one attempt, and as long again for its answers
-            _patienceMilliseconds = 2 * options.ConnectMilliseconds;
+            _timeoutMilliseconds = 2 * options.ConnectMilliseconds;
             _client = new EditorClient(options);
             Text = _client.Problem;
         }
@@ -63,9 +63,9 @@ namespace Ros2Gateway.Editor
             {
                 End(false, _client.Problem);
             }
-            else if (_watch.ElapsedMilliseconds > _patienceMilliseconds)
+            else if (_watch.ElapsedMilliseconds > _timeoutMilliseconds)
             {
-                End(false, "no answer from " + _client.Address + " in " + _patienceMilliseconds + " ms");
+                End(false, "no answer from " + _client.Address + " in " + _timeoutMilliseconds + " ms");
             }
         }
 

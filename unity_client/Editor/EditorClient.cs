@@ -10,7 +10,7 @@ namespace Ros2Gateway.Editor
     /// </summary>
     public sealed class EditorClient : IDisposable
     {
-        private string _lastWords = "";
+        private string _lastError = "";
 
         /// <summary>Begins to connect, to where these options say.</summary>
         public EditorClient(GatewayOptions options)
@@ -36,7 +36,7 @@ namespace Ros2Gateway.Editor
                 {
                     return "";
                 }
-                return _lastWords.Length > 0 ? _lastWords : "connecting to " + Address;
+                return _lastError.Length > 0 ? _lastError : "connecting to " + Address;
             }
         }
 
@@ -62,7 +62,7 @@ namespace Ros2Gateway.Editor
         {
             if (happened.Level != EventLevel.Info)
             {
-                _lastWords = happened.Text;
+                _lastError = happened.Text;
             }
         }
     }

@@ -48,7 +48,7 @@ async def test_values_are_read(names: Sequence[str] | None) -> None:
     operations, scripted = build({"speed": 0.5})
     request = GetParameters.model_validate({"node": "/robot", "names": names})
     assert await operations.get(request) == {"node": "/robot", "values": {"speed": 0.5}}
-    assert scripted.asked == ("/robot", names, 1.0)
+    assert scripted.asked == ("/robot", names, 2.5)
 
 
 async def test_what_became_of_each_value_is_told() -> None:

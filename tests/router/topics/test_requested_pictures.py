@@ -111,7 +111,7 @@ async def test_clients_on_links_of_a_like_rate_share_their_pictures(camera: Came
 
 
 async def test_pictures_grow_with_the_link(camera: Camera, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("gateway.protocol.picture_adaptation.PATIENCE_NS", 0)
+    monkeypatch.setattr("gateway.protocol.picture_adaptation.LARGER_AFTER_NS", 0)
     client = camera.client(SLOW)
     await camera.show(client, times=3)
     client.session.outbox.drains(1e9)

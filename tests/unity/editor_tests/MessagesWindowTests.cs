@@ -20,7 +20,7 @@ namespace Ros2Gateway.Editor.Tests
     {
         private const string Limit = "nav2_msgs/msg/SpeedLimit";
         private const string Goal = "nav2_msgs/action/NavigateToPose";
-        private const int PatienceMilliseconds = 120000; // a machine may be busy with other things
+        private const int TimeoutMilliseconds = 120000; // a machine may be busy with other things
 
         private GatewaySettings _settings;
         private MessagesWindow _window;
@@ -152,7 +152,7 @@ namespace Ros2Gateway.Editor.Tests
             while (!holds())
             {
                 string shown = string.Join(" | ", Inspector.Words);
-                Assert.Less(watch.ElapsedMilliseconds, PatienceMilliseconds, shown);
+                Assert.Less(watch.ElapsedMilliseconds, TimeoutMilliseconds, shown);
                 if (EditorApplication.update != null)
                 {
                     EditorApplication.update();

@@ -16,7 +16,7 @@ namespace Ros2Gateway.Editor.Tests
     [Category("Gateway")]
     public sealed class TextureReadbackTests
     {
-        private const int PatienceMilliseconds = 120000; // a machine may be busy with other things
+        private const int TimeoutMilliseconds = 120000; // a machine may be busy with other things
 
         private GameObject _holder;
         private GatewaySettings _settings;
@@ -94,7 +94,7 @@ namespace Ros2Gateway.Editor.Tests
             Stopwatch watch = Stopwatch.StartNew();
             while (!holds())
             {
-                Assert.Less(watch.ElapsedMilliseconds, PatienceMilliseconds, "waited in vain");
+                Assert.Less(watch.ElapsedMilliseconds, TimeoutMilliseconds, "waited in vain");
                 yield return null;
             }
         }

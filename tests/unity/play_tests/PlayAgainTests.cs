@@ -20,7 +20,7 @@ namespace Ros2Gateway.Play.Tests
     [Category("Gateway")]
     public sealed class PlayAgainTests
     {
-        private const int PatienceMilliseconds = 120000; // a machine may be busy with other things
+        private const int TimeoutMilliseconds = 120000; // a machine may be busy with other things
 
         private static string Address
         {
@@ -75,7 +75,7 @@ namespace Ros2Gateway.Play.Tests
             Stopwatch watch = Stopwatch.StartNew();
             while (!holds())
             {
-                Assert.Less(watch.ElapsedMilliseconds, PatienceMilliseconds, "waited in vain " + what);
+                Assert.Less(watch.ElapsedMilliseconds, TimeoutMilliseconds, "waited in vain " + what);
                 yield return null;
             }
         }

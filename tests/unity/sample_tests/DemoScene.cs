@@ -11,7 +11,7 @@ namespace Ros2Gateway.Samples.Tests
     /// <summary>One of the demonstrations, as somebody starts it: its builder on an empty object.</summary>
     internal sealed class DemoScene : IDisposable
     {
-        private const int PatienceMilliseconds = 120000; // a machine may be busy with other things
+        private const int TimeoutMilliseconds = 120000; // a machine may be busy with other things
 
         internal readonly GameObject Root = new GameObject("demonstration");
 
@@ -49,7 +49,7 @@ namespace Ros2Gateway.Samples.Tests
             Stopwatch watch = Stopwatch.StartNew();
             while (!holds())
             {
-                Assert.Less(watch.ElapsedMilliseconds, PatienceMilliseconds, "waited in vain " + what);
+                Assert.Less(watch.ElapsedMilliseconds, TimeoutMilliseconds, "waited in vain " + what);
                 yield return null;
             }
         }

@@ -9,7 +9,7 @@ namespace Ros2Gateway.Tests
     [TestFixture]
     public sealed class BackgroundDecoderTests
     {
-        private const int PatienceMilliseconds = 60000;
+        private const int TimeoutMilliseconds = 60000;
 
         [Test]
         public void APictureIsDecodedOnAnotherThread()
@@ -119,7 +119,7 @@ namespace Ros2Gateway.Tests
         private static DecodedPicture Next(BackgroundDecoder decoder)
         {
             DecodedPicture picture = null;
-            bool isThere = SpinWait.SpinUntil(() => (picture = decoder.Take()) != null, PatienceMilliseconds);
+            bool isThere = SpinWait.SpinUntil(() => (picture = decoder.Take()) != null, TimeoutMilliseconds);
             Assert.IsTrue(isThere, "waited in vain for a picture");
             return picture;
         }

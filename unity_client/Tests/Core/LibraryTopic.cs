@@ -14,7 +14,7 @@ namespace Ros2Gateway.Tests
     internal static class LibraryTopic
     {
         private const string Last = "the last before the test";
-        private const int PatienceMilliseconds = 120000; // a machine may be busy with other things
+        private const int TimeoutMilliseconds = 120000; // a machine may be busy with other things
 
         /// <summary>Adds a publisher and a subscriber, and returns when they have found each other and nothing is on its way.</summary>
         public static void Open(string topic, int type, int backlog = 10)
@@ -43,7 +43,7 @@ namespace Ros2Gateway.Tests
                 {
                     again();
                 }
-                if (watch.ElapsedMilliseconds > PatienceMilliseconds)
+                if (watch.ElapsedMilliseconds > TimeoutMilliseconds)
                 {
                     string debug;
                     string heard = "";

@@ -14,7 +14,7 @@ namespace Ros2Gateway.Editor.Tests
     public sealed class EditorClientTests
     {
         private const string Nobody = "ws://127.0.0.1:9"; // the port of what is to be discarded
-        private const int PatienceMilliseconds = 120000; // a machine may be busy with other things
+        private const int TimeoutMilliseconds = 120000; // a machine may be busy with other things
 
         [Test]
         [Category("Gateway")]
@@ -134,7 +134,7 @@ namespace Ros2Gateway.Editor.Tests
             Stopwatch watch = Stopwatch.StartNew();
             while (!holds())
             {
-                Assert.Less(watch.ElapsedMilliseconds, PatienceMilliseconds, "waited in vain");
+                Assert.Less(watch.ElapsedMilliseconds, TimeoutMilliseconds, "waited in vain");
                 pump();
                 Thread.Sleep(5);
             }

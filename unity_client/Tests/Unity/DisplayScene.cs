@@ -14,7 +14,7 @@ namespace Ros2Gateway.Unity.Tests
     {
         internal const string Gateway = "ROS2GATEWAY_TEST_URL";
 
-        private const int PatienceMilliseconds = 120000; // a machine may be busy with other things
+        private const int TimeoutMilliseconds = 120000; // a machine may be busy with other things
 
         /// <summary>What was logged, of any level.</summary>
         internal readonly List<string> Logged = new List<string>();
@@ -118,7 +118,7 @@ namespace Ros2Gateway.Unity.Tests
                 {
                     yield break;
                 }
-                if (watch.ElapsedMilliseconds > PatienceMilliseconds)
+                if (watch.ElapsedMilliseconds > TimeoutMilliseconds)
                 {
                     Assert.Fail("waited in vain " + what + "; logged: " + string.Join(" | ", Logged));
                 }

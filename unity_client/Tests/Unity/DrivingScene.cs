@@ -29,7 +29,7 @@ namespace Ros2Gateway.Unity.Tests
         internal const string Gateway = "ROS2GATEWAY_TEST_URL";
         internal const string Rogue = "ROS2GATEWAY_ROGUE_URL";
 
-        private const int PatienceMilliseconds = 120000; // a machine may be busy with other things
+        private const int TimeoutMilliseconds = 120000; // a machine may be busy with other things
 
         internal readonly GatewayConnection Connection;
         internal readonly GatewayClient Observer;
@@ -95,7 +95,7 @@ namespace Ros2Gateway.Unity.Tests
                 {
                     yield break;
                 }
-                if (watch.ElapsedMilliseconds > PatienceMilliseconds)
+                if (watch.ElapsedMilliseconds > TimeoutMilliseconds)
                 {
                     Assert.Fail("waited in vain " + what + "; heard: " + string.Join(" | ", Heard)
                         + "; events: " + string.Join(" | ", Connection.Events));
@@ -126,8 +126,8 @@ namespace Ros2Gateway.Unity.Tests
             Connection.Client.Request("cut", null, null);
             if (isFrozen)
             {
-                Assert.IsTrue(SpinWait.SpinUntil(() => !Connection.Client.IsConnected, PatienceMilliseconds));
-                Assert.IsTrue(SpinWait.SpinUntil(() => Connection.Client.IsConnected, PatienceMilliseconds));
+                Assert.IsTrue(SpinWait.SpinUntil(() => !Connection.Client.IsConnected, TimeoutMilliseconds));
+                Assert.IsTrue(SpinWait.SpinUntil(() => Connection.Client.IsConnected, TimeoutMilliseconds));
                 yield return null;
                 yield break;
             }

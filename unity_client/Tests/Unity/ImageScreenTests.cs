@@ -126,7 +126,7 @@ namespace Ros2Gateway.Unity.Tests
         }
 
         [UnityTest]
-        public IEnumerator TheSameComplaintIsLoggedOnce()
+        public IEnumerator TheSameWarningIsLoggedOnce()
         {
             ImageScreen screen = Screen();
             for (int i = 0; i < 5; i++)
@@ -158,7 +158,7 @@ namespace Ros2Gateway.Unity.Tests
         }
 
         [UnityTest]
-        public IEnumerator WithoutASurfaceItComplainsAndGoesOn()
+        public IEnumerator WithoutASurfaceItWarnsAndGoesOn()
         {
             ImageScreen screen = _scene.Display<ImageScreen>();
             screen.Show(Jpeg(64, 48));

@@ -144,7 +144,7 @@ namespace Ros2Gateway.Unity.Tests
         }
 
         [UnityTest]
-        public IEnumerator AnglesThatAreNoNumbersAreComplainedOf()
+        public IEnumerator AnglesThatAreNoNumbersAreWarnedOf()
         {
             LaserScanMsg scan = Scan(1, 2, 3);
             scan.angle_increment = float.NaN;

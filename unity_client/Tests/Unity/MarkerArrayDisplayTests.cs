@@ -15,7 +15,7 @@ namespace Ros2Gateway.Unity.Tests
     [TestFixture]
     public sealed class MarkerArrayDisplayTests
     {
-        private const int PatienceMilliseconds = 60000; // a machine may be busy with other things
+        private const int TimeoutMilliseconds = 60000; // a machine may be busy with other things
 
         private DisplayScene _scene;
         private MarkerArrayDisplay _display;
@@ -203,13 +203,13 @@ namespace Ros2Gateway.Unity.Tests
                     {
                         send(14);
                         send(15);
-                        SpinWait.SpinUntil(() => arrived >= before + 5, PatienceMilliseconds);
+                        SpinWait.SpinUntil(() => arrived >= before + 5, TimeoutMilliseconds);
                     }
                 };
                 send(11);
                 send(12);
                 send(13);
-                SpinWait.SpinUntil(() => arrived >= before + 3, PatienceMilliseconds);
+                SpinWait.SpinUntil(() => arrived >= before + 3, TimeoutMilliseconds);
                 yield return _scene.Until(() => heard == 5, "for the burst");
                 yield return null;
                 Assert.AreEqual(5, display.Count);

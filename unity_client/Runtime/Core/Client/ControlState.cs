@@ -51,7 +51,7 @@ namespace Ros2Gateway
     /// <summary>Who drives a robot, and whether it may be driven; as of one moment.</summary>
     public sealed class ControlState
     {
-        private readonly string _words;
+        private readonly string _text;
 
         /// <summary>The command topic, such as /cmd_vel.</summary>
         public readonly string Topic;
@@ -88,11 +88,11 @@ namespace Ros2Gateway
         /// <summary>Why a command to move would be refused, in words; null if none of this is against it.</summary>
         public readonly string Refusal;
 
-        internal ControlState(string topic, string words)
+        internal ControlState(string topic, string text)
         {
             Topic = topic;
             Cause = "";
-            _words = words;
+            _text = text;
         }
 
         private ControlState(string topic, JsonValue frame)
@@ -107,13 +107,13 @@ namespace Ros2Gateway
             DeadlineSeconds = frame["deadline_s"].AsDouble(0);
             LeaseSeconds = frame["lease_s"].AsDouble(0);
             Refusal = RefusalOf();
-            _words = Refusal ?? Words();
+            _text = Refusal ?? StatusText();
         }
 
         /// <summary>What people should know of it, in a few words.</summary>
         public override string ToString()
         {
-            return _words;
+            return _text;
         }
 
         internal static ControlState Read(JsonValue frame)
@@ -131,10 +131,10 @@ namespace Ros2Gateway
             {
                 return "another client drives";
             }
-            return IsTripped ? "stopped, " + CauseWords() + ": let go (publish zero), then drive on" : null;
+            return IsTripped ? "stopped, " + CauseText() + ": let go (publish zero), then drive on" : null;
         }
 
-        private string Words()
+        private string StatusText()
         {
             if (Guard == GuardState.Starting)
             {
@@ -152,7 +152,7 @@ namespace Ros2Gateway
             }
         }
 
-        private string CauseWords()
+        private string CauseText()
         {
             switch (Cause)
             {

@@ -187,7 +187,7 @@ namespace Ros2Gateway
                 _connecting.Clear();
             }
             Reply<bool> reply = state == ConnectionState.Connected ? Reply<bool>.Of(true)
-                : Reply<bool>.Failed(state == ConnectionState.Refused ? _link.LastWords : "Disconnect was called");
+                : Reply<bool>.Failed(state == ConnectionState.Refused ? _link.LastError : "Disconnect was called");
             foreach (AwaitedReply<bool> awaited in all)
             {
                 awaited.Answer(reply);

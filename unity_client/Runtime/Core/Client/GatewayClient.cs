@@ -363,7 +363,7 @@ namespace Ros2Gateway
             string name, IMessage request, Action<Reply<TResponse>> done, int timeoutMilliseconds)
             where TResponse : IMessage, new()
         {
-            int patience = timeoutMilliseconds > 0 ? timeoutMilliseconds : _options.CallMilliseconds;
+            int timeout = timeoutMilliseconds > 0 ? timeoutMilliseconds : _options.CallMilliseconds;
             return _requests.Send(
                 "call_service",
                 "call_service " + name,
@@ -373,7 +373,7 @@ namespace Ros2Gateway
                     frame.Name("args");
                     request.Write(frame);
                     frame.Member("nonfinite", "string");
-                    frame.Member("timeout", patience / 1000.0);
+                    frame.Member("timeout", timeout / 1000.0);
                 },
                 reader =>
                 {
@@ -382,7 +382,7 @@ namespace Ros2Gateway
                     return response;
                 },
                 done,
-                patience);
+                timeout);
         }
 
         private string SendRequest<T>(
@@ -463,7 +463,7 @@ namespace Ros2Gateway
             _publishers.Restore();
             _controls.Restore();
             _providers.Restore();
-            _outbox.OpenLanes();
+            _outbox.OpenQueues();
             _subscriptions.Restore();
             _graph.Restore();
             _transforms.Restore();

@@ -40,7 +40,7 @@ namespace Ros2Gateway
         private const int Absent = -1;
 
         private const int NameCharacters = 128; // of what a peer sends, in words of ours
-        private const int WordsCharacters = 1024; // of a peer's own words: a paragraph
+        private const int ErrorTextCharacters = 1024; // of a peer's own words: a paragraph
 
         private readonly Subscriptions _subscriptions;
         private readonly Publishers _publishers;
@@ -334,11 +334,11 @@ namespace Ros2Gateway
             {
                 return; // what the gateway has refused, or forgotten, needs no end
             }
-            string words = _payloadAt == Absent ? "" : Cut(Payload().ReadString(), WordsCharacters);
+            string errorText = _payloadAt == Absent ? "" : Truncate(Payload().ReadString(), ErrorTextCharacters);
             string topic = _id == null ? null : _subscriptions.TopicOf(_id) ?? _publishers.TopicOf(_id);
-            if (topic != null && !words.Contains(topic))
+            if (topic != null && !errorText.Contains(topic))
             {
-                words = topic + ": " + words;
+                errorText = topic + ": " + errorText;
             }
             if (_request == "cancel_transform" && _code == "not_found")
             {
@@ -346,31 +346,31 @@ namespace Ros2Gateway
             }
             if (_level != "error")
             {
-                _transforms.OnWarning(_id, words);
+                _transforms.OnWarning(_id, errorText);
             }
-            else if (_transforms.OnRefused(_id, words))
+            else if (_transforms.OnRefused(_id, errorText))
             {
                 return;
             }
             if (_level == "error" && _requests.IsPending(_id))
             {
-                _requests.Fail(_id, words);
+                _requests.Fail(_id, errorText);
                 return;
             }
             if (_level == "error" && _id != null)
             {
-                if (_controls.OnRefused(_id, words))
+                if (_controls.OnRefused(_id, errorText))
                 {
                     return;
                 }
-                if (_publishers.OnRefused(_id, _request ?? "", _code ?? "", words))
+                if (_publishers.OnRefused(_id, _request ?? "", _code ?? "", errorText))
                 {
                     return;
                 }
             }
             EventLevel level = _level == "error" ? EventLevel.Error
                 : _level == "info" ? EventLevel.Info : EventLevel.Warning;
-            _reports.Tell(level, words, _code ?? "", _request ?? "");
+            _reports.Tell(level, errorText, _code ?? "", _request ?? "");
         }
 
         private void OnServiceResponse()
@@ -381,7 +381,7 @@ namespace Ros2Gateway
             }
             else
             {
-                _requests.Fail(_id, Words("the call failed"));
+                _requests.Fail(_id, ErrorText("the call failed"));
             }
         }
 
@@ -393,7 +393,7 @@ namespace Ros2Gateway
             }
             else
             {
-                _goals.Fail(_id, Words("the goal failed"));
+                _goals.Fail(_id, ErrorText("the goal failed"));
             }
         }
 
@@ -407,7 +407,7 @@ namespace Ros2Gateway
             {
                 _reports.Tell(
                     EventLevel.Warning,
-                    "a frame with unknown op '" + Cut(_op, NameCharacters) + "' was ignored",
+                    "a frame with unknown op '" + Truncate(_op, NameCharacters) + "' was ignored",
                     "client",
                     "");
             }
@@ -429,7 +429,7 @@ namespace Ros2Gateway
             return _second;
         }
 
-        private string Words(string otherwise)
+        private string ErrorText(string otherwise)
         {
             if (_payloadAt == Absent)
             {
@@ -492,11 +492,11 @@ namespace Ros2Gateway
 
         private string Where()
         {
-            return _topic == null ? "" : Cut(_topic, NameCharacters) + ": ";
+            return _topic == null ? "" : Truncate(_topic, NameCharacters) + ": ";
         }
 
         // What a peer sends is repeated in part only.
-        private static string Cut(string text, int characters)
+        private static string Truncate(string text, int characters)
         {
             return text.Length <= characters ? text : text.Substring(0, characters) + "...";
         }

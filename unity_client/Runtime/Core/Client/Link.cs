@@ -16,7 +16,7 @@ namespace Ros2Gateway
 
         void OnHeartbeat();
 
-        void OnDown(string words);
+        void OnDown(string errorText);
 
         void OnState(ConnectionState state);
 
@@ -35,7 +35,7 @@ namespace Ros2Gateway
         // A server that accepts and keeps silent costs a socket with each attempt, which .NET cannot take
         // back: after so many in a row they become rare, 60 in an hour.
         private const int ManyAttempts = 30;
-        private const double PatientPauseMilliseconds = 60000;
+        private const double SilentPauseMilliseconds = 60000;
 
         // Ticks come every 50 ms or every frame. After a longer gap it was this program that slept (a
         // breakpoint, a headset put down), and what the gateway said meanwhile has yet to be read.
@@ -55,7 +55,7 @@ namespace Ros2Gateway
         private int _silentAttempts; // one after the other
         private bool _isClosed;
         private Attempt _leaving; // the last that was said goodbye to
-        private string _lastWords;
+        private string _lastError;
 
         internal Link(GatewayOptions options, ILinkOwner owner)
         {
@@ -66,13 +66,13 @@ namespace Ros2Gateway
         internal ConnectionState State { get; private set; }
 
         /// <summary>Why it is not connected, in words; null while nothing has failed.</summary>
-        internal string LastWords
+        internal string LastError
         {
             get
             {
                 lock (_gate)
                 {
-                    return _lastWords;
+                    return _lastError;
                 }
             }
         }
@@ -88,7 +88,7 @@ namespace Ros2Gateway
                 }
                 _pause = _options.FirstPauseMilliseconds;
                 _silentAttempts = 0;
-                _lastWords = null;
+                _lastError = null;
                 Begin();
             }
         }
@@ -162,7 +162,7 @@ namespace Ros2Gateway
         {
             bool isHeartbeatDue = false;
             Attempt silent = null;
-            string words = null;
+            string errorText = null;
             lock (_gate)
             {
                 if (now - _now > SleptMilliseconds)
@@ -183,14 +183,14 @@ namespace Ros2Gateway
                         if (now - _attemptBegan > 2 * _options.ConnectMilliseconds)
                         {
                             silent = _attempt;
-                            words = "no answer within " + 2 * _options.ConnectMilliseconds + " ms";
+                            errorText = "no answer within " + 2 * _options.ConnectMilliseconds + " ms";
                         }
                         break;
                     case ConnectionState.Connected:
                         if (now - _lastFrame > _options.SilenceMilliseconds)
                         {
                             silent = _attempt;
-                            words = "no word from the gateway for " + _options.SilenceMilliseconds + " ms";
+                            errorText = "no word from the gateway for " + _options.SilenceMilliseconds + " ms";
                         }
                         else if (now >= _nextHeartbeat)
                         {
@@ -202,7 +202,7 @@ namespace Ros2Gateway
             }
             if (silent != null)
             {
-                Ended(silent, 0, words);
+                Ended(silent, 0, errorText);
                 silent.Transport.Dispose();
             }
             else if (isHeartbeatDue)
@@ -217,9 +217,9 @@ namespace Ros2Gateway
             if (!Uri.TryCreate(_options.Address, UriKind.Absolute, out address)
                 || (address.Scheme != "ws" && address.Scheme != "wss"))
             {
-                _lastWords = "address '" + _options.Address + "': expected ws://HOST:PORT or wss://HOST:PORT";
+                _lastError = "address '" + _options.Address + "': expected ws://HOST:PORT or wss://HOST:PORT";
                 Become(ConnectionState.Refused);
-                _owner.Report(EventLevel.Error, _lastWords);
+                _owner.Report(EventLevel.Error, _lastError);
                 return;
             }
             _attemptBegan = _now;
@@ -252,7 +252,7 @@ namespace Ros2Gateway
                 }
                 _lastFrame = _now;
                 _nextHeartbeat = _now;
-                _lastWords = null;
+                _lastError = null;
                 _silentAttempts = 0;
                 _owner.OnUp(attempt.Transport);
                 if (attempt != _attempt)
@@ -289,7 +289,7 @@ namespace Ros2Gateway
         {
             bool wasUp = State == ConnectionState.Connected;
             bool isRefused = code == Unauthenticated || code == RoleRemoved;
-            string words = (wasUp ? "connection to " : "cannot connect to ") + _options.Address
+            string errorText = (wasUp ? "connection to " : "cannot connect to ") + _options.Address
                 + (wasUp ? " lost" : "") + Because(code, reason);
             _attempt = null;
             // Clients that lost the same gateway should not all come back in the same moment.
@@ -299,14 +299,14 @@ namespace Ros2Gateway
             _silentAttempts = wasSilent ? _silentAttempts + 1 : 0;
             _pause = Math.Min(
                 2 * _pause,
-                _silentAttempts > ManyAttempts ? PatientPauseMilliseconds : _options.LongestPauseMilliseconds);
-            _owner.OnDown(words);
+                _silentAttempts > ManyAttempts ? SilentPauseMilliseconds : _options.LongestPauseMilliseconds);
+            _owner.OnDown(errorText);
             Become(isRefused ? ConnectionState.Refused : ConnectionState.Waiting);
             // An absent gateway is told once, not with every attempt.
-            if (words != _lastWords)
+            if (errorText != _lastError)
             {
-                _lastWords = words;
-                _owner.Report(EventLevel.Error, words + (isRefused ? "" : "; trying again"));
+                _lastError = errorText;
+                _owner.Report(EventLevel.Error, errorText + (isRefused ? "" : "; trying again"));
             }
         }
 

@@ -6,11 +6,11 @@ using Ros2Gateway.Json;
 
 namespace Ros2Gateway
 {
-    /// <summary>What waits to be sent: requests in order, and a short lane per publisher beside them.</summary>
+    /// <summary>What waits to be sent: requests in order, and a short queue per publisher beside them.</summary>
     /// <remarks>
     /// One frame at a time is with the transport, so what else waits can still be dropped for something
-    /// newer. Requests go first; lanes take turns. What the transport has taken may wait on in the system's
-    /// buffers, where nothing can be dropped: so lanes are held while the gateway leaves a ping unanswered,
+    /// newer. Requests go first; queues take turns. What the transport has taken may wait on in the system's
+    /// buffers, where nothing can be dropped: so queues are held while the gateway leaves a ping unanswered,
     /// or a robot would carry out seconds of commands at once when a network comes back. Any thread.
     /// </remarks>
     internal sealed class Outbox
@@ -18,7 +18,7 @@ namespace Ros2Gateway
         // Requests are few and small; this many waiting means that nothing is leaving any more.
         private const int MaxRequests = 1024;
 
-        // How often to ping while publishers are busy: twice within the time after which lanes are held.
+        // How often to ping while publishers are busy: twice within the time after which queues are held.
         private const int BusyPingMilliseconds = 250;
 
         /// <summary>The refusal while there is no connection.</summary>
@@ -30,16 +30,16 @@ namespace Ros2Gateway
         private readonly int _freshMilliseconds;
         private readonly Queue<JsonWriter> _requests = new Queue<JsonWriter>();
         private readonly Stack<JsonWriter> _spare = new Stack<JsonWriter>();
-        private readonly Queue<Lane> _ready = new Queue<Lane>();
+        private readonly Queue<PublisherQueue> _ready = new Queue<PublisherQueue>();
         private ITransport _transport;
-        private bool _areLanesOpen;
+        private bool _areQueuesOpen;
         private JsonWriter _next; // offered to the transport, or with it
-        private Lane _nextLane; // the lane that it came from; null for a request
+        private PublisherQueue _nextQueue; // the queue that it came from; null for a request
         private bool _isSending;
         private bool _isFlushing;
         private long _unansweredSince = Never; // when the first ping left that no pong has followed
         private long _lastPing;
-        private bool _areLanesBusy; // since the last ping
+        private bool _areQueuesBusy; // since the last ping
 
         internal Outbox(Clock clock, int freshMilliseconds)
         {
@@ -62,11 +62,11 @@ namespace Ros2Gateway
         }
 
         /// <summary>Lets publishers send: what they are for has been advertised.</summary>
-        internal void OpenLanes()
+        internal void OpenQueues()
         {
             lock (_gate)
             {
-                _areLanesOpen = _transport != null;
+                _areQueuesOpen = _transport != null;
             }
         }
 
@@ -111,28 +111,28 @@ namespace Ros2Gateway
             return null;
         }
 
-        /// <summary>Sends a frame of a lane when its turn comes; returns why it does not go, or null.</summary>
-        internal string Post(Lane lane, JsonWriter frame, bool evenLate)
+        /// <summary>Sends a frame of a queue when its turn comes; returns why it does not go, or null.</summary>
+        internal string Post(PublisherQueue queue, JsonWriter frame, bool evenLate)
         {
             lock (_gate)
             {
-                string refusal = !_areLanesOpen ? NotConnected
-                    : !evenLate && AreLanesHeld() ? "no answer from the gateway for " + _freshMilliseconds + " ms"
+                string refusal = !_areQueuesOpen ? NotConnected
+                    : !evenLate && AreQueuesHeld() ? "no answer from the gateway for " + _freshMilliseconds + " ms"
                     : TooLarge(frame);
                 if (refusal != null)
                 {
-                    lane.GiveBack(frame);
+                    queue.GiveBack(frame);
                     return refusal;
                 }
-                lane.Add(frame, evenLate);
-                Enqueue(lane);
+                queue.Add(frame, evenLate);
+                Enqueue(queue);
             }
             Flush();
             return null;
         }
 
-        /// <summary>Sends a publisher's own end, after what its lane holds.</summary>
-        internal void PostLast(Lane lane, JsonWriter frame)
+        /// <summary>Sends a publisher's own end, after what its queue holds.</summary>
+        internal void PostLast(PublisherQueue queue, JsonWriter frame)
         {
             lock (_gate)
             {
@@ -140,8 +140,8 @@ namespace Ros2Gateway
                 {
                     return; // it has ended with the connection
                 }
-                lane.AddLast(frame);
-                Enqueue(lane);
+                queue.AddLast(frame);
+                Enqueue(queue);
             }
             Flush();
         }
@@ -151,7 +151,7 @@ namespace Ros2Gateway
         {
             lock (_gate)
             {
-                return _areLanesBusy && now - _lastPing >= BusyPingMilliseconds;
+                return _areQueuesBusy && now - _lastPing >= BusyPingMilliseconds;
             }
         }
 
@@ -160,7 +160,7 @@ namespace Ros2Gateway
             lock (_gate)
             {
                 _lastPing = now;
-                _areLanesBusy = false;
+                _areQueuesBusy = false;
                 if (_unansweredSince == Never)
                 {
                     _unansweredSince = now;
@@ -244,18 +244,18 @@ namespace Ros2Gateway
                 : "a frame of " + frame.Count + " bytes, the gateway takes at most " + MaxFrameBytes;
         }
 
-        private bool AreLanesHeld()
+        private bool AreQueuesHeld()
         {
             return _unansweredSince != Never && _clock.Now - _unansweredSince > _freshMilliseconds;
         }
 
-        private void Enqueue(Lane lane)
+        private void Enqueue(PublisherQueue queue)
         {
-            _areLanesBusy = true;
-            if (!lane.IsReady)
+            _areQueuesBusy = true;
+            if (!queue.IsReady)
             {
-                lane.IsReady = true;
-                _ready.Enqueue(lane);
+                queue.IsReady = true;
+                _ready.Enqueue(queue);
             }
         }
 
@@ -270,22 +270,22 @@ namespace Ros2Gateway
                 _next = _requests.Dequeue();
                 return true;
             }
-            bool areHeld = AreLanesHeld();
+            bool areHeld = AreQueuesHeld();
             while (_ready.Count > 0)
             {
-                Lane lane = _ready.Dequeue();
+                PublisherQueue queue = _ready.Dequeue();
                 if (areHeld)
                 {
-                    lane.Drop(); // it was meant for a moment that has passed
+                    queue.Drop(); // it was meant for a moment that has passed
                 }
-                _next = lane.Take();
+                _next = queue.Take();
                 if (_next == null)
                 {
-                    lane.IsReady = false;
+                    queue.IsReady = false;
                     continue;
                 }
-                _nextLane = lane;
-                _ready.Enqueue(lane);
+                _nextQueue = queue;
+                _ready.Enqueue(queue);
                 return true;
             }
             return false;
@@ -297,28 +297,28 @@ namespace Ros2Gateway
             {
                 return;
             }
-            if (_nextLane != null)
+            if (_nextQueue != null)
             {
-                _nextLane.GiveBack(_next);
+                _nextQueue.GiveBack(_next);
             }
             else
             {
                 _spare.Push(_next);
             }
             _next = null;
-            _nextLane = null;
+            _nextQueue = null;
         }
 
         private void Clear()
         {
-            _areLanesOpen = false;
-            _areLanesBusy = false;
+            _areQueuesOpen = false;
+            _areQueuesBusy = false;
             _unansweredSince = Never;
             if (_isSending)
             {
                 // An abandoned transport may read these bytes yet: let it have them.
                 _next = null;
-                _nextLane = null;
+                _nextQueue = null;
                 _isSending = false;
             }
             GiveBack();
@@ -328,9 +328,9 @@ namespace Ros2Gateway
             }
             while (_ready.Count > 0)
             {
-                Lane lane = _ready.Dequeue();
-                lane.IsReady = false;
-                lane.Clear();
+                PublisherQueue queue = _ready.Dequeue();
+                queue.IsReady = false;
+                queue.Clear();
             }
         }
     }

@@ -10,7 +10,7 @@ namespace Ros2Gateway
     /// <summary>Parameters of ROS nodes. A node has a second to answer; replies come while the client is pumped.</summary>
     public static class Parameters
     {
-        private const int Patience = 2000; // ms: the gateway gives a node one second
+        private const int TimeoutMilliseconds = 3500; // the gateway gives a node 2500
 
         /// <summary>Asks for the names of a node's parameters.</summary>
         public static void ListParameters(this GatewayClient client, string node, Action<Reply<string[]>> done)
@@ -19,7 +19,7 @@ namespace Ros2Gateway
                 "list_parameters",
                 Members(node),
                 reply => done(Map(reply, frame => Strings(frame["names"]))),
-                Patience);
+                TimeoutMilliseconds);
         }
 
         /// <summary>Asks for values by name; without names for all that the node has.</summary>
@@ -30,7 +30,7 @@ namespace Ros2Gateway
                 "get_parameters",
                 Members(node, names),
                 reply => done(Map(reply, frame => frame["values"])),
-                Patience);
+                TimeoutMilliseconds);
         }
 
         /// <summary>
@@ -43,7 +43,7 @@ namespace Ros2Gateway
                 "set_parameters",
                 Members(node).With("values", values),
                 reply => done(Map(reply, frame => frame["results"])),
-                Patience);
+                TimeoutMilliseconds);
         }
 
         /// <summary>Asks for types, ranges and words; without names of all that the node has.</summary>
@@ -54,14 +54,14 @@ namespace Ros2Gateway
                 "describe_parameters",
                 Members(node, names),
                 reply => done(Map(reply, frame => frame["parameters"])),
-                Patience);
+                TimeoutMilliseconds);
         }
 
         /// <summary>Asks for the names of a node's parameters, to await; a token ends the waiting.</summary>
         public static async Task<string[]> ListParametersAsync(
             this GatewayClient client, string node, CancellationToken cancellation = default(CancellationToken))
         {
-            JsonValue frame = await client.RequestAsync("list_parameters", Members(node), cancellation, Patience);
+            JsonValue frame = await client.RequestAsync("list_parameters", Members(node), cancellation, TimeoutMilliseconds);
             return Strings(frame["names"]);
         }
 
@@ -70,7 +70,7 @@ namespace Ros2Gateway
             this GatewayClient client, string node, string[] names = null,
             CancellationToken cancellation = default(CancellationToken))
         {
-            JsonValue frame = await client.RequestAsync("get_parameters", Members(node, names), cancellation, Patience);
+            JsonValue frame = await client.RequestAsync("get_parameters", Members(node, names), cancellation, TimeoutMilliseconds);
             return frame["values"];
         }
 
@@ -82,7 +82,7 @@ namespace Ros2Gateway
             CancellationToken cancellation = default(CancellationToken))
         {
             JsonValue frame = await client.RequestAsync(
-                "set_parameters", Members(node).With("values", values), cancellation, Patience);
+                "set_parameters", Members(node).With("values", values), cancellation, TimeoutMilliseconds);
             return frame["results"];
         }
 
@@ -92,7 +92,7 @@ namespace Ros2Gateway
             CancellationToken cancellation = default(CancellationToken))
         {
             JsonValue frame = await client.RequestAsync(
-                "describe_parameters", Members(node, names), cancellation, Patience);
+                "describe_parameters", Members(node, names), cancellation, TimeoutMilliseconds);
             return frame["parameters"];
         }
 

@@ -14,7 +14,7 @@ namespace Ros2Gateway
         private const int ResetMilliseconds = 300;
 
         private readonly Publishers _publishers;
-        private readonly Lane _lane;
+        private readonly PublisherQueue _queue;
         private readonly QueueBound _bound;
         private readonly Drops _drops;
         private byte[] _latched; // a frame, to be sent again with each connection
@@ -27,7 +27,7 @@ namespace Ros2Gateway
             _publishers = publishers;
             _bound = publishers.NewBound(options.Queue);
             _drops = publishers.NewDrops(topic, options.Queue);
-            _lane = new Lane(_bound, _drops);
+            _queue = new PublisherQueue(_bound, _drops);
             Id = id;
             Topic = topic;
             Type = type;
@@ -79,7 +79,7 @@ namespace Ros2Gateway
                 // The last word counts: a state that came after the refusal knows better.
                 Refused refused = _refused;
                 return refused != null && refused.State == state && _publishers.Now < refused.Until
-                    ? refused.Words : null;
+                    ? refused.Reason : null;
             }
         }
 
@@ -142,7 +142,7 @@ namespace Ros2Gateway
             if (!IsDisposed)
             {
                 IsDisposed = true;
-                _publishers.Remove(this, _lane);
+                _publishers.Remove(this, _queue);
             }
         }
 
@@ -156,7 +156,7 @@ namespace Ros2Gateway
         }
 
         /// <summary>The gateway has refused a message.</summary>
-        internal void OnRefused(string code, string words)
+        internal void OnRefused(string code, string reason)
         {
             bool isTripped = code == "tripped";
             bool lasts = isTripped || code == "not_lease_holder" || code == "stale_command" || code == "forbidden"
@@ -168,8 +168,8 @@ namespace Ros2Gateway
             ControlState state = Control == null ? null : Control.State;
             bool isEndTold = isTripped && state != null && state.IsKnown;
             long until = isEndTold ? long.MaxValue : _publishers.Now + AskAgainMilliseconds;
-            _told = words; // it is an event already
-            _refused = new Refused(words, until, state);
+            _told = reason; // it is an event already
+            _refused = new Refused(reason, until, state);
         }
 
         private bool MovesARobot
@@ -179,8 +179,8 @@ namespace Ros2Gateway
 
         private bool IsRefused(IMessage message)
         {
-            string words = Refusal;
-            if (words == null)
+            string refusal = Refusal;
+            if (refusal == null)
             {
                 return false;
             }
@@ -189,14 +189,14 @@ namespace Ros2Gateway
                 Refused refused = _refused;
                 if (refused != null && refused.Until == long.MaxValue)
                 {
-                    _refused = new Refused(refused.Words, _publishers.Now + ResetMilliseconds, refused.State);
+                    _refused = new Refused(refused.Reason, _publishers.Now + ResetMilliseconds, refused.State);
                 }
                 return false;
             }
-            if (!ReferenceEquals(words, _told))
+            if (!ReferenceEquals(refusal, _told))
             {
-                _told = words;
-                _publishers.Report(this, words);
+                _told = refusal;
+                _publishers.Report(this, refusal);
             }
             return true;
         }
@@ -204,7 +204,7 @@ namespace Ros2Gateway
         // Returns why it does not go, or null.
         private string Send(IMessage message, bool evenLate)
         {
-            JsonWriter frame = _lane.Rent();
+            JsonWriter frame = _queue.Rent();
             try
             {
                 Write(frame, message);
@@ -212,14 +212,14 @@ namespace Ros2Gateway
             catch (Exception error)
             {
                 // A message may be a class of the application's, which may throw anything.
-                _lane.GiveBack(frame);
+                _queue.GiveBack(frame);
                 return error.Message;
             }
             string refusal;
             if (Options.Latch && !MovesARobot)
             {
                 byte[] latched = frame.ToArray();
-                _lane.GiveBack(frame);
+                _queue.GiveBack(frame);
                 refusal = _publishers.SendLatched(latched);
                 _latched = refusal == null ? latched : _latched;
             }
@@ -229,7 +229,7 @@ namespace Ros2Gateway
                 {
                     _bound.Depth = 1; // a command that waited is one for a robot that is elsewhere by now
                 }
-                refusal = _publishers.Send(_lane, frame, evenLate);
+                refusal = _publishers.Send(_queue, frame, evenLate);
             }
             Published += refusal == null ? 1 : 0;
             return refusal;
@@ -253,16 +253,16 @@ namespace Ros2Gateway
             frame.EndObject();
         }
 
-        /// <summary>A refusal: its words, its end, and the state that was known when it came.</summary>
+        /// <summary>A refusal: its reason, its end, and the state that was known when it came.</summary>
         private sealed class Refused
         {
-            internal readonly string Words;
+            internal readonly string Reason;
             internal readonly long Until;
             internal readonly ControlState State;
 
-            internal Refused(string words, long until, ControlState state)
+            internal Refused(string reason, long until, ControlState state)
             {
-                Words = words;
+                Reason = reason;
                 Until = until;
                 State = state;
             }

@@ -43,17 +43,17 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>Unadvertises, after what the publisher's lane still holds.</summary>
-        internal void Remove(Publisher publisher, Lane lane)
+        /// <summary>Unadvertises, after what the publisher's queue still holds.</summary>
+        internal void Remove(Publisher publisher, PublisherQueue queue)
         {
             lock (_gate)
             {
                 _all.Remove(publisher);
-                JsonWriter frame = lane.Rent();
+                JsonWriter frame = queue.Rent();
                 frame.Begin("unadvertise", publisher.Id);
                 frame.Member("topic", publisher.Topic);
                 frame.EndObject();
-                _outbox.PostLast(lane, frame);
+                _outbox.PostLast(queue, frame);
             }
             if (publisher.Control != null)
             {
@@ -142,9 +142,9 @@ namespace Ros2Gateway
         }
 
         /// <summary>Hands a frame over; returns why it does not go, or null.</summary>
-        internal string Send(Lane lane, JsonWriter frame, bool evenLate)
+        internal string Send(PublisherQueue queue, JsonWriter frame, bool evenLate)
         {
-            return _outbox.Post(lane, frame, evenLate);
+            return _outbox.Post(queue, frame, evenLate);
         }
 
         /// <summary>

@@ -18,15 +18,15 @@ namespace Ros2Gateway
         private readonly Controls _controls;
         private readonly Requests _requests;
         private readonly ControlTopic _topic;
-        private readonly int _patience;
+        private readonly int _timeoutMilliseconds;
         private readonly Listeners<ControlState> _changed;
         private bool _isDisposed;
 
-        internal RobotControl(Controls controls, Requests requests, string topic, int patience)
+        internal RobotControl(Controls controls, Requests requests, string topic, int timeoutMilliseconds)
         {
             _controls = controls;
             _requests = requests;
-            _patience = patience;
+            _timeoutMilliseconds = timeoutMilliseconds;
             _topic = controls.Open(topic);
             _changed = new Listeners<ControlState>(_topic.ReportFault, "listener of who drives " + topic);
             _topic.Add(Tell);
@@ -60,7 +60,7 @@ namespace Ros2Gateway
         /// <param name="done">Gets the topics that are stopped: none if no type of the topic is known yet.</param>
         public void Stop(Action<Reply<string[]>> done = null)
         {
-            Stop(_controls, _requests, Topic, done, _patience);
+            Stop(_controls, _requests, Topic, done, _timeoutMilliseconds);
         }
 
         /// <summary>
@@ -92,7 +92,7 @@ namespace Ros2Gateway
 
         /// <summary>Stops one robot, or all without a topic.</summary>
         internal static void Stop(
-            Controls controls, Requests requests, string topic, Action<Reply<string[]>> done, int patience)
+            Controls controls, Requests requests, string topic, Action<Reply<string[]>> done, int timeoutMilliseconds)
         {
             if (done == null)
             {
@@ -111,7 +111,7 @@ namespace Ros2Gateway
                 },
                 ReadTopics,
                 done,
-                patience);
+                timeoutMilliseconds);
         }
 
         private void Send(string op, Action<Reply<ControlState>> done)
@@ -122,7 +122,7 @@ namespace Ros2Gateway
                 frame => frame.Member("topic", Topic),
                 reader => ControlState.Read(JsonValue.Read(reader)),
                 done,
-                _patience);
+                _timeoutMilliseconds);
         }
 
         private void Tell(ControlState state)

@@ -116,7 +116,7 @@ namespace Ros2Gateway
             catch (Exception error)
             {
                 // Whatever it is, it is the end of this connection, and told in words.
-                reason = Words(error);
+                reason = ErrorText(error);
             }
             Volatile.Write(ref _isOpen, 0);
             if (Volatile.Read(ref _isClosing) == 1 && _closeReason != null)
@@ -258,7 +258,7 @@ namespace Ros2Gateway
             });
         }
 
-        private static string Words(Exception error)
+        private static string ErrorText(Exception error)
         {
             // The outermost says only "Unable to connect to the remote server".
             Exception innermost = error;

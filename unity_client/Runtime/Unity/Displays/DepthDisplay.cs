@@ -61,7 +61,7 @@ namespace Ros2Gateway.Unity
             string problem = info == null ? "a camera is described by a sensor_msgs/msg/CameraInfo" : _points.View(info);
             if (problem != null)
             {
-                Complain(problem);
+                Warn(problem);
             }
         }
 
@@ -87,7 +87,7 @@ namespace Ros2Gateway.Unity
             string problem = _points.Read(message.data);
             if (problem != null)
             {
-                Complain(problem + "; set the subscriber's Image Format to png");
+                Warn(problem + "; set the subscriber's Image Format to png");
                 _mesh.Clear();
                 return false;
             }

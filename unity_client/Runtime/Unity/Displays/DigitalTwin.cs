@@ -82,7 +82,7 @@ namespace Ros2Gateway.Unity
             Pose pose = message.pose.pose.As<Flu>().ToUnity();
             if (!IsFinite(pose.position.x) || !IsFinite(pose.position.y) || !IsFinite(pose.position.z))
             {
-                Complain("the odometry's position is not finite");
+                Warn("the odometry's position is not finite");
                 return false;
             }
             StandIn(message.header);

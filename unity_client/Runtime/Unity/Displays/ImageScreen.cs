@@ -125,7 +125,7 @@ namespace Ros2Gateway.Unity
             }
             if (!_surface.Exists)
             {
-                Complain("finds no Renderer and no RawImage beside it");
+                Warn("finds no Renderer and no RawImage beside it");
             }
             _status.Find(this, false);
             SetStale(true);
@@ -238,7 +238,7 @@ namespace Ros2Gateway.Unity
         {
             if (picture.Error != null)
             {
-                Complain("a picture of format \"" + picture.Format + "\" is damaged: " + picture.Error);
+                Warn("a picture of format \"" + picture.Format + "\" is damaged: " + picture.Error);
                 return false;
             }
             if (!Fits(picture.Width, picture.Height))
@@ -268,7 +268,7 @@ namespace Ros2Gateway.Unity
             int height;
             if (picture == null || !PictureSize.TryRead(picture, out width, out height))
             {
-                Complain("cannot show a picture of format \"" + format + "\": JPEG and PNG only");
+                Warn("cannot show a picture of format \"" + format + "\": JPEG and PNG only");
                 return false;
             }
             if (!Fits(width, height))
@@ -281,7 +281,7 @@ namespace Ros2Gateway.Unity
             }
             if (!_texture.LoadImage(picture))
             {
-                Complain("a picture of format \"" + format + "\" is damaged");
+                Warn("a picture of format \"" + format + "\" is damaged");
                 return false;
             }
             ShowTexture();
@@ -294,7 +294,7 @@ namespace Ros2Gateway.Unity
             {
                 return true;
             }
-            Complain("a picture has " + width + " x " + height + " pixels, at most " + MaxSide + " each way");
+            Warn("a picture has " + width + " x " + height + " pixels, at most " + MaxSide + " each way");
             return false;
         }
 

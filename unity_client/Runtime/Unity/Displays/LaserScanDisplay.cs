@@ -110,7 +110,7 @@ namespace Ros2Gateway.Unity
             int beams = (ranges.Length - 1) / step + 1;
             if (!Aim(message.angle_min, message.angle_increment * step, beams))
             {
-                Complain("the scan's angles are not finite");
+                Warn("the scan's angles are not finite");
                 _mesh.Clear();
                 return false;
             }

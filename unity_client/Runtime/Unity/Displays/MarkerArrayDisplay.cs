@@ -156,7 +156,7 @@ namespace Ros2Gateway.Unity
                     Clear();
                     break;
                 default:
-                    Complain("a marker's action " + marker.action + " is unknown");
+                    Warn("a marker's action " + marker.action + " is unknown");
                     break;
             }
         }
@@ -168,7 +168,7 @@ namespace Ros2Gateway.Unity
             {
                 if (_markers.Count >= _maxMarkers)
                 {
-                    Complain("at most " + _maxMarkers + " markers: the others are left out");
+                    Warn("at most " + _maxMarkers + " markers: the others are left out");
                     return;
                 }
                 _own = _material != null ? _own : _own ?? DisplayMaterials.Solid();
@@ -181,7 +181,7 @@ namespace Ros2Gateway.Unity
             _vertexCount += shown.VertexCount;
             if (problem != null)
             {
-                Complain("a marker: " + problem);
+                Warn("a marker: " + problem);
             }
         }
 

@@ -90,7 +90,7 @@ namespace Ros2Gateway.Unity
             string problem = _pixels.Draw(message) ?? Spread(message.info);
             if (problem != null)
             {
-                Complain(problem);
+                Warn(problem);
                 _mesh.Clear();
                 return false;
             }

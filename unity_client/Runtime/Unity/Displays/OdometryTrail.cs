@@ -89,7 +89,7 @@ namespace Ros2Gateway.Unity
             Vector3<Flu> read = message.pose.pose.position.As<Flu>();
             if (!(read.Length <= float.MaxValue)) // false for NaN, too
             {
-                Complain("the odometry's position is not finite");
+                Warn("the odometry's position is not finite");
                 return false;
             }
             Vector3 at = read.ToUnity();

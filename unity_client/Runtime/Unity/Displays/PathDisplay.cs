@@ -54,7 +54,7 @@ namespace Ros2Gateway.Unity
             {
                 if (!TryAdd(poses[i]))
                 {
-                    Complain("a path's pose is not finite: the line has a gap");
+                    Warn("a path's pose is not finite: the line has a gap");
                     isJoined = false;
                     continue;
                 }

@@ -62,13 +62,13 @@ namespace Ros2Gateway.Unity
             string refusal = layout.Read(message);
             if (refusal != null)
             {
-                Complain(refusal);
+                Warn(refusal);
                 _mesh.Clear();
                 return false;
             }
             if (layout.IsTruncated)
             {
-                Complain("a point cloud's data end before its points");
+                Warn("a point cloud's data end before its points");
             }
             int most = Mathf.Max(1, _maxPoints);
             long step = layout.Count > most ? (layout.Count - 1) / most + 1 : 1;

@@ -63,13 +63,13 @@ namespace Ros2Gateway.Unity
                 }
                 else
                 {
-                    Complain("some of the poses are not finite, and are left out");
+                    Warn("some of the poses are not finite, and are left out");
                 }
             }
             if (_arrows.IsTruncated)
             {
                 Drawn--; // the last found no room
-                Complain("too many poses: the first " + Drawn + " are drawn");
+                Warn("too many poses: the first " + Drawn + " are drawn");
             }
             _arrows.Upload();
             return true;

@@ -53,7 +53,7 @@ namespace Ros2Gateway.Unity
             bool isDrawn = _arrows.Add(message.pose);
             if (!isDrawn)
             {
-                Complain("the pose is not finite");
+                Warn("the pose is not finite");
             }
             _arrows.Upload();
             return isDrawn;

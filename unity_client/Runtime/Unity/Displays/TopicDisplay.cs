@@ -12,9 +12,9 @@ namespace Ros2Gateway.Unity
     public abstract class TopicDisplay<T> : MonoBehaviour, INewestOnly
         where T : class, IMessage
     {
-        private const int MaxComplaints = 8; // what is wrong with so many messages is wrong with all
+        private const int MaxWarnings = 8; // what is wrong with so many messages is wrong with all
 
-        private readonly List<string> _complaints = new List<string>();
+        private readonly List<string> _warnings = new List<string>();
         private T _newest;
         private float _newestTime;
         private float _drawnTime = float.NegativeInfinity;
@@ -119,13 +119,13 @@ namespace Ros2Gateway.Unity
             _newest = null;
         }
 
-        /// <summary>Logs what is wrong with a message, the same words only once.</summary>
-        protected void Complain(string words)
+        /// <summary>Logs what is wrong with a message, the same only once.</summary>
+        protected void Warn(string warning)
         {
-            if (_complaints.Count < MaxComplaints && !_complaints.Contains(words))
+            if (_warnings.Count < MaxWarnings && !_warnings.Contains(warning))
             {
-                _complaints.Add(words);
-                Debug.LogWarning(GetType().Name + " on " + name + ": " + words, this);
+                _warnings.Add(warning);
+                Debug.LogWarning(GetType().Name + " on " + name + ": " + warning, this);
             }
         }
 
@@ -137,7 +137,7 @@ namespace Ros2Gateway.Unity
                 Receive(shown);
                 return;
             }
-            Complain(
+            Warn(
                 "shows " + typeof(T).Name + ", but " + Subscriber.Topic + " carries "
                 + (message.RosType.Length > 0 ? message.RosType : "a message without a class")
                 + ": set the subscriber's type");

@@ -7,16 +7,16 @@ namespace Ros2Gateway.Unity
         /// <summary>Of a driver that waits for one.</summary>
         internal const string NoConnection = "no Gateway Connection";
 
-        internal string Words { get; private set; } = "";
+        internal string Text { get; private set; } = "";
 
         /// <summary>Takes the words of now; returns whether they are others.</summary>
-        internal bool Take(string words)
+        internal bool Take(string text)
         {
-            if (words == Words)
+            if (text == Text)
             {
                 return false;
             }
-            Words = words;
+            Text = text;
             return true;
         }
     }

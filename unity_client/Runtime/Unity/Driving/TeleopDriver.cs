@@ -59,7 +59,7 @@ namespace Ros2Gateway.Unity
         /// </summary>
         public string Status
         {
-            get { return _status.Words; }
+            get { return _status.Text; }
         }
 
         /// <summary>The same for programs; null while the component is disabled.</summary>
@@ -235,7 +235,7 @@ namespace Ros2Gateway.Unity
 
         private void TellStatus()
         {
-            string words = _status.Words;
+            string words = _status.Text;
             if (StatusChanged != null)
             {
                 StatusChanged(words);

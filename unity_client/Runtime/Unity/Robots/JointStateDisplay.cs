@@ -35,14 +35,14 @@ namespace Ros2Gateway.Unity
             _robot = _robot != null ? _robot : GetComponentInParent<RobotDescriptionDisplay>();
             if (_robot == null)
             {
-                Complain("no Robot Description Display: choose one, or put this below one");
+                Warn("no Robot Description Display: choose one, or put this below one");
                 return false;
             }
             string[] names = message.name;
             double[] positions = message.position;
             if (names == null || positions == null || names.Length != positions.Length)
             {
-                Complain("the joints have " + (names == null ? 0 : names.Length) + " names and "
+                Warn("the joints have " + (names == null ? 0 : names.Length) + " names and "
                     + (positions == null ? 0 : positions.Length) + " positions");
                 return false;
             }

@@ -104,7 +104,7 @@ namespace Ros2Gateway.Unity
             }
             catch (UrdfException error)
             {
-                Complain(error.Message);
+                Warn(error.Message);
                 return false;
             }
             Clear();
@@ -181,7 +181,7 @@ namespace Ros2Gateway.Unity
                     _shapes.Sphere(visual.Origin, visual.Size, visual.Color);
                     break;
                 default:
-                    Complain("there is no model for " + visual.Mesh + ": a small box stands for it");
+                    Warn("there is no model for " + visual.Mesh + ": a small box stands for it");
                     _shapes.Box(visual.Origin, new Vector3<Flu>(MeshBox, MeshBox, MeshBox), visual.Color);
                     break;
             }

@@ -5,7 +5,7 @@ using Ros2Gateway.Json;
 namespace Ros2Gateway
 {
     /// <summary>The frames of one publisher that wait, within a bound, the oldest being dropped.</summary>
-    internal sealed class Lane
+    internal sealed class PublisherQueue
     {
         private readonly QueueBound _bound;
         private readonly Drops _drops;
@@ -15,7 +15,7 @@ namespace Ros2Gateway
         private bool _keepsNewest; // which is right even when it comes late
 
         /// <param name="drops">Count those that made room for newer ones, or became too old to be sent.</param>
-        internal Lane(QueueBound bound, Drops drops)
+        internal PublisherQueue(QueueBound bound, Drops drops)
         {
             _bound = bound;
             _drops = drops;
