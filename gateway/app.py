@@ -6,7 +6,9 @@ import errno
 import logging
 import math
 import os
+import secrets
 import signal
+import socket
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -18,7 +20,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final
 
-from gateway.access.posture import Posture
+from gateway.access.posture import EVERYWHERE, Posture
 from gateway.codec.image import confine_to_calling_thread
 from gateway.codec.types import Types
 from gateway.config.model import Config
@@ -30,10 +32,12 @@ from gateway.log_fields import counted, text_of
 from gateway.log_rate import LogRate
 from gateway.memory import exempt_from_collection, keep_large_blocks, returning_free_memory
 from gateway.ports import LogLevel, Ros, RosError
+from gateway.protocol.lan_discovery import FoundGateway
 from gateway.ros import RosOptions, open_ros
 from gateway.router.router import Router
 from gateway.security import Security, open_security
 from gateway.server.admission import Admission
+from gateway.server.lan_discovery import answering_questions
 from gateway.server.server import Door, Server
 from gateway.server.static_files import PAGES, StaticFiles
 from schemas.installed import InstalledDefinitions
@@ -143,6 +147,19 @@ async def _serve(
         addresses, *encrypted = await stack.enter_async_context(listening)
         reloading = asyncio.create_task(_reload_whenever(hung_up, load, security, server))
         stack.callback(reloading.cancel)
+        tls_port = encrypted[0][0][1] if encrypted else None
+        if config.discoverable and not set(EVERYWHERE).isdisjoint(security.posture.hosts):
+            itself = FoundGateway(
+                id=secrets.token_hex(8),
+                name=socket.gethostname().partition(".")[0],
+                port=addresses[0][1],
+                path=config.path,
+                is_encrypted=security.tls is not None and tls_port is None,
+                tls_port=tls_port,
+                needs_token=security.posture.needs_token,
+                version=version("ros2-json-gateway"),
+            )
+            stack.enter_context(answering_questions(itself))
         exempt_from_collection()
         stack.enter_context(returning_free_memory())
         announce(
@@ -153,7 +170,7 @@ async def _serve(
                 tokens=security.token_path,
                 new_token=security.new_token,
                 certificate=config.tls.cert,
-                tls_port=encrypted[0][0][1] if encrypted else None,
+                tls_port=tls_port,
             )
         )
         guard.start()  # last: nobody waits for it to listen

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 from typing import Final, NoReturn
 
-from gateway.cli.argument_types import domain_id
+from gateway.cli.argument_types import domain_id, seconds
 from gateway.cli.type_arguments import AddCommand, add_commands_about_types
 from gateway.errors import UsageError
 
@@ -113,6 +113,13 @@ def argument_parser() -> argparse.ArgumentParser:
     )
     add_commands_about_types(command)
     _add_commands_about_configuration(command)
+    _add_find(
+        command(
+            "find",
+            "list the gateways on this network",
+            "  ros2-gateway find\n  ros2-gateway find --wait 5",
+        )
+    )
     return parser
 
 
@@ -246,6 +253,16 @@ def _add_mock(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--no-publish", action="store_true", help="only print what arrives")
     parser.add_argument("--no-listen", action="store_true", help="only publish")
+
+
+def _add_find(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--wait",
+        type=seconds,
+        default=1.5,
+        metavar="SECONDS",
+        help="how long to listen for answers (default 1.5)",
+    )
 
 
 def _add_check_config(parser: argparse.ArgumentParser) -> None:

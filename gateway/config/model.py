@@ -186,6 +186,11 @@ class Config(Section):
         description="names under which the gateway is reached, beside addresses, `localhost` and"
         " this machine's own name; `*` allows all",
     )
+    discoverable: bool = Field(
+        True,
+        description="whether clients find this gateway on their network without its address, if it"
+        " listens on all of them; `ros2-gateway find` is such a client",
+    )
     qr: bool = Field(
         True,
         description="whether a terminal shows the address as a QR code, if other machines can"

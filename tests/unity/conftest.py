@@ -16,11 +16,13 @@ from tests.unity.bases import CHANGING, STAMPED, Base
 from tests.unity.csharp import CSharpTest
 from tests.unity.rogue import deaf, rogue
 
+_FINDABLE = ("--host", "0.0.0.0", "--no-auth", "--set", "access.anonymous_role=admin")
+
 
 @pytest.fixture(scope="package")  # other tests in this domain want to be alone with their robot
 def gateway() -> Iterator[GatewayProcess]:
-    """``ros2-gateway demo`` on a free port."""
-    with in_background(demonstration()) as process:
+    """``ros2-gateway demo`` on a free port, which can be found; who connects may do everything."""
+    with in_background(demonstration(*_FINDABLE)) as process:
         yield process
 
 

@@ -1,21 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
+using System.Net;
 using Ros2Gateway.Unity;
 using UnityEditor;
 using UnityEngine;
 
 namespace Ros2Gateway.Editor
 {
-    /// <summary>Of Gateway Settings, with a button that tries the connection.</summary>
+    /// <summary>Of Gateway Settings, with buttons that find gateways, and try the connection.</summary>
     [CustomEditor(typeof(GatewaySettings))]
     public sealed class GatewaySettingsInspector : UnityEditor.Editor
     {
         private ConnectionProbe _probe;
+        private GatewayFinder _finder;
+
+        /// <summary>Where it looks for gateways: everywhere on this network by default.</summary>
+        public IPAddress[] Targets { get; set; } = new IPAddress[0];
 
         /// <summary>Draws the settings, the button and what came of it.</summary>
         public override void OnInspectorGUI()
         {
             DrawDefaultInspector();
             EditorGUILayout.Space();
+            DrawFound();
             if (GUILayout.Button("Test connection"))
             {
                 End();
@@ -33,6 +39,57 @@ namespace Ros2Gateway.Editor
         private void OnDisable()
         {
             End();
+            EndFinding();
+        }
+
+        private void DrawFound()
+        {
+            if (GUILayout.Button("Find gateways"))
+            {
+                EndFinding();
+                _finder = new GatewayFinder(Targets);
+                EditorApplication.update += Find;
+            }
+            if (_finder == null)
+            {
+                return;
+            }
+            EditorGUILayout.HelpBox(_finder.Problem ?? Progress(), MessageType.Info);
+            foreach (FoundGateway found in _finder.Found)
+            {
+                string token = found.NeedsToken ? ", needs a token" : "";
+                if (GUILayout.Button(found.Name + "  " + found.Address + token))
+                {
+                    Undo.RecordObject(target, "Choose a gateway");
+                    ((GatewaySettings)target).Address = found.Address;
+                    EditorUtility.SetDirty(target);
+                    EndFinding();
+                    return;
+                }
+            }
+        }
+
+        private string Progress()
+        {
+            return _finder.Found.Count > 0
+                ? "choose one:"
+                : "nobody answers yet: gateways do that listen on all networks (ros2-gateway serve --lan)";
+        }
+
+        private void Find()
+        {
+            _finder.Pump();
+            Repaint();
+        }
+
+        private void EndFinding()
+        {
+            if (_finder != null)
+            {
+                EditorApplication.update -= Find;
+                _finder.Dispose();
+                _finder = null;
+            }
         }
 
         private void Pump()

@@ -3,6 +3,7 @@ using System;
 using System.Collections;
 using System.Diagnostics;
 using System.Linq;
+using System.Net;
 using NUnit.Framework;
 using Ros2Gateway.Unity;
 using UnityEditor;
@@ -16,7 +17,7 @@ namespace Ros2Gateway.Editor.Tests
     [TestFixture]
     public sealed class InspectorClicksTests
     {
-        private const int PatienceMilliseconds = 120000; // a machine may be busy with other things
+        private const int TimeoutMilliseconds = 120000; // a machine may be busy with other things
 
         private GameObject _holder;
         private GatewaySettings _settings;
@@ -101,6 +102,24 @@ namespace Ros2Gateway.Editor.Tests
 
         [UnityTest]
         [Category("Gateway")]
+        public IEnumerator A_gateway_of_this_network_is_found_and_chosen()
+        {
+            int port = new Uri(Gateway()).Port;
+            Open(_settings, typeof(GatewaySettingsInspector));
+            ((GatewaySettingsInspector)_editor).Targets = new[] { IPAddress.Parse("127.255.255.255") };
+            Look("Find gateways");
+            StringAssert.StartsWith("nobody answers yet", Inspector.Words[0]);
+            string address = "ws://127.0.0.1:" + port + "/";
+            yield return Until(() => Inspector.Buttons.Any(text => text.EndsWith("  " + address)));
+            Look(Inspector.Buttons.Single(text => text.EndsWith("  " + address)));
+            Assert.AreEqual(address, _settings.Address);
+            Look();
+            Assert.IsEmpty(Inspector.Words);
+            Assert.IsNull(EditorApplication.update);
+        }
+
+        [UnityTest]
+        [Category("Gateway")]
         public IEnumerator A_closed_inspector_leaves_nothing_in_the_editors_update()
         {
             _settings.Address = Gateway();
@@ -152,7 +171,7 @@ namespace Ros2Gateway.Editor.Tests
             while (!holds())
             {
                 string shown = string.Join(" | ", Inspector.Words);
-                Assert.Less(watch.ElapsedMilliseconds, PatienceMilliseconds, shown);
+                Assert.Less(watch.ElapsedMilliseconds, TimeoutMilliseconds, shown);
                 if (EditorApplication.update != null)
                 {
                     EditorApplication.update();

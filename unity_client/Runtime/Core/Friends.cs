@@ -2,3 +2,4 @@
 using System.Runtime.CompilerServices;
 
 [assembly: InternalsVisibleTo("Ros2Gateway.Unity")]
+[assembly: InternalsVisibleTo("Ros2Gateway.Core.Tests")]

@@ -14,6 +14,9 @@ namespace UnityEngine.Stage
         /// <summary>The help boxes since the last call of <see cref="Look"/>.</summary>
         public static readonly List<string> Words = new List<string>();
 
+        /// <summary>The buttons and toggles since the last call of <see cref="Look"/>.</summary>
+        public static readonly List<string> Buttons = new List<string>();
+
         /// <summary>The toggles since the last call of <see cref="Look"/>, and whether each is on.</summary>
         public static readonly Dictionary<string, bool> Toggles = new Dictionary<string, bool>();
 
@@ -25,6 +28,7 @@ namespace UnityEngine.Stage
         {
             Words.Clear();
             Toggles.Clear();
+            Buttons.Clear();
             _clicked = click;
             draw();
             _clicked = null;
@@ -38,6 +42,7 @@ namespace UnityEngine.Stage
 
         internal static bool IsClicked(string text)
         {
+            Buttons.Add(text);
             return text == _clicked;
         }
 

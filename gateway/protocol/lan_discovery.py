@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The datagrams by which clients find the gateways of their network.
+
+A client broadcasts a question to a UDP port, and each gateway answers the client alone. Both are
+JSON. A question has at least `QUESTION_BYTES` and an answer at most as many: questions with a
+forged sender cannot make gateways send a third party more than the forger sends himself.
+"""
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import orjson
+
+PORT: Final = 9090  # of UDP; wherever the gateway's own port is
+QUESTION_BYTES: Final = 512
+MAX_BYTES: Final = 1400  # one packet of Ethernet
+MAX_NAME: Final = 63  # characters; a label of a host name
+MAX_PATH: Final = 200
+
+_QUESTION_OP: Final = "find_gateways"
+
+
+@dataclass(frozen=True, slots=True)
+class FoundGateway:
+    """A gateway as it describes itself; its address is the sender of the datagram."""
+
+    id: str  # of one run of a gateway, which may be heard in several ways
+    name: str  # of its machine
+    port: int
+    path: str
+    is_encrypted: bool  # clients need wss:// on `port`
+    tls_port: int | None  # for wss:// besides
+    needs_token: bool
+    version: str
+
+    def url(self, host: str) -> str:
+        """Return the address for a WebSocket client."""
+        return f"{'wss' if self.is_encrypted else 'ws'}://{host}:{self.port}{self.path}"
+
+
+def question() -> bytes:
+    """Return the datagram that asks all gateways to answer."""
+    return orjson.dumps({"op": _QUESTION_OP}).ljust(QUESTION_BYTES)
+
+
+def is_question(datagram: bytes) -> bool:
+    """Return whether a gateway answers a datagram."""
+    return len(datagram) >= QUESTION_BYTES and _members(datagram).get("op") == _QUESTION_OP
+
+
+def answer(gateway: FoundGateway) -> bytes:
+    """Return the datagram that describes a gateway, of at most `QUESTION_BYTES`."""
+    return orjson.dumps(
+        {
+            "op": "gateway",
+            "id": gateway.id,
+            "name": gateway.name.encode("ascii", "replace")[:MAX_NAME].decode(),
+            "port": gateway.port,
+            "path": gateway.path if len(gateway.path) <= MAX_PATH else "/",
+            "tls": gateway.is_encrypted,
+            "tls_port": gateway.tls_port,
+            "token": gateway.needs_token,
+            "version": gateway.version,
+        }
+    )
+
+
+def found(datagram: bytes) -> FoundGateway | None:
+    """Return the gateway that an answer describes; ``None`` for any other datagram."""
+    match _members(datagram):
+        case {
+            "op": "gateway",
+            "id": str(run),
+            "name": str(name),
+            "port": int(port),
+            "path": str(path),
+            "tls": bool(is_encrypted),
+            "tls_port": int() | None as tls_port,
+            "token": bool(needs_token),
+            "version": str(version),
+        } if 0 < port < 65536 and all(map(_is_plain, (run, name, path, version))):  # a port
+            return FoundGateway(run, name, port, path, is_encrypted, tls_port, needs_token, version)
+    return None
+
+
+def _is_plain(text: str) -> bool:
+    return text.isascii() and text.isprintable()  # nothing that a terminal obeys
+
+
+def _members(datagram: bytes) -> dict[str, Any]:
+    try:
+        members = orjson.loads(datagram)
+    except orjson.JSONDecodeError:
+        return {}
+    return members if isinstance(members, dict) else {}

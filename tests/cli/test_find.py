@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Finding gateways from outside: a real gateway, and the real command."""
+
+import json
+import os
+import socket
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from dataclasses import replace
+from urllib.parse import urlsplit
+
+import pytest
+
+from gateway.cli.find import gateways, line
+from gateway.protocol.lan_discovery import FoundGateway, answer
+from tests.cli.test_main import ros2_gateway
+from tests.client import TIMEOUT_S, eventually
+from tests.gateway_process import gateway_process
+
+GATEWAY = FoundGateway("4f1d", "robot7", 9090, "/", False, None, True, "0.1.0")
+
+
+@pytest.fixture
+def answering() -> Iterator[socket.socket]:
+    """A socket that answers nothing until a test does so."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as answering:
+        answering.bind(("127.0.0.1", 0))
+        answering.settimeout(TIMEOUT_S)
+        yield answering
+
+
+def answered(answering: socket.socket, *datagrams: bytes) -> list[tuple[str, FoundGateway]]:
+    def answer_all() -> None:
+        _, sender = answering.recvfrom(2048)
+        for datagram in datagrams:
+            answering.sendto(datagram, sender)
+
+    thread = threading.Thread(target=answer_all)
+    thread.start()
+    try:
+        return gateways(0.5, ("127.0.0.1",), answering.getsockname()[1])
+    finally:
+        thread.join()
+
+
+def test_gateways_are_sorted_by_name_and_named_once(answering: socket.socket) -> None:
+    other = replace(GATEWAY, id="5a", name="arm")
+    found = answered(answering, answer(GATEWAY), b"garbage", answer(other), answer(GATEWAY))
+    assert found == [("127.0.0.1", other), ("127.0.0.1", GATEWAY)]
+
+
+def test_a_line_says_how_to_connect() -> None:
+    assert line("10.0.0.7", GATEWAY) == (
+        "robot7  ws://10.0.0.7:9090/  needs a token, version 0.1.0"
+    )
+    assert line("10.0.0.7", replace(GATEWAY, tls_port=9443, needs_token=False)) == (
+        "robot7  ws://10.0.0.7:9090/ and wss://10.0.0.7:9443/  needs no token, version 0.1.0"
+    )
+
+
+def test_nobody_there_is_told_with_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    script = (
+        "from gateway.cli import find, main\n"
+        "find.gateways.__defaults__ = (('127.0.0.1',), 1)\n"
+        "raise SystemExit(main.main(['find', '--wait', '0.1']))"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", script],
+        env=dict(os.environ),
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT_S,
+        check=False,
+    )
+    assert (run.returncode, run.stdout) == (1, "")
+    assert run.stderr.startswith("ros2-gateway: no gateway has answered; those that listen on all")
+
+
+@pytest.mark.parametrize("wait", ["0", "-1", "nan", "soon"])
+def test_a_wait_is_a_time(wait: str) -> None:
+    refused = ros2_gateway("find", "--wait", wait)
+    assert refused.returncode == 2
+    assert "expected seconds above 0" in refused.stderr
+
+
+@pytest.mark.parametrize("is_discoverable", [True, False])
+async def test_a_gateway_on_all_networks_is_found_unless_it_hides(
+    is_discoverable: bool,
+) -> None:
+    flags = ("--lan", "--no-auth", "--set", f"discoverable={json.dumps(is_discoverable)}")
+    async with gateway_process("serve", *flags) as gateway:
+        port = urlsplit(gateway.url).port
+
+        def is_found() -> bool:
+            return port in [each.port for _, each in gateways(0.5, ("127.255.255.255",))]
+
+        if is_discoverable:
+            await eventually(is_found)
+        else:
+            assert not is_found()

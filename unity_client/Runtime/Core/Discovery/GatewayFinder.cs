@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+using System;
+using System.Collections.Generic;
+using System.Diagnostics;
+using System.Net;
+using System.Net.Sockets;
+using System.Text;
+
+namespace Ros2Gateway
+{
+    /// <summary>
+    /// Looks for gateways on this network, from its creation until it is disposed of. Call <see cref="Pump"/> in
+    /// every frame; it uses no thread. Browsers cannot do this, see <see cref="Problem"/>.
+    /// </summary>
+    public sealed class GatewayFinder : IDisposable
+    {
+        /// <summary>The UDP port on which gateways listen for this question.</summary>
+        public const int Port = 9090;
+
+        private const int AskMilliseconds = 500; // a datagram may be lost
+        private const int QuestionBytes = 512; // gateways answer none that is shorter than their answer
+        private const int MaxBytes = 1400;
+        private const int MaxFound = 256;
+        private const int MaxPerPump = 32;
+
+        private readonly List<FoundGateway> _found = new List<FoundGateway>();
+        private readonly IPAddress[] _targets;
+        private readonly byte[] _question = new byte[QuestionBytes];
+        private readonly byte[] _datagram = new byte[MaxBytes];
+        private readonly Stopwatch _watch = Stopwatch.StartNew();
+        private readonly Socket _socket;
+        private long _nextAsk;
+
+        /// <summary>Begins.</summary>
+        /// <param name="targets">Broadcast addresses; by default that of the network which the system prefers,
+        /// and this machine's own. A machine in several networks names each, such as 192.168.1.255.</param>
+        public GatewayFinder(params IPAddress[] targets)
+        {
+            _targets = targets.Length > 0 ? targets : new[] { IPAddress.Broadcast, IPAddress.Parse("127.255.255.255") };
+            byte[] text = Encoding.ASCII.GetBytes("{\"op\":\"find_gateways\"}");
+            for (int i = 0; i < QuestionBytes; i++)
+            {
+                _question[i] = i < text.Length ? text[i] : (byte)' ';
+            }
+            try
+            {
+                _socket = new Socket(AddressFamily.InterNetwork, SocketType.Dgram, ProtocolType.Udp)
+                {
+                    Blocking = false,
+                    EnableBroadcast = true,
+                };
+                _socket.Bind(new IPEndPoint(IPAddress.Any, 0));
+            }
+            catch (SocketException error)
+            {
+                Fail(error);
+            }
+            catch (PlatformNotSupportedException error) // a browser
+            {
+                Fail(error);
+            }
+        }
+
+        /// <summary>The gateways that have answered, in the order in which they did.</summary>
+        public IReadOnlyList<FoundGateway> Found
+        {
+            get { return _found; }
+        }
+
+        /// <summary>Why nobody can be asked at the moment, or null.</summary>
+        public string Problem { get; private set; }
+
+        /// <summary>Asks again when it is time, and takes the answers that have come.</summary>
+        public void Pump()
+        {
+            if (_socket == null)
+            {
+                return;
+            }
+            if (_watch.ElapsedMilliseconds >= _nextAsk)
+            {
+                _nextAsk = _watch.ElapsedMilliseconds + AskMilliseconds;
+                Ask();
+            }
+            for (int i = 0; i < MaxPerPump && TakeOne(); i++)
+            {
+            }
+        }
+
+        /// <summary>Looks no longer; what was found stays.</summary>
+        public void Dispose()
+        {
+            if (_socket != null)
+            {
+                _socket.Close();
+            }
+        }
+
+        /// <summary>Lists a gateway, unless it is null or listed already.</summary>
+        internal void Add(FoundGateway gateway)
+        {
+            if (gateway == null)
+            {
+                return;
+            }
+            // a gateway of this machine is heard at two addresses, and other machines can use only one
+            int known = _found.FindIndex(each => each.Id == gateway.Id);
+            if (known < 0 && _found.Count < MaxFound)
+            {
+                _found.Add(gateway);
+            }
+            else if (known >= 0 && _found[known].Address.Contains("://127."))
+            {
+                _found[known] = gateway;
+            }
+        }
+
+        private void Ask()
+        {
+            bool isAsked = false;
+            string problem = null;
+            foreach (IPAddress target in _targets)
+            {
+                try
+                {
+                    _socket.SendTo(_question, new IPEndPoint(target, Port));
+                    isAsked = true;
+                }
+                catch (SocketException error)
+                {
+                    problem = "cannot look for gateways: " + error.Message;
+                }
+            }
+            Problem = isAsked ? null : problem;
+        }
+
+        private bool TakeOne()
+        {
+            EndPoint sender = new IPEndPoint(IPAddress.Any, 0);
+            int count;
+            try
+            {
+                if (_socket.Available == 0)
+                {
+                    return false;
+                }
+                count = _socket.ReceiveFrom(_datagram, ref sender);
+            }
+            catch (SocketException)
+            {
+                return true; // too long for an answer; or Windows reports one that was not delivered
+            }
+            Add(FoundGateway.Read(_datagram, count, ((IPEndPoint)sender).Address));
+            return true;
+        }
+
+        private void Fail(Exception error)
+        {
+            if (_socket != null)
+            {
+                _socket.Close();
+            }
+            Problem = "cannot look for gateways: " + error.Message;
+        }
+    }
+}
