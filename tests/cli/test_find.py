@@ -9,6 +9,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
@@ -87,9 +88,10 @@ def test_a_wait_is_a_time(wait: str) -> None:
 
 @pytest.mark.parametrize("is_discoverable", [True, False])
 async def test_a_gateway_on_all_networks_is_found_unless_it_hides(
-    is_discoverable: bool,
+    is_discoverable: bool, tmp_path: Path
 ) -> None:
-    flags = ("--lan", "--no-auth", "--set", f"discoverable={json.dumps(is_discoverable)}")
+    settings = (f"discoverable={json.dumps(is_discoverable)}", f"access.token_file={tmp_path}/t")
+    flags = ("--lan", *(part for each in settings for part in ("--set", each)))
     async with gateway_process("serve", *flags) as gateway:
         port = urlsplit(gateway.url).port
 

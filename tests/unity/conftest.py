@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the package's tests share: a live gateway with a simulated robot, and C# under Mono."""
 
-from collections.abc import Callable, Iterator, Mapping
+import contextlib
+from collections.abc import AsyncIterator, Callable, Iterator, Mapping
+from urllib.parse import urlsplit
 
 import pytest
 from geometry_msgs.msg import Twist, TwistStamped
 
+from gateway.protocol.lan_discovery import FoundGateway
+from gateway.server.lan_discovery import answering_questions
 from tests.clients.robot import Robot
 from tests.demonstration import demonstration
 from tests.gateway_process import GatewayProcess
@@ -16,20 +20,22 @@ from tests.unity.bases import CHANGING, STAMPED, Base
 from tests.unity.csharp import CSharpTest
 from tests.unity.rogue import deaf, rogue
 
-_FINDABLE = ("--host", "0.0.0.0", "--no-auth", "--set", "access.anonymous_role=admin")
-
 
 @pytest.fixture(scope="package")  # other tests in this domain want to be alone with their robot
 def gateway() -> Iterator[GatewayProcess]:
-    """``ros2-gateway demo`` on a free port, which can be found; who connects may do everything."""
-    with in_background(demonstration(*_FINDABLE)) as process:
+    """``ros2-gateway demo`` on a free port."""
+    with in_background(demonstration()) as process:
         yield process
 
 
 @pytest.fixture(scope="package")
 def servers(gateway: GatewayProcess) -> Iterator[dict[str, str]]:
     """Where a C# test finds the gateway, and servers that misbehave: its environment."""
-    with in_background(rogue(gateway.url)) as rogue_url, in_background(deaf()) as deaf_url:
+    with (
+        in_background(rogue(gateway.url)) as rogue_url,
+        in_background(deaf()) as deaf_url,
+        in_background(_findable(gateway.url)),
+    ):
         outside = Outside("unity_tests")
         robot = Robot(outside)
         robot.provide_fibonacci("/fibonacci")
@@ -45,6 +51,17 @@ def servers(gateway: GatewayProcess) -> Iterator[dict[str, str]]:
         robot.close()
         other.close()
         outside.close()
+
+
+@contextlib.asynccontextmanager
+async def _findable(url: str) -> AsyncIterator[None]:
+    """Let the gateway be found, which does not listen on all networks: tests stay on loopback."""
+    port = urlsplit(url).port
+    assert port is not None
+    with answering_questions(
+        FoundGateway("4f1d", "robot7", port, "/", False, None, needs_token=False, version="0.1.0")
+    ):
+        yield
 
 
 @pytest.fixture(scope="session")
