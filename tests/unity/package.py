@@ -23,11 +23,13 @@ _STUB_REFERENCES: Final[dict[str, tuple[str, ...]]] = {
     "UnityEngine.TestRunner": ("UnityEngine",),
     "UnityEngine.UI": ("UnityEngine",),
     "Unity.InputSystem": ("UnityEngine",),
+    "Unity.TextMeshPro": ("UnityEngine", "UnityEngine.UI"),
     "Unity.XR.Interaction.Toolkit": ("UnityEngine", "Unity.InputSystem"),
 }
 _INPUT_SYSTEM: Final = "com.unity.inputsystem"
 _PACKAGES: Final = {
     "com.unity.ugui": "UnityEngine.UI",
+    "com.unity.textmeshpro": "Unity.TextMeshPro",  # from Unity 6 on in com.unity.ugui
     _INPUT_SYSTEM: "Unity.InputSystem",
     "com.unity.xr.interaction.toolkit": "Unity.XR.Interaction.Toolkit",
 }

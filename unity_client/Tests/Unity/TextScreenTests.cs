@@ -75,5 +75,20 @@ namespace Ros2Gateway.Unity.Tests
             yield return _scene.Until(() => label.text == "hello", "for the text");
         }
 #endif
+
+#if ROS2GATEWAY_TMP
+        [UnityTest]
+        public IEnumerator AMessageIsWrittenToATextMeshProWhoseTagsAreNotObeyed()
+        {
+            GameObject below = new GameObject("label");
+            TMPro.TMP_Text label = below.AddComponent<TMPro.TextMeshPro>();
+            label.richText = true;
+            TextScreen screen = _scene.Display<TextScreen>(
+                setUp: made => below.transform.SetParent(made.transform, false));
+            screen.Show(new StringMsg { data = "<b>hello</b>" });
+            yield return _scene.Until(() => label.text == "<b>hello</b>", "for the text");
+            Assert.IsFalse(label.richText);
+        }
+#endif
     }
 }

@@ -76,7 +76,7 @@ namespace Ros2Gateway.Unity
             Charge = float.NaN;
             if (!_text.Find(this, false) && _bar == null)
             {
-                Warn("finds no TextMesh or Text beside or below it, and has no bar");
+                Warn("finds no TextMesh Pro, Text or TextMesh beside or below it, and has no bar");
             }
         }
 

@@ -52,7 +52,7 @@ namespace Ros2Gateway.Unity
         private FlagEvent _onStale = new FlagEvent();
 
         [SerializeField]
-        [Tooltip("Says \"no picture\", or how old it is; a TextMesh or Text below this one shows it")]
+        [Tooltip("Says \"no picture\", or how old it is; a TextMesh Pro, Text or TextMesh below this one shows it")]
         private TextOutput _status = new TextOutput();
 
 #if UNITY_WEBGL && !UNITY_EDITOR

@@ -5,6 +5,9 @@ using UnityEngine.Events;
 #if ROS2GATEWAY_UGUI
 using UnityEngine.UI;
 #endif
+#if ROS2GATEWAY_TMP
+using TMPro;
+#endif
 
 namespace Ros2Gateway.Unity
 {
@@ -14,18 +17,18 @@ namespace Ros2Gateway.Unity
     {
     }
 
-    /// <summary>Where a display writes: a TextMesh or Text beside or below it, and whoever listens.</summary>
+    /// <summary>
+    /// Where a display writes: a TextMesh Pro, Text or TextMesh beside or below it, and whoever listens.
+    /// </summary>
     [Serializable]
     public sealed class TextOutput
     {
         [SerializeField]
-        [Tooltip("Other places for the text, such as the text of a TextMesh Pro")]
+        [Tooltip("Other places for the text, such as a method of a component of yours")]
         private TextEvent _onChanged = new TextEvent();
 
-        private TextMesh _mesh;
-#if ROS2GATEWAY_UGUI
-        private Text _label;
-#endif
+        private Action<string> _write; // into all texts that were found; null without one
+        private Action<Color> _paint;
 
         /// <summary>What is shown.</summary>
         public string Text { get; private set; }
@@ -40,21 +43,31 @@ namespace Ros2Gateway.Unity
         /// <param name="isRich">Whether tags such as &lt;color&gt; are obeyed.</param>
         internal bool Find(Component display, bool isRich)
         {
-            _mesh = display.GetComponentInChildren<TextMesh>();
-            if (_mesh != null)
+            _write = null;
+            _paint = null;
+            TextMesh mesh = display.GetComponentInChildren<TextMesh>();
+            if (mesh != null)
             {
-                _mesh.richText = isRich;
+                mesh.richText = isRich;
+                Add(mesh, text => mesh.text = text, color => mesh.color = color);
             }
-            bool isFound = _mesh != null || _onChanged.GetPersistentEventCount() > 0;
 #if ROS2GATEWAY_UGUI
-            _label = display.GetComponentInChildren<Text>();
-            if (_label != null)
+            Text label = display.GetComponentInChildren<Text>();
+            if (label != null)
             {
-                _label.supportRichText = isRich;
-                isFound = true;
+                label.supportRichText = isRich;
+                Add(label, text => label.text = text, color => label.color = color);
             }
 #endif
-            return isFound;
+#if ROS2GATEWAY_TMP
+            TMP_Text textMeshPro = display.GetComponentInChildren<TMP_Text>();
+            if (textMeshPro != null)
+            {
+                textMeshPro.richText = isRich;
+                Add(textMeshPro, text => textMeshPro.text = text, color => textMeshPro.color = color);
+            }
+#endif
+            return _write != null || _onChanged.GetPersistentEventCount() > 0;
         }
 
         /// <summary>Like <see cref="Find"/>, for a display that has nothing else to show: warns.</summary>
@@ -64,7 +77,7 @@ namespace Ros2Gateway.Unity
             {
                 Debug.LogWarning(
                     display.GetType().Name + " on " + display.name
-                    + " finds no TextMesh or Text: add one beside or below it", display);
+                    + " finds no TextMesh Pro, Text or TextMesh: add one beside or below it", display);
             }
         }
 
@@ -75,31 +88,37 @@ namespace Ros2Gateway.Unity
                 return;
             }
             Text = text;
-            if (_mesh != null)
+            if (_write != null)
             {
-                _mesh.text = text;
+                _write(text);
             }
-#if ROS2GATEWAY_UGUI
-            if (_label != null)
-            {
-                _label.text = text;
-            }
-#endif
             _onChanged.Invoke(text);
         }
 
         internal void Paint(Color color)
         {
-            if (_mesh != null)
+            if (_paint != null)
             {
-                _mesh.color = color;
+                _paint(color);
             }
-#if ROS2GATEWAY_UGUI
-            if (_label != null)
+        }
+
+        private void Add(Component place, Action<string> write, Action<Color> paint)
+        {
+            _write += text =>
             {
-                _label.color = color;
-            }
-#endif
+                if (place != null) // it may have been destroyed meanwhile
+                {
+                    write(text);
+                }
+            };
+            _paint += color =>
+            {
+                if (place != null)
+                {
+                    paint(color);
+                }
+            };
         }
     }
 }
