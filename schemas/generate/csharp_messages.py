@@ -111,6 +111,7 @@ def _class(definition: Definition, names: ClassNames, purpose: str | None) -> li
     text = "\n\n".join(part for part in parts if part) or f"{definition.name}."
     return [
         *summary(escaped(text) + (f"\n\n{remark}" if remark else "")),
+        "[Serializable]",
         f"public sealed class {own} : IMessage",
         "{",
         *_indented(body[1:]),

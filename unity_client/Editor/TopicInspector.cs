@@ -32,8 +32,23 @@ namespace Ros2Gateway.Editor
             EditorGUILayout.PropertyField(_connection);
             DrawTopic();
             DrawType();
-            DrawPropertiesExcluding(serializedObject, "m_Script", "_connection", "_topic", "_type");
+            DrawOthers("m_Script", "_connection", "_topic", "_type");
             serializedObject.ApplyModifiedProperties();
+        }
+
+        /// <summary>Draws the fields that are left, without those named.</summary>
+        protected virtual void DrawOthers(params string[] drawn)
+        {
+            DrawPropertiesExcluding(serializedObject, drawn);
+        }
+
+        /// <summary>Says what is wrong, unless it is null or empty.</summary>
+        protected static void Warn(string warning)
+        {
+            if (!string.IsNullOrEmpty(warning))
+            {
+                EditorGUILayout.HelpBox(warning, MessageType.Warning);
+            }
         }
 
         private void OnEnable()
@@ -170,14 +185,6 @@ namespace Ros2Gateway.Editor
         private static GUIContent Flat(string label)
         {
             return new GUIContent(label.Replace('/', '\u2215'));
-        }
-
-        private static void Warn(string words)
-        {
-            if (!string.IsNullOrEmpty(words))
-            {
-                EditorGUILayout.HelpBox(words, MessageType.Warning);
-            }
         }
 
         private static void Tell(string words)

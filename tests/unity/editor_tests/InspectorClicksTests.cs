@@ -5,6 +5,7 @@ using System.Diagnostics;
 using System.Linq;
 using System.Net;
 using NUnit.Framework;
+using Ros2Gateway.Messages.GeometryMsgs;
 using Ros2Gateway.Unity;
 using UnityEditor;
 using UnityEngine;
@@ -90,6 +91,43 @@ namespace Ros2Gateway.Editor.Tests
             Assert.AreEqual(2, Inspector.Words.Count, string.Join(" | ", Inspector.Words));
         }
 
+        [Test]
+        public void A_message_is_edited_as_text_or_field_by_field()
+        {
+            TopicPublisher publisher = Publisher();
+            publisher.Type = "geometry_msgs/msg/Twist";
+            publisher.Message = "{\"linear\":{\"x\":0.5}}";
+            Look("Edit the fields");
+            TwistMsg twist = (TwistMsg)publisher.Fields;
+            Assert.AreEqual(0.5, twist.linear.x);
+            twist.angular.z = 2;
+            publisher.Type = "std_msgs/msg/String";
+            Look();
+            CollectionAssert.Contains(
+                Inspector.Words, "the fields are those of geometry_msgs/msg/Twist, the type is std_msgs/msg/String");
+            publisher.Type = "geometry_msgs/Twist";
+            Look("Edit as text");
+            Assert.IsNull(publisher.Fields);
+            StringAssert.Contains("\"angular\":{\"x\":0.0,\"y\":0.0,\"z\":2.0}", publisher.Message);
+            Look("Edit the fields");
+            Look("Clear the fields");
+            Assert.AreEqual(0, ((TwistMsg)publisher.Fields).angular.z);
+            Assert.IsEmpty(Inspector.Words.Where(words => words.StartsWith("the fields")));
+        }
+
+        [Test]
+        public void What_has_no_fields_says_why()
+        {
+            TopicPublisher publisher = Publisher();
+            publisher.Message = "{\"data\":7}";
+            Look("Edit the fields");
+            StringAssert.StartsWith("the text is no std_msgs/msg/String: ", Inspector.Words.Last());
+            publisher.Type = "own_msgs/msg/Unknown";
+            Look("Edit the fields");
+            StringAssert.StartsWith("there is no class for own_msgs/msg/Unknown", Inspector.Words.Last());
+            Assert.IsNull(publisher.Fields);
+        }
+
         [UnityTest]
         [Category("Gateway")]
         public IEnumerator The_connection_is_tested_from_the_settings()
@@ -152,6 +190,13 @@ namespace Ros2Gateway.Editor.Tests
             subscriber.Connection = connection;
             Open(subscriber, typeof(TopicSubscriberInspector));
             return subscriber;
+        }
+
+        private TopicPublisher Publisher()
+        {
+            TopicPublisher publisher = _holder.AddComponent<TopicPublisher>();
+            Open(publisher, typeof(TopicPublisherInspector));
+            return publisher;
         }
 
         private void Open(UnityEngine.Object target, Type inspector)

@@ -3,6 +3,8 @@ using System.Collections;
 using System.Reflection;
 using System.Text.RegularExpressions;
 using NUnit.Framework;
+using Ros2Gateway.Messages.BuiltinInterfaces;
+using Ros2Gateway.Messages.GeometryMsgs;
 using Ros2Gateway.Messages.NavMsgs;
 using Ros2Gateway.Messages.SensorMsgs;
 using Ros2Gateway.Messages.StdMsgs;
@@ -114,6 +116,29 @@ namespace Ros2Gateway.Unity.Tests
             });
             yield return _scene.Until(() => subscriber.Last != null, "for the message");
             Assert.AreEqual("hello", ((StringMsg)subscriber.Last).data);
+        }
+
+        [UnityTest]
+        public IEnumerator FieldsOfTheInspectorArePublishedWithTheTimeOfNow()
+        {
+            TopicSubscriber subscriber = Subscriber("/fields", PathMsg.Type);
+            PathMsg path = new PathMsg();
+            path.header.frame_id = "map";
+            path.header.stamp = new TimeMsg(); // as Unity has it after it has loaded the scene
+            PoseStampedMsg stamped = new PoseStampedMsg();
+            stamped.header.stamp = new TimeMsg { sec = 7 };
+            path.poses = new[] { stamped };
+            _scene.Publisher("/fields", PathMsg.Type, made =>
+            {
+                made.Rate = 50;
+                made.Message = "{\"none\":\"of this\"}";
+                made.Fields = path;
+            });
+            yield return _scene.Until(() => subscriber.Last != null, "for the message");
+            PathMsg heard = (PathMsg)subscriber.Last;
+            Assert.AreEqual("map", heard.header.frame_id);
+            Assert.Greater(heard.header.stamp.sec, 1000000);
+            Assert.AreEqual(7, heard.poses[0].header.stamp.sec);
         }
 
         [UnityTest]

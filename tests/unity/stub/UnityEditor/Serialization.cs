@@ -23,6 +23,11 @@ namespace UnityEditor
             get { return _target; }
         }
 
+        public bool isEditingMultipleObjects
+        {
+            get { return false; }
+        }
+
         public void Update()
         {
         }
@@ -103,6 +108,12 @@ namespace UnityEditor
         {
             get { return Array.IndexOf(Enum.GetValues(_field.FieldType), _field.GetValue(_owner)); }
             set { _field.SetValue(_owner, Enum.GetValues(_field.FieldType).GetValue(value)); }
+        }
+
+        public object managedReferenceValue
+        {
+            get { return _field.GetValue(_owner); }
+            set { _field.SetValue(_owner, value); }
         }
 
         public Object objectReferenceValue

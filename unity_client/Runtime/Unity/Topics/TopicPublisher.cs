@@ -44,6 +44,10 @@ namespace Ros2Gateway.Unity
         [TextArea(2, 10)]
         private string _message = "";
 
+        [SerializeReference]
+        [Tooltip("The message field by field, instead of JSON. Stamps of 0 are set when it is published")]
+        private IMessage _fields;
+
         [SerializeField]
         [Tooltip("Of textures: quality of the JPEG")]
         [Range(1, 100)]
@@ -93,6 +97,16 @@ namespace Ros2Gateway.Unity
         {
             get { return _message; }
             set { _message = value; }
+        }
+
+        /// <summary>
+        /// What is published at <see cref="Rate"/> instead of <see cref="Message"/>, unless it is null. Headers
+        /// with a stamp of 0 get the time at which it is published.
+        /// </summary>
+        public IMessage Fields
+        {
+            get { return _fields; }
+            set { _fields = value; }
         }
 
         /// <summary>Of textures: quality of the JPEG, 1 to 100.</summary>
@@ -196,19 +210,16 @@ namespace Ros2Gateway.Unity
 
         private void Update()
         {
-            if (_rate <= 0 || string.IsNullOrEmpty(_message) || Time.unscaledTime < _next)
+            bool isEmpty = _fields == null && string.IsNullOrEmpty(_message);
+            if (_rate <= 0 || isEmpty || Time.unscaledTime < _next)
             {
                 return;
             }
             _next = Time.unscaledTime + 1 / _rate;
-            if (_parsedFrom != _message)
+            DynamicMessage message = _fields != null ? UnstampedMessage.Of(_fields) : Parsed();
+            if (message != null && _publisher != null && Connection.Client.IsConnected)
             {
-                _parsedFrom = _message;
-                _parsed = Parse(_message);
-            }
-            if (_parsed != null && _publisher != null && Connection.Client.IsConnected)
-            {
-                Publish(_parsed);
+                Publish(message);
             }
         }
 
@@ -226,6 +237,16 @@ namespace Ros2Gateway.Unity
         {
             _encoder.Destroy();
             _readback.Destroy();
+        }
+
+        private DynamicMessage Parsed()
+        {
+            if (_parsedFrom != _message)
+            {
+                _parsedFrom = _message;
+                _parsed = Parse(_message);
+            }
+            return _parsed;
         }
 
         private DynamicMessage Parse(string json)

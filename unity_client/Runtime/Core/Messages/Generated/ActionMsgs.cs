@@ -6,6 +6,7 @@ using Ros2Gateway.Json;
 namespace Ros2Gateway.Messages.ActionMsgs
 {
     /// <summary>action_msgs/msg/GoalInfo.</summary>
+    [Serializable]
     public sealed class GoalInfoMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -74,6 +75,7 @@ namespace Ros2Gateway.Messages.ActionMsgs
     /// - If the goal ID is not zero and timestamp is not zero, cancel the goal with
     ///   the given ID and all goals accepted at or before the timestamp.
     /// </summary>
+    [Serializable]
     public sealed class CancelGoalRequest : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -128,6 +130,7 @@ namespace Ros2Gateway.Messages.ActionMsgs
     ///
     /// Return codes.
     /// </summary>
+    [Serializable]
     public sealed class CancelGoalResponse : IMessage
     {
         /// <summary>The name of this type.</summary>

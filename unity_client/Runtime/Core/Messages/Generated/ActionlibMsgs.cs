@@ -6,6 +6,7 @@ using Ros2Gateway.Json;
 namespace Ros2Gateway.Messages.ActionlibMsgs
 {
     /// <summary>The identity of a goal of an action in the manner of ROS 1.</summary>
+    [Serializable]
     public sealed class GoalIDMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -70,6 +71,7 @@ namespace Ros2Gateway.Messages.ActionlibMsgs
     }
 
     /// <summary>The state of one goal of such an action.</summary>
+    [Serializable]
     public sealed class GoalStatusMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -189,6 +191,7 @@ namespace Ros2Gateway.Messages.ActionlibMsgs
     }
 
     /// <summary>The states of all goals of such an action.</summary>
+    [Serializable]
     public sealed class GoalStatusArrayMsg : IMessage
     {
         /// <summary>The name of this type.</summary>

@@ -11,6 +11,7 @@ namespace Ros2Gateway.Messages.BuiltinInterfaces
     /// This message communicates ROS Time defined here:
     /// https://design.ros2.org/articles/clock_and_time.html
     /// </summary>
+    [Serializable]
     public sealed class TimeMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -78,6 +79,7 @@ namespace Ros2Gateway.Messages.BuiltinInterfaces
     /// Messages of this datatype are of ROS Time following this design:
     /// https://design.ros2.org/articles/clock_and_time.html
     /// </summary>
+    [Serializable]
     public sealed class DurationMsg : IMessage
     {
         /// <summary>The name of this type.</summary>

@@ -6,6 +6,7 @@ using Ros2Gateway.Json;
 namespace Ros2Gateway.Messages.DiagnosticMsgs
 {
     /// <summary>One named value of a diagnosis.</summary>
+    [Serializable]
     public sealed class KeyValueMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -66,6 +67,7 @@ namespace Ros2Gateway.Messages.DiagnosticMsgs
     ///
     /// This message holds the status of an individual component of the robot.
     /// </summary>
+    [Serializable]
     public sealed class DiagnosticStatusMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -161,6 +163,7 @@ namespace Ros2Gateway.Messages.DiagnosticMsgs
     }
 
     /// <summary>The health of a robot, component by component.</summary>
+    [Serializable]
     public sealed class DiagnosticArrayMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -227,6 +230,7 @@ namespace Ros2Gateway.Messages.DiagnosticMsgs
     /// Information about dynamic addition of analyzers can be found at
     /// http://wiki.ros.org/diagnostics/Tutorials/Adding%20Analyzers%20at%20Runtime
     /// </summary>
+    [Serializable]
     public sealed class AddDiagnosticsRequest : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -289,6 +293,7 @@ namespace Ros2Gateway.Messages.DiagnosticMsgs
     }
 
     /// <summary>The response of diagnostic_msgs/srv/AddDiagnostics.</summary>
+    [Serializable]
     public sealed class AddDiagnosticsResponse : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -353,6 +358,7 @@ namespace Ros2Gateway.Messages.DiagnosticMsgs
     }
 
     /// <summary>The request of diagnostic_msgs/srv/SelfTest.</summary>
+    [Serializable]
     public sealed class SelfTestRequest : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -394,6 +400,7 @@ namespace Ros2Gateway.Messages.DiagnosticMsgs
     }
 
     /// <summary>The response of diagnostic_msgs/srv/SelfTest.</summary>
+    [Serializable]
     public sealed class SelfTestResponse : IMessage
     {
         /// <summary>The name of this type.</summary>

@@ -14,6 +14,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     /// A vector is always anchored at the origin.
     /// When a transform is applied to a vector, only the rotational component is applied.
     /// </summary>
+    [Serializable]
     public sealed class Vector3Msg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -79,6 +80,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     }
 
     /// <summary>Acceleration, linear and angular.</summary>
+    [Serializable]
     public sealed class AccelMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -135,6 +137,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     }
 
     /// <summary>An acceleration in a frame.</summary>
+    [Serializable]
     public sealed class AccelStampedMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -195,6 +198,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     ///
     /// This expresses acceleration in free space with uncertainty.
     /// </summary>
+    [Serializable]
     public sealed class AccelWithCovarianceMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -257,6 +261,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     }
 
     /// <summary>An acceleration with its uncertainty, in a frame.</summary>
+    [Serializable]
     public sealed class AccelWithCovarianceStampedMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -313,6 +318,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     }
 
     /// <summary>Mass, centre of mass and inertia tensor of a body.</summary>
+    [Serializable]
     public sealed class InertiaMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -432,6 +438,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     ///
     /// An Inertia with a time stamp and reference frame.
     /// </summary>
+    [Serializable]
     public sealed class InertiaStampedMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -488,6 +495,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     }
 
     /// <summary>A position.</summary>
+    [Serializable]
     public sealed class PointMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -563,6 +571,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     /// This message is designed to take up less space when sending
     /// lots of points at once, as in the case of a PointCloud.
     /// </summary>
+    [Serializable]
     public sealed class Point32Msg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -632,6 +641,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     ///
     /// This represents a Point with reference coordinate frame and timestamp
     /// </summary>
+    [Serializable]
     public sealed class PointStampedMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -692,6 +702,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     ///
     /// A specification of a polygon where the first and last points are assumed to be connected
     /// </summary>
+    [Serializable]
     public sealed class PolygonMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -744,6 +755,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     /// A specification of a polygon where the first and last points are assumed to be connected
     /// It includes a unique identification field for disambiguating multiple instances
     /// </summary>
+    [Serializable]
     public sealed class PolygonInstanceMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -805,6 +817,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     /// This represents a Polygon with reference coordinate frame and timestamp
     /// It includes a unique identification field for disambiguating multiple instances
     /// </summary>
+    [Serializable]
     public sealed class PolygonInstanceStampedMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -865,6 +878,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     ///
     /// This represents a Polygon with reference coordinate frame and timestamp
     /// </summary>
+    [Serializable]
     public sealed class PolygonStampedMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -925,6 +939,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     ///
     /// This represents an orientation in free space in quaternion form.
     /// </summary>
+    [Serializable]
     public sealed class QuaternionMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1003,6 +1018,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     ///
     /// A representation of pose in free space, composed of position and orientation.
     /// </summary>
+    [Serializable]
     public sealed class PoseMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1068,6 +1084,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     ///
     /// If we have parallel copies of 2D datatypes every UI and other pipeline will end up needing to have dual interfaces to plot everything. And you will end up with not being able to use 3D tools for 2D use cases even if they're completely valid, as you'd have to reimplement it with different inputs and outputs. It's not particularly hard to plot the 2D pose or compute the yaw error for the Pose message and there are already tools and libraries that can do this for you.# This expresses a position and orientation on a 2D manifold.
     /// </summary>
+    [Serializable]
     public sealed class Pose2DMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1137,6 +1154,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     ///
     /// An array of poses with a header for global reference.
     /// </summary>
+    [Serializable]
     public sealed class PoseArrayMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1197,6 +1215,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     ///
     /// A Pose with reference coordinate frame and timestamp
     /// </summary>
+    [Serializable]
     public sealed class PoseStampedMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1257,6 +1276,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     ///
     /// This represents a pose in free space with uncertainty.
     /// </summary>
+    [Serializable]
     public sealed class PoseWithCovarianceMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1323,6 +1343,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     ///
     /// This expresses an estimated pose with a reference coordinate frame and timestamp
     /// </summary>
+    [Serializable]
     public sealed class PoseWithCovarianceStampedMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1383,6 +1404,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     ///
     /// This represents an orientation with reference coordinate frame and timestamp.
     /// </summary>
+    [Serializable]
     public sealed class QuaternionStampedMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1443,6 +1465,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     ///
     /// This represents the transform between two coordinate frames in free space.
     /// </summary>
+    [Serializable]
     public sealed class TransformMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1512,6 +1535,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     /// in the Header to communicate the full reference for the transform
     /// in a self contained message.
     /// </summary>
+    [Serializable]
     public sealed class TransformStampedMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1581,6 +1605,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     ///
     /// This expresses velocity in free space broken into its linear and angular parts.
     /// </summary>
+    [Serializable]
     public sealed class TwistMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1641,6 +1666,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     ///
     /// A twist with reference coordinate frame and timestamp
     /// </summary>
+    [Serializable]
     public sealed class TwistStampedMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1701,6 +1727,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     ///
     /// This expresses velocity in free space with uncertainty.
     /// </summary>
+    [Serializable]
     public sealed class TwistWithCovarianceMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1767,6 +1794,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     ///
     /// This represents an estimated twist with reference coordinate frame and timestamp.
     /// </summary>
+    [Serializable]
     public sealed class TwistWithCovarianceStampedMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1830,6 +1858,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     /// Note that this follows vector semantics with it always anchored at the origin,
     /// so the rotational elements of a transform are the only parts applied when transforming.
     /// </summary>
+    [Serializable]
     public sealed class Vector3StampedMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1892,6 +1921,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     /// - If the 'body_frame_id' and 'header.frame_id' are identical, the velocity is observed and defined in the local coordinates system of the body
     ///   which is the usual use-case in mobile robotics and is also known as a body twist.
     /// </summary>
+    [Serializable]
     public sealed class VelocityStampedMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1970,6 +2000,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     ///
     /// This represents force in free space, separated into its linear and angular parts.
     /// </summary>
+    [Serializable]
     public sealed class WrenchMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -2030,6 +2061,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     ///
     /// A wrench with reference coordinate frame and timestamp
     /// </summary>
+    [Serializable]
     public sealed class WrenchStampedMsg : IMessage
     {
         /// <summary>The name of this type.</summary>

@@ -10,6 +10,7 @@ namespace Ros2Gateway.Messages.NavMsgs
     ///
     /// An array of navigation goals
     /// </summary>
+    [Serializable]
     public sealed class GoalsMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -78,6 +79,7 @@ namespace Ros2Gateway.Messages.NavMsgs
     ///
     /// An array of cells in a 2D grid
     /// </summary>
+    [Serializable]
     public sealed class GridCellsMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -156,6 +158,7 @@ namespace Ros2Gateway.Messages.NavMsgs
     ///
     /// This hold basic information about the characteristics of the OccupancyGrid
     /// </summary>
+    [Serializable]
     public sealed class MapMetaDataMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -242,6 +245,7 @@ namespace Ros2Gateway.Messages.NavMsgs
     }
 
     /// <summary>A map: how likely each cell is occupied.</summary>
+    [Serializable]
     public sealed class OccupancyGridMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -320,6 +324,7 @@ namespace Ros2Gateway.Messages.NavMsgs
     /// The pose in this message should be specified in the coordinate frame given by header.frame_id
     /// The twist in this message should be specified in the coordinate frame given by the child_frame_id
     /// </summary>
+    [Serializable]
     public sealed class OdometryMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -398,6 +403,7 @@ namespace Ros2Gateway.Messages.NavMsgs
     ///
     /// An array of poses that represents a Path for a robot to follow.
     /// </summary>
+    [Serializable]
     public sealed class PathMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -458,6 +464,7 @@ namespace Ros2Gateway.Messages.NavMsgs
     ///
     /// Get the map as a nav_msgs/OccupancyGrid
     /// </summary>
+    [Serializable]
     public sealed class GetMapRequest : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -499,6 +506,7 @@ namespace Ros2Gateway.Messages.NavMsgs
     }
 
     /// <summary>The response of nav_msgs/srv/GetMap.</summary>
+    [Serializable]
     public sealed class GetMapResponse : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -553,6 +561,7 @@ namespace Ros2Gateway.Messages.NavMsgs
     ///
     /// Get a plan from the current position to the goal Pose
     /// </summary>
+    [Serializable]
     public sealed class GetPlanRequest : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -624,6 +633,7 @@ namespace Ros2Gateway.Messages.NavMsgs
     }
 
     /// <summary>The response of nav_msgs/srv/GetPlan.</summary>
+    [Serializable]
     public sealed class GetPlanResponse : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -674,6 +684,7 @@ namespace Ros2Gateway.Messages.NavMsgs
     }
 
     /// <summary>The request of nav_msgs/srv/LoadMap.</summary>
+    [Serializable]
     public sealed class LoadMapRequest : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -728,6 +739,7 @@ namespace Ros2Gateway.Messages.NavMsgs
     }
 
     /// <summary>The response of nav_msgs/srv/LoadMap.</summary>
+    [Serializable]
     public sealed class LoadMapResponse : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -806,6 +818,7 @@ namespace Ros2Gateway.Messages.NavMsgs
     ///
     /// Set a new map together with an initial pose
     /// </summary>
+    [Serializable]
     public sealed class SetMapRequest : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -865,6 +878,7 @@ namespace Ros2Gateway.Messages.NavMsgs
     }
 
     /// <summary>The response of nav_msgs/srv/SetMap.</summary>
+    [Serializable]
     public sealed class SetMapResponse : IMessage
     {
         /// <summary>The name of this type.</summary>

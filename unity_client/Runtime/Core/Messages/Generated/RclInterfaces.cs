@@ -19,6 +19,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
     /// Since there are several other logging enumeration standard for different implementations,
     /// other logging implementations may need to provide level mappings to match their internal implementations.
     /// </summary>
+    [Serializable]
     public sealed class LogMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -141,6 +142,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
     }
 
     /// <summary>rcl_interfaces/msg/ListParametersResult.</summary>
+    [Serializable]
     public sealed class ListParametersResultMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -205,6 +207,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
     /// (if gotten) or is uninitialized.
     /// Values are enumerated in `ParameterType.msg`.
     /// </summary>
+    [Serializable]
     public sealed class ParameterValueMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -339,6 +342,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
     /// This is the message to communicate a parameter. It is an open struct with an enum in
     /// the descriptor to select which value is active.
     /// </summary>
+    [Serializable]
     public sealed class ParameterMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -398,6 +402,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
     }
 
     /// <summary>Represents bounds and a step value for a floating point typed parameter.</summary>
+    [Serializable]
     public sealed class FloatingPointRangeMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -483,6 +488,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
     }
 
     /// <summary>Represents bounds and a step value for an integer typed parameter.</summary>
+    [Serializable]
     public sealed class IntegerRangeMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -564,6 +570,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
     }
 
     /// <summary>This is the message to communicate a parameter's descriptor.</summary>
+    [Serializable]
     public sealed class ParameterDescriptorMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -680,6 +687,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
     }
 
     /// <summary>rcl_interfaces/msg/SetParametersResult.</summary>
+    [Serializable]
     public sealed class SetParametersResultMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -742,6 +750,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
     }
 
     /// <summary>The request of rcl_interfaces/srv/DescribeParameters.</summary>
+    [Serializable]
     public sealed class DescribeParametersRequest : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -792,6 +801,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
     }
 
     /// <summary>The response of rcl_interfaces/srv/DescribeParameters.</summary>
+    [Serializable]
     public sealed class DescribeParametersResponse : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -846,6 +856,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
     }
 
     /// <summary>The request of rcl_interfaces/srv/GetParameterTypes.</summary>
+    [Serializable]
     public sealed class GetParameterTypesRequest : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -899,6 +910,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
     }
 
     /// <summary>The response of rcl_interfaces/srv/GetParameterTypes.</summary>
+    [Serializable]
     public sealed class GetParameterTypesResponse : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -963,6 +975,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
     /// https://design.ros2.org/articles/ros_parameters.html
     /// https://github.com/ros2/design/pull/241
     /// </summary>
+    [Serializable]
     public sealed class GetParametersRequest : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1013,6 +1026,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
     }
 
     /// <summary>The response of rcl_interfaces/srv/GetParameters.</summary>
+    [Serializable]
     public sealed class GetParametersResponse : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1067,6 +1081,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
     }
 
     /// <summary>The request of rcl_interfaces/srv/ListParameters.</summary>
+    [Serializable]
     public sealed class ListParametersRequest : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1133,6 +1148,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
     }
 
     /// <summary>The response of rcl_interfaces/srv/ListParameters.</summary>
+    [Serializable]
     public sealed class ListParametersResponse : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1183,6 +1199,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
     }
 
     /// <summary>The request of rcl_interfaces/srv/SetParameters.</summary>
+    [Serializable]
     public sealed class SetParametersRequest : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1233,6 +1250,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
     }
 
     /// <summary>The response of rcl_interfaces/srv/SetParameters.</summary>
+    [Serializable]
     public sealed class SetParametersResponse : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1283,6 +1301,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
     }
 
     /// <summary>The request of rcl_interfaces/srv/SetParametersAtomically.</summary>
+    [Serializable]
     public sealed class SetParametersAtomicallyRequest : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1337,6 +1356,7 @@ namespace Ros2Gateway.Messages.RclInterfaces
     }
 
     /// <summary>The response of rcl_interfaces/srv/SetParametersAtomically.</summary>
+    [Serializable]
     public sealed class SetParametersAtomicallyResponse : IMessage
     {
         /// <summary>The name of this type.</summary>

@@ -6,6 +6,7 @@ using Ros2Gateway.Json;
 namespace Ros2Gateway.Messages.RosgraphMsgs
 {
     /// <summary>The time, as on /clock when a simulator sets it.</summary>
+    [Serializable]
     public sealed class ClockMsg : IMessage
     {
         /// <summary>The name of this type.</summary>

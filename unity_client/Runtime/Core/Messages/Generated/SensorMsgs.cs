@@ -13,6 +13,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     /// The one difference is for style reasons the constants are
     /// all uppercase not mixed case.
     /// </summary>
+    [Serializable]
     public sealed class BatteryStateMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -282,6 +283,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     /// width fields for the associated image; or height = width = 0
     /// indicates that the full resolution image was captured.
     /// </summary>
+    [Serializable]
     public sealed class RegionOfInterestMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -405,6 +407,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     ///
     ///                     Image acquisition info                          #
     /// </summary>
+    [Serializable]
     public sealed class CameraInfoMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -637,6 +640,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     ///   "intensity" - laser or pixel intensity.
     ///   "distance"
     /// </summary>
+    [Serializable]
     public sealed class ChannelFloat32Msg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -703,6 +707,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     ///
     /// This message contains a compressed image.
     /// </summary>
+    [Serializable]
     public sealed class CompressedImageMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -814,6 +819,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     ///
     /// This message is not appropriate for force/pressure contact sensors.
     /// </summary>
+    [Serializable]
     public sealed class FluidPressureMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -898,6 +904,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     ///  - Luminance (nits/light output per area)
     ///  - Irradiance (watt/area), etc.
     /// </summary>
+    [Serializable]
     public sealed class IlluminanceMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -971,6 +978,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     /// This message contains an uncompressed image
     /// (0, 0) is at top-left corner of image
     /// </summary>
+    [Serializable]
     public sealed class ImageMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1101,6 +1109,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     /// If you are interpreting this message, please check for a value of -1 in the first element of each
     /// covariance matrix, and disregard the associated estimate.
     /// </summary>
+    [Serializable]
     public sealed class ImuMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1226,6 +1235,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     /// This is the only way to uniquely associate the joint name with the correct
     /// states.
     /// </summary>
+    [Serializable]
     public sealed class JointStateMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1313,6 +1323,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     ///
     /// Reports the state of a joystick's axes and buttons.
     /// </summary>
+    [Serializable]
     public sealed class JoyMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1378,6 +1389,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     }
 
     /// <summary>One light, rumble or buzzer of a game controller.</summary>
+    [Serializable]
     public sealed class JoyFeedbackMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1458,6 +1470,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     }
 
     /// <summary>The lights, rumbles and buzzers of a game controller.</summary>
+    [Serializable]
     public sealed class JoyFeedbackArrayMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1510,6 +1523,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     /// This message is a submessage of MultiEchoLaserScan and is not intended
     /// to be used separately.
     /// </summary>
+    [Serializable]
     public sealed class LaserEchoMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1568,6 +1582,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     /// array), please find or create a different message, since applications
     /// will make fairly laser-specific assumptions about this data
     /// </summary>
+    [Serializable]
     public sealed class LaserScanMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1725,6 +1740,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     /// and to use the data a covariance will have to be assumed or gotten from some
     /// other source.
     /// </summary>
+    [Serializable]
     public sealed class MagneticFieldMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1826,6 +1842,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     /// This is the only way to uniquely associate the joint name with the correct
     /// states.
     /// </summary>
+    [Serializable]
     public sealed class MultiDOFJointStateMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1917,6 +1934,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     /// array), please find or create a different message, since applications
     /// will make fairly laser-specific assumptions about this data
     /// </summary>
+    [Serializable]
     public sealed class MultiEchoLaserScanMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -2073,6 +2091,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     /// type and the last time differential corrections were received.  A
     /// fix is valid when status &gt;= STATUS_FIX.
     /// </summary>
+    [Serializable]
     public sealed class NavSatStatusMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -2165,6 +2184,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     ///
     /// Specified using the WGS 84 reference ellipsoid
     /// </summary>
+    [Serializable]
     public sealed class NavSatFixMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -2305,6 +2325,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     /// This message holds a collection of 3d points, plus optional additional
     /// information about each point.
     /// </summary>
+    [Serializable]
     public sealed class PointCloudMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -2377,6 +2398,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     }
 
     /// <summary>Where one value lies within a point of a cloud.</summary>
+    [Serializable]
     public sealed class PointFieldMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -2492,6 +2514,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     /// Point clouds organized as 2d images may be produced by camera depth sensors
     /// such as stereo or time-of-flight.
     /// </summary>
+    [Serializable]
     public sealed class PointCloud2Msg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -2626,6 +2649,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     /// These sensors follow REP 117 and will output -Inf if the object is detected
     /// and +Inf if the object is outside of the detection range.
     /// </summary>
+    [Serializable]
     public sealed class RangeMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -2769,6 +2793,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     /// Defines the ratio of partial pressure of water vapor to the saturated vapor
     /// pressure at a temperature.
     /// </summary>
+    [Serializable]
     public sealed class RelativeHumidityMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -2846,6 +2871,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     ///
     /// Single temperature reading.
     /// </summary>
+    [Serializable]
     public sealed class TemperatureMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -2918,6 +2944,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     ///
     /// Measurement from an external time source not actively synchronized with the system clock.
     /// </summary>
+    [Serializable]
     public sealed class TimeReferenceMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -2996,6 +3023,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     /// will assume that the region of the imager that is being referred to is
     /// the region that the camera is currently capturing.
     /// </summary>
+    [Serializable]
     public sealed class SetCameraInfoRequest : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -3046,6 +3074,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     }
 
     /// <summary>The response of sensor_msgs/srv/SetCameraInfo.</summary>
+    [Serializable]
     public sealed class SetCameraInfoResponse : IMessage
     {
         /// <summary>The name of this type.</summary>

@@ -10,6 +10,7 @@ namespace Ros2Gateway.Messages.ShapeMsgs
     ///
     /// Definition of a triangle's vertices.
     /// </summary>
+    [Serializable]
     public sealed class MeshTriangleMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -62,6 +63,7 @@ namespace Ros2Gateway.Messages.ShapeMsgs
     ///
     /// Definition of a mesh.
     /// </summary>
+    [Serializable]
     public sealed class MeshMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -118,6 +120,7 @@ namespace Ros2Gateway.Messages.ShapeMsgs
     }
 
     /// <summary>An infinite plane.</summary>
+    [Serializable]
     public sealed class PlaneMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -178,6 +181,7 @@ namespace Ros2Gateway.Messages.ShapeMsgs
     /// Defines box, sphere, cylinder, cone and prism.
     /// All shapes are defined to have their bounding boxes centered around 0,0,0.
     /// </summary>
+    [Serializable]
     public sealed class SolidPrimitiveMsg : IMessage
     {
         /// <summary>The name of this type.</summary>

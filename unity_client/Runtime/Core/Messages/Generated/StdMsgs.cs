@@ -15,6 +15,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// A stamp that nobody has set is not written, so that the gateway stamps the message when it arrives.
     /// A stamp of 0 that was read, or assigned (<c>header.stamp = new TimeMsg()</c>), stays 0.
     /// </summary>
+    [Serializable]
     public sealed class HeaderMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -90,6 +91,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// It is recommended to create your own semantically meaningful message.
     /// However if you would like to continue using this please use the equivalent in example_msgs.
     /// </summary>
+    [Serializable]
     public sealed class BoolMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -144,6 +146,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// It is recommended to create your own semantically meaningful message.
     /// However if you would like to continue using this please use the equivalent in example_msgs.
     /// </summary>
+    [Serializable]
     public sealed class ByteMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -198,6 +201,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// It is recommended to create your own semantically meaningful message.
     /// However if you would like to continue using this please use the equivalent in example_msgs.
     /// </summary>
+    [Serializable]
     public sealed class MultiArrayDimensionMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -294,6 +298,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     ///
     /// multiarray(i,j,k) refers to the ith row, jth column, and kth channel.
     /// </summary>
+    [Serializable]
     public sealed class MultiArrayLayoutMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -360,6 +365,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// Please look at the MultiArrayLayout message definition for
     /// documentation on all multiarrays.
     /// </summary>
+    [Serializable]
     public sealed class ByteMultiArrayMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -423,6 +429,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// It is recommended to create your own semantically meaningful message.
     /// However if you would like to continue using this please use the equivalent in example_msgs.
     /// </summary>
+    [Serializable]
     public sealed class CharMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -470,6 +477,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     }
 
     /// <summary>A colour with its opacity.</summary>
+    [Serializable]
     public sealed class ColorRGBAMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -544,6 +552,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     }
 
     /// <summary>Nothing: a trigger.</summary>
+    [Serializable]
     public sealed class EmptyMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -589,6 +598,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// It is recommended to create your own semantically meaningful message.
     /// However if you would like to continue using this please use the equivalent in example_msgs.
     /// </summary>
+    [Serializable]
     public sealed class Float32Msg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -646,6 +656,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// Please look at the MultiArrayLayout message definition for
     /// documentation on all multiarrays.
     /// </summary>
+    [Serializable]
     public sealed class Float32MultiArrayMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -709,6 +720,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// It is recommended to create your own semantically meaningful message.
     /// However if you would like to continue using this please use the equivalent in example_msgs.
     /// </summary>
+    [Serializable]
     public sealed class Float64Msg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -766,6 +778,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// Please look at the MultiArrayLayout message definition for
     /// documentation on all multiarrays.
     /// </summary>
+    [Serializable]
     public sealed class Float64MultiArrayMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -829,6 +842,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// It is recommended to create your own semantically meaningful message.
     /// However if you would like to continue using this please use the equivalent in example_msgs.
     /// </summary>
+    [Serializable]
     public sealed class Int16Msg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -886,6 +900,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// Please look at the MultiArrayLayout message definition for
     /// documentation on all multiarrays.
     /// </summary>
+    [Serializable]
     public sealed class Int16MultiArrayMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -949,6 +964,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// It is recommended to create your own semantically meaningful message.
     /// However if you would like to continue using this please use the equivalent in example_msgs.
     /// </summary>
+    [Serializable]
     public sealed class Int32Msg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1006,6 +1022,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// Please look at the MultiArrayLayout message definition for
     /// documentation on all multiarrays.
     /// </summary>
+    [Serializable]
     public sealed class Int32MultiArrayMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1069,6 +1086,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// It is recommended to create your own semantically meaningful message.
     /// However if you would like to continue using this please use the equivalent in example_msgs.
     /// </summary>
+    [Serializable]
     public sealed class Int64Msg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1126,6 +1144,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// Please look at the MultiArrayLayout message definition for
     /// documentation on all multiarrays.
     /// </summary>
+    [Serializable]
     public sealed class Int64MultiArrayMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1189,6 +1208,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// It is recommended to create your own semantically meaningful message.
     /// However if you would like to continue using this please use the equivalent in example_msgs.
     /// </summary>
+    [Serializable]
     public sealed class Int8Msg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1246,6 +1266,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// Please look at the MultiArrayLayout message definition for
     /// documentation on all multiarrays.
     /// </summary>
+    [Serializable]
     public sealed class Int8MultiArrayMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1309,6 +1330,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// It is recommended to create your own semantically meaningful message.
     /// However if you would like to continue using this please use the equivalent in example_msgs.
     /// </summary>
+    [Serializable]
     public sealed class StringMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1363,6 +1385,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// It is recommended to create your own semantically meaningful message.
     /// However if you would like to continue using this please use the equivalent in example_msgs.
     /// </summary>
+    [Serializable]
     public sealed class UInt16Msg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1420,6 +1443,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// Please look at the MultiArrayLayout message definition for
     /// documentation on all multiarrays.
     /// </summary>
+    [Serializable]
     public sealed class UInt16MultiArrayMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1483,6 +1507,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// It is recommended to create your own semantically meaningful message.
     /// However if you would like to continue using this please use the equivalent in example_msgs.
     /// </summary>
+    [Serializable]
     public sealed class UInt32Msg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1540,6 +1565,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// Please look at the MultiArrayLayout message definition for
     /// documentation on all multiarrays.
     /// </summary>
+    [Serializable]
     public sealed class UInt32MultiArrayMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1603,6 +1629,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// It is recommended to create your own semantically meaningful message.
     /// However if you would like to continue using this please use the equivalent in example_msgs.
     /// </summary>
+    [Serializable]
     public sealed class UInt64Msg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1660,6 +1687,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// Please look at the MultiArrayLayout message definition for
     /// documentation on all multiarrays.
     /// </summary>
+    [Serializable]
     public sealed class UInt64MultiArrayMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1723,6 +1751,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// It is recommended to create your own semantically meaningful message.
     /// However if you would like to continue using this please use the equivalent in example_msgs.
     /// </summary>
+    [Serializable]
     public sealed class UInt8Msg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1780,6 +1809,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     /// Please look at the MultiArrayLayout message definition for
     /// documentation on all multiarrays.
     /// </summary>
+    [Serializable]
     public sealed class UInt8MultiArrayMsg : IMessage
     {
         /// <summary>The name of this type.</summary>

@@ -6,6 +6,7 @@ using Ros2Gateway.Json;
 namespace Ros2Gateway.Messages.StdSrvs
 {
     /// <summary>The request of std_srvs/srv/Empty.</summary>
+    [Serializable]
     public sealed class EmptyRequest : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -47,6 +48,7 @@ namespace Ros2Gateway.Messages.StdSrvs
     }
 
     /// <summary>The response of std_srvs/srv/Empty.</summary>
+    [Serializable]
     public sealed class EmptyResponse : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -88,6 +90,7 @@ namespace Ros2Gateway.Messages.StdSrvs
     }
 
     /// <summary>The request of std_srvs/srv/SetBool.</summary>
+    [Serializable]
     public sealed class SetBoolRequest : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -138,6 +141,7 @@ namespace Ros2Gateway.Messages.StdSrvs
     }
 
     /// <summary>The response of std_srvs/srv/SetBool.</summary>
+    [Serializable]
     public sealed class SetBoolResponse : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -197,6 +201,7 @@ namespace Ros2Gateway.Messages.StdSrvs
     }
 
     /// <summary>The request of std_srvs/srv/Trigger.</summary>
+    [Serializable]
     public sealed class TriggerRequest : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -238,6 +243,7 @@ namespace Ros2Gateway.Messages.StdSrvs
     }
 
     /// <summary>The response of std_srvs/srv/Trigger.</summary>
+    [Serializable]
     public sealed class TriggerResponse : IMessage
     {
         /// <summary>The name of this type.</summary>

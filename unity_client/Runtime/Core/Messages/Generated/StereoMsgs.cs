@@ -6,6 +6,7 @@ using Ros2Gateway.Json;
 namespace Ros2Gateway.Messages.StereoMsgs
 {
     /// <summary>How far things lie apart in the two pictures of a stereo camera.</summary>
+    [Serializable]
     public sealed class DisparityImageMsg : IMessage
     {
         /// <summary>The name of this type.</summary>

@@ -12,6 +12,7 @@ namespace Ros2Gateway.Messages.TrajectoryMsgs
     /// or positions[, effort] for the trajectory to be executed.
     /// All specified values are in the same order as the joint names in JointTrajectory.msg.
     /// </summary>
+    [Serializable]
     public sealed class JointTrajectoryPointMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -111,6 +112,7 @@ namespace Ros2Gateway.Messages.TrajectoryMsgs
     }
 
     /// <summary>Where the joints of an arm shall be, and when.</summary>
+    [Serializable]
     public sealed class JointTrajectoryMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -185,6 +187,7 @@ namespace Ros2Gateway.Messages.TrajectoryMsgs
     }
 
     /// <summary>One instant of such a trajectory.</summary>
+    [Serializable]
     public sealed class MultiDOFJointTrajectoryPointMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -259,6 +262,7 @@ namespace Ros2Gateway.Messages.TrajectoryMsgs
     }
 
     /// <summary>Where joints with several degrees of freedom shall be, and when.</summary>
+    [Serializable]
     public sealed class MultiDOFJointTrajectoryMsg : IMessage
     {
         /// <summary>The name of this type.</summary>

@@ -11,6 +11,7 @@ namespace Ros2Gateway.Messages.UniqueIdentifierMsgs
     ///  http://en.wikipedia.org/wiki/Universally_unique_identifier
     ///  http://tools.ietf.org/html/rfc4122.html
     /// </summary>
+    [Serializable]
     public sealed class UUIDMsg : IMessage
     {
         /// <summary>The name of this type.</summary>

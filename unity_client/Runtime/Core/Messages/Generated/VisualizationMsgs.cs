@@ -6,6 +6,7 @@ using Ros2Gateway.Json;
 namespace Ros2Gateway.Messages.VisualizationMsgs
 {
     /// <summary>A shape drawn onto a picture.</summary>
+    [Serializable]
     public sealed class ImageMarkerMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -218,6 +219,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
     ///    - pr2
     ///    - turtle
     /// </summary>
+    [Serializable]
     public sealed class MenuEntryMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -322,6 +324,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
     }
 
     /// <summary>A place on a texture.</summary>
+    [Serializable]
     public sealed class UVCoordinateMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -385,6 +388,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
     ///
     /// Used to send raw mesh files.
     /// </summary>
+    [Serializable]
     public sealed class MeshFileMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -452,6 +456,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
     ///
     /// for more information on using this message with rviz.
     /// </summary>
+    [Serializable]
     public sealed class MarkerMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -746,6 +751,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
     ///
     /// Represents a control that is to be displayed together with an interactive marker
     /// </summary>
+    [Serializable]
     public sealed class InteractiveMarkerControlMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -943,6 +949,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
     }
 
     /// <summary>A shape that people can move in a viewer.</summary>
+    [Serializable]
     public sealed class InteractiveMarkerMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1054,6 +1061,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
     }
 
     /// <summary>What somebody did with such a shape.</summary>
+    [Serializable]
     public sealed class InteractiveMarkerFeedbackMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1208,6 +1216,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
     }
 
     /// <summary>All such shapes of a server, for a viewer that has just started.</summary>
+    [Serializable]
     public sealed class InteractiveMarkerInitMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1283,6 +1292,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
     }
 
     /// <summary>The new pose of such a shape.</summary>
+    [Serializable]
     public sealed class InteractiveMarkerPoseMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1351,6 +1361,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
     }
 
     /// <summary>Which such shapes came, moved or went.</summary>
+    [Serializable]
     public sealed class InteractiveMarkerUpdateMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1463,6 +1474,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
     }
 
     /// <summary>Many shapes drawn into a 3D viewer.</summary>
+    [Serializable]
     public sealed class MarkerArrayMsg : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1510,6 +1522,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
     }
 
     /// <summary>The request of visualization_msgs/srv/GetInteractiveMarkers.</summary>
+    [Serializable]
     public sealed class GetInteractiveMarkersRequest : IMessage
     {
         /// <summary>The name of this type.</summary>
@@ -1551,6 +1564,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
     }
 
     /// <summary>The response of visualization_msgs/srv/GetInteractiveMarkers.</summary>
+    [Serializable]
     public sealed class GetInteractiveMarkersResponse : IMessage
     {
         /// <summary>The name of this type.</summary>
