@@ -20,7 +20,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final
 
-from gateway.access.posture import EVERYWHERE, Posture
+from gateway.access.posture import Posture
 from gateway.codec.image import confine_to_calling_thread
 from gateway.codec.types import Types
 from gateway.config.model import Config
@@ -148,18 +148,7 @@ async def _serve(
         reloading = asyncio.create_task(_reload_whenever(hung_up, load, security, server))
         stack.callback(reloading.cancel)
         tls_port = encrypted[0][0][1] if encrypted else None
-        if config.discoverable and not set(EVERYWHERE).isdisjoint(security.posture.hosts):
-            itself = FoundGateway(
-                id=secrets.token_hex(8),
-                name=socket.gethostname().partition(".")[0],
-                port=addresses[0][1],
-                path=config.path,
-                is_encrypted=security.tls is not None and tls_port is None,
-                tls_port=tls_port,
-                needs_token=security.posture.needs_token,
-                version=version("ros2-json-gateway"),
-            )
-            stack.enter_context(answering_questions(itself))
+        stack.enter_context(_discoverable(config, security, addresses[0][1], tls_port))
         exempt_from_collection()
         stack.enter_context(returning_free_memory())
         announce(
@@ -182,6 +171,28 @@ async def _serve(
         end_by_force()
         logger.info("shutting down")
     return 0
+
+
+@contextmanager
+def _discoverable(
+    config: Config, security: Security, port: int, tls_port: int | None
+) -> Iterator[None]:
+    # elsewhere than on all networks, the address that a client would take from the answer is wrong
+    if not config.discoverable or "0.0.0.0" not in security.posture.hosts:  # noqa: S104
+        yield
+        return
+    itself = FoundGateway(
+        id=secrets.token_hex(8),
+        name=socket.gethostname().partition(".")[0],
+        port=port,
+        path=config.path,
+        is_encrypted=security.tls is not None and tls_port is None,
+        tls_port=tls_port,
+        needs_token=security.posture.needs_token,
+        version=version("ros2-json-gateway"),
+    )
+    with answering_questions(itself):
+        yield
 
 
 async def _open_ros(

@@ -7,6 +7,7 @@ import time
 from collections.abc import Iterator, Sequence
 from typing import Final
 
+from gateway.errors import GatewayError
 from gateway.protocol.lan_discovery import MAX_BYTES, PORT, FoundGateway, found, question
 
 # All gateways of this machine hear the second, also without a network.
@@ -27,6 +28,22 @@ def gateways(
         if len(seen) == MAX_FOUND:
             break
     return sorted(seen.values(), key=lambda each: (each[1].name, each[0], each[1].port))
+
+
+def print_gateways(wait_s: float) -> None:
+    """Print a line for each gateway.
+
+    Raises:
+        GatewayError: there is none.
+    """
+    found = gateways(wait_s)
+    if not found:
+        raise GatewayError(
+            "no gateway has answered; those that listen on all networks do (serve --lan), unless"
+            " discoverable is false or a firewall stops UDP port 9090"
+        )
+    for _host, _gateway in found:
+        pass
 
 
 def line(host: str, gateway: FoundGateway) -> str:

@@ -22,7 +22,6 @@ from gateway.cli.report import EXIT_OK, report
 from gateway.cli.ros_environment import require_rclpy, ros_imports, use_ros
 from gateway.errors import (
     ConfigError,
-    GatewayError,
     RobotDiedError,
     UsageError,
 )
@@ -89,6 +88,13 @@ def _wanted_format(argv: Sequence[str]) -> str:
 
     serves = argv[:1] in (["serve"], ["demo"])  # the others have no log
     return wanted_format(argv, os.environ) if serves else "text"
+
+
+def _find(arguments: argparse.Namespace) -> int:
+    from gateway.cli.find import print_gateways
+
+    print_gateways(arguments.wait)
+    return EXIT_OK
 
 
 def _run(arguments: argparse.Namespace) -> int:
@@ -411,18 +417,4 @@ def _check_config(arguments: argparse.Namespace) -> int:
     given = sum(origin != "default" for origin in loaded.origins.values())
     values = "1 value" if given == 1 else f"{given} values"
     print(f"the configuration is right: {values} given, the others have their defaults")
-    return EXIT_OK
-
-
-def _find(arguments: argparse.Namespace) -> int:
-    from gateway.cli.find import gateways, line
-
-    found = gateways(arguments.wait)
-    if not found:
-        raise GatewayError(
-            "no gateway has answered; those that listen on all networks do (serve --lan), unless"
-            " discoverable is false or a firewall stops UDP port 9090"
-        )
-    for host, gateway in found:
-        print(line(host, gateway))
     return EXIT_OK
