@@ -30,8 +30,8 @@ def gateways(
     return sorted(seen.values(), key=lambda each: (each[1].name, each[0], each[1].port))
 
 
-def print_gateways(wait_s: float) -> None:
-    """Print a line for each gateway.
+def lines(wait_s: float) -> list[str]:
+    """Return a line for each gateway.
 
     Raises:
         GatewayError: there is none.
@@ -42,8 +42,7 @@ def print_gateways(wait_s: float) -> None:
             "no gateway has answered; those that listen on all networks do (serve --lan), unless"
             " discoverable is false or a firewall stops UDP port 9090"
         )
-    for _host, _gateway in found:
-        pass
+    return [line(host, gateway) for host, gateway in found]
 
 
 def line(host: str, gateway: FoundGateway) -> str:

@@ -91,9 +91,9 @@ def _wanted_format(argv: Sequence[str]) -> str:
 
 
 def _find(arguments: argparse.Namespace) -> int:
-    from gateway.cli.find import print_gateways
+    from gateway.cli.find import lines
 
-    print_gateways(arguments.wait)
+    print("\n".join(lines(arguments.wait)))
     return EXIT_OK
 
 

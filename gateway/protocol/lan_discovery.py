@@ -2,8 +2,8 @@
 """The datagrams by which clients find the gateways of their network.
 
 A client broadcasts a question to a UDP port, and each gateway answers the client alone. Both are
-JSON. A question has at least `QUESTION_BYTES` and an answer at most as many: questions with a
-forged sender cannot make gateways send a third party more than the forger sends himself.
+JSON, and nobody vouches for either. A question has at least `QUESTION_BYTES` and an answer at most
+as many: a question with a forged sender makes no gateway send a third party more than it has got.
 """
 
 from dataclasses import dataclass
@@ -78,13 +78,23 @@ def found(datagram: bytes) -> FoundGateway | None:
             "tls_port": int() | None as tls_port,
             "token": bool(needs_token),
             "version": str(version),
-        } if 0 < port < 65536 and all(map(_is_plain, (run, name, path, version))):  # a port
+        } if (
+            _is_port(port)
+            and (tls_port is None or _is_port(tls_port))
+            and all(map(_is_plain, (run, name, path, version)))
+            and path.startswith("/")
+        ):
             return FoundGateway(run, name, port, path, is_encrypted, tls_port, needs_token, version)
     return None
 
 
 def _is_plain(text: str) -> bool:
-    return text.isascii() and text.isprintable()  # nothing that a terminal obeys
+    # nothing that a terminal obeys, and no longer than an answer of a gateway has it
+    return text.isascii() and text.isprintable() and len(text) <= MAX_PATH
+
+
+def _is_port(number: int) -> bool:
+    return number is not True and 0 < number < 65536  # bool is an int
 
 
 def _members(datagram: bytes) -> dict[str, Any]:

@@ -4,7 +4,7 @@
 import asyncio
 import contextlib
 import difflib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Coroutine, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -202,13 +202,11 @@ class Parameters:
             raise bad_type(error, self._types.definitions) from error
         name = f"{node}/{service.name}"
         self._check(name)
-        wait_s = ASK_AGAIN_S
-        while service.is_read:
-            with contextlib.suppress(TimeoutError):
-                async with asyncio.timeout(wait_s):
-                    return await self._service_clients.call(name, service_type, request, deadline)
-            wait_s *= 2
-        return await self._service_clients.call(name, service_type, request, deadline)
+
+        def ask() -> Coroutine[Any, Any, dict[str, Any]]:
+            return self._service_clients.call(name, service_type, request, deadline)
+
+        return await (_asked_again(ask) if service.is_read else ask())
 
     def offers(self, node: str, service: _Service) -> bool:
         """Return whether a node has a parameter service, as far as the graph knows."""
@@ -320,6 +318,23 @@ class _Conversation:
         if not self._parameters.offers(self._node, _LIST):
             return ProtocolError("not_found", f"node {self._node} offers no parameters")
         return self._deadline.error(f"node {self._node} has not answered")
+
+
+async def _asked_again(ask: Callable[[], Coroutine[Any, Any, dict[str, Any]]]) -> dict[str, Any]:
+    """Return the first answer, also a late one of a node that takes its time for each question."""
+    asked: set[asyncio.Task[dict[str, Any]]] = set()
+    wait_s = ASK_AGAIN_S
+    try:
+        while True:
+            asked.add(asyncio.ensure_future(ask()))
+            done, _ = await asyncio.wait(asked, timeout=wait_s, return_when=asyncio.FIRST_COMPLETED)
+            if done:
+                return next(iter(done)).result()
+            wait_s *= 2
+    finally:
+        for each in asked:
+            each.cancel()
+        await asyncio.gather(*asked, return_exceptions=True)
 
 
 def _fitted(value: object, descriptor: Mapping[str, Any] | None) -> dict[str, object]:

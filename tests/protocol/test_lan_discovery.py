@@ -57,6 +57,10 @@ def test_no_answer_is_longer_than_a_question() -> None:
         {"path": None},
         {"tls": 1},
         {"tls_port": "9091"},
+        {"tls_port": -5},
+        {"port": True},
+        {"path": "@evil.example:9090/"},
+        {"name": "n" * 1100},
     ],
 )
 def test_what_is_no_answer_is_nothing(change: dict[str, object]) -> None:

@@ -40,7 +40,7 @@ namespace Ros2Gateway.Editor
             }
             if (hasFields && GUILayout.Button("Edit as text"))
             {
-                serializedObject.FindProperty("_message").stringValue = JsonOf(message);
+                serializedObject.FindProperty("_message").stringValue = UnstampedMessage.Of(message).Value.ToString();
                 fields.managedReferenceValue = null;
                 _problem = null;
             }
@@ -49,15 +49,13 @@ namespace Ros2Gateway.Editor
                 string text = hasFields ? "" : serializedObject.FindProperty("_message").stringValue;
                 IMessage made = Read(type, text);
                 fields.managedReferenceValue = made ?? message;
+                if (made != null)
+                {
+                    // else what nobody sees would be published if the fields were lost
+                    serializedObject.FindProperty("_message").stringValue = "";
+                }
             }
             Warn(_problem);
-        }
-
-        private static string JsonOf(IMessage message)
-        {
-            JsonWriter writer = new JsonWriter();
-            message.Write(writer);
-            return writer.ToString();
         }
 
         /// <summary>A message of a type with what a text says of it; null, with a problem, if that cannot be.</summary>

@@ -89,6 +89,16 @@ namespace Ros2Gateway.Tests
         }
 
         [Test]
+        public void After_its_end_it_does_nothing()
+        {
+            var finder = new GatewayFinder(Here);
+            finder.Dispose();
+            finder.Pump();
+            finder.Dispose();
+            Assert.IsEmpty(finder.Found);
+        }
+
+        [Test]
         public void Where_nobody_can_be_asked_it_says_so()
         {
             using (var finder = new GatewayFinder(IPAddress.Parse("0.0.0.0").MapToIPv6()))

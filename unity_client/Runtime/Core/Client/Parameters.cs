@@ -7,7 +7,7 @@ using Ros2Gateway.Json;
 
 namespace Ros2Gateway
 {
-    /// <summary>Parameters of ROS nodes. A node has a second to answer; replies come while the client is pumped.</summary>
+    /// <summary>Parameters of ROS nodes. A node has 2.5 seconds to answer; replies come while the client is pumped.</summary>
     public static class Parameters
     {
         private const int TimeoutMilliseconds = 3500; // the gateway gives a node 2500

@@ -30,6 +30,7 @@ namespace Ros2Gateway
         private readonly Stopwatch _watch = Stopwatch.StartNew();
         private readonly Socket _socket;
         private long _nextAsk;
+        private bool _isClosed;
 
         /// <summary>Begins.</summary>
         /// <param name="targets">Broadcast addresses; by default that of the network which the system prefers,
@@ -73,7 +74,7 @@ namespace Ros2Gateway
         /// <summary>Asks again when it is time, and takes the answers that have come.</summary>
         public void Pump()
         {
-            if (_socket == null)
+            if (_isClosed)
             {
                 return;
             }
@@ -90,6 +91,7 @@ namespace Ros2Gateway
         /// <summary>Looks no longer; what was found stays.</summary>
         public void Dispose()
         {
+            _isClosed = true;
             if (_socket != null)
             {
                 _socket.Close();
@@ -140,7 +142,7 @@ namespace Ros2Gateway
             int count;
             try
             {
-                if (_socket.Available == 0)
+                if (!_socket.Poll(0, SelectMode.SelectRead)) // Available is 0 for an empty datagram, too
                 {
                     return false;
                 }
@@ -156,10 +158,7 @@ namespace Ros2Gateway
 
         private void Fail(Exception error)
         {
-            if (_socket != null)
-            {
-                _socket.Close();
-            }
+            Dispose();
             Problem = "cannot look for gateways: " + error.Message;
         }
     }

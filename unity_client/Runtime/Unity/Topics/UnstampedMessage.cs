@@ -9,10 +9,10 @@ namespace Ros2Gateway.Unity
     /// A message as JSON, without the stamps of 0 in its headers: those the gateway sets. An object that Unity
     /// has loaded cannot tell whether somebody has set them.
     /// </summary>
-    internal static class UnstampedMessage
+    public static class UnstampedMessage
     {
         /// <summary>What a message says.</summary>
-        internal static DynamicMessage Of(IMessage message)
+        public static DynamicMessage Of(IMessage message)
         {
             JsonWriter writer = new JsonWriter();
             message.Write(writer);
