@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from gateway.codec.json import dumps
-from gateway.ports import Ros
+from gateway.ports import Request, Ros
 from gateway.protocol.errors import ProtocolError
 from gateway.rosapi import Parameters, SetResult
 from tests.client import TIMEOUT_S, eventually
@@ -306,6 +306,21 @@ async def test_a_node_whose_answer_is_lost_is_asked_again(
     await clock.advance(0.2)
     assert await reading == ["speed"]
     assert nodes.calls.asked == ["/robot/list_parameters"] * 2
+
+
+async def test_the_answer_to_the_first_question_counts_when_it_comes_late(
+    nodes: ScriptedNodes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    requests: list[Request] = []
+    type_ = nodes.types.service("rcl_interfaces/srv/ListParameters")
+    nodes.ros.add_service("/robot/list_parameters", type_.name, requests.append, node="/robot")
+    clock = StoppedClock(monkeypatch)
+    reading = asyncio.ensure_future(nodes.parameters.list_names("/robot"))
+    await clock.advance(0)  # it asks
+    await clock.advance(1.3)
+    assert len(requests) == 2
+    requests[0].answer(type_.response.encode({"result": {"names": ["speed"]}}, 0))
+    assert await reading == ["speed"]
 
 
 async def test_what_sets_a_parameter_is_not_sent_again(
