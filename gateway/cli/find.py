@@ -34,7 +34,7 @@ def lines(wait_s: float) -> list[str]:
     """Return a line for each gateway.
 
     Raises:
-        GatewayError: there is none.
+        GatewayError: no gateway has answered.
     """
     found = gateways(wait_s)
     if not found:
