@@ -224,9 +224,9 @@ namespace Ros2Gateway.Editor
                 : EditorClient.OptionsOf(FindAnyObjectByType<GatewayConnection>());
         }
 
-        private void Tell(string words, bool isBad)
+        private void Tell(string text, bool isBad)
         {
-            _result = words;
+            _result = text;
             _isBad = isBad;
             Repaint();
         }

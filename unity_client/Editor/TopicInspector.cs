@@ -187,11 +187,11 @@ namespace Ros2Gateway.Editor
             return new GUIContent(label.Replace('/', '\u2215'));
         }
 
-        private static void Tell(string words)
+        private static void Tell(string text)
         {
-            if (!string.IsNullOrEmpty(words))
+            if (!string.IsNullOrEmpty(text))
             {
-                EditorGUILayout.HelpBox(words, MessageType.Info);
+                EditorGUILayout.HelpBox(text, MessageType.Info);
             }
         }
     }

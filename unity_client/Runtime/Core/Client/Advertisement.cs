@@ -30,12 +30,12 @@ namespace Ros2Gateway
         }
 
         /// <summary>It is refused; returns whether that is news.</summary>
-        internal bool Refuse(string words, long now)
+        internal bool Refuse(string errorText, long now)
         {
             lock (_gate)
             {
-                bool isNews = _refusal != words;
-                _refusal = words;
+                bool isNews = _refusal != errorText;
+                _refusal = errorText;
                 _isAgreed = false;
                 _asked = double.NaN;
                 _pause.Begin(now);

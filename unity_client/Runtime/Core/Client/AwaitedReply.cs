@@ -57,7 +57,7 @@ namespace Ros2Gateway
             _source.TrySetCanceled(_cancellation);
         }
 
-        public void Abandon(string words)
+        public void Abandon(string errorText)
         {
             if (_cancellation.IsCancellationRequested)
             {
@@ -65,7 +65,7 @@ namespace Ros2Gateway
             }
             else
             {
-                Answer(Reply<T>.Failed(words));
+                Answer(Reply<T>.Failed(errorText));
             }
         }
 

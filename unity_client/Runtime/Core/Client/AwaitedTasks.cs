@@ -7,7 +7,7 @@ namespace Ros2Gateway
     internal interface IAwaited
     {
         /// <summary>Nothing will come any more: ends it, with the reason, unless it has ended.</summary>
-        void Abandon(string words);
+        void Abandon(string errorText);
     }
 
     /// <summary>What is awaited of a client, so that all of it ends with the client. Any thread.</summary>

@@ -138,13 +138,13 @@ namespace Ros2Gateway
         /// The gateway refuses to tell a state; false if that is no answer to a question of ours. It is no event:
         /// most topics with velocities move no robot, and gateways of old know no control.
         /// </summary>
-        internal bool OnRefused(string id, string words)
+        internal bool OnRefused(string id, string errorText)
         {
             foreach (ControlTopic topic in All())
             {
                 if (topic.Id == id)
                 {
-                    topic.Set(new ControlState(topic.Name, words));
+                    topic.Set(new ControlState(topic.Name, errorText));
                     return true;
                 }
             }

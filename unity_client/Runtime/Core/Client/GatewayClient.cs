@@ -469,7 +469,7 @@ namespace Ros2Gateway
             _transforms.Restore();
         }
 
-        private void Down(string words)
+        private void Down(string errorText)
         {
             _outbox.Detach();
             RosClock.Forget();
@@ -477,8 +477,8 @@ namespace Ros2Gateway
             _providers.OnDown();
             _controls.OnDown();
             _transforms.OnDown();
-            _requests.FailAll(words);
-            _goals.FailAll(words);
+            _requests.FailAll(errorText);
+            _goals.FailAll(errorText);
         }
 
         private void SendPing()
@@ -540,9 +540,9 @@ namespace Ros2Gateway
                 _client.SendPing();
             }
 
-            public void OnDown(string words)
+            public void OnDown(string errorText)
             {
-                _client.Down(words);
+                _client.Down(errorText);
             }
 
             public void OnPong(double sent, double rosSeconds)

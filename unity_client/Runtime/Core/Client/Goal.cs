@@ -82,7 +82,7 @@ namespace Ros2Gateway
 
         internal abstract Action ReadResult(GoalStatus status, JsonReader reader);
 
-        internal abstract Action Failed(string words);
+        internal abstract Action Failed(string errorText);
     }
 
     /// <summary>The end of a goal: its result, or words that say why there is none.</summary>
@@ -166,9 +166,9 @@ namespace Ros2Gateway
             return () => End(new GoalResult<TResult>(status, result, null));
         }
 
-        internal override Action Failed(string words)
+        internal override Action Failed(string errorText)
         {
-            return () => End(new GoalResult<TResult>(GoalStatus.Unknown, default(TResult), words));
+            return () => End(new GoalResult<TResult>(GoalStatus.Unknown, default(TResult), errorText));
         }
 
         private void End(GoalResult<TResult> result)

@@ -111,9 +111,9 @@ namespace Ros2Gateway
             }
         }
 
-        void IAwaited.Abandon(string words)
+        void IAwaited.Abandon(string errorText)
         {
-            OnResult(new GoalResult<TResult>(GoalStatus.Unknown, default(TResult), words));
+            OnResult(new GoalResult<TResult>(GoalStatus.Unknown, default(TResult), errorText));
         }
 
         /// <summary>The goal was sent.</summary>

@@ -115,16 +115,16 @@ namespace Ros2Gateway
             }
         }
 
-        internal void Fail(string id, string words)
+        internal void Fail(string id, string errorText)
         {
             Goal goal = Find(id, true);
             if (goal != null)
             {
-                Fail(goal, words);
+                Fail(goal, errorText);
             }
         }
 
-        internal void FailAll(string words)
+        internal void FailAll(string errorText)
         {
             List<Goal> all;
             lock (_gate)
@@ -134,14 +134,14 @@ namespace Ros2Gateway
             }
             foreach (Goal goal in all)
             {
-                Fail(goal, words);
+                Fail(goal, errorText);
             }
         }
 
-        private void Fail(Goal goal, string words)
+        private void Fail(Goal goal, string errorText)
         {
-            _reports.Error("send_action_goal " + goal.Action, words);
-            _mailbox.Post(goal.Failed(words));
+            _reports.Error("send_action_goal " + goal.Action, errorText);
+            _mailbox.Post(goal.Failed(errorText));
         }
 
         private Goal Find(string id, bool isLast)

@@ -334,11 +334,11 @@ namespace Ros2Gateway
             {
                 return; // what the gateway has refused, or forgotten, needs no end
             }
-            string errorText = _payloadAt == Absent ? "" : Truncate(Payload().ReadString(), ErrorTextCharacters);
+            string text = _payloadAt == Absent ? "" : Truncate(Payload().ReadString(), ErrorTextCharacters);
             string topic = _id == null ? null : _subscriptions.TopicOf(_id) ?? _publishers.TopicOf(_id);
-            if (topic != null && !errorText.Contains(topic))
+            if (topic != null && !text.Contains(topic))
             {
-                errorText = topic + ": " + errorText;
+                text = topic + ": " + text;
             }
             if (_request == "cancel_transform" && _code == "not_found")
             {
@@ -346,31 +346,31 @@ namespace Ros2Gateway
             }
             if (_level != "error")
             {
-                _transforms.OnWarning(_id, errorText);
+                _transforms.OnWarning(_id, text);
             }
-            else if (_transforms.OnRefused(_id, errorText))
+            else if (_transforms.OnRefused(_id, text))
             {
                 return;
             }
             if (_level == "error" && _requests.IsPending(_id))
             {
-                _requests.Fail(_id, errorText);
+                _requests.Fail(_id, text);
                 return;
             }
             if (_level == "error" && _id != null)
             {
-                if (_controls.OnRefused(_id, errorText))
+                if (_controls.OnRefused(_id, text))
                 {
                     return;
                 }
-                if (_publishers.OnRefused(_id, _request ?? "", _code ?? "", errorText))
+                if (_publishers.OnRefused(_id, _request ?? "", _code ?? "", text))
                 {
                     return;
                 }
             }
             EventLevel level = _level == "error" ? EventLevel.Error
                 : _level == "info" ? EventLevel.Info : EventLevel.Warning;
-            _reports.Tell(level, errorText, _code ?? "", _request ?? "");
+            _reports.Tell(level, text, _code ?? "", _request ?? "");
         }
 
         private void OnServiceResponse()

@@ -87,7 +87,7 @@ namespace Ros2Gateway
         /// known already.
         /// </summary>
         /// <param name="request">The operation that was refused.</param>
-        internal bool OnRefused(string id, string request, string code, string words)
+        internal bool OnRefused(string id, string request, string code, string errorText)
         {
             Publisher found = Find(id);
             if (found == null)
@@ -96,9 +96,9 @@ namespace Ros2Gateway
             }
             if (request == "advertise")
             {
-                return !found.Advertisement.Refuse(words, _clock.Now);
+                return !found.Advertisement.Refuse(errorText, _clock.Now);
             }
-            found.OnRefused(code, words);
+            found.OnRefused(code, errorText);
             return false;
         }
 
@@ -159,9 +159,9 @@ namespace Ros2Gateway
             return refusal == Outbox.NotConnected ? null : refusal;
         }
 
-        internal void Report(Publisher publisher, string words)
+        internal void Report(Publisher publisher, string errorText)
         {
-            _reports.Error("publish", publisher.Topic + ": " + words);
+            _reports.Error("publish", publisher.Topic + ": " + errorText);
         }
 
         private Publisher Find(string id)

@@ -49,9 +49,9 @@ namespace Ros2Gateway
     /// <summary>A request failed; the text is the gateway's, or the client's own.</summary>
     public sealed class GatewayException : Exception
     {
-        /// <param name="words">What was wrong, where, and what to do.</param>
-        public GatewayException(string words)
-            : base(words)
+        /// <param name="errorText">What was wrong, where, and what to do.</param>
+        public GatewayException(string errorText)
+            : base(errorText)
         {
         }
     }

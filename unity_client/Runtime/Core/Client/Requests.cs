@@ -118,17 +118,17 @@ namespace Ros2Gateway
         }
 
         /// <summary>The answer is words that say why there is none.</summary>
-        internal void Fail(string id, string words)
+        internal void Fail(string id, string errorText)
         {
             Request request = Take(id);
             if (request != null)
             {
-                Fail(request, words);
+                Fail(request, errorText);
             }
         }
 
         /// <summary>Nothing will be answered any more on this connection.</summary>
-        internal void FailAll(string words)
+        internal void FailAll(string errorText)
         {
             List<Request> all;
             lock (_gate)
@@ -138,7 +138,7 @@ namespace Ros2Gateway
             }
             foreach (Request request in all)
             {
-                Fail(request, words);
+                Fail(request, errorText);
             }
         }
 
@@ -179,10 +179,10 @@ namespace Ros2Gateway
             }
         }
 
-        private void Fail(Request request, string words)
+        private void Fail(Request request, string errorText)
         {
-            _reports.Error(request.What, words);
-            _mailbox.Post(request.Failed(words));
+            _reports.Error(request.What, errorText);
+            _mailbox.Post(request.Failed(errorText));
         }
 
         private abstract class Request
@@ -198,7 +198,7 @@ namespace Ros2Gateway
 
             internal abstract Action Read(JsonReader reader);
 
-            internal abstract Action Failed(string words);
+            internal abstract Action Failed(string errorText);
         }
 
         private sealed class Request<T> : Request
@@ -219,9 +219,9 @@ namespace Ros2Gateway
                 return () => Tell(reply);
             }
 
-            internal override Action Failed(string words)
+            internal override Action Failed(string errorText)
             {
-                return () => Tell(Reply<T>.Failed(words));
+                return () => Tell(Reply<T>.Failed(errorText));
             }
 
             private void Tell(Reply<T> reply)

@@ -149,10 +149,10 @@ namespace Ros2Gateway
             }
         }
 
-        private void Refuse(string service, string id, string words)
+        private void Refuse(string service, string id, string errorText)
         {
             JsonWriter frame = Begin(service, id);
-            frame.Member("values", words);
+            frame.Member("values", errorText);
             frame.Member("result", false);
             frame.EndObject();
             _outbox.Post(frame);

@@ -110,23 +110,23 @@ namespace Ros2Gateway
         }
 
         /// <summary>It is looked up, but not known; or the connection is lost, and nothing is refused any more.</summary>
-        internal void OnProblem(string words)
+        internal void OnProblem(string errorText)
         {
             lock (_gate)
             {
-                Suffer(words);
+                Suffer(errorText);
                 Accept();
             }
         }
 
         /// <summary>It is not looked up; returns whether that is news.</summary>
-        internal bool Refuse(string words, long now)
+        internal bool Refuse(string errorText, long now)
         {
             lock (_gate)
             {
-                Suffer(words);
-                bool isNews = _refusal != words;
-                _refusal = words;
+                Suffer(errorText);
+                bool isNews = _refusal != errorText;
+                _refusal = errorText;
                 _asksAgain = true;
                 _pause.Begin(now);
                 return isNews;
@@ -144,13 +144,13 @@ namespace Ros2Gateway
             }
         }
 
-        private void Suffer(string words)
+        private void Suffer(string errorText)
         {
             if (_isStatic && _problem == null)
             {
                 _heardAt = _clock.Now; // until now it was what it had been
             }
-            _problem = words;
+            _problem = errorText;
         }
 
         private void Accept()

@@ -70,20 +70,20 @@ namespace Ros2Gateway
         }
 
         /// <summary>The gateway warns of a lookup, which it does.</summary>
-        internal void OnWarning(string id, string words)
+        internal void OnWarning(string id, string errorText)
         {
             TransformWatch watch = Find(id);
             if (watch != null)
             {
-                watch.OnProblem(words);
+                watch.OnProblem(errorText);
             }
         }
 
         /// <summary>The gateway refuses a lookup; returns whether that is known already.</summary>
-        internal bool OnRefused(string id, string words)
+        internal bool OnRefused(string id, string errorText)
         {
             TransformWatch watch = Find(id);
-            return watch != null && !watch.Refuse(words, _clock.Now);
+            return watch != null && !watch.Refuse(errorText, _clock.Now);
         }
 
         /// <summary>Asks again for what was refused, from time to time: others may have ended by then.</summary>

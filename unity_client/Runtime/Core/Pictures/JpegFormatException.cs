@@ -7,8 +7,8 @@ namespace Ros2Gateway.Pictures
     public class JpegFormatException : Exception
     {
         /// <summary>An error at a byte of the JPEG, counted from 0.</summary>
-        public JpegFormatException(string words, int offset)
-            : base(words + " (byte " + offset + ")")
+        public JpegFormatException(string errorText, int offset)
+            : base(errorText + " (byte " + offset + ")")
         {
             Offset = offset;
         }
@@ -21,8 +21,8 @@ namespace Ros2Gateway.Pictures
     public sealed class JpegNotSupportedException : JpegFormatException
     {
         /// <summary>What it is, and where that is said.</summary>
-        public JpegNotSupportedException(string words, int offset)
-            : base(words, offset)
+        public JpegNotSupportedException(string errorText, int offset)
+            : base(errorText, offset)
         {
         }
     }

@@ -11,8 +11,8 @@ namespace Ros2Gateway.Robots
     /// <summary>A description that is no URDF; the text says what is wrong, and where.</summary>
     public sealed class UrdfException : Exception
     {
-        internal UrdfException(string words)
-            : base(words)
+        internal UrdfException(string errorText)
+            : base(errorText)
         {
         }
     }

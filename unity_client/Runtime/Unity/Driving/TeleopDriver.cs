@@ -235,12 +235,12 @@ namespace Ros2Gateway.Unity
 
         private void TellStatus()
         {
-            string words = _status.Text;
+            string text = _status.Text;
             if (StatusChanged != null)
             {
-                StatusChanged(words);
+                StatusChanged(text);
             }
-            _onStatus.Invoke(words);
+            _onStatus.Invoke(text);
         }
 
         private void Halt(string reason)
