@@ -384,6 +384,30 @@ async def test_a_response_that_came_before_dds_had_matched_the_client_is_sent_ag
     assert len(sent) == 2
 
 
+async def test_a_service_that_has_become_silent_sends_what_it_owes(
+    ros: RclpyRos, outside: Outside
+) -> None:
+    requests: list[Request] = []
+    replier = ros.serve("/arm", SET_BOOL, requests.append)._replier
+    send, in_vain = replier._send_response, [None] * MAX_STALLS
+
+    def send_in_vain_at_first(response: Any, request_id: Any) -> None:
+        if in_vain:
+            in_vain.pop()
+            warnings.warn(RESPONSE_TIMED_OUT, RuntimeWarning, stacklevel=1)
+        else:
+            send(response, request_id)
+
+    replier._send_response = send_in_vain_at_first
+    client = outside.add_client("/arm", SET_BOOL)
+    calls = [asyncio.ensure_future(client.call(request(True))) for _ in range(MAX_STALLS)]
+    await eventually(lambda: len(requests) == MAX_STALLS)
+    for each in requests:
+        each.answer(response("done"))
+    assert replier._silent_until > asyncio.get_running_loop().time()
+    assert [text_of(await soon(calling)) for calling in calls] == ["done"] * MAX_STALLS
+
+
 async def test_a_client_that_no_response_can_reach_is_told_of(
     ros: RclpyRos, outside: Outside, caplog: pytest.LogCaptureFixture
 ) -> None:
