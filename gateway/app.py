@@ -32,7 +32,7 @@ from gateway.log_fields import counted, text_of
 from gateway.log_rate import LogRate
 from gateway.memory import exempt_from_collection, keep_large_blocks, returning_free_memory
 from gateway.ports import LogLevel, Ros, RosError
-from gateway.protocol.lan_discovery import FoundGateway
+from gateway.protocol.lan_discovery import MAX_PATH, FoundGateway
 from gateway.ros import RosOptions, open_ros
 from gateway.router.router import Router
 from gateway.security import Security, open_security
@@ -177,8 +177,9 @@ async def _serve(
 def _discoverable(
     config: Config, security: Security, port: int, tls_port: int | None
 ) -> Iterator[None]:
-    # elsewhere than on all networks, the address that a client would take from the answer is wrong
-    if not config.discoverable or "0.0.0.0" not in security.posture.hosts:  # noqa: S104
+    # Elsewhere than on all networks, the address that a client would take from the answer is wrong.
+    is_right = "0.0.0.0" in security.posture.hosts and len(config.path) <= MAX_PATH  # noqa: S104
+    if not (config.discoverable and is_right):
         yield
         return
     itself = FoundGateway(

@@ -20,14 +20,19 @@ def gateways(
     wait_s: float, targets: Sequence[str] = BROADCASTS, port: int = PORT
 ) -> list[tuple[str, FoundGateway]]:
     """Return the gateways that answer within *wait_s*, each with its address, sorted by name."""
-    seen: dict[str, tuple[str, FoundGateway]] = {}
+    seen: dict[tuple[str, str], FoundGateway] = {}
     for host, gateway in _answers(wait_s, targets, port):
-        # from its own machine, a gateway is heard at two addresses: others can use only one
-        if gateway.id not in seen or seen[gateway.id][0].startswith("127."):
-            seen[gateway.id] = host, gateway
+        seen.setdefault((host, gateway.id), gateway)
         if len(seen) == MAX_FOUND:
             break
-    return sorted(seen.values(), key=lambda each: (each[1].name, each[0], each[1].port))
+    elsewhere = {run for host, run in seen if not _is_loopback(host)}
+    # from its own machine, a gateway is heard at two addresses: others can use only one
+    found = [
+        (host, gateway)
+        for (host, run), gateway in seen.items()
+        if not _is_loopback(host) or run not in elsewhere
+    ]
+    return sorted(found, key=lambda each: (each[1].name, each[0], each[1].port))
 
 
 def lines(wait_s: float) -> list[str]:
@@ -52,6 +57,10 @@ def line(host: str, gateway: FoundGateway) -> str:
         parts.append(f"wss://{host}:{gateway.tls_port}{gateway.path}")
     access = "needs a token" if gateway.needs_token else "needs no token"
     return f"{gateway.name}  {' and '.join(parts)}  {access}, version {gateway.version}"
+
+
+def _is_loopback(host: str) -> bool:
+    return host.startswith("127.")
 
 
 def _answers(

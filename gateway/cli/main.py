@@ -90,13 +90,6 @@ def _wanted_format(argv: Sequence[str]) -> str:
     return wanted_format(argv, os.environ) if serves else "text"
 
 
-def _find(arguments: argparse.Namespace) -> int:
-    from gateway.cli.find import lines
-
-    print("\n".join(lines(arguments.wait)))
-    return EXIT_OK
-
-
 def _run(arguments: argparse.Namespace) -> int:
     commands: dict[str, Callable[[argparse.Namespace], int]] = {
         "serve": _serve,
@@ -417,4 +410,11 @@ def _check_config(arguments: argparse.Namespace) -> int:
     given = sum(origin != "default" for origin in loaded.origins.values())
     values = "1 value" if given == 1 else f"{given} values"
     print(f"the configuration is right: {values} given, the others have their defaults")
+    return EXIT_OK
+
+
+def _find(arguments: argparse.Namespace) -> int:
+    from gateway.cli.find import lines
+
+    print("\n".join(lines(arguments.wait)))
     return EXIT_OK

@@ -49,14 +49,17 @@ def is_question(datagram: bytes) -> bool:
 
 
 def answer(gateway: FoundGateway) -> bytes:
-    """Return the datagram that describes a gateway, of at most `QUESTION_BYTES`."""
+    """Return the datagram that describes a gateway, whose path has `MAX_PATH` characters at most.
+
+    It has at most `QUESTION_BYTES`.
+    """
     return orjson.dumps(
         {
             "op": "gateway",
             "id": gateway.id,
             "name": gateway.name.encode("ascii", "replace")[:MAX_NAME].decode(),
             "port": gateway.port,
-            "path": gateway.path if len(gateway.path) <= MAX_PATH else "/",
+            "path": gateway.path,
             "tls": gateway.is_encrypted,
             "tls_port": gateway.tls_port,
             "token": gateway.needs_token,
@@ -89,7 +92,7 @@ def found(datagram: bytes) -> FoundGateway | None:
 
 
 def _is_plain(text: str) -> bool:
-    # nothing that a terminal obeys, and no longer than an answer of a gateway has it
+    # nothing that a terminal obeys, and no longer than in an answer of a gateway
     return text.isascii() and text.isprintable() and len(text) <= MAX_PATH
 
 

@@ -10,8 +10,11 @@ namespace Ros2Gateway.Editor
     [CustomEditor(typeof(GatewaySettings))]
     public sealed class GatewaySettingsInspector : UnityEditor.Editor
     {
+        private const double FindSeconds = 10; // nobody answers later who has not by then
+
         private ConnectionProbe _probe;
         private GatewayFinder _finder;
+        private double _findsUntil;
 
         /// <summary>Where it looks for gateways: everywhere on this network by default.</summary>
         public IPAddress[] Targets { get; set; } = new IPAddress[0];
@@ -48,6 +51,7 @@ namespace Ros2Gateway.Editor
             {
                 EndFinding();
                 _finder = new GatewayFinder(Targets);
+                _findsUntil = EditorApplication.timeSinceStartup + FindSeconds;
                 EditorApplication.update += Find;
             }
             if (_finder == null)
@@ -79,6 +83,11 @@ namespace Ros2Gateway.Editor
         private void Find()
         {
             _finder.Pump();
+            if (EditorApplication.timeSinceStartup > _findsUntil)
+            {
+                EditorApplication.update -= Find;
+                _finder.Dispose(); // what was found stays
+            }
             Repaint();
         }
 

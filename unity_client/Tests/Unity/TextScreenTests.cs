@@ -88,6 +88,7 @@ namespace Ros2Gateway.Unity.Tests
             screen.Show(new StringMsg { data = "<b>hello</b>" });
             yield return _scene.Until(() => label.text == "<b>hello</b>", "for the text");
             Assert.IsFalse(label.richText);
+            Assert.IsFalse(label.parseCtrlCharacters);
         }
 #endif
     }

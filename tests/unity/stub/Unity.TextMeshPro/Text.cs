@@ -15,6 +15,8 @@ namespace TMPro
         }
 
         public bool richText { get; set; }
+
+        public bool parseCtrlCharacters { get; set; } = true;
     }
 
     [RequireComponent(typeof(RectTransform))]

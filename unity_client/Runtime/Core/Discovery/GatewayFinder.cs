@@ -43,6 +43,11 @@ namespace Ros2Gateway
             {
                 _question[i] = i < text.Length ? text[i] : (byte)' ';
             }
+#if UNITY_WEBGL && !UNITY_EDITOR
+            _socket = null;
+            _isClosed = true;
+            Problem = "browsers cannot look for gateways";
+#else
             try
             {
                 _socket = new Socket(AddressFamily.InterNetwork, SocketType.Dgram, ProtocolType.Udp)
@@ -54,12 +59,10 @@ namespace Ros2Gateway
             }
             catch (SocketException error)
             {
-                Fail(error);
+                Dispose();
+                Problem = "cannot look for gateways: " + error.Message;
             }
-            catch (PlatformNotSupportedException error) // a browser
-            {
-                Fail(error);
-            }
+#endif
         }
 
         /// <summary>The gateways that have answered, in the order in which they did.</summary>
@@ -105,16 +108,22 @@ namespace Ros2Gateway
             {
                 return;
             }
-            // a gateway of this machine is heard at two addresses, and other machines can use only one
-            int known = _found.FindIndex(each => each.Id == gateway.Id);
+            int known = _found.FindIndex(
+                each => each.Id == gateway.Id && (IsHere(each) || IsHere(gateway) || each.Address == gateway.Address));
             if (known < 0 && _found.Count < MaxFound)
             {
                 _found.Add(gateway);
             }
-            else if (known >= 0 && _found[known].Address.Contains("://127."))
+            else if (known >= 0 && IsHere(_found[known]))
             {
                 _found[known] = gateway;
             }
+        }
+
+        // a gateway of this machine is heard at this address, too, which other machines cannot use
+        private static bool IsHere(FoundGateway gateway)
+        {
+            return gateway.Address.Contains("://127.");
         }
 
         private void Ask()
@@ -154,12 +163,6 @@ namespace Ros2Gateway
             }
             Add(FoundGateway.Read(_datagram, count, ((IPEndPoint)sender).Address));
             return true;
-        }
-
-        private void Fail(Exception error)
-        {
-            Dispose();
-            Problem = "cannot look for gateways: " + error.Message;
         }
     }
 }

@@ -64,6 +64,7 @@ namespace Ros2Gateway.Unity
             if (textMeshPro != null)
             {
                 textMeshPro.richText = isRich;
+                textMeshPro.parseCtrlCharacters = false; // a robot's \n is two characters
                 Add(textMeshPro, text => textMeshPro.text = text, color => textMeshPro.color = color);
             }
 #endif

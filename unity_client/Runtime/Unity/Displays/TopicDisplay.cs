@@ -15,6 +15,8 @@ namespace Ros2Gateway.Unity
         private const int MaxWarnings = 8; // what is wrong with so many messages is wrong with all
 
         private readonly List<string> _warnings = new List<string>();
+
+        [System.NonSerialized] // else the editor makes an empty message of none when it reloads scripts
         private T _newest;
         private float _newestTime;
         private float _drawnTime = float.NegativeInfinity;
