@@ -159,7 +159,7 @@ namespace Ros2Gateway.Unity.Tests
             TeleopDriver keys = Driver();
             yield return Clear();
             yield return OtherDrives(keys);
-            Assert.IsTrue(driver.SetTarget(Vector3.left));
+            yield return _scene.Until(() => driver.SetTarget(Vector3.left), "to take the target", Push);
             driver.Failed += reason => driver.enabled = keys.enabled = false;
             if (kind == "target")
             {
@@ -312,7 +312,6 @@ namespace Ros2Gateway.Unity.Tests
         private IEnumerator DriveTo(TargetDriver driver)
         {
             _scene.Heard.Clear();
-            Assert.IsTrue(driver.SetTarget(Vector3.left));
             yield return _scene.Until(
                 () => driver.Control.Motion == RobotMotion.Moving
                     && _scene.Heard.FindAll(one => one.angular > 0).Count > 2,
@@ -321,7 +320,7 @@ namespace Ros2Gateway.Unity.Tests
                 {
                     if (driver.State == DriveState.Failed || driver.State == DriveState.Idle)
                     {
-                        driver.SetTarget(Vector3.left); // a machine that is busy with other things took too long
+                        driver.SetTarget(Vector3.left); // again where a busy machine took too long
                     }
                 });
         }
