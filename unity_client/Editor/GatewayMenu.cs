@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+using Ros2Gateway.Messages.SensorMsgs;
 using Ros2Gateway.Unity;
 using UnityEditor;
 using UnityEngine;
@@ -16,6 +17,34 @@ namespace Ros2Gateway.Editor
         public static void Connection(MenuCommand command)
         {
             Finish(new GameObject("Gateway Connection", typeof(GatewayConnection)), command);
+        }
+
+        /// <summary>Any topic, which is heard.</summary>
+        [MenuItem(Path + "Topic Subscriber", false, Priority)]
+        public static void Subscriber(MenuCommand command)
+        {
+            Finish(new GameObject("Topic Subscriber", typeof(TopicSubscriber)), command);
+        }
+
+        /// <summary>Any topic, which is written.</summary>
+        [MenuItem(Path + "Topic Publisher", false, Priority)]
+        public static void Publisher(MenuCommand command)
+        {
+            Finish(new GameObject("Topic Publisher", typeof(TopicPublisher)), command);
+        }
+
+        /// <summary>What a camera of the scene sees, for ROS.</summary>
+        [MenuItem(Path + "Texture Publisher", false, Priority)]
+        public static void Texture(MenuCommand command)
+        {
+            GameObject camera = new GameObject("Texture Publisher", typeof(Camera), typeof(TopicPublisher));
+            TopicPublisher publisher = camera.GetComponent<TopicPublisher>();
+            publisher.Topic = "/unity/image/compressed"; // as TexturePublisher.Reset, which only the Editor calls
+            publisher.Type = CompressedImageMsg.Type;
+            publisher.Rate = 10;
+            TexturePublisher texture = camera.AddComponent<TexturePublisher>();
+            texture.Camera = camera.GetComponent<Camera>();
+            Finish(texture, command);
         }
 
         /// <summary>A screen for a camera's pictures.</summary>

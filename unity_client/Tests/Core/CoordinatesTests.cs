@@ -77,6 +77,30 @@ namespace Ros2Gateway.Tests
         }
 
         [Test]
+        public void AnAircraftIsWhereItIsAndLooksWhereItLooks()
+        {
+            // 1 north, 2 east and 3 above the ground, with Unity's z to the north.
+            Assert.AreEqual(new Vector3<Ruf>(2, 3, 1), new Vector3<Ned>(1, 2, -3).To<Ruf>());
+            AssertConverts(Quaternion<Ned>.Identity, Quaternion<Ruf>.Identity);
+            // To the east is a quarter turn about down, and in Unity about up by as much.
+            AssertConverts(new Quaternion<Ned>(0, 0, Half, Half), new Quaternion<Ruf>(0, Half, 0, Half));
+            // Nose up is about the right wing, and in Unity minus that.
+            AssertConverts(new Quaternion<Ned>(0, Half, 0, Half), new Quaternion<Ruf>(-Half, 0, 0, Half));
+            // Right wing down is about the nose, and in Unity minus that.
+            AssertConverts(new Quaternion<Ned>(Half, 0, 0, Half), new Quaternion<Ruf>(0, 0, -Half, Half));
+            // The rates of a turn to the right.
+            Assert.AreEqual(new AxialVector3<Ruf>(0, 1, 0), new AxialVector3<Ned>(0, 0, 1).To<Ruf>());
+        }
+
+        [Test]
+        public void AMapOfEastAndNorthIsTurnedToTheNorthByAQuarterTurn()
+        {
+            Quaternion<Ruf> turn = Planar.FromHeadingDegrees(90);
+            AssertSame(new Vector3<Ruf>(1, 0, 0), turn * new Vector3<Flu>(1, 0, 0).To<Ruf>(), Rounding);
+            AssertSame(new Vector3<Ruf>(0, 0, 1), turn * new Vector3<Flu>(0, 1, 0).To<Ruf>(), Rounding);
+        }
+
+        [Test]
         public void ThereAndBackIsExact()
         {
             var random = new Random(1);
@@ -85,6 +109,7 @@ namespace Ros2Gateway.Tests
                 Pose<Flu> pose = AnyPose<Flu>(random);
                 Assert.AreEqual(pose, pose.To<Ruf>().To<Flu>());
                 Assert.AreEqual(pose, pose.To<Optical>().To<Flu>());
+                Assert.AreEqual(pose, pose.To<Ned>().To<Flu>());
                 Assert.AreEqual(pose.To<Optical>(), pose.To<Ruf>().To<Optical>());
                 Assert.AreEqual(pose, pose.To<Flu>());
             }
@@ -97,6 +122,8 @@ namespace Ros2Gateway.Tests
             AssertRotationCommutes<Ruf, Flu>();
             AssertRotationCommutes<Flu, Optical>();
             AssertRotationCommutes<Optical, Flu>();
+            AssertRotationCommutes<Ruf, Ned>();
+            AssertRotationCommutes<Ned, Ruf>();
             AssertRotationCommutes<Ruf, Optical>();
             AssertRotationCommutes<Optical, Ruf>();
         }
@@ -310,10 +337,11 @@ namespace Ros2Gateway.Tests
             return new Pose<TFrame>(AnyVector<TFrame>(random), orientation.Normalized);
         }
 
-        private static void AssertConverts(Quaternion<Flu> ros, Quaternion<Ruf> unity)
+        private static void AssertConverts<TFrame>(Quaternion<TFrame> other, Quaternion<Ruf> unity)
+            where TFrame : struct, IFrame
         {
-            AssertSame(unity, ros.To<Ruf>(), Exact);
-            AssertSame(ros, unity.To<Flu>(), Exact);
+            AssertSame(unity, other.To<Ruf>(), Exact);
+            AssertSame(other, unity.To<TFrame>(), Exact);
         }
 
         private static void AssertSame<TFrame>(

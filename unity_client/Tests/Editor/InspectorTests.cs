@@ -32,6 +32,12 @@ namespace Ros2Gateway.Editor.Tests
             parent.SetActive(false); // nothing in it begins
             MenuCommand command = new MenuCommand(parent);
             Made<GatewayConnection>(() => GatewayMenu.Connection(command), parent);
+            Made<TopicSubscriber>(() => GatewayMenu.Subscriber(command), parent);
+            Made<TopicPublisher>(() => GatewayMenu.Publisher(command), parent);
+            Made<TexturePublisher>(() => GatewayMenu.Texture(command), parent);
+            Assert.AreEqual(
+                "sensor_msgs/msg/CompressedImage",
+                ((GameObject)Selection.activeObject).GetComponent<TopicPublisher>().Type);
             Made<ImageScreen>(() => GatewayMenu.ImageScreen(command), parent);
             Made<TextScreen>(() => GatewayMenu.TextScreen(command), parent);
             Made<LogScreen>(() => GatewayMenu.LogScreen(command), parent);

@@ -43,6 +43,33 @@ namespace Ros2Gateway
         }
     }
 
+    /// <summary>
+    /// Aircraft: the world's x north, y east, z down, right-handed, and on the body x forward, y right, z down;
+    /// Unity's z is north. An attitude is that of the body's three in the world's three, as PX4 tells it.
+    /// </summary>
+    public struct Ned : IFrame
+    {
+        /// <inheritdoc/>
+        public bool IsLeftHanded
+        {
+            get { return false; }
+        }
+
+        /// <inheritdoc/>
+        public void ToFlu(ref double x, ref double y, ref double z)
+        {
+            y = -y;
+            z = -z;
+        }
+
+        /// <inheritdoc/>
+        public void FromFlu(ref double x, ref double y, ref double z)
+        {
+            y = -y;
+            z = -z;
+        }
+    }
+
     /// <summary>Unity: x right, y up, z forward, left-handed.</summary>
     public struct Ruf : IFrame
     {
