@@ -35,9 +35,9 @@ namespace Ros2Gateway.Editor.Tests
             Made<TopicSubscriber>(() => GatewayMenu.Subscriber(command), parent);
             Made<TopicPublisher>(() => GatewayMenu.Publisher(command), parent);
             Made<TexturePublisher>(() => GatewayMenu.Texture(command), parent);
-            Assert.AreEqual(
-                "sensor_msgs/msg/CompressedImage",
-                ((GameObject)Selection.activeObject).GetComponent<TopicPublisher>().Type);
+            GameObject made = (GameObject)Selection.activeObject;
+            Assert.AreEqual("sensor_msgs/msg/CompressedImage", made.GetComponent<TopicPublisher>().Type);
+            Assert.AreSame(made.GetComponent<Camera>(), made.GetComponent<TexturePublisher>().Camera);
             Made<ImageScreen>(() => GatewayMenu.ImageScreen(command), parent);
             Made<TextScreen>(() => GatewayMenu.TextScreen(command), parent);
             Made<LogScreen>(() => GatewayMenu.LogScreen(command), parent);
