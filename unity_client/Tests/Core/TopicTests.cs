@@ -108,6 +108,7 @@ namespace Ros2Gateway.Tests
                 live.Client.Pump();
                 handled.Clear();
                 long before = all.Received;
+                long droppedBefore = publisher.Dropped + all.Dropped; // on a busy machine, while it found the other
 
                 // Nothing is pumped until all are here: as long as a frame of the application.
                 for (int i = 1; i <= 200; i++)
@@ -119,8 +120,7 @@ namespace Ros2Gateway.Tests
                 live.Until(() => handled.Count == 200, "for the handler");
 
                 CollectionAssert.AreEqual(Numbers(1, 200), handled);
-                Assert.AreEqual(0, publisher.Dropped);
-                Assert.AreEqual(0, all.Dropped);
+                Assert.AreEqual(droppedBefore, publisher.Dropped + all.Dropped);
             }
         }
 

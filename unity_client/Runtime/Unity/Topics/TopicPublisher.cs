@@ -182,8 +182,11 @@ namespace Ros2Gateway.Unity
             Publisher publisher = _publisher; // that of now: the component may be disabled and enabled meanwhile
             _readback.Begin(texture, width, height, _imageQuality, jpeg =>
             {
-                picture.data = jpeg;
-                publisher.Publish(picture);
+                if (!publisher.IsDisposed)
+                {
+                    picture.data = jpeg;
+                    publisher.Publish(picture);
+                }
             });
             return true;
         }
