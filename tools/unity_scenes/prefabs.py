@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import Final
 
 from schemas.table import Row, Table
-from tools.unity_scenes.asset import Node
-from tools.unity_scenes.parts import behaviour, mesh, renderer, subscriber, words
+from tools.unity_scenes.asset import Node, Reference
+from tools.unity_scenes.parts import behaviour, camera, mesh, renderer, subscriber, words
 
 # Where robots publish these types by convention; others get a topic after their name.
 _TOPICS: Final = {
@@ -108,3 +108,11 @@ def _others() -> Iterator[Node]:
         *("GoalPosePublisher", "NavigateToPose"),
     ):
         yield Node(re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name), [behaviour(name)])
+    pictures = behaviour(
+        "TopicPublisher",
+        topic="/unity/image/compressed",
+        type="sensor_msgs/msg/CompressedImage",
+        rate=10.0,
+    )
+    seen = behaviour("TexturePublisher", camera=Reference("Texture Publisher", "Camera"))
+    yield Node("Texture Publisher", [camera(), pictures, seen])
