@@ -22,9 +22,9 @@ CACHE: Final = ROOT / ".cache" / "unity"
 COMPILE_TIMEOUT_S: Final = 300  # takes 1 to 3 s, on a machine that does nothing else
 TRANSLATE_TIMEOUT_S: Final = 900
 
-# By default there is room for 4096 delegates and lazily bound calls in a process; one that runs
-# hundreds of tests needs more.
-_TRANSLATE: Final = "--aot=full,ntrampolines=65536"
+# By default there is room for 4096 delegates and lazily bound calls in a process, and for 512 calls
+# by interfaces; one that runs hundreds of tests needs more.
+_TRANSLATE: Final = "--aot=full,ntrampolines=65536,nimt-trampolines=16384"
 
 _NUNIT_DIRECTORIES: Final = Path("/usr/lib/cli")
 _FRAMEWORK_DIRECTORY: Final = Path("/usr/lib/mono/4.5")
