@@ -217,6 +217,19 @@ async def test_a_plot_says_the_newest_value_beside_the_name_of_each_curve(open_p
             await until(page, f"wanted => wanted.every((each) => {labels}.includes(each))", wanted)
 
 
+async def test_a_plot_is_as_wide_as_its_card(demo, open_page):
+    widths = (
+        "[document.querySelector('.uplot').offsetWidth,"
+        " document.querySelector('.plot').clientWidth]"
+    )
+    async with open_page(f"{page_address(demo)}#card=plot+0+/odom+pose.pose.position.x") as page:
+        await page.wait_for_selector(".uplot")
+        for size in (DESK, PHONE, DESK):
+            await page.set_viewport_size(size)
+            room = f"[plot, room] = {widths}; return plot === room && room <= {size['width']}"
+            await until(page, f"() => {{ const {room} }}")
+
+
 async def test_stop_stops_what_another_client_drives(demo, open_page):
     async with open_page(page_address(demo)) as page, client(demo.url) as speaker:
         await until_it_can_be_driven(speaker)

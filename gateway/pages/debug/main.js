@@ -104,8 +104,8 @@ function tick() {
   for (const card of cards) card.tick();
 }
 
-function draw() {
-  for (const card of cards) if (card.isSeen) card.draw();
+function draw(ms) {
+  for (const card of cards) if (card.isSeen) card.draw(ms);
   requestAnimationFrame(draw);
 }
 
@@ -146,4 +146,4 @@ bar.connect(gateway, "Debug", figures.element, limits);
 gateway.connect();
 tick();
 setInterval(tick, 1000);
-draw();
+requestAnimationFrame(draw);

@@ -27,8 +27,8 @@ export class ImageView {
       try {
         const type = format.includes("png") ? "image/png" : "image/jpeg";
         const bitmap = await createImageBitmap(new Blob([data], { type }));
-        this.#canvas.width = bitmap.width;
-        this.#canvas.height = bitmap.height;
+        if (this.#canvas.width !== bitmap.width) this.#canvas.width = bitmap.width; // to set it anew lays the page out anew
+        if (this.#canvas.height !== bitmap.height) this.#canvas.height = bitmap.height;
         this.#canvas.getContext("bitmaprenderer").transferFromImageBitmap(bitmap); // closes it, and copies nothing
       } catch (error) {
         this.card.tell(`this picture (${format}) cannot be shown: ${error.message}`);

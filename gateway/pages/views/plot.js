@@ -17,9 +17,13 @@ export class PlotView {
   #columns;
   #plot = null;
   #labels = []; // of the legend, one for each curve
+  /** In pixels. To ask the element would lay out the page for each plot, as the one before has written its legend. */
+  #width = 0;
+  #observer = new ResizeObserver((entries) => (this.#width = Math.floor(entries.at(-1).contentRect.width)));
 
   constructor(card) {
     this.card = card;
+    this.#observer.observe(this.element);
     this.options = card.fields.length ? { fields: card.fields.map((each) => each.replace(/\.\d+(?=\.|$).*/, "")) } : {};
     this.#columns = [[], ...card.fields.map(() => [])];
   }
@@ -42,14 +46,17 @@ export class PlotView {
       this.element.textContent = "Choose a number in the view Fields.";
       return;
     }
-    const width = this.element.clientWidth;
-    if (!width) return;
-    this.#plot ??= this.#make(width);
-    if (this.#plot.width !== width) this.#plot.setSize({ width, height: HEIGHT });
+    if (!this.#width) return; // not laid out yet
+    this.#plot ??= this.#make(this.#width);
+    if (this.#plot.width !== this.#width) this.#plot.setSize({ width: this.#width, height: HEIGHT });
     const now = performance.now() / 1000;
     this.#plot.setData(this.#columns, false);
     this.#plot.setScale("x", { min: now - SPAN_S, max: now });
     this.#label();
+  }
+
+  close() {
+    this.#observer.disconnect();
   }
 
   /** Write the newest value of each curve beside its name. */

@@ -55,8 +55,11 @@ export class Card {
     this.problem.hidden = !text;
   }
 
-  /** Draw what has come since the last frame of the screen. */
-  draw() {}
+  /**
+   * Draw what has come since the last frame of the screen.
+   * @param {number} _ms when this frame began, the same for all cards
+   */
+  draw(_ms) {}
 
   /** Write what changes with time; called once a second. */
   tick() {}

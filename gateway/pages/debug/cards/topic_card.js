@@ -16,7 +16,7 @@ export class TopicCard extends Card {
   #newest = null;
   #isPaused = false;
   #isDirty = false;
-  #shownMs = -Infinity;
+  #shownBeat = -1; // of the `rest` of its view
   #arrivals = new Arrivals();
 
   constructor(gateway, shown, actions) {
@@ -33,13 +33,14 @@ export class TopicCard extends Card {
     this.actions.open(this.topic, "plot", [path]);
   }
 
-  draw() {
+  draw(ms) {
     if (this.#isPaused) return;
-    const now = performance.now();
-    if (this.#isDirty && now - this.#shownMs >= (this.#view.rest ?? 0)) {
+    // in step with other cards: to compose a frame in which anything has changed costs the browser more than one view does
+    const beat = Math.floor(ms / (this.#view.rest ?? 1));
+    if (this.#isDirty && beat !== this.#shownBeat) {
       this.#view.show(this.#newest.message, this.#newest.frame);
       this.#isDirty = false;
-      this.#shownMs = now;
+      this.#shownBeat = beat;
     }
     this.#view.draw?.();
   }
