@@ -28,7 +28,7 @@ from gateway.drive.effects import (
     Changed,
     Clamped,
     Command,
-    Effect,
+    Effects,
     GuardState,
     Motion,
     Refused,
@@ -45,8 +45,6 @@ from gateway.drive.velocity import ZERO
 HOLD_NS: Final = QUIET_NS
 CROWD_GAP_NS: Final = 3_000_000  # XR's 120 Hz are 8 ms apart
 CROWD: Final = 12  # 100 ms at 120 Hz, while the loop was busy; less than a backlog of 1 s at 20 Hz
-
-Effects = list[Effect]
 
 
 @dataclass(slots=True)
@@ -287,14 +285,15 @@ class Drive:
 
     def _move(self, command: Command, gap_ns: int | None, now_ns: int, out: Effects) -> None:
         if self._is_over or self._guard == "lost":
-            self._latch.spoil()  # it may be one of a backlog behind a zero all the same
+            out += self._latch.spoil()  # it may be one of a backlog behind a zero all the same
             out.append(self._tripped(command))
             return
         is_new = not self._is_held_by(command)
         if is_new and self._rules.first_command == "zero" and not self._latch.is_set:
             self._latch.trip("start")
+            out.append(Changed())
         if self._latch.is_set and not self._may_be_single(command, gap_ns):
-            self._latch.spoil()
+            out += self._latch.spoil()
             held, self._held = self._held, None
             if held:
                 out.append(self._tripped(held.command))
@@ -387,8 +386,7 @@ class Drive:
         if held:
             out.append(self._tripped(held.command))
         self._pending = None
-        if self._latch.is_set:
-            self._latch.spoil()
+        out += self._latch.spoil()
         self._lease = None
 
     def _stop(

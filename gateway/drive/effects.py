@@ -76,6 +76,7 @@ class Changed:
 
 
 Effect = Send | Refused | Stopped | Clamped | Changed
+Effects = list[Effect]
 GuardState = Literal["starting", "ready", "lost"]
 Motion = Literal["stopped", "moving", "stopping"]
 

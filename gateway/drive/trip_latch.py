@@ -11,7 +11,7 @@ it at once.
 
 from typing import Final
 
-from gateway.drive.effects import Cause
+from gateway.drive.effects import Cause, Changed, Effects
 from gateway.drive.freshness import Age
 
 QUIET_NS: Final = 250_000_000
@@ -53,10 +53,11 @@ class TripLatch:
         elif self.is_set and age != "stale" and self._zero_ns is None:
             self._zero_ns = now_ns
 
-    def spoil(self) -> None:
-        """Take a command to move: the reset has to begin anew."""
+    def spoil(self) -> Effects:
+        """Take a command to move: the reset has to begin anew. Return what watchers see of it."""
         self._zero_ns = None
-        self.allows_single = False
+        had_single, self.allows_single = self.allows_single, False
+        return [Changed()] if had_single else []
 
     def tick(self, now_ns: int) -> bool:
         """Return whether the reset is over now."""

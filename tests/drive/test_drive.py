@@ -453,6 +453,29 @@ def test_where_the_first_command_must_be_zero_nothing_else_takes_control():
     assert bench.refusals() == ["not_lease_holder"]
 
 
+def changes_on_command(bench: Bench, **how: object) -> bool:
+    """Send a command to move; return whether it changed what watchers see, as they were told."""
+    before, bench.out = bench.drive.status, []
+    bench.command(**how)  # type: ignore[arg-type]
+    is_told = any(isinstance(effect, Changed) for effect in bench.out)
+    assert is_told == (bench.drive.status != before)
+    return is_told
+
+
+def test_watchers_hear_that_a_refused_command_has_set_the_latch():
+    bench = Bench(first_command="zero")
+    assert changes_on_command(bench)
+    assert not changes_on_command(bench)
+
+
+def test_watchers_hear_that_the_single_command_that_was_left_is_no_more(bench: Bench):
+    bench.command()
+    bench.take(bench.drive.leave("a", bench.now))
+    assert not bench.drive.status.is_tripped
+    assert changes_on_command(bench, client="b", age="fresh")
+    assert bench.drive.status.is_tripped
+
+
 # Other stops
 
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 from gateway.drive.drive import CROWD_GAP_NS, HOLD_NS, ZEROS, Drive
-from gateway.drive.effects import Command, Effect, Refused, Rules, Send, Stopped
+from gateway.drive.effects import Changed, Command, Effect, Refused, Rules, Send, Stopped
 from gateway.drive.trip_latch import QUIET_NS
 from gateway.drive.velocity import ZERO, Velocity
 
@@ -48,6 +48,7 @@ class Driving(RuleBasedStateMachine):
         self.history: list[Event] = []
         self.guard = "ready"
         self.is_over = False
+        self.told = self.drive.status  # when watchers asked
         self.zeros_due: list[int] = []  # times of those sent since a stop that nothing has ended
 
     # What happens
@@ -123,6 +124,9 @@ class Driving(RuleBasedStateMachine):
     # What must hold
 
     def judge(self, effects: list[Effect]) -> None:
+        is_told = any(isinstance(effect, Changed) for effect in effects)
+        assert is_told or self.drive.status == self.told, "changed, and watchers do not know"
+        self.told = self.drive.status
         for effect in effects:
             match effect:
                 case Send(velocity) if velocity.is_zero:
