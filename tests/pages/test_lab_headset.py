@@ -156,6 +156,33 @@ async def test_a_stick_or_a_touchpad_moves_the_user_and_not_the_robot(enter, hea
         assert await page.evaluate("() => lab.pilot.words") == ""
 
 
+async def test_a_mouse_neither_turns_nor_sends_anything_while_a_headset_is_worn(enter):
+    middle = """() => {  // wherever the emulated headset has put it
+        const { x, y, width, height } = lab.renderer.domElement.getBoundingClientRect();
+        return [x + width / 2, y + 0.8 * height];
+    }"""
+    state = "() => [lab.viewer.rig.rotation.y, lab.pilot.words]"
+
+    async def drag(page):
+        x, y = await page.evaluate(middle)
+        await page.mouse.move(x, y)
+        await page.mouse.down()
+        await page.mouse.move(x + 60, y)
+        await page.mouse.up()
+        await frames(page)
+
+    async with enter() as page:
+        before = await page.evaluate(state)
+        await drag(page)
+        await page.mouse.click(*await page.evaluate(middle))
+        await frames(page)
+        assert await page.evaluate(state) == before
+        await page.evaluate("() => vr.click()")
+        await page.wait_for_function("() => vr.textContent === 'Enter VR'")
+        await drag(page)
+        assert (await page.evaluate(state))[0] != before[0]
+
+
 async def test_a_ray_to_the_ceiling_moves_nobody(enter):
     async with enter() as page:
         await page.evaluate("() => device.controllers.right.quaternion.set(0.7, 0, 0, 0.7)")
@@ -176,7 +203,8 @@ async def test_a_squeeze_stops_the_robot_and_the_approach(enter, speaker, headse
         await watched.until(state="moving")
         await press(page, "squeeze", "left")
         await page.wait_for_function("() => lab.pilot.words.includes('STOP')")
-        await watched.until(state="stopped")
+        # by this, not because commands ceased
+        assert (await watched.until(state="stopped"))["cause"] == "stop"
         assert not await page.evaluate("() => lab.pilot.isActive")
 
 

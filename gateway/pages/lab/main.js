@@ -107,10 +107,14 @@ function begin() {
     render();
   });
   connectHeadset(made.xr, find("vr"), find("vr-note"), {
-    began: () => letGoOfAll("VR began"),
+    began: () => {
+      letGoOfAll("VR began");
+      viewer.isWorn = true;
+    },
     unseen: () => letGoOfAll("the headset shows something else"),
     ended: () => {
       letGoOfAll("VR was left");
+      viewer.isWorn = false;
       viewer.stand();
     },
   });

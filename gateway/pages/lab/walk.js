@@ -17,6 +17,8 @@ const TURNING = { KeyQ: [1, 0], KeyE: [-1, 0] };
 /** A rig that stands on the floor, and the camera in it. */
 export class Viewer {
   rig = new Group();
+  /** Whether a headset shows the room: nobody in it is turned by a mouse, nor walks by keys. */
+  isWorn = false;
   camera = new PerspectiveCamera(65, 1, 0.05, 50);
   #walking = { ahead: 0, right: 0, turn: 0 };
   #raycaster = new Raycaster();
@@ -41,21 +43,21 @@ export class Viewer {
     watchKeys(WALKING, (ahead, right) => Object.assign(this.#walking, { ahead, right }));
     watchKeys(TURNING, (turn) => (this.#walking.turn = turn));
     canvas.addEventListener("pointerdown", (event) => {
-      if (!event.isPrimary || event.button) return;
+      if (!event.isPrimary || event.button || this.isWorn) return;
       canvas.setPointerCapture(event.pointerId);
       this.#drag = { x: event.clientX, y: event.clientY, isLook: false };
     });
     canvas.addEventListener("pointermove", (event) => event.isPrimary && this.#look(event));
     canvas.addEventListener("pointerup", (event) => {
       if (!this.#drag || !event.isPrimary) return;
-      if (!this.#drag.isLook) {
+      if (!this.#drag.isLook && !this.isWorn) {
         const { left, top, width, height } = canvas.getBoundingClientRect();
         point(this.#ray((2 * (event.clientX - left)) / width - 1, 1 - (2 * (event.clientY - top)) / height));
       }
       this.#drag = null;
     });
     canvas.addEventListener("pointercancel", () => (this.#drag = null));
-    canvas.addEventListener("keydown", (event) => event.code === "Enter" && !event.repeat && point(this.#ray(0, 0)));
+    canvas.addEventListener("keydown", (event) => event.code === "Enter" && !event.repeat && !this.isWorn && point(this.#ray(0, 0)));
   }
 
   /** Walk for as long as a frame took. */
@@ -71,7 +73,7 @@ export class Viewer {
   }
 
   #look(event) {
-    if (!this.#drag) return;
+    if (!this.#drag || this.isWorn) return;
     const [right, down] = [event.clientX - this.#drag.x, event.clientY - this.#drag.y];
     if (!this.#drag.isLook && Math.hypot(right, down) < CLICK_PX) return;
     this.#drag = { x: event.clientX, y: event.clientY, isLook: true };
