@@ -46,6 +46,7 @@ test: lint $(CLIENTS) ## check and test everything, a quarter of an hour (make t
 	$(BIN)/python -m schemas.generate --check
 	@$(BIN)/python -m tests.interfaces
 	@sh tools/make-mono.sh
+	@sh tools/make-browser.sh
 	@$(if $(PYTEST_ARGS),:,echo "testing takes about a quarter of an hour on two cores, the first time some minutes more ...")
 	$(BIN)/python -m pytest $(WORKERS) $(PYTEST_ARGS)
 

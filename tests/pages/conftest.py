@@ -20,7 +20,7 @@ TIMEOUT_S = 120  # a busy machine starts a browser for a while
 HAS_CHROMIUM = Path("/usr/lib/chromium/chromium-headless-shell").exists()
 CHROMIUM = Path(__file__).with_name("chromium.sh")
 DESK = {"width": 1280, "height": 800}
-HOW = "no browser: apt install chromium-headless-shell, then pip install playwright"
+HOW = "no browser: run tools/make-browser.sh as root, and pip install playwright"
 
 OpenPage = Callable[..., AbstractAsyncContextManager["Page"]]  # noqa: F821  # of playwright
 
