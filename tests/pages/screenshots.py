@@ -33,7 +33,7 @@ async def main() -> None:
         page = await browser.new_page(viewport=DESK, color_scheme="dark")
         await page.goto(address)
         await page.wait_for_selector(".uplot")
-        await page.click("#topics button:has-text('/imu')")
+        await page.wait_for_selector(".stick")
         await speaker.send(
             op="send_action_goal", id="go", action="/navigate_to_pose", args=GOAL, keep=True
         )

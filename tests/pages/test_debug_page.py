@@ -3,6 +3,7 @@
 
 import asyncio
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -85,7 +86,7 @@ async def test_the_views_of_a_topic(demo, open_page):
         frame = json.loads(await page.inner_text(f"{odom} .raw"))
         assert (frame["op"], frame["topic"]) == ("publish", "/odom")
         await page.select_option(f"{odom} select[aria-label^=view]", "plot")
-        assert "Choose a number" in await page.inner_text(f"{odom} .body")
+        await page.wait_for_selector(f"{odom} .body:has-text('Which number?')")
         await page.click("#topics button:has-text('/rosout')")
         await page.wait_for_selector(f"{card('/rosout')} .log")
 
@@ -355,10 +356,12 @@ async def test_a_token_is_asked_for_and_kept_for_the_tab(open_page, tmp_path):
             assert "r2g_" not in page.url
 
 
-async def test_what_is_no_json_is_said_and_harms_nothing(demo, open_page):
+async def test_what_is_no_json_or_no_operation_is_said_and_harms_nothing(demo, open_page):
     async with open_page("about:blank") as page:
+        routes = []
 
         def garble(route) -> None:
+            routes.append(route)
             server = route.connect_to_server()
             route.send("this is no JSON {")
             server.on_message(lambda message: route.send(message))
@@ -367,20 +370,36 @@ async def test_what_is_no_json_is_said_and_harms_nothing(demo, open_page):
         page.wrong.clear()
         await page.goto(page_address(demo))
         await until(page, "() => notice.textContent.startsWith('the gateway sent what is no JSON')")
+        for frame in ("null", "12"):
+            routes[0].send(frame)
+            told = f"the gateway sent what is no operation: {frame}"
+            await until(page, "told => notice.textContent === told", told)
         await until_painted(page, f"{card('/map')} canvas")
         page.wrong[:] = [each for each in page.wrong if not each.startswith("http")]
 
 
 @pytest.mark.parametrize("viewport", [DESK, PHONE], ids=["desk", "phone"])
-@pytest.mark.parametrize("scheme", ["dark", "light"])
+@pytest.mark.parametrize(
+    ("name", "scheme", "ready"),
+    [
+        ("", "dark", f"{card('/map')} canvas"),
+        ("", "light", f"{card('/map')} canvas"),
+        ("drive", "light", "#camera canvas"),
+        ("lab", "light", "#view canvas"),
+    ],
+)
 async def test_nothing_is_wider_than_the_screen_and_every_control_has_a_name(
-    demo, open_page, viewport, scheme
+    demo, open_page, viewport, name, scheme, ready
 ):
-    async with open_page(page_address(demo), viewport, color_scheme=scheme) as page:
-        await until_painted(page, f"{card('/map')} canvas")
+    address = f"{page_address(demo)}{name}"
+    async with open_page(address, viewport, color_scheme=scheme) as page:
+        await page.wait_for_selector(ready)
+        await until(page, "() => state.textContent === 'connected'")
         assert await page.evaluate("() => document.scrollingElement.scrollWidth <= innerWidth")
-        for control in await page.get_by_role("button").all():
-            assert (await control.inner_text()).strip() or await control.get_attribute("aria-label")
+        for role in ("button", "slider", "combobox", "searchbox"):
+            controls = page.get_by_role(role)
+            named = page.get_by_role(role, name=re.compile(r"\S"))
+            assert await named.count() == await controls.count()
         assert await page.evaluate(
             "() => document.getElementById('stop').getBoundingClientRect().right <= innerWidth"
         )

@@ -15,7 +15,7 @@ import pytest_asyncio
 from tests.client import Client, client
 from tests.demonstration import until_it_can_be_driven
 from tests.pages.conftest import page_address, severable
-from tests.pages.test_debug_page import until_painted
+from tests.pages.test_debug_page import PHONE, until_painted
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 
@@ -158,11 +158,21 @@ async def test_who_else_drives_is_said_and_can_be_taken_over(demo, drive, watche
         await watched.until(state="stopped")
 
 
+async def until_it_drives(page, hold, let_go) -> None:
+    """Hold something until it drives, whatever has stopped the robot before."""
+    words = "document.querySelector('.control').textContent"
+    while True:
+        await hold()
+        await page.wait_for_function(f"() => /Let go|^(?!Stopped)/.test({words})")
+        if await page.evaluate(f"() => !/Let go/.test({words})"):
+            return
+        await let_go()
+        await page.wait_for_function(f"() => !/Let go/.test({words})")
+
+
 async def drive_by(page, key: str) -> None:
-    """Hold a key; one that is pressed and let go before it ends what has stopped the robot."""
-    await page.keyboard.press(key)
-    await page.wait_for_function("() => /^Stopped(?!.*Let go)/.test(control.textContent)")
-    await page.keyboard.down(key)
+    """Hold a key until it drives."""
+    await until_it_drives(page, lambda: page.keyboard.down(key), lambda: page.keyboard.up(key))
 
 
 async def until_while_driving(page, key: str, condition: str) -> None:
@@ -221,6 +231,50 @@ async def test_what_a_dead_robot_has_sent_turns_pale_and_nobody_says_that_it_dri
         await page.wait_for_function(FRESH)
         await page.keyboard.up("KeyA")
         await watched.until(state="stopped")
+
+
+async def test_a_line_that_is_cut_while_a_key_is_held_stops_the_robot_for_good(
+    demo, open_page, watched
+):
+    async with open_page("about:blank") as page, severable(page) as line:
+        await page.goto(f"{page_address(demo)}drive")
+        await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
+        await drive_by(page, "ArrowLeft")
+        await watched.until(state="moving")
+        await line.cut()
+        assert (await watched.until(state="stopped"))["cause"] == "disconnect"
+        await page.wait_for_function("() => control.textContent.startsWith('Not connected')")
+        line.mend()
+        await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
+        await page.wait_for_timeout(300)  # in which it would go on, several times over
+        assert (await page.inner_text("#control")).startswith("Stopped")
+        await page.keyboard.up("ArrowLeft")
+
+
+async def test_a_thumb_drives_on_a_phone(demo, open_page, watched):
+    options = {"viewport": PHONE, "has_touch": True, "is_mobile": True}
+    async with open_page(f"{page_address(demo)}drive", **options) as page:
+        await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
+        await until_painted(page, "#camera canvas")  # which moves what is below it
+        stick = page.locator("#stick")
+        session = await page.context.new_cdp_session(page)
+
+        async def touch(kind: str, *points: dict[str, float]) -> None:
+            event = {"type": kind, "touchPoints": points}
+            await session.send("Input.dispatchTouchEvent", event)
+
+        async def hold() -> None:
+            await stick.scroll_into_view_if_needed()
+            box = await stick.bounding_box()
+            await touch("touchStart", {"x": box["x"] + 8, "y": box["y"] + box["height"] / 2})
+
+        await until_it_drives(page, hold, lambda: touch("touchEnd"))
+        await watched.until(state="moving")
+        await touch("touchEnd")
+        await watched.until(state="stopped", cause="zero")
+        stop = await page.locator("#stop").bounding_box()  # in view, wherever one has scrolled to
+        assert 0 <= stop["x"] <= PHONE["width"] - stop["width"]
+        assert 0 <= stop["y"] < PHONE["height"]
 
 
 async def test_without_a_connection_all_is_old(demo, open_page):

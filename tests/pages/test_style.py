@@ -7,9 +7,12 @@ from pathlib import Path
 
 import pytest
 
-STYLE = (Path(__file__).parents[2] / "gateway" / "pages" / "style.css").read_text()
+PAGES = Path(__file__).parents[2] / "gateway" / "pages"
+STYLE = (PAGES / "style.css").read_text()
 LEAST = 4.5
 READ = ("text", "quiet", "accent", "warning", "series-4")
+DRAWN = ("series-1", "series-2", "series-3", "series-4")
+LEAST_DRAWN = 3  # of lines and shapes (WCAG 2, 1.4.11)
 BEHIND = ("ground", "surface", "raised")
 
 
@@ -44,11 +47,20 @@ def test_what_is_read_stands_out(scheme):
 
 
 @pytest.mark.parametrize("scheme", ["dark", "light"])
+def test_curves_of_a_plot_stand_out_from_their_card(scheme):
+    tokens = colours(scheme)
+    found = {name: contrast(tokens[name], tokens["surface"]) for name in DRAWN}
+    assert {name: ratio for name, ratio in found.items() if ratio < LEAST_DRAWN} == {}
+
+
+@pytest.mark.parametrize("scheme", ["dark", "light"])
 def test_walls_of_a_map_stand_out_from_its_floor(scheme):
     tokens = colours(scheme)
     assert contrast(tokens["map-occupied"], tokens["map-free"]) >= LEAST
 
 
 def test_rules_use_the_names_of_colours_alone():
-    rules = re.sub(r":root \{.*?\}", "", STYLE, flags=re.DOTALL)
-    assert re.findall(r"#[0-9a-fA-F]{3,8}\b(?=[;\s])", rules) == []
+    sheets = [re.sub(r":root \{.*?\}", "", STYLE, flags=re.DOTALL)]
+    sheets += [(PAGES / name).read_text() for name in ("drive/drive.css", "lab/lab.css")]
+    colour = r"#[0-9a-fA-F]{3,8}\b(?=[;\s])|\b(?:rgba?|hsla?)\("
+    assert [re.findall(colour, sheet) for sheet in sheets] == [[], [], []]

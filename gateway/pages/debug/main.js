@@ -2,6 +2,7 @@
 // The debug page: what the robot says, and STOP.
 
 import * as bar from "../shared/bar.js";
+import { COMMAND_TYPES } from "../shared/command_topic.js";
 import { element, find } from "../shared/dom.js";
 import { Gateway } from "../shared/gateway.js";
 import * as page from "./address.js";
@@ -27,7 +28,7 @@ const figures = new Figures(gateway);
 const counts = {}; // by tab, how many of how many it lists
 let tab = "tab-topics"; // that is shown
 const topics = new TopicList(find("topics"), find("search"), gateway, {
-  open: (name) => open(name), publish: (name) => open(name, "publish"), counted: (words) => counted("tab-topics", words),
+  open: (name) => open(name), plot: (name) => open(name, "plot"), drive: (name) => open(name, "drive"), publish: (name) => open(name, "publish"), counted: (words) => counted("tab-topics", words),
 });
 const none = element("p", { className: "empty", tabIndex: -1 }, "Choose a topic in the list; ✎ publishes on it.");
 const empty = element("p", { className: "empty" }, NO_ROBOT, element("code", {}, "ros2-gateway demo"), ".");
@@ -46,7 +47,7 @@ function add(shown) {
 /** Open a name of the ROS graph, by default a topic in the view that fits it best; a plot takes a further field. */
 function open(topic, view = viewsFor(gateway.graph.typeOf(topic))[0], fields = []) {
   isFirstVisit = false;
-  const plot = view === "plot" && cards.find((each) => each.view === "plot" && each.topic === topic && each.fields.length < MOST_FIELDS);
+  const plot = fields.length > 0 && cards.find((each) => each.view === "plot" && each.topic === topic && each.fields.length < MOST_FIELDS);
   if (plot) close(plot);
   const all = [...new Set([...(plot ? plot.fields : []), ...fields])];
   look(add({ topic, view, fields: all, rate: 0 }));
@@ -94,8 +95,20 @@ function welcome() {
     const { topic, view, fields = [] } = shown.find((each) => each.topic) ?? {};
     if (topic) add({ topic, view, fields, rate: 0 });
   }
-  if (cards.length) isFirstVisit = false;
-  else find("cards").replaceChildren(empty);
+  if (cards.length) {
+    isFirstVisit = false;
+    welcomeDriver();
+  } else find("cards").replaceChildren(empty);
+}
+
+/** Open what drives the robot, if there is one and this client may. */
+async function welcomeDriver() {
+  try {
+    const { topic } = await gateway.ask({ op: "control" });
+    if (COMMAND_TYPES.includes(gateway.graph.typeOf(topic))) add({ topic, view: "drive", fields: [], rate: 0 });
+  } catch {
+    // a role that may only look
+  }
 }
 
 function tick() {
@@ -105,8 +118,8 @@ function tick() {
 }
 
 function draw(ms) {
+  requestAnimationFrame(draw); // first: whatever fails here, the next frame comes
   for (const card of cards) if (card.isSeen) card.draw(ms);
-  requestAnimationFrame(draw);
 }
 
 gateway.on("graph", () => {

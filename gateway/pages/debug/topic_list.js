@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { COMMAND_TYPES } from "../shared/command_topic.js";
 import { element } from "../shared/dom.js";
 import { countOf, replace } from "./name_list.js";
 
@@ -8,6 +9,8 @@ export class TopicList {
   #search;
   #gateway;
   #open;
+  #plot;
+  #drive;
   #publish;
   #counted;
   #items = new Map(); // name -> what stands in the list
@@ -16,13 +19,15 @@ export class TopicList {
    * @param {HTMLElement} list
    * @param {HTMLInputElement} search
    * @param {import("../shared/gateway.js").Gateway} gateway
-   * @param {{open: (topic: string) => void, publish: (topic: string) => void, counted: (words: string) => void}} to
+   * @param {{open: (topic: string) => void, plot: (topic: string) => void, drive: (topic: string) => void, publish: (topic: string) => void, counted: (words: string) => void}} to
    */
-  constructor(list, search, gateway, { open, publish, counted }) {
+  constructor(list, search, gateway, { open, plot, drive, publish, counted }) {
     this.#list = list;
     this.#search = search;
     this.#gateway = gateway;
     this.#open = open;
+    this.#plot = plot;
+    this.#drive = drive;
     this.#publish = publish;
     this.#counted = counted;
     search.addEventListener("input", () => this.#arrange());
@@ -62,13 +67,23 @@ export class TopicList {
       const [title, types, figures] = [element("span", {}, topic.name), element("small"), element("small")];
       const button = element("button", { type: "button" }, title, types, figures);
       button.onclick = () => this.#open(topic.name);
-      const publish = element("button", { type: "button", className: "publish", title: `publish to ${topic.name}`, aria: { label: `publish to ${topic.name}` } }, "✎");
-      publish.onclick = () => this.#publish(topic.name);
-      item = { title, types, figures, element: element("li", {}, button, publish) };
+      const isCommand = COMMAND_TYPES.includes(topic.types[0]);
+      const plot = isCommand
+        ? also("drive", `drive by ${topic.name}`, () => this.#drive(topic.name))
+        : also("plot", `plot a number of ${topic.name}`, () => this.#plot(topic.name));
+      const publish = also("✎", `publish to ${topic.name}`, () => this.#publish(topic.name));
+      item = { title, types, figures, element: element("li", {}, button, plot, publish) };
       this.#items.set(topic.name, item);
     }
     item.topic = topic;
     item.types.textContent = topic.types.join(", ");
     return item.element;
   }
+}
+
+/** Make a small button of a topic: what else can be done with it. */
+function also(text, words, act) {
+  const button = element("button", { type: "button", className: "also", title: words, aria: { label: words } }, text);
+  button.onclick = act;
+  return button;
 }

@@ -7,12 +7,12 @@ import { CommandTopic } from "../shared/command_topic.js";
 import { element, find } from "../shared/dom.js";
 import { Driver } from "../shared/driver.js";
 import { Gateway } from "../shared/gateway.js";
+import { watch } from "../shared/held.js";
 import { Motion } from "../shared/motion.js";
 import { lasting } from "../shared/passing.js";
 import { ImageView } from "../views/image.js";
 import { MapView } from "../views/map.js";
 import { ScanView } from "../views/scan.js";
-import { watch } from "./held.js";
 
 const IMAGES = ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"];
 const MAPS = ["nav_msgs/msg/OccupancyGrid"];
@@ -37,7 +37,7 @@ const driver = new Driver((shares) => {
   const [linear, angular] = [shares.linear * find("linear").valueAsNumber, shares.angular * find("angular").valueAsNumber];
   motion.command(linear, angular, command.publish(linear, angular) && command.isDriving);
 });
-const letGo = watch(find("stick"), find("knob"), (linear, angular) => driver.hold(linear, angular));
+const { letGo } = watch(find("stick"), find("knob"), (linear, angular) => driver.hold(linear, angular));
 
 /** Show a topic in the first of some views, each with its types, that the robot has something for. */
 function show(place, missing, ...kinds) {
@@ -57,8 +57,8 @@ function show(place, missing, ...kinds) {
 }
 
 function draw() {
+  requestAnimationFrame(draw); // first: whatever fails here, the next frame comes
   for (const view of Object.values(views)) view?.draw?.();
-  requestAnimationFrame(draw);
 }
 
 /** Write what changes with time. */

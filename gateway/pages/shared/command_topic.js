@@ -2,7 +2,7 @@
 import { sentence } from "./control_words.js";
 
 const STAMPED = "geometry_msgs/msg/TwistStamped";
-const TYPES = ["geometry_msgs/msg/Twist", STAMPED];
+export const COMMAND_TYPES = ["geometry_msgs/msg/Twist", STAMPED];
 
 /** The topic that moves the robot, as the gateway guards it. */
 export class CommandTopic {
@@ -11,25 +11,38 @@ export class CommandTopic {
   /** What a person who drives reads. */
   words = "";
   #gateway;
+  #wanted;
   #topic = "";
   #type = ""; // while somebody listens
   #told;
+  #forgets;
 
   /**
    * @param {import("./gateway.js").Gateway} gateway
    * @param {() => void} told is called when the state has changed
+   * @param {string} [wanted] its name; by default the one that the gateway names first
    */
-  constructor(gateway, told) {
+  constructor(gateway, told, wanted) {
     this.#gateway = gateway;
     this.#told = told;
-    gateway.on("state", ({ state }) => {
+    this.#wanted = wanted;
+    const changed = ({ state }) => {
       this.#type = "";
       this.state = null;
       if (state === "closed") this.words = "Not connected: the gateway stops what you drove.";
       told();
-    });
-    gateway.on("graph", () => this.#watch());
-    gateway.on("control", (state) => this.#take(state));
+    };
+    this.#forgets = [
+      gateway.on("state", changed),
+      gateway.on("graph", () => this.#watch()),
+      gateway.on("control", (state) => this.#take(state)),
+    ];
+    if (gateway.isOpen) this.#watch();
+  }
+
+  /** Hear no more of it. */
+  close() {
+    for (const forget of this.#forgets) forget();
   }
 
   /** Whether what this page sends reaches the robot, which moves. */
@@ -59,7 +72,7 @@ export class CommandTopic {
   async #watch() {
     if (this.#type) return;
     try {
-      this.#take(await this.#gateway.ask({ op: "control", watch: true }));
+      this.#take(await this.#gateway.ask({ op: "control", topic: this.#wanted, watch: true }));
     } catch (error) {
       this.words = error.message;
       this.#told();
@@ -67,9 +80,10 @@ export class CommandTopic {
   }
 
   #take(state) {
+    if (this.#wanted && state.topic !== this.#wanted) return; // of another card
     const type = this.#gateway.graph.typeOf(state.topic);
     this.#topic = state.topic;
-    this.#type = TYPES.includes(type) ? type : "";
+    this.#type = COMMAND_TYPES.includes(type) ? type : "";
     this.state = this.#type ? state : null;
     this.words = this.#type ? sentence(state) : `Nobody listens on ${state.topic}: there is nothing to drive.`;
     this.#told();

@@ -83,6 +83,11 @@ export class Gateway extends EventTarget {
     socket.onclose = (event) => this.#close(socket, event);
   }
 
+  /** Whether operations can be sent. */
+  get isOpen() {
+    return this.#socket?.readyState === WebSocket.OPEN;
+  }
+
   /** Connect with a token from now on. */
   useToken(token) {
     this.#token = token;
@@ -97,7 +102,7 @@ export class Gateway extends EventTarget {
    * @param {Object<string, string>} [json] further members, as JSON: their integers may be larger than a number here
    */
   send(operation, json = {}) {
-    if (this.#socket?.readyState !== WebSocket.OPEN) return false;
+    if (!this.isOpen) return false;
     const members = Object.entries(json).map(([name, text]) => `,${JSON.stringify(name)}:${text}`);
     this.#socket.send(`${JSON.stringify(operation).slice(0, -1)}${members.join("")}}`);
     return true;
@@ -123,7 +128,13 @@ export class Gateway extends EventTarget {
     return { id, end: () => this.#listeners.delete(id) };
   }
 
-  /** Subscribe until the function that this returns is called. */
+  /**
+   * Subscribe until the function that this returns is called.
+   * @param {string} topic
+   * @param {object} options further members of the operation
+   * @param {(message: any, size: number, data: string|ArrayBuffer, dropped: number) => void} onMessage gets the frame, too, as it came
+   * @param {(status: any) => void} onStatus
+   */
   subscribe(topic, options, onMessage, onStatus) {
     const id = `page:${this.#nextId++}`;
     const subscription = { id, topic, options, onMessage, onStatus };
@@ -213,12 +224,16 @@ export class Gateway extends EventTarget {
       this.#tell(`the gateway sent what is no ${isText ? "JSON" : "CBOR"}: ${error.message}`);
       return;
     }
+    if (frame === null || typeof frame !== "object") {
+      this.#tell(`the gateway sent what is no operation: ${String(frame).slice(0, 80)}`);
+      return;
+    }
     if (this.#listeners.has(frame.id)) {
       this.#listeners.get(frame.id)(frame);
     } else if (frame.op === "publish") {
       const dropped = this.#dropped(frame);
       this.counts.dropped += dropped;
-      for (const each of this.#subscriptions.values()) if (each.topic === frame.topic) each.onMessage(frame.msg, size, frame, dropped);
+      for (const each of this.#subscriptions.values()) if (each.topic === frame.topic) each.onMessage(frame.msg, size, data, dropped);
       this.#arrived(frame.topic).add(size, dropped);
     } else if (frame.op === "graph") {
       this.graph.update(frame);

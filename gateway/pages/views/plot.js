@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element, token } from "../shared/dom.js";
 import uPlot from "../vendor/uplot.js";
+import { TreeView } from "./tree.js";
 
 const SPAN_S = 30;
 const MOST_POINTS = 6000;
@@ -16,6 +17,8 @@ export class PlotView {
   element = element("div", { className: "plot" });
   #columns;
   #plot = null;
+  /** @type {TreeView|null} of the numbers that can be plotted, until one is chosen */
+  #choice = null;
   #labels = []; // of the legend, one for each curve
   /** In pixels. To ask the element would lay out the page for each plot, as the one before has written its legend. */
   #width = 0;
@@ -24,12 +27,13 @@ export class PlotView {
   constructor(card) {
     this.card = card;
     this.#observer.observe(this.element);
-    this.options = card.fields.length ? { fields: card.fields.map((each) => each.replace(/\.\d+(?=\.|$).*/, "")) } : {};
+    if (!card.fields.length) this.#choice = new TreeView({ plot: (path) => card.choose(path) });
+    this.options = this.#choice?.options ?? { fields: card.fields.map((each) => each.replace(/\.\d+(?=\.|$).*/, "")) };
     this.#columns = [[], ...card.fields.map(() => [])];
   }
 
   keep(message) {
-    if (!this.card.fields.length) return;
+    if (this.#choice) return;
     const now = performance.now() / 1000;
     this.#columns[0].push(now);
     this.card.fields.forEach((path, index) => {
@@ -41,9 +45,10 @@ export class PlotView {
     if (excess > MOST_POINTS / 10 || late > 200) for (const each of this.#columns) each.splice(0, excess);
   }
 
-  show() {
-    if (!this.card.fields.length) {
-      this.element.textContent = "Choose a number in the view Fields.";
+  show(message) {
+    if (this.#choice) {
+      if (!this.#choice.element.isConnected) this.element.append("Which number? ", this.#choice.element);
+      this.#choice.show(message);
       return;
     }
     if (!this.#width) return; // not laid out yet

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-import { element } from "../shared/dom.js";
+import { decode } from "../shared/cbor.js";
+import { bytes, element } from "../shared/dom.js";
 import { json } from "../shared/json.js";
 
 const MOST = 20_000; // characters; the rest of a point cloud helps nobody
 
-/** The newest frame as wscat would show it. */
+/** The newest frame as wscat would show it: a text as it came, every digit of it. CBOR, which wscat cannot show, as JSON. */
 export class RawView {
   options = { throttle_rate: 50 };
   element = element("pre", { className: "raw", tabIndex: 0 });
 
-  show(_, frame) {
-    const text = json(frame);
+  show(_, data) {
+    const text = typeof data === "string" ? data : `CBOR of ${bytes(data.byteLength)}, as JSON:\n${json(decode(data))}`;
     this.element.textContent = text.length > MOST ? `${text.slice(0, MOST)} ... ${text.length} characters` : text;
   }
 }

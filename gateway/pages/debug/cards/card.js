@@ -21,6 +21,7 @@ export class Card {
   footer = element("footer");
   /** Whether it is on the screen: nobody needs to draw the others. */
   isSeen = false;
+  #title;
   #observer = new IntersectionObserver((entries) => (this.isSeen = entries.at(-1).isIntersecting));
   problem = element("p", { className: "problem", hidden: true, role: "status" });
 
@@ -38,7 +39,8 @@ export class Card {
     this.controls = element("div", { className: "controls" });
     const close = element("button", { type: "button", aria: { label: `close ${label}` } }, "✕");
     close.onclick = () => actions.close(this);
-    const header = element("header", {}, element("h3", { title: hint }, title), this.controls, close);
+    this.#title = element("h3", { title: hint }, title);
+    const header = element("header", {}, this.#title, this.controls, close);
     this.element = element("article", { className: "card", tabIndex: -1, aria: { label } }, header, this.problem, this.body, this.footer);
     this.#observer.observe(this.element);
   }
@@ -47,6 +49,11 @@ export class Card {
   get shown() {
     const { topic, view, fields, rate } = this;
     return { topic, view, fields, rate };
+  }
+
+  /** Say more of what it shows, to whoever points at its title. */
+  hint(text) {
+    this.#title.title = text;
   }
 
   /** Say what is wrong, or nothing. */

@@ -4,13 +4,14 @@
 import { isView } from "../../views/views.js";
 import { CallCard } from "./call_card.js";
 import { ConnectionCard } from "./connection_card.js";
+import { DriveCard } from "./drive_card.js";
 import { GoalCard } from "./goal_card.js";
 import { GraphCard } from "./graph_card.js";
 import { NodeCard } from "./node_card.js";
 import { PublishCard } from "./publish_card.js";
 import { TopicCard } from "./topic_card.js";
 
-const KINDS = { publish: PublishCard, call: CallCard, goal: GoalCard, node: NodeCard, graph: GraphCard, connection: ConnectionCard };
+const KINDS = { drive: DriveCard, publish: PublishCard, call: CallCard, goal: GoalCard, node: NodeCard, graph: GraphCard, connection: ConnectionCard };
 
 /** Return whether there is a card for a view; an old address may have others. */
 export const isKnown = (view) => Object.hasOwn(KINDS, view) || isView(view);

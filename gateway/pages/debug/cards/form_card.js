@@ -18,9 +18,9 @@ export class FormCard extends Card {
   constructor(gateway, shown, actions, { verb, title, type }) {
     super(gateway, shown, actions, { label: title, title, hint: type });
     this.type = type;
-    this.#act = element("button", { type: "button", className: "act", disabled: true }, verb);
+    this.#act = element("button", { type: "button", className: "act", disabled: true, aria: { label: `${verb} ${shown.topic}` } }, verb);
     this.#act.onclick = () => this.act();
-    const text = element("button", { type: "button", title: "write it as JSON, or in fields again", disabled: true }, "JSON");
+    const text = element("button", { type: "button", title: "write it as JSON, or in fields again", disabled: true, aria: { label: `JSON of ${title}` } }, "JSON");
     text.onclick = () => this.#attempt(() => this.form.toggle());
     this.controls.append(text);
     this.buttons.append(this.#act);

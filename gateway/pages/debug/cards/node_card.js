@@ -11,7 +11,7 @@ export class NodeCard extends Card {
 
   constructor(gateway, shown, actions) {
     super(gateway, shown, actions, { label: `node ${shown.topic}`, title: `Node ${shown.topic}` });
-    const again = element("button", { type: "button", title: "ask for the parameters again" }, "Reload");
+    const again = element("button", { type: "button", title: "ask for the parameters again", aria: { label: `Reload ${shown.topic}` } }, "Reload");
     again.onclick = () => this.#load();
     this.controls.append(again);
     this.body.append(this.#links, element("h4", {}, "Parameters"), this.#parameters);

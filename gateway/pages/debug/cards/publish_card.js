@@ -20,6 +20,7 @@ export class PublishCard extends FormCard {
   constructor(gateway, shown, actions) {
     super(gateway, shown, actions, { verb: "Publish", title: `Publish ${shown.topic}`, type: gateway.graph.typeOf(shown.topic) });
     this.#listener = gateway.listen((frame) => this.#heard(frame));
+    this.#repeat.setAttribute("aria-label", `Repeat ${shown.topic}`);
     this.#rates.setAttribute("aria-label", `rate of ${shown.topic}`);
     for (const hz of RATES_HZ) this.#rates.append(new Option(`${hz} Hz`, String(hz)));
     this.#repeat.onclick = () => (this.#timer ? this.#stop() : this.#start());

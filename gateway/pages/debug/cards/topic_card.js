@@ -1,28 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 import { Arrivals } from "../../shared/arrivals.js";
+import { copy } from "../../shared/clipboard.js";
 import { element } from "../../shared/dom.js";
 import { json } from "../../shared/json.js";
 import { makeView, misfit, nameOf, viewsFor } from "../../views/views.js";
 import { Card } from "./card.js";
 
 const RATES_HZ = [0, 30, 10, 5, 1]; // 0: as the robot publishes
-const SILENCE = ["not_found", "publisher_gone", "liveliness_lost", "deadline_missed", "stale"]; // what is over with the next message
+const MOST_NAMES = 2; // of nodes, in a footer
+const SILENCE = ["not_found", "publisher_gone", "liveliness_lost", "deadline_missed"]; // what is over with the next message
 
 /** One topic in one view, with what the gateway says of it. */
 export class TopicCard extends Card {
   #type;
   #view;
   #unsubscribe = () => {};
-  #newest = null;
+  #newest = null; // message, and the frame as it came
   #isPaused = false;
   #isDirty = false;
   #shownBeat = -1; // of the `rest` of its view
   #arrivals = new Arrivals();
+  #views = element("select", { title: "how it is shown" });
+  #isBroken = false; // the view has failed at what came
+  #forget;
 
   constructor(gateway, shown, actions) {
     const type = gateway.graph.typeOf(shown.topic);
     super(gateway, shown, actions, { hint: type });
     this.#type = type;
+    this.#forget = gateway.on("graph", () => this.#learn());
     this.controls.append(...this.#controls());
     this.footer.textContent = this.#arrivals.words;
     this.#start();
@@ -33,16 +39,25 @@ export class TopicCard extends Card {
     this.actions.open(this.topic, "plot", [path]);
   }
 
+  /** Plot one of its numbers here, where none was plotted yet. */
+  choose(path) {
+    this.#restart({ fields: [path] });
+    this.element.focus(); // what had it is gone
+  }
+
   draw(ms) {
     if (this.#isPaused) return;
     // in step with other cards: to compose a frame in which anything has changed costs the browser more than one view does
     const beat = Math.floor(ms / (this.#view.rest ?? 1));
-    if (this.#isDirty && beat !== this.#shownBeat) {
-      this.#view.show(this.#newest.message, this.#newest.frame);
+    const isDue = this.#isDirty && beat !== this.#shownBeat;
+    if (isDue) {
       this.#isDirty = false;
       this.#shownBeat = beat;
     }
-    this.#view.draw?.();
+    this.#attempt(() => {
+      if (isDue) this.#view.show(this.#newest.message, this.#newest.data);
+      this.#view.draw?.();
+    });
   }
 
   tick() {
@@ -51,6 +66,7 @@ export class TopicCard extends Card {
   }
 
   close() {
+    this.#forget();
     this.#unsubscribe();
     this.#view.close?.();
     super.close();
@@ -58,7 +74,39 @@ export class TopicCard extends Card {
 
   #write() {
     this.element.classList.toggle("stale", this.#arrivals.isLate);
-    this.footer.textContent = this.#isPaused ? "paused" : this.#arrivals.words + this.#cap;
+    this.footer.textContent = this.#isPaused ? "paused" : this.#arrivals.words + this.#reason + this.#cap;
+  }
+
+  /** Why nothing has come yet, in words: who would have to send something. */
+  get #reason() {
+    if (this.#arrivals.messages || this.problem.textContent) return "";
+    const topic = this.gateway.graph.topics.get(this.topic);
+    if (!topic) return "";
+    const { publishers } = topic;
+    if (!publishers.length) return ": nobody publishes it";
+    return `: ${names(publishers)} ${publishers.length === 1 ? "has" : "have"} sent nothing since`;
+  }
+
+  /** Take the type, once somebody has given the topic one; the view may not fit it. */
+  #learn() {
+    const type = this.gateway.graph.typeOf(this.topic);
+    if (!type || type === this.#type) return;
+    const isOver = misfit(this.view, this.#type); // what it said before
+    this.#type = type;
+    this.hint(type);
+    this.#offer();
+    if (isOver || misfit(this.view, type)) this.#start();
+  }
+
+  /** Do something with the view; say what it cannot show, and let other cards go on. */
+  #attempt(action) {
+    if (this.#isBroken) return;
+    try {
+      action();
+    } catch (error) {
+      this.#isBroken = true;
+      this.tell(`The view ${nameOf(this.view)} cannot show this ${this.#type.split("/").at(-1) || "message"}: ${error.message}. Another view may.`);
+    }
   }
 
   /** The most messages a second that this page asks of the topic, in words: the view has a share in that, too. */
@@ -68,9 +116,9 @@ export class TopicCard extends Card {
   }
 
   #controls() {
-    const views = element("select", { title: "how it is shown", aria: { label: `view of ${this.topic}` } });
-    for (const key of new Set([this.view, ...viewsFor(this.#type)])) views.append(new Option(nameOf(key), key, false, key === this.view));
-    views.onchange = () => this.#restart({ view: views.value });
+    this.#views.setAttribute("aria-label", `view of ${this.topic}`);
+    this.#views.onchange = () => this.#restart({ view: this.#views.value });
+    this.#offer();
     const rates = element("select", { title: "at most so many messages a second", aria: { label: `rate of ${this.topic}` } });
     for (const hz of RATES_HZ) rates.append(new Option(hz ? `${hz} Hz` : "all", String(hz), false, hz === this.rate));
     rates.onchange = () => this.#restart({ rate: Number(rates.value) });
@@ -83,12 +131,18 @@ export class TopicCard extends Card {
     };
     const copy = element("button", { type: "button", title: "copy the newest message as JSON", aria: { label: `Copy ${this.topic}` } }, "Copy");
     copy.onclick = () => this.#copy();
-    return [views, rates, pause, copy];
+    return [this.#views, rates, pause, copy];
+  }
+
+  /** Offer the views that fit the type. */
+  #offer() {
+    const keys = new Set([this.view, ...viewsFor(this.#type)]);
+    this.#views.replaceChildren(...[...keys].map((key) => new Option(nameOf(key), key, false, key === this.view)));
   }
 
   async #copy() {
     try {
-      await navigator.clipboard.writeText(json(this.#newest?.message ?? null, 2));
+      await copy(json(this.#newest?.message ?? null, 2));
     } catch (error) {
       this.tell(`not copied: ${error.message}`);
     }
@@ -104,10 +158,9 @@ export class TopicCard extends Card {
     this.#unsubscribe();
     this.#view?.close?.();
     this.#status({ msg: "" });
-    this.#isDirty = false;
+    this.#isDirty = this.#isBroken = false;
     this.#view = makeView(this.view, this);
     this.body.replaceChildren(this.#view.element);
-    if (this.view === "plot") this.#view.show(); // before there is a message it says what to do
     const problem = misfit(this.view, this.#type);
     this.#unsubscribe = () => {};
     this.tell(problem);
@@ -117,22 +170,28 @@ export class TopicCard extends Card {
     this.#unsubscribe = this.gateway.subscribe(
       this.topic,
       { ...options, throttle_rate: throttle },
-      (message, size, frame, dropped) => this.#receive(message, size, frame, dropped),
+      (message, size, data, dropped) => this.#receive(message, size, data, dropped),
       (status) => this.#status(status),
     );
   }
 
-  #receive(message, size, frame, dropped) {
+  #receive(message, size, data, dropped) {
     this.#arrivals.add(size, dropped);
-    this.#newest = { message, frame };
+    this.#newest = { message, data };
     this.#isDirty = true;
     if (SILENCE.includes(this.problem.dataset.code)) this.#status({ msg: "" }); // somebody publishes now
     if (this.#isPaused) return;
-    this.#view.keep?.(message);
+    this.#attempt(() => this.#view.keep?.(message));
   }
 
   #status({ msg, code = "" }) {
     this.problem.dataset.code = code;
     this.tell(msg);
   }
+}
+
+/** Return the names of nodes in words: a few of them. */
+function names(nodes) {
+  const shown = [...new Set(nodes)];
+  return shown.length > MOST_NAMES ? `${shown.slice(0, MOST_NAMES).join(", ")} and ${shown.length - MOST_NAMES} more` : shown.join(", ");
 }

@@ -13,9 +13,12 @@ const KEYS = {
  * @param {HTMLElement} stick
  * @param {HTMLElement} knob
  * @param {(linear: number, angular: number) => void} report in shares, -1 to 1; forward and left are positive
- * @returns {() => void} let go of everything, until it is pressed anew
+ * @param {Window|HTMLElement} [where] keys count only while this has the focus
+ * @returns {{letGo: () => void, end: () => void}} let go of everything, until it is pressed anew, or for good
  */
-export function watch(stick, knob, report) {
+export function watch(stick, knob, report, where = window) {
+  const ending = new AbortController();
+  const options = { signal: ending.signal };
   const pressed = new Set();
   let pushed = [0, 0];
 
@@ -45,26 +48,33 @@ export function watch(stick, knob, report) {
     push([-down / length, -right / length]);
   }
 
-  addEventListener("keydown", (event) => {
+  where.addEventListener("keydown", (/** @type {KeyboardEvent} */ event) => {
     if (!(event.code in KEYS) || event.ctrlKey || event.metaKey || event.altKey || isTaken(event)) return;
     event.preventDefault(); // arrows would scroll
     if (event.repeat) return;
     pressed.add(event.code);
     tell();
-  });
+  }, options);
   addEventListener("keyup", (event) => {
     if (pressed.delete(event.code)) tell();
-  });
-  addEventListener("blur", letGo);
-  addEventListener("pagehide", letGo);
-  document.addEventListener("visibilitychange", () => document.hidden && letGo());
+  }, options);
+  addEventListener("blur", letGo, options);
+  if (where !== window) where.addEventListener("blur", letGo, options);
+  addEventListener("pagehide", letGo, options);
+  document.addEventListener("visibilitychange", () => document.hidden && letGo(), options);
   stick.addEventListener("pointerdown", (event) => {
     stick.setPointerCapture(event.pointerId);
     drag(event);
   });
   stick.addEventListener("pointermove", drag);
   stick.addEventListener("lostpointercapture", () => push([0, 0]));
-  return letGo;
+
+  function end() {
+    letGo();
+    ending.abort();
+  }
+
+  return { letGo, end };
 }
 
 /** Whether a key is for what has the focus: all of them for a text, the arrows for a slider. */

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+import { CommandTopic } from "../../shared/command_topic.js";
+import { element, find } from "../../shared/dom.js";
+import { Driver } from "../../shared/driver.js";
+import { watch } from "../../shared/held.js";
+import { Card } from "./card.js";
+
+const MOST_M_S = 0.2; // of the drive page's sliders, where they begin
+const MOST_RAD_S = 0.8;
+
+/** A stick that drives a robot while it is held: by a finger, the mouse or, while it has the focus, arrow keys. */
+export class DriveCard extends Card {
+  #words = element("p", { className: "control", role: "status" });
+  #take;
+  #command;
+  #held;
+  #ignore;
+
+  constructor(gateway, shown, actions) {
+    const title = `Drive ${shown.topic}`;
+    super(gateway, shown, actions, { label: title, title });
+    const knob = element("div", { className: "knob" });
+    const stick = element("div", { className: "stick", tabIndex: 0, aria: { label: `Stick of ${this.topic}: drag it, or use the arrow keys` } }, knob);
+    stick.setAttribute("role", "application");
+    this.#take = element("button", { type: "button", hidden: true, aria: { label: `Take over ${this.topic}` } }, "Take over");
+    this.#command = new CommandTopic(gateway, () => this.#write(), this.topic);
+    const driver = new Driver(({ linear, angular }) => this.#command.publish(linear * MOST_M_S, angular * MOST_RAD_S));
+    this.#take.onclick = () => this.#takeOver(driver);
+    this.#held = watch(stick, knob, (linear, angular) => driver.hold(linear, angular), stick);
+    this.#ignore = gateway.on("state", this.#held.letGo); // what was held before belongs to another connection
+    // Before the button's own work: the gateway takes this page's STOP for a stop of its own, and what is held would drive on.
+    find("stop").addEventListener("click", this.#held.letGo, { capture: true });
+    this.body.append(this.#words, this.#take, stick);
+    this.footer.textContent = `at most ${MOST_M_S} m/s and ${MOST_RAD_S} rad/s; the Drive page has more`;
+    this.#write();
+  }
+
+  close() {
+    this.#held.end();
+    find("stop").removeEventListener("click", this.#held.letGo, { capture: true });
+    this.#ignore();
+    this.#command.close();
+    super.close();
+  }
+
+  async #takeOver(driver) {
+    try {
+      await this.#command.acquire();
+      driver.ready();
+      this.tell("");
+    } catch (error) {
+      this.tell(error.message);
+    }
+  }
+
+  #write() {
+    const words = this.#command?.words ?? "";
+    if (this.#words.textContent !== words) this.#words.textContent = words; // it is read out
+    this.#take.hidden = this.#command?.state?.holder !== "other";
+  }
+}

@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Cards of the debug page: what they say, what goes on beside a broken one, and what drives."""
+
+import json
+
+import pytest
+
+from tests import dds_domain
+from tests.client import client
+from tests.gateway_process import gateway_process
+from tests.pages.conftest import page_address
+from tests.pages.test_debug_page import card, until, until_painted
+from tests.pages.test_drive_page import Watched, drive_by, watched
+
+__all__ = ["watched"]  # a fixture
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+# as on a page that came by http from another machine
+NO_CLIPBOARD = "Object.defineProperty(navigator, 'clipboard', { value: undefined });"
+# whatever draws a laser scan fails
+NO_POINTS = "CanvasRenderingContext2D.prototype.fillRect = () => { throw new Error('no paint'); };"
+
+
+@pytest.fixture(scope="module")
+def nowhere() -> tuple[str, str]:
+    """The options of a gateway in a DDS domain without a robot."""
+    return "--domain-id", str(dds_domain.claim())
+
+
+async def test_a_view_that_does_not_fit_what_comes_later_says_so_and_others_go_on(
+    open_page, nowhere
+):
+    cards = "#card=scan+0+/later&card=trail+0+/later&card=tree+0+/counter"
+    async with (
+        gateway_process("serve", *nowhere) as gateway,
+        client(gateway.url) as speaker,
+        open_page(page_address(gateway) + cards) as page,
+    ):
+        await until(page, "() => document.querySelectorAll('article').length === 3")
+        for topic in ("/later", "/counter"):
+            await speaker.send(op="advertise", topic=topic, type="std_msgs/String", latch=True)
+        await speaker.send(op="publish", topic="/later", msg={"data": "no scan"})
+        said = "[...document.querySelectorAll('.problem')].map((each) => each.textContent)"
+        await until(
+            page, f"() => {said}.filter((each) => /: String is none/.test(each)).length > 1"
+        )
+        for text in ("one", "two"):
+            await speaker.send(op="publish", topic="/counter", msg={"data": text})
+            tree = f"document.querySelector('{card('/counter')} .tree').textContent"
+            await until(page, f"text => {tree}.includes(text)", text)
+        chosen = f"{card('/later')}:first-child select[aria-label^=view]"
+        await page.select_option(chosen, "tree")
+        await until(page, "() => document.querySelector('.tree').textContent.includes('no scan')")
+
+
+async def test_a_view_that_fails_says_so_and_others_go_on(demo, open_page):
+    cards = "#card=map+0+/map&card=tree+0+/odom"
+    async with open_page(page_address(demo) + cards, script=NO_POINTS) as page:
+        await until(page, "() => /cannot show this.*no paint/.test(cards.textContent)")
+        tree = "() => document.querySelector('.tree').textContent"
+        await until(page, "() => document.querySelector('.tree')?.textContent.includes('odom')")
+        await until(page, f"before => ({tree})() !== before", await page.evaluate(tree))
+
+
+async def test_a_card_says_who_would_have_to_send_something(open_page, nowhere):
+    cards = "#card=tree+0+/silent&card=tree+0+/wanted"
+    async with (
+        gateway_process("serve", *nowhere) as gateway,
+        client(gateway.url) as speaker,
+        open_page(page_address(gateway) + cards) as page,
+    ):
+        await speaker.send(op="advertise", topic="/silent", type="std_msgs/String")
+        await speaker.send(op="subscribe", topic="/wanted", type="std_msgs/String")
+        footer = "document.querySelector('{} footer')?.textContent"
+        silent, wanted = (footer.format(card(topic)) for topic in ("/silent", "/wanted"))
+        await until(page, f"() => /nothing yet: .+ has sent nothing since$/.test({silent})")
+        await until(page, f"() => /nothing yet: nobody publishes it$/.test({wanted})")
+        await speaker.send(op="publish", topic="/silent", msg={"data": "at last"})
+        await until(page, f"() => / old/.test({silent})")
+
+
+async def test_a_message_is_copied_where_the_browser_has_no_clipboard_for_pages(demo, open_page):
+    async with open_page(f"{page_address(demo)}#card=tree+0+/odom", script=NO_CLIPBOARD) as page:
+        await until(page, "() => document.querySelector('.tree')?.textContent.includes('odom')")
+        copy = page.get_by_role("button", name="Copy /odom")
+        await copy.click()
+        assert await copy.evaluate("button => button === document.activeElement")
+        await page.evaluate("() => cards.append(document.createElement('textarea'))")
+        pasted = page.locator("#cards > textarea")
+        await pasted.focus()
+        await page.keyboard.press("Control+V")
+        assert json.loads(await pasted.input_value())["child_frame_id"]
+
+
+async def test_a_number_is_chosen_in_the_plot(demo, open_page):
+    async with open_page(f"{page_address(demo)}#card=trail+0+/odom") as page:
+        await page.click("button[aria-label='plot a number of /odom']")
+        await page.click("button[aria-label='plot pose.pose.position.x']")
+        plot = f"{card('/odom')}:has(.uplot)"
+        await until_painted(page, f"{plot} canvas")
+        assert await page.locator(plot).evaluate("card => card === document.activeElement")
+        await page.reload()
+        await until_painted(page, f"{plot} canvas")
+
+
+async def test_all_items_of_a_list_can_be_seen_and_plotted(open_page, nowhere):
+    async with (
+        gateway_process("serve", *nowhere) as gateway,
+        client(gateway.url) as speaker,
+        open_page(f"{page_address(gateway)}#card=tree+0+/long") as page,
+    ):
+        long = {"topic": "/long", "type": "std_msgs/Float32MultiArray", "latch": True}
+        await speaker.send(op="advertise", **long)
+        await speaker.send(op="publish", topic="/long", msg={"data": list(range(300))})
+        more = page.get_by_role("button", name="more of data")
+        for hidden in (288, 188, 88):
+            assert await more.inner_text() == f"{hidden} more"
+            await more.click()
+        assert await page.evaluate("() => document.activeElement.ariaLabel") == "plot data.212"
+        assert await more.count() == 0
+        await page.get_by_role("button", name="plot data.299").click()
+        label = "document.querySelector('.u-series:last-child .u-label')?.textContent"
+        await until(page, f"() => {label} === 'data.299 299'")
+
+
+async def test_frames_are_shown_as_they_came(open_page, nowhere):
+    async with (
+        gateway_process("serve", *nowhere) as gateway,
+        client(gateway.url) as speaker,
+        open_page(f"{page_address(gateway)}#card=raw+0+/large") as page,
+    ):
+        await speaker.send(op="advertise", topic="/large", type="std_msgs/Int64", latch=True)
+        await speaker.send(op="publish", topic="/large", msg={"data": 2**53 + 1})
+        shown = "document.querySelector('.raw')?.textContent"
+        await until(page, f"() => {shown}?.includes('\"data\":9007199254740993')")
+
+
+async def test_pictures_come_as_cbor_which_the_view_of_frames_says(demo, open_page):
+    cards = "#card=image+0+/camera/image_raw&card=raw+0+/camera/image_raw"
+    async with open_page(page_address(demo) + cards) as page:
+        await until_painted(page, f"{card('/camera/image_raw')} canvas")
+        shown = "document.querySelector('.raw')?.textContent"
+        await until(page, f"() => /^CBOR of .*kB, as JSON:/.test({shown})")
+
+
+async def test_a_first_visit_can_drive_the_robot(demo, open_page, watched: Watched):
+    async with open_page(page_address(demo)) as page:
+        stick = page.locator(f"{card('Drive /cmd_vel')} .stick")
+        await stick.wait_for()
+        await page.keyboard.press("ArrowLeft")  # elsewhere it is no command
+        await stick.focus()
+        await drive_by(page, "ArrowLeft")
+        await watched.until(state="moving")
+        await page.wait_for_selector(f"{card('Drive /cmd_vel')} .control:text-is('Driving.')")
+        await page.keyboard.up("ArrowLeft")
+        await watched.until(state="stopped", cause="zero")
+        await drive_by(page, "ArrowLeft")
+        await watched.until(state="moving")
+        await page.focus("#search")  # what is held elsewhere moves nothing
+        await watched.until(state="stopped", cause="zero")
+        await page.keyboard.up("ArrowLeft")
+
+
+@pytest.mark.parametrize("how", ["STOP", "closed"])
+async def test_a_card_that_drives_obeys_stop_and_ends_with_a_stop(demo, open_page, watched, how):
+    async with open_page(f"{page_address(demo)}#card=drive+0+/cmd_vel") as page:
+        control = page.locator(".control:has-text('Stopped')")
+        await control.wait_for()
+        await page.focus(".stick")
+        await drive_by(page, "ArrowRight")
+        await watched.until(state="moving")
+        if how == "STOP":
+            await page.evaluate("() => document.getElementById('stop').click()")
+            await watched.until(state="stopped")
+            await page.wait_for_timeout(300)  # in which it would go on, several times over
+            await control.wait_for()
+        else:
+            await page.evaluate("() => document.querySelector('[aria-label^=close]').click()")
+            await watched.until(state="stopped", cause="zero")
+        await page.keyboard.up("ArrowRight")
+
+
+async def test_a_card_drives_no_topic_that_is_none_for_commands(demo, open_page):
+    async with open_page(f"{page_address(demo)}#card=drive+0+/odom") as page:
+        await page.wait_for_selector(".control:has-text('/odom is no command topic')")
