@@ -4,6 +4,7 @@ using System.Collections;
 using NUnit.Framework;
 using Ros2Gateway.Drive;
 using Ros2Gateway.Messages.GeometryMsgs;
+using Ros2Gateway.Messages.NavMsgs;
 using Ros2Gateway.Messages.StdMsgs;
 using UnityEngine;
 using UnityEngine.TestTools;
@@ -49,6 +50,29 @@ namespace Ros2Gateway.Unity.Tests
             yield return _scene.UntilHeard(Ahead, 0);
             yield return _scene.Until(() => stamp > 0, "for a stamp, by which a base tells how old a command is");
             _keys.Held = DriveKeys.None;
+            yield return _scene.UntilHeard(0, 0);
+        }
+
+        [UnityTest]
+        public IEnumerator ARobotThatTakesTwistStampedAloneIsDrivenToATarget()
+        {
+            yield return Begin(Stamped);
+            Publisher<OdometryMsg> odometry = _scene.Observer.Advertise<OdometryMsg>(Stamped + "/odom");
+            TargetDriver driver = _scene.New("driver").AddComponent<TargetDriver>();
+            driver.Topic = Stamped + "/cmd_vel";
+            driver.OdometryTopic = Stamped + "/odom";
+            driver.gameObject.SetActive(true);
+            OdometryMsg origin = new OdometryMsg();
+            yield return _scene.Until(() => _scene.Last.angular > 0, "for a turn to the left", () =>
+            {
+                odometry.Publish(origin);
+                if (driver.State != DriveState.Turning && driver.State != DriveState.Waiting)
+                {
+                    driver.SetTarget(Vector3.left);
+                }
+            });
+            Assert.AreEqual(TwistStampedMsg.Type, driver.CommandType);
+            driver.Stop("that is all");
             yield return _scene.UntilHeard(0, 0);
         }
 

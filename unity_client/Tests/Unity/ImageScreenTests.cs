@@ -270,6 +270,19 @@ namespace Ros2Gateway.Unity.Tests
         }
 #endif
 
+        [UnityTest]
+        public IEnumerator UnitysDefaultMaterialGivesWayToOneThatNoLightDarkens(
+            [Values("Default-Material", "mine")] string name)
+        {
+            _original.name = name;
+            _original.color = Color.yellow;
+            ImageScreen screen = Screen();
+            screen.Show(Jpeg(64, 48));
+            yield return Shown(screen, 64);
+            bool isKept = _renderer.sharedMaterial.color == Color.yellow;
+            Assert.AreEqual(name == "mine", isKept);
+        }
+
         private ImageScreen Screen(System.Action<ImageScreen> setUp = null)
         {
             return _scene.Display<ImageScreen>(setUp: made =>

@@ -9,6 +9,9 @@ namespace Ros2Gateway.Unity
     /// <summary>What a picture is shown on: the Renderer or the RawImage beside a display.</summary>
     internal sealed class PictureSurface
     {
+        // What a Quad of the built-in pipeline has: lit, as no picture should be, and pink in URP.
+        private const string DefaultMaterial = "Default-Material";
+
         private readonly Renderer _renderer;
         private readonly Material _original;
         private readonly Material _material; // a copy: the original may be an asset that others use
@@ -27,7 +30,7 @@ namespace Ros2Gateway.Unity
             if (_renderer != null)
             {
                 _original = _renderer.sharedMaterial;
-                _material = _original != null ? new Material(_original) : Unlit();
+                _material = CopyOf(_original);
                 _renderer.sharedMaterial = _material;
             }
             _hasTint = _material != null
@@ -172,6 +175,13 @@ namespace Ros2Gateway.Unity
         private static Color Darker(Color color, float share)
         {
             return new Color(color.r * share, color.g * share, color.b * share, color.a);
+        }
+
+        private static Material CopyOf(Material original)
+        {
+            bool isChosen = original != null && original.name != DefaultMaterial;
+            Material unlit = isChosen ? null : Unlit();
+            return unlit != null || original == null ? unlit : new Material(original);
         }
 
         private static Material Unlit()
