@@ -99,6 +99,23 @@ def test_every_component_that_the_menu_offers_is_in_a_prefab():
     assert names - used == set()
 
 
+def test_the_menu_makes_every_component_of_the_documentations_table():
+    index = (PACKAGE / "Documentation~" / "index.md").read_text()
+    (table,) = re.findall(r"^\| component \|.*\n((?:\|.*\n)+)", index, re.MULTILINE)
+    cells = re.findall(r"^\| ([^|-]+) \|", table, re.MULTILINE)
+    wanted = {name.strip().replace(" ", "").lower() for cell in cells for name in cell.split(",")}
+    menus = "".join(path.read_text() for path in (PACKAGE / "Editor").glob("*Menu.cs"))
+    entry = r"\[MenuItem\(Path [^\]]*\]\s+public static void \w+\(MenuCommand \w+\)(.*?)\n {8}\}"
+    made = {
+        name.removesuffix("s").removesuffix("Display").lower()
+        for body in re.findall(entry, menus, re.DOTALL)
+        for name in re.findall(r"(?:AddComponent<|typeof\()(\w+)", body)
+    }
+    missing = {name for name in wanted if re.sub("(display)?s?$", "", name) not in made}
+    assert len(wanted) > 20
+    assert missing == set()
+
+
 @pytest.mark.parametrize(
     "folder", sorted({p.parent for p in (*FILES, *ASSETS)}), ids=lambda f: f.name
 )
