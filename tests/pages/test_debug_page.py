@@ -88,7 +88,7 @@ async def test_the_views_of_a_topic(demo, open_page):
         await page.select_option(f"{odom} select[aria-label^=view]", "plot")
         await page.wait_for_selector(f"{odom} .body:has-text('Which number?')")
         await page.click("#topics button:has-text('/rosout')")
-        await page.wait_for_selector(f"{card('/rosout')} .log")
+        await page.wait_for_selector(f"{card('/rosout')} .log li")
 
 
 async def test_pausing_a_rate_cap_and_closing(demo, open_page):
