@@ -74,7 +74,10 @@ async def test_a_card_says_who_would_have_to_send_something(open_page, nowhere):
         await speaker.send(op="subscribe", topic="/wanted", type="std_msgs/String")
         footer = "document.querySelector('{} footer')?.textContent"
         silent, wanted = (footer.format(card(topic)) for topic in ("/silent", "/wanted"))
-        await until(page, f"() => /nothing yet: .+ has sent nothing since$/.test({silent})")
+        await until(
+            page,
+            f"() => /nothing yet: .+ has sent nothing since this card was opened$/.test({silent})",
+        )
         await until(page, f"() => /nothing yet: nobody publishes it$/.test({wanted})")
         await speaker.send(op="publish", topic="/silent", msg={"data": "at last"})
         await until(page, f"() => / old/.test({silent})")
@@ -114,6 +117,10 @@ async def test_all_items_of_a_list_can_be_seen_and_plotted(open_page, nowhere):
         await speaker.send(op="advertise", **long)
         await speaker.send(op="publish", topic="/long", msg={"data": list(range(300))})
         more = page.get_by_role("button", name="more of data")
+        await more.wait_for()
+        await speaker.send(op="publish", topic="/long", msg={"data": [1.0] * 12})
+        await more.wait_for(state="detached")
+        await speaker.send(op="publish", topic="/long", msg={"data": list(range(300))})
         for hidden in (288, 188, 88):
             assert await more.inner_text() == f"{hidden} more"
             await more.click()
@@ -141,14 +148,13 @@ async def test_pictures_come_as_cbor_which_the_view_of_frames_says(demo, open_pa
     async with open_page(page_address(demo) + cards) as page:
         await until_painted(page, f"{card('/camera/image_raw')} canvas")
         shown = "document.querySelector('.raw')?.textContent"
-        await until(page, f"() => /^CBOR of .*kB, as JSON:/.test({shown})")
+        await until(page, f"() => /^CBOR of .*kB, its message as JSON:/.test({shown})")
 
 
 async def test_a_first_visit_can_drive_the_robot(demo, open_page, watched: Watched):
     async with open_page(page_address(demo)) as page:
         stick = page.locator(f"{card('Drive /cmd_vel')} .stick")
         await stick.wait_for()
-        await page.keyboard.press("ArrowLeft")  # elsewhere it is no command
         await stick.focus()
         await drive_by(page, "ArrowLeft")
         await watched.until(state="moving")
@@ -171,7 +177,8 @@ async def test_a_card_that_drives_obeys_stop_and_ends_with_a_stop(demo, open_pag
         await drive_by(page, "ArrowRight")
         await watched.until(state="moving")
         if how == "STOP":
-            await page.evaluate("() => document.getElementById('stop').click()")
+            await page.keyboard.press("Space")
+            await page.wait_for_selector(".notice:has-text('STOP went to /cmd_vel')")
             await watched.until(state="stopped")
             await page.wait_for_timeout(300)  # in which it would go on, several times over
             await control.wait_for()

@@ -163,7 +163,9 @@ async def until_it_drives(page, hold, let_go) -> None:
     words = "document.querySelector('.control').textContent"
     while True:
         await hold()
-        await page.wait_for_function(f"() => /Let go|^(?!Stopped)/.test({words})")
+        await page.wait_for_function(
+            f"() => /Let go|^(?!Stopped|Not conn|Another|Nobody|Nothing|$)/.test({words})"
+        )
         if await page.evaluate(f"() => !/Let go/.test({words})"):
             return
         await let_go()
@@ -275,6 +277,49 @@ async def test_a_thumb_drives_on_a_phone(demo, open_page, watched):
         stop = await page.locator("#stop").bounding_box()  # in view, wherever one has scrolled to
         assert 0 <= stop["x"] <= PHONE["width"] - stop["width"]
         assert 0 <= stop["y"] < PHONE["height"]
+
+
+@pytest.mark.parametrize("what", ["another finger on STOP", "a cut line"])
+async def test_a_stick_that_is_still_held_after_a_stop_moves_nothing(
+    demo, open_page, watched, what
+):
+    async with open_page("about:blank") as page, severable(page) as line:
+        await page.goto(f"{page_address(demo)}drive")
+        await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
+        await until_painted(page, "#camera canvas")  # which moves what is below it
+        box = await page.locator("#stick").bounding_box()
+
+        async def hold() -> None:
+            await page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+            await page.mouse.down()
+            await page.mouse.move(box["x"] + 5, box["y"] + box["height"] / 2)
+
+        await until_it_drives(page, hold, page.mouse.up)
+        await watched.until(state="moving")
+        if what == "a cut line":
+            await line.cut()
+            await watched.until(state="stopped")
+            line.mend()
+            await page.wait_for_selector(".state[data-state=open]")
+        else:
+            await page.evaluate("() => document.getElementById('stop').click()")
+            await watched.until(state="stopped")
+        await page.mouse.move(box["x"] + 9, box["y"] + box["height"] / 2)  # as any thumb does
+        assert await page.evaluate("() => knob.style.transform") == "translate(0rem, 0rem)"
+        await page.mouse.up()
+
+
+async def test_another_button_than_the_first_drives_nothing(drive):
+    pushed = "() => !['', 'translate(0rem, 0rem)'].includes(knob.style.transform)"
+    async with drive() as page:
+        box = await page.locator("#stick").bounding_box()
+        await page.mouse.move(box["x"] + 9, box["y"] + box["height"] / 2)
+        await page.mouse.down(button="right")
+        assert not await page.evaluate(pushed)
+        await page.mouse.up(button="right")
+        await page.mouse.down()
+        assert await page.evaluate(pushed)
+        await page.mouse.up()
 
 
 async def test_without_a_connection_all_is_old(demo, open_page):

@@ -103,12 +103,8 @@ function welcome() {
 
 /** Open what drives the robot, if there is one and this client may. */
 async function welcomeDriver() {
-  try {
-    const { topic } = await gateway.ask({ op: "control" });
-    if (COMMAND_TYPES.includes(gateway.graph.typeOf(topic))) add({ topic, view: "drive", fields: [], rate: 0 });
-  } catch {
-    // a role that may only look
-  }
+  const { topic } = await gateway.ask({ op: "control" }).catch(() => ({})); // there may be several, or none for this role
+  if (COMMAND_TYPES.includes(gateway.graph.typeOf(topic))) add({ topic, view: "drive", fields: [], rate: 0 });
 }
 
 function tick() {

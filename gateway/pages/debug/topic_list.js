@@ -67,16 +67,15 @@ export class TopicList {
       const [title, types, figures] = [element("span", {}, topic.name), element("small"), element("small")];
       const button = element("button", { type: "button" }, title, types, figures);
       button.onclick = () => this.#open(topic.name);
-      const isCommand = COMMAND_TYPES.includes(topic.types[0]);
-      const plot = isCommand
-        ? also("drive", `drive by ${topic.name}`, () => this.#drive(topic.name))
-        : also("plot", `plot a number of ${topic.name}`, () => this.#plot(topic.name));
+      const drive = also("drive", `drive by ${topic.name}`, () => this.#drive(topic.name));
+      const plot = also("plot", `plot a number of ${topic.name}`, () => this.#plot(topic.name));
       const publish = also("✎", `publish to ${topic.name}`, () => this.#publish(topic.name));
-      item = { title, types, figures, element: element("li", {}, button, plot, publish) };
+      item = { title, types, figures, drive, element: element("li", {}, button, drive, plot, publish) };
       this.#items.set(topic.name, item);
     }
     item.topic = topic;
     item.types.textContent = topic.types.join(", ");
+    item.drive.hidden = !COMMAND_TYPES.includes(topic.types[0]) || !topic.subscribers.length;
     return item.element;
   }
 }

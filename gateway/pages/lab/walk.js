@@ -63,7 +63,7 @@ export class Viewer {
   /** Walk for as long as a frame took. */
   step(seconds) {
     const { ahead, right, turn } = this.#walking;
-    if (!ahead && !right && !turn) return;
+    if (this.isWorn || (!ahead && !right && !turn)) return;
     const taken = Math.min(seconds, LONGEST_S);
     this.rig.rotation.y += turn * TURN_RAD_S * taken;
     const heading = this.rig.rotation.y;

@@ -19,13 +19,13 @@ export const reason = ({ cause, holder }) => (cause === "takeover" && holder ===
 
 /** Return the sentence for a `control` frame. */
 export function sentence(frame) {
-  const { state, tripped, cause, holder, guard, clamped } = frame;
+  const { state, tripped, holder, guard, clamped } = frame;
   if (guard === "lost") return "Nothing moves: the process that would stop the robot was lost; a new one is starting.";
   if (guard === "starting") return "Nothing moves yet: the process that would stop the robot is starting.";
   if (holder === "other") return "Another client drives.";
   if (state === "moving" && !tripped) return clamped ? "Driving, slower than you ask: the gateway limits the speed." : "Driving.";
   const why = reason(frame);
-  if (tripped) return `Stopped: ${why || cause}. Let go of everything, then drive on.`;
+  if (tripped) return `Stopped${why && `: ${why}`}. Let go of everything, then drive on.`;
   return why ? `Stopped: ${why}.` : "Stopped.";
 }
 

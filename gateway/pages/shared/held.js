@@ -21,6 +21,7 @@ export function watch(stick, knob, report, where = window) {
   const options = { signal: ending.signal };
   const pressed = new Set();
   let pushed = [0, 0];
+  let pointer = null; // the one that holds the knob
 
   function tell() {
     const held = [...pressed].map((code) => KEYS[code]).concat([pushed]);
@@ -29,6 +30,7 @@ export function watch(stick, knob, report, where = window) {
 
   function letGo() {
     pressed.clear();
+    pointer = null;
     push([0, 0]);
   }
 
@@ -40,7 +42,7 @@ export function watch(stick, knob, report, where = window) {
   }
 
   function drag(event) {
-    if (!stick.hasPointerCapture(event.pointerId)) return;
+    if (event.pointerId !== pointer) return; // one that was let go of pushes nothing, even if it stays down
     const { left, top, width, height } = stick.getBoundingClientRect();
     const right = (2 * (event.clientX - left)) / width - 1;
     const down = (2 * (event.clientY - top)) / height - 1;
@@ -63,11 +65,17 @@ export function watch(stick, knob, report, where = window) {
   addEventListener("pagehide", letGo, options);
   document.addEventListener("visibilitychange", () => document.hidden && letGo(), options);
   stick.addEventListener("pointerdown", (event) => {
-    stick.setPointerCapture(event.pointerId);
+    if (pointer !== null || event.button) return; // a menu would swallow the end of another button
+    pointer = event.pointerId;
+    stick.setPointerCapture(pointer);
     drag(event);
-  });
-  stick.addEventListener("pointermove", drag);
-  stick.addEventListener("lostpointercapture", () => push([0, 0]));
+  }, options);
+  stick.addEventListener("pointermove", drag, options);
+  stick.addEventListener("lostpointercapture", (event) => {
+    if (event.pointerId !== pointer) return;
+    pointer = null;
+    push([0, 0]);
+  }, options);
 
   function end() {
     letGo();

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-import { decode } from "../shared/cbor.js";
 import { bytes, element } from "../shared/dom.js";
 import { json } from "../shared/json.js";
 
@@ -10,8 +9,8 @@ export class RawView {
   options = { throttle_rate: 50 };
   element = element("pre", { className: "raw", tabIndex: 0 });
 
-  show(_, data) {
-    const text = typeof data === "string" ? data : `CBOR of ${bytes(data.byteLength)}, as JSON:\n${json(decode(data))}`;
+  show(message, data) {
+    const text = typeof data === "string" ? data : `CBOR of ${bytes(data.byteLength)}, its message as JSON:\n${json(message)}`;
     this.element.textContent = text.length > MOST ? `${text.slice(0, MOST)} ... ${text.length} characters` : text;
   }
 }

@@ -21,8 +21,9 @@ export class TreeView {
   show(message) {
     this.#message = message;
     const leaves = [];
-    this.#collect(message, "", leaves);
-    const shape = leaves.map(([path, value]) => `${path}:${typeof value}`).join("\n");
+    const hidden = [];
+    this.#collect(message, "", leaves, hidden);
+    const shape = [...leaves.map(([path, value]) => `${path}:${typeof value}`), ...hidden].join("\n");
     if (shape !== this.#shape) {
       // Only then: a button that is made anew loses the focus.
       this.#shape = shape;
@@ -64,10 +65,11 @@ export class TreeView {
     return Object.entries(isList(value) ? value.slice(0, this.#length(path)) : value);
   }
 
-  #collect(value, path, leaves) {
+  #collect(value, path, leaves, hidden) {
+    if (isList(value) && value.length > this.#length(path)) hidden.push(`${path}+${value.length}`);
     for (const [name, item] of this.#entries(value, path)) {
       const its = below(path, name);
-      if (isNested(item)) this.#collect(item, its, leaves);
+      if (isNested(item)) this.#collect(item, its, leaves, hidden);
       else leaves.push([its, item]);
     }
   }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import * as bar from "../../shared/bar.js";
 import { CommandTopic } from "../../shared/command_topic.js";
 import { element, find } from "../../shared/dom.js";
 import { Driver } from "../../shared/driver.js";
@@ -26,6 +27,11 @@ export class DriveCard extends Card {
     this.#command = new CommandTopic(gateway, () => this.#write(), this.topic);
     const driver = new Driver(({ linear, angular }) => this.#command.publish(linear * MOST_M_S, angular * MOST_RAD_S));
     this.#take.onclick = () => this.#takeOver(driver);
+    stick.addEventListener("keydown", (event) => {
+      if (event.code !== "Space") return; // STOP, as on the drive page
+      event.preventDefault();
+      find("stop").click();
+    });
     this.#held = watch(stick, knob, (linear, angular) => driver.hold(linear, angular), stick);
     this.#ignore = gateway.on("state", this.#held.letGo); // what was held before belongs to another connection
     // Before the button's own work: the gateway takes this page's STOP for a stop of its own, and what is held would drive on.
@@ -56,6 +62,7 @@ export class DriveCard extends Card {
   #write() {
     const words = this.#command?.words ?? "";
     if (this.#words.textContent !== words) this.#words.textContent = words; // it is read out
+    if (this.#command?.isDriving) bar.tell(""); // what was refused before
     this.#take.hidden = this.#command?.state?.holder !== "other";
   }
 }

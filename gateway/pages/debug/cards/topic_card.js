@@ -21,7 +21,8 @@ export class TopicCard extends Card {
   #shownBeat = -1; // of the `rest` of its view
   #arrivals = new Arrivals();
   #views = element("select", { title: "how it is shown" });
-  #isBroken = false; // the view has failed at what came
+  #isBroken = false; // the view has failed at the newest message
+  #hasFailed = false; // and that is said
   #forget;
 
   constructor(gateway, shown, actions) {
@@ -57,6 +58,7 @@ export class TopicCard extends Card {
     this.#attempt(() => {
       if (isDue) this.#view.show(this.#newest.message, this.#newest.data);
       this.#view.draw?.();
+      if (isDue && this.#hasFailed) this.#recover();
     });
   }
 
@@ -79,12 +81,12 @@ export class TopicCard extends Card {
 
   /** Why nothing has come yet, in words: who would have to send something. */
   get #reason() {
-    if (this.#arrivals.messages || this.problem.textContent) return "";
+    if (this.#arrivals.messages) return "";
     const topic = this.gateway.graph.topics.get(this.topic);
     if (!topic) return "";
     const { publishers } = topic;
     if (!publishers.length) return ": nobody publishes it";
-    return `: ${names(publishers)} ${publishers.length === 1 ? "has" : "have"} sent nothing since`;
+    return `: ${names(publishers)} ${new Set(publishers).size === 1 ? "has" : "have"} sent nothing since this card was opened`;
   }
 
   /** Take the type, once somebody has given the topic one; the view may not fit it. */
@@ -95,6 +97,7 @@ export class TopicCard extends Card {
     this.#type = type;
     this.hint(type);
     this.#offer();
+    if (this.problem.dataset.code === "not_found") this.#status({ msg: "" }); // it is there now
     if (isOver || misfit(this.view, type)) this.#start();
   }
 
@@ -104,7 +107,7 @@ export class TopicCard extends Card {
     try {
       action();
     } catch (error) {
-      this.#isBroken = true;
+      this.#isBroken = this.#hasFailed = true;
       this.tell(`The view ${nameOf(this.view)} cannot show this ${this.#type.split("/").at(-1) || "message"}: ${error.message}. Another view may.`);
     }
   }
@@ -158,7 +161,7 @@ export class TopicCard extends Card {
     this.#unsubscribe();
     this.#view?.close?.();
     this.#status({ msg: "" });
-    this.#isDirty = this.#isBroken = false;
+    this.#isDirty = this.#isBroken = this.#hasFailed = false;
     this.#view = makeView(this.view, this);
     this.body.replaceChildren(this.#view.element);
     const problem = misfit(this.view, this.#type);
@@ -179,9 +182,15 @@ export class TopicCard extends Card {
     this.#arrivals.add(size, dropped);
     this.#newest = { message, data };
     this.#isDirty = true;
+    this.#isBroken = false; // it was perhaps this one message
     if (SILENCE.includes(this.problem.dataset.code)) this.#status({ msg: "" }); // somebody publishes now
     if (this.#isPaused) return;
     this.#attempt(() => this.#view.keep?.(message));
+  }
+
+  #recover() {
+    this.#hasFailed = false;
+    this.tell("");
   }
 
   #status({ msg, code = "" }) {

@@ -180,14 +180,8 @@ namespace Ros2Gateway.Unity
         private static Material CopyOf(Material original)
         {
             bool isChosen = original != null && original.name != DefaultMaterial;
-            Material unlit = isChosen ? null : Unlit();
+            Material unlit = isChosen ? null : DisplayMaterials.Flat();
             return unlit != null || original == null ? unlit : new Material(original);
-        }
-
-        private static Material Unlit()
-        {
-            Shader shader = Shader.Find("Unlit/Texture");
-            return shader != null ? new Material(shader) : null; // a build may have left it out
         }
     }
 }
