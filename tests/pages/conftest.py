@@ -38,6 +38,12 @@ async def browser():
         await browser.close()
 
 
+@pytest.fixture(scope="module")
+def nowhere() -> tuple[str, str]:
+    """The options of a gateway in a DDS domain without a robot."""
+    return "--domain-id", str(dds_domain.claim())
+
+
 @functools.cache
 def robots_domain() -> int:
     """Return a DDS domain of these robots alone: other tests' robots drive by /cmd_vel, too."""

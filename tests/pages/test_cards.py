@@ -5,7 +5,6 @@ import json
 
 import pytest
 
-from tests import dds_domain
 from tests.client import client
 from tests.gateway_process import gateway_process
 from tests.pages.conftest import page_address
@@ -18,14 +17,14 @@ pytestmark = pytest.mark.asyncio(loop_scope="module")
 
 # as on a page that came by http from another machine
 NO_CLIPBOARD = "Object.defineProperty(navigator, 'clipboard', { value: undefined });"
+# what the page sends, as it is sent
+NOTE_SENT = """
+    window.sent = [];
+    const { send } = WebSocket.prototype;
+    WebSocket.prototype.send = function (data) { sent.push(data); send.call(this, data); };
+"""
 # whatever draws a laser scan fails
 NO_POINTS = "CanvasRenderingContext2D.prototype.fillRect = () => { throw new Error('no paint'); };"
-
-
-@pytest.fixture(scope="module")
-def nowhere() -> tuple[str, str]:
-    """The options of a gateway in a DDS domain without a robot."""
-    return "--domain-id", str(dds_domain.claim())
 
 
 async def test_a_view_that_does_not_fit_what_comes_later_says_so_and_others_go_on(
@@ -166,6 +165,17 @@ async def test_a_first_visit_can_drive_the_robot(demo, open_page, watched: Watch
         await page.focus("#search")  # what is held elsewhere moves nothing
         await watched.until(state="stopped", cause="zero")
         await page.keyboard.up("ArrowLeft")
+
+
+async def test_arrow_keys_drive_only_while_the_stick_has_the_focus(demo, open_page):
+    commands = "() => sent.filter((each) => JSON.parse(each).op === 'publish').length"
+    async with open_page(f"{page_address(demo)}#card=drive+0+/cmd_vel", script=NOTE_SENT) as page:
+        await page.wait_for_selector(".control:has-text('Stopped')")
+        await page.keyboard.press("ArrowLeft")
+        assert await page.evaluate(commands) == 0
+        await page.focus(".stick")
+        await page.keyboard.press("ArrowLeft")
+        assert await page.evaluate(commands) > 0
 
 
 @pytest.mark.parametrize("how", ["STOP", "closed"])

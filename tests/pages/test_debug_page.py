@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 
-from tests import dds_domain
 from tests.client import client
 from tests.demonstration import until_it_can_be_driven
 from tests.gateway_process import gateway_process
@@ -239,12 +238,6 @@ async def test_stop_stops_what_another_client_drives(demo, open_page):
         await page.click("#stop")
         await until(page, "() => notice.textContent === 'STOP went to /cmd_vel.'")
         await speaker.receive(lambda frame: frame.get("cause") in {"stop", "deadline"})
-
-
-@pytest.fixture(scope="module")
-def nowhere() -> tuple[str, str]:
-    """The options of a gateway in a DDS domain without a robot."""
-    return "--domain-id", str(dds_domain.claim())
 
 
 async def test_without_a_robot_the_page_says_so(open_page, nowhere):

@@ -8,11 +8,7 @@ export class TopicList {
   #list;
   #search;
   #gateway;
-  #open;
-  #plot;
-  #drive;
-  #publish;
-  #counted;
+  #to;
   #items = new Map(); // name -> what stands in the list
 
   /**
@@ -21,15 +17,11 @@ export class TopicList {
    * @param {import("../shared/gateway.js").Gateway} gateway
    * @param {{open: (topic: string) => void, plot: (topic: string) => void, drive: (topic: string) => void, publish: (topic: string) => void, counted: (words: string) => void}} to
    */
-  constructor(list, search, gateway, { open, plot, drive, publish, counted }) {
+  constructor(list, search, gateway, to) {
     this.#list = list;
     this.#search = search;
     this.#gateway = gateway;
-    this.#open = open;
-    this.#plot = plot;
-    this.#drive = drive;
-    this.#publish = publish;
-    this.#counted = counted;
+    this.#to = to;
     search.addEventListener("input", () => this.#arrange());
     gateway.on("graph", () => this.#arrange());
   }
@@ -43,7 +35,7 @@ export class TopicList {
     for (const name of this.#items.keys()) if (!topics.has(name)) this.#items.delete(name);
     const reason = topics.size ? `No topic has "${wanted}" in its name or type.` : "There are no topics yet.";
     replace(this.#list, found.map((each) => this.#item(each)), reason);
-    this.#counted(countOf(found.length, topics.size, "topic"));
+    this.#to.counted(countOf(found.length, topics.size, "topic"));
     this.#write();
   }
 
@@ -66,10 +58,10 @@ export class TopicList {
     if (!item) {
       const [title, types, figures] = [element("span", {}, topic.name), element("small"), element("small")];
       const button = element("button", { type: "button" }, title, types, figures);
-      button.onclick = () => this.#open(topic.name);
-      const drive = also("drive", `drive by ${topic.name}`, () => this.#drive(topic.name));
-      const plot = also("plot", `plot a number of ${topic.name}`, () => this.#plot(topic.name));
-      const publish = also("✎", `publish to ${topic.name}`, () => this.#publish(topic.name));
+      button.onclick = () => this.#to.open(topic.name);
+      const drive = also("drive", `drive by ${topic.name}`, () => this.#to.drive(topic.name));
+      const plot = also("plot", `plot a number of ${topic.name}`, () => this.#to.plot(topic.name));
+      const publish = also("✎", `publish to ${topic.name}`, () => this.#to.publish(topic.name));
       item = { title, types, figures, drive, element: element("li", {}, button, drive, plot, publish) };
       this.#items.set(topic.name, item);
     }
