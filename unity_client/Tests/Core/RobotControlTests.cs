@@ -245,7 +245,10 @@ namespace Ros2Gateway.Tests
                 Publisher<TwistMsg> commands = live.Client.Advertise<TwistMsg>(Topic);
                 // for as long as the gateway takes to learn how fast commands travel
                 DateTime end = DateTime.UtcNow.AddSeconds(1.2);
-                live.Until(() => DateTime.UtcNow > end, "for a while", () => Push(live, control, commands));
+                // and to a robot that moves: what was refused last, of a busy machine, would refuse the next one, too
+                live.Until(
+                    () => DateTime.UtcNow > end && control.State.Motion == RobotMotion.Moving && commands.Refusal == null,
+                    "for a while", () => Push(live, control, commands));
                 commands.Publish(Zero);
                 live.Client.Request("stall", null, null);
                 Assert.IsTrue(commands.Publish(Ahead()), "it is on its way, and waits there");
