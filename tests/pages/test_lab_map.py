@@ -9,7 +9,6 @@ from tests.demonstration import until_it_can_be_driven
 from tests.gateway_process import gateway_process
 from tests.pages.conftest import page_address
 from tests.pages.lab import KEEP, SMALL, opened, send
-from tests.pages.test_debug_page import nowhere  # noqa: F401  # a fixture
 from tests.pages.test_lab import click_on
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
