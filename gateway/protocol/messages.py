@@ -71,17 +71,10 @@ def publish_prefix(topic: str) -> bytes:
     return b'{"op":"publish","topic":' + orjson.dumps(topic) + b',"msg":'
 
 
-def publish_meta_prefix(
-    topic: str, seq: int, received_ns: int, dropped: int, quality: int | None
-) -> bytes:
-    """Return the beginning of a `publish` frame with meta: true, up to the message."""
-    return (
-        b'{"op":"publish","topic":%b,"seq":%d,"received":{"sec":%d,"nanosec":%d},"dropped":%d,%b"msg":'
-        % (
-            *(orjson.dumps(topic), seq, *divmod(received_ns, 1_000_000_000), dropped),
-            b"" if quality is None else b'"quality":%d,' % quality,
-        )
-    )
+def publish_meta_prefix(topic: str, meta: Mapping[str, object]) -> bytes:
+    """Return the beginning of a `publish` frame with these members of ``meta: true``."""
+    members = {"op": "publish", "topic": topic, **meta}
+    return orjson.dumps(members)[:-1] + b',"msg":'
 
 
 def service_response(

@@ -67,6 +67,7 @@ class Meta:
 
     seq: int
     received_ns: int
+    size: int  # of the sample, in bytes as CDR
     dropped: int
     quality: int | None = None  # of a picture that fits the link
 
@@ -76,6 +77,7 @@ class Meta:
         members: dict[str, object] = {
             "seq": self.seq,
             "received": received,
+            "size": self.size,
             "dropped": self.dropped,
         }
         return members if self.quality is None else members | {"quality": self.quality}
@@ -151,10 +153,7 @@ class JsonFrames:
     def _own_prefix(self, own: PerClient) -> bytes:
         if own.meta is None:
             return self._prefix
-        meta = own.meta
-        return messages.publish_meta_prefix(
-            self._topic, meta.seq, meta.received_ns, meta.dropped, meta.quality
-        )
+        return messages.publish_meta_prefix(self._topic, own.meta.members())
 
 
 class PngFrames:

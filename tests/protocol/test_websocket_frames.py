@@ -19,8 +19,8 @@ from gateway.protocol.websocket_frames import (
 )
 from tests.wire import unpacked, websocket_frames
 
-META = Meta(seq=7, received_ns=12_000_000_034, dropped=2)
-META_MEMBERS = {"seq": 7, "received": {"sec": 12, "nanosec": 34}, "dropped": 2}
+META = Meta(seq=7, received_ns=12_000_000_034, size=9, dropped=2)
+META_MEMBERS = {"seq": 7, "received": {"sec": 12, "nanosec": 34}, "size": 9, "dropped": 2}
 PUBLISH = {"op": "publish", "topic": "/odom", "msg": {"x": 1}}
 BODIES = {"none": b'{"x":1}', "cbor": cbor.dumps({"x": 1}), "cbor-raw": cbor.dumps({"x": 1})}
 

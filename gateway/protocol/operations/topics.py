@@ -143,9 +143,7 @@ class Subscribe(Operation):
     compression: str | None = None
     fragment_size: FragmentSize = None
     qos: QosRequest | None = None
-    fields: Annotated[tuple[str, ...], Field(strict=False, min_length=1, max_length=64)] | None = (
-        None
-    )
+    fields: Annotated[tuple[str, ...], Field(strict=False, max_length=64)] | None = None
     image: ImageRequest | None = None
     meta: bool = False
     nonfinite: NonFinite | None = None

@@ -246,7 +246,7 @@ class PerClientFrame:
         if options.meta and self._received_ns is not None:
             image = shared.encoding.image if subscription.follows_link else None
             quality = None if image is None else image.quality
-            meta = Meta(shared.seq, self._received_ns, subscription.lost, quality)
+            meta = Meta(shared.seq, self._received_ns, shared.size, subscription.lost, quality)
         own = PerClient(shared.seq, meta, options.fragment_size, subscription.session.is_ros_sharp)
         if isinstance(message, Pieces):
             return shared.encoding.frames.per_client_pieces(message, own)
@@ -261,6 +261,8 @@ def make_encoding(
     resources: EncodingResources,
 ) -> Encoding:
     """Return the encoding that a key asks for; *on_error* hears of samples that have no message."""
+    if key.fields == ():
+        return Encoding(key, _nothing_of_it(key), on_error)
     match key.compression:
         case "none":
             encode = _to_json(message_type, key)
@@ -286,6 +288,19 @@ def make_encoding(
         on_ready=topic.on_ready,
         workers=resources.workers,
     )
+
+
+def _nothing_of_it(key: EncodingKey) -> Encode:
+    """Decode nothing: whoever asks for no fields wants to know that samples come."""
+    match key.compression:
+        case "none":
+            message = b"{}"
+        case "png":
+            text = (messages.publish_prefix(key.requested_name), b"{}", messages.PUBLISH_SUFFIX)
+            message = text_as_png(ascii_only(b"".join(text)))
+        case "cbor" | "cbor-raw":  # with the latter, fields are refused before
+            message = cbor.head(cbor.MAP, 0)
+    return lambda _: message
 
 
 def _to_json(message_type: MessageType, key: EncodingKey) -> Encode:

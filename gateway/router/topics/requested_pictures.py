@@ -51,7 +51,7 @@ def _as_asked(
         image_format = image.format or ("jpeg" if image.asks_for_picture else "raw")
     elif message_type.name != IMAGE:
         return None
-    if options.fields or image_format == "raw" or options.compression == "cbor-raw":
+    if options.fields is not None or image_format == "raw" or options.compression == "cbor-raw":
         return None
     asked = ImageOptions(image_format, image.quality, image.max_width, image.max_height)
     if image.depth_range_m is None:
@@ -65,7 +65,11 @@ def _as_asked(
 def _grid_options(options: SubscriptionOptions) -> ImageOptions | None:
     """Return how a map is encoded, with the values of its cells; ``None`` for a plain message."""
     image = options.image
-    if options.fields or image.format in {None, "raw"} or options.compression == "cbor-raw":
+    if (
+        options.fields is not None
+        or image.format in {None, "raw"}
+        or options.compression == "cbor-raw"
+    ):
         return None
     if image.format != "png" or image.max_width is not None or image.max_height is not None:
         text = 'image: a map comes as png, with all of its cells; ask for {"format":"png"} alone'

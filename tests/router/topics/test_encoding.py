@@ -116,6 +116,42 @@ async def test_fields_of_cbor_compile_nothing_for_json(bench: Bench):
     assert not message_type._decoders
 
 
+@pytest.mark.parametrize("compression", ["none", "cbor"])
+@pytest.mark.parametrize("side", [48, 4096])
+async def test_no_fields_say_that_samples_come_and_decode_nothing(
+    bench: Bench, compression: str, side: int
+):
+    cdr = bench.cdr(IMAGE, **PIXELS)[: -(48 * 64)] + bytes(side * side)  # too large: not looked at
+    frame, client = await received(
+        bench, cdr, IMAGE, compression=compression, fields=[], meta=True, throttle_rate=1
+    )
+    assert frame["msg"] == {}
+    assert (frame["seq"], frame["size"]) == (1, len(cdr))
+    message_type = bench.types.get(IMAGE)
+    assert not message_type._decoders
+    assert not message_type._transcoders
+    assert not client.statuses
+
+
+async def test_no_fields_are_possible_as_png_too(bench: Bench):
+    bench.ros.add_publisher("/t", STRING)
+    client = bench.client()
+    client.send(op="subscribe", topic="/t", compression="png", fields=[], meta=True)
+    bench.ros.publish("/t", bench.cdr(STRING, data="hello"))
+    (frame,) = await client.sees(1, "png")
+    assert json.loads(text_in(frame["data"])) == {"op": "publish", "topic": "/t", "msg": {}}
+    assert frame["size"] == len(bench.cdr(STRING, data="hello"))
+
+
+async def test_no_fields_give_way_to_those_that_another_request_asks_for(bench: Bench):
+    bench.ros.add_publisher("/t", STRING)
+    client = bench.client()
+    client.send(op="subscribe", id="a", topic="/t", fields=[])
+    client.send(op="subscribe", id="b", topic="/t", fields=["data"])
+    bench.ros.publish("/t", bench.cdr(STRING, data="hello"))
+    assert (await client.sees(1))[0]["msg"] == {"data": "hello"}
+
+
 async def test_fields_of_cbor_raw_are_refused(bench: Bench):
     bench.ros.add_publisher("/t", STRING)
     client = bench.client()
