@@ -255,7 +255,7 @@ async def test_the_graph_opens_nodes_and_topics_also_by_keyboard(demo, open_page
         await page.keyboard.press("Enter")
         await page.wait_for_selector(form("node /simulated_robot"))
         assert await page.locator("svg [aria-label='topic /rosout']").count() == 0
-        await page.check("text=all")
+        await page.check("article label:has-text('all')")
         await page.wait_for_selector("svg [aria-label='topic /rosout']")
 
 
@@ -364,7 +364,7 @@ async def test_arrow_keys_go_from_one_to_the_next_in_the_graph(demo, open_page):
         assert "/cmd_vel" in await page.evaluate(about)
         await page.keyboard.press("ArrowLeft")  # along a line, not to what is nearest
         assert await page.evaluate(focus) == "topic /cmd_vel"
-        await page.check("text=all")  # drawn anew
+        await page.check("article label:has-text('all')")  # drawn anew
         opened = await page.get_attribute("svg [tabindex='0']", "data-name")
         await page.focus("svg [tabindex='0']")
         await page.keyboard.press("Enter")

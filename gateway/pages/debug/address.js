@@ -16,9 +16,12 @@ function cardOf(text) {
   return topic?.startsWith("/") && isKnown(view) ? { view, rate: Number(rate) || 0, topic, fields } : null;
 }
 
-/** Keep these cards in the address. */
-export function write(cards) {
-  const kept = new URLSearchParams();
+/** Return whether the address asks for all topics to be measured. */
+export const isMeasuring = () => new URLSearchParams(location.hash.slice(1)).has("measure");
+
+/** Keep these cards in the address, and whether all topics are measured. */
+export function write(cards, isMeasuring) {
+  const kept = new URLSearchParams(isMeasuring ? { measure: "all" } : {});
   for (const { view, rate, topic, fields } of cards) kept.append("card", [view, rate, topic, ...fields].join(" "));
   history.replaceState(null, "", `${location.pathname}#${kept}`);
 }

@@ -8,6 +8,7 @@ import { Gateway } from "../shared/gateway.js";
 import * as page from "./address.js";
 import { makeCard } from "./cards/cards.js";
 import { Figures } from "./figures.js";
+import { Measuring } from "./measuring.js";
 import { NameList } from "./name_list.js";
 import * as tabs from "./tabs.js";
 import { TopicList } from "./topic_list.js";
@@ -27,7 +28,8 @@ const gateway = new Gateway();
 const figures = new Figures(gateway);
 const counts = {}; // by tab, how many of how many it lists
 let tab = "tab-topics"; // that is shown
-const topics = new TopicList(find("topics"), find("search"), gateway, {
+const measuring = new Measuring(gateway);
+const topics = new TopicList(find("topics"), find("search"), gateway, measuring, {
   open: (name) => open(name), plot: (name) => open(name, "plot"), drive: (name) => open(name, "drive"), publish: (name) => open(name, "publish"), counted: (words) => counted("tab-topics", words),
 });
 const none = element("p", { className: "empty", tabIndex: -1 }, "Choose a topic in the list; ✎ publishes on it.");
@@ -72,7 +74,7 @@ function changed() {
   empty.remove();
   if (cards.length) none.remove();
   else if (!isFirstVisit) find("cards").append(none);
-  if (!isFirstVisit || cards.length) page.write(cards.map((each) => each.shown));
+  if (!isFirstVisit || cards.length) page.write(cards.map((each) => each.shown), measuring.isOn);
 }
 
 /** Open what the address names, and say what nobody knows. */
@@ -103,12 +105,14 @@ function welcome() {
 
 /** Open what drives the robot, if there is one and this client may. */
 async function welcomeDriver() {
+  if (gateway.hello.role === "viewer") return;
   const { topic } = await gateway.ask({ op: "control" }).catch(() => ({})); // there may be several, or none for this role
   if (COMMAND_TYPES.includes(gateway.graph.typeOf(topic))) add({ topic, view: "drive", fields: [], rate: 0 });
 }
 
 function tick() {
   figures.tick();
+  measuring.tick();
   topics.tick();
   for (const card of cards) card.tick();
 }
@@ -124,6 +128,13 @@ gateway.on("graph", () => {
   if (isFirstVisit) welcome();
 });
 addEventListener("hashchange", () => location.reload()); // another address was typed or followed
+
+const measure = find("measure");
+measure.checked = measuring.isOn = page.isMeasuring();
+measure.onchange = () => {
+  measuring.isOn = measure.checked;
+  changed();
+};
 
 const everywhere = (types) => types.some((each) => each.startsWith("rcl_interfaces/")); // each node has these
 new NameList(find("services"), find("search"), gateway, {

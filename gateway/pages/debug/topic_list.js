@@ -2,26 +2,35 @@
 import { COMMAND_TYPES } from "../shared/command_topic.js";
 import { element } from "../shared/dom.js";
 import { countOf, replace } from "./name_list.js";
+import { treeOf } from "./namespaces.js";
 
-/** The topics of the ROS graph, as a list that can be searched; of those that this page receives with rate, size and age. */
+/** The topics of the ROS graph, by namespace, as a list that can be searched; with rate, size and age as far as these are measured. */
 export class TopicList {
   #list;
   #search;
   #gateway;
+  #measuring;
   #to;
+  #eye; // notes which items can be seen
   #items = new Map(); // name -> what stands in the list
+  #branches = new Map(); // namespace -> what stands in the list
 
   /**
    * @param {HTMLElement} list
    * @param {HTMLInputElement} search
    * @param {import("../shared/gateway.js").Gateway} gateway
+   * @param {import("./measuring.js").Measuring} measuring
    * @param {{open: (topic: string) => void, plot: (topic: string) => void, drive: (topic: string) => void, publish: (topic: string) => void, counted: (words: string) => void}} to
    */
-  constructor(list, search, gateway, to) {
+  constructor(list, search, gateway, measuring, to) {
     this.#list = list;
     this.#search = search;
     this.#gateway = gateway;
+    this.#measuring = measuring;
     this.#to = to;
+    this.#eye = new IntersectionObserver((seen) => {
+      for (const { target, isIntersecting } of seen) measuring.see(target.dataset.topic, isIntersecting);
+    });
     search.addEventListener("input", () => this.#arrange());
     gateway.on("graph", () => this.#arrange());
   }
@@ -31,10 +40,13 @@ export class TopicList {
     const wanted = this.#search.value.trim().toLowerCase();
     const found = [...topics.values()]
       .filter(({ name, types }) => `${name} ${types.join(" ")}`.toLowerCase().includes(wanted))
-      .sort((one, other) => one.name.localeCompare(other.name));
-    for (const name of this.#items.keys()) if (!topics.has(name)) this.#items.delete(name);
+      .map(({ name }) => name)
+      .sort((one, other) => one.localeCompare(other));
+    for (const name of this.#items.keys()) if (!topics.has(name)) this.#remove(name);
+    const nodes = wanted ? found.map((name) => ({ name, label: name })) : treeOf(found); // what is found is in no closed branch
     const reason = topics.size ? `No topic has "${wanted}" in its name or type.` : "There are no topics yet.";
-    replace(this.#list, found.map((each) => this.#item(each)), reason);
+    replace(this.#list, nodes.map((each) => this.#place(each)), reason);
+    if (!wanted) for (const [namespace, branch] of this.#branches) if (!branch.element.isConnected) this.#branches.delete(namespace);
     this.#to.counted(countOf(found.length, topics.size, "topic"));
     this.#write();
   }
@@ -47,25 +59,52 @@ export class TopicList {
 
   #write() {
     for (const { topic, title, figures } of this.#items.values()) {
-      const arrivals = this.#gateway.arrivals.get(topic.name);
-      title.classList.toggle("stale", !topic.publishers.length || Boolean(arrivals?.isLate));
-      figures.textContent = topic.publishers.length ? arrivals?.words ?? "" : "nobody publishes it";
+      const isLate = Boolean(this.#measuring.arrivals(topic.name)?.isLate);
+      title.classList.toggle("stale", !topic.publishers.length || isLate);
+      figures.textContent = topic.publishers.length ? this.#measuring.words(topic.name) : "nobody publishes it";
     }
   }
 
-  #item(topic) {
-    let item = this.#items.get(topic.name);
-    if (!item) {
-      const [title, types, figures] = [element("span", {}, topic.name), element("small"), element("small")];
-      const button = element("button", { type: "button" }, title, types, figures);
-      button.onclick = () => this.#to.open(topic.name);
-      const drive = also("drive", `drive by ${topic.name}`, () => this.#to.drive(topic.name));
-      const plot = also("plot", `plot a number of ${topic.name}`, () => this.#to.plot(topic.name));
-      const publish = also("✎", `publish to ${topic.name}`, () => this.#to.publish(topic.name));
-      item = { title, types, figures, drive, element: element("li", {}, button, drive, plot, publish) };
-      this.#items.set(topic.name, item);
+  #place({ name, label, below }) {
+    return below ? this.#branch(name, label, below) : this.#item(name, label);
+  }
+
+  #branch(namespace, label, below) {
+    if (!this.#branches.has(namespace)) {
+      const [title, list] = [element("summary"), element("ul", { className: "topics" })];
+      this.#branches.set(namespace, { title, list, element: element("li", {}, element("details", { open: true }, title, list)) });
     }
+    const branch = this.#branches.get(namespace);
+    branch.title.textContent = label;
+    replace(branch.list, below.map((each) => this.#place(each)), "");
+    return branch.element;
+  }
+
+  #remove(name) {
+    this.#eye.unobserve(this.#items.get(name).element);
+    this.#measuring.see(name, false);
+    this.#items.delete(name);
+  }
+
+  #item(name, label) {
+    let item = this.#items.get(name);
+    if (!item) {
+      const above = element("span", { className: "unseen" });
+      const below = document.createTextNode("");
+      const [title, types, figures] = [element("span", {}, above, below), element("small"), element("small")];
+      const button = element("button", { type: "button" }, title, types, figures);
+      button.onclick = () => this.#to.open(name);
+      const drive = also("drive", `drive by ${name}`, () => this.#to.drive(name));
+      const plot = also("plot", `plot a number of ${name}`, () => this.#to.plot(name));
+      const publish = also("✎", `publish to ${name}`, () => this.#to.publish(name));
+      item = { above, below, title, types, figures, drive, element: element("li", { dataset: { topic: name } }, button, drive, plot, publish) };
+      this.#items.set(name, item);
+      this.#eye.observe(item.element);
+    }
+    const topic = this.#gateway.graph.topics.get(name);
     item.topic = topic;
+    item.above.textContent = name.slice(0, -label.length);
+    item.below.data = label;
     item.types.textContent = topic.types.join(", ");
     item.drive.hidden = !COMMAND_TYPES.includes(topic.types[0]) || !topic.subscribers.length;
     return item.element;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { bytes, span } from "./dom.js";
 
+export const NOTHING_YET = "nothing yet";
 const LATE_MS = 2000;
 const REGULAR = 3; // messages: whoever has sent so many is expected to go on; a map is as good as it was
 
@@ -9,28 +10,35 @@ export class Arrivals {
   messages = 0;
   dropped = 0; // for this page, while no throttle was asked for
   #bytes = 0; // of the newest
-  #newestMs = 0;
+  #newest = { seq: 0, ms: 0 };
   #hz = 0;
-  #ticked = { messages: 0, ms: performance.now() };
+  #ticked = this.#newest; // what was the newest then
 
-  /** Count a message of so many bytes, before which so many were dropped. */
-  add(bytes, dropped) {
+  /**
+   * Count a message.
+   * @param {number} bytes how large it is
+   * @param {number} dropped how many were dropped before it
+   * @param {number} [seq] its number on the topic, of which not all messages need to come here; by default that here
+   */
+  add(bytes, dropped, seq = this.#newest.seq + 1) {
     this.messages += 1;
     this.#bytes = bytes;
     this.dropped += dropped;
-    this.#newestMs = performance.now();
+    this.#newest = { seq, ms: performance.now() };
+    if (this.messages === 1 || seq < this.#ticked.seq) this.#ticked = this.#newest; // the gateway counts anew
   }
 
-  /** Reckon the rate since the last call. */
+  /** Reckon the rate, between the newest message and that of the last call. */
   tick() {
-    const ms = performance.now();
-    this.#hz = ((this.messages - this.#ticked.messages) * 1000) / Math.max(1, ms - this.#ticked.ms);
-    this.#ticked = { messages: this.messages, ms };
+    const [messages, ms] = [this.#newest.seq - this.#ticked.seq, this.#newest.ms - this.#ticked.ms];
+    if (messages) this.#hz = (messages * 1000) / Math.max(1, ms);
+    else this.#hz = Math.min(this.#hz, 1000 / this.ageMs); // one that stays away is not that often
+    this.#ticked = this.#newest;
   }
 
   /** How old the newest message is, by the time of its arrival. */
   get ageMs() {
-    return performance.now() - this.#newestMs;
+    return performance.now() - this.#newest.ms;
   }
 
   /** Whether messages came regularly, and no longer do. */
@@ -45,7 +53,7 @@ export class Arrivals {
 
   /** Rate, size and age in words. */
   get words() {
-    if (!this.messages) return "nothing yet";
+    if (!this.messages) return NOTHING_YET;
     const parts = [`${this.#hz < 9.5 ? this.#hz.toFixed(1).replace(".0", "") : Math.round(this.#hz)} Hz`, bytes(this.#bytes), `${span(this.ageMs)} old`];
     if (this.dropped) parts.push(`${this.dropped} dropped`);
     return parts.join(" · ");

@@ -58,7 +58,7 @@ export class Gateway extends EventTarget {
   hello = null;
   /** What there is in ROS; the event `graph` follows each change. */
   graph = new Graph();
-  /** What has come of each topic. @type {Map<string, Arrivals>} */
+  /** What has come of each topic, in bytes as they are in ROS. @type {Map<string, Arrivals>} */
   arrivals = new Map();
 
   /**
@@ -234,7 +234,7 @@ export class Gateway extends EventTarget {
       const dropped = this.#dropped(frame);
       this.counts.dropped += dropped;
       for (const each of this.#subscriptions.values()) if (each.topic === frame.topic) each.onMessage(frame.msg, size, data, dropped);
-      this.#arrived(frame.topic).add(size, dropped);
+      this.#arrived(frame.topic).add(frame.size ?? size, dropped, frame.seq);
     } else if (frame.op === "graph") {
       this.graph.update(frame);
       this.dispatchEvent(new CustomEvent("graph", { detail: frame }));

@@ -22,7 +22,7 @@ export class ConnectionCard extends Card {
       const { words, value } = worded(key, its);
       return [[words, ...(words === key ? [] : [" ", element("small", {}, key)])], value];
     }));
-    write(this.#topics, [...this.gateway.arrivals].map(([name, { words }]) => [[name], words]));
+    write(this.#topics, [...this.gateway.arrivals].filter(([name]) => name.startsWith("/")).map(([name, { words }]) => [[name], words]));
     this.footer.textContent = this.gateway.hello ? "as the gateway has told" : "not connected";
   }
 }
