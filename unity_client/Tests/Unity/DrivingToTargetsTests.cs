@@ -155,9 +155,15 @@ namespace Ros2Gateway.Unity.Tests
             foreach (Vector3 place in places)
             {
                 _isReached = false;
-                Assert.IsTrue(driver.SetTarget(origin.TransformPoint(place)));
-                yield return _scene.Until(() => _isReached || _failure != null, "for the target");
-                Assert.IsNull(_failure);
+                while (!_isReached)
+                {
+                    _failure = null;
+                    yield return _scene.Until(
+                        () => driver.SetTarget(origin.TransformPoint(place)), "for the target to be taken");
+                    yield return _scene.Until(() => _isReached || _failure != null, "for the target");
+                    // a machine that stands still makes a command late, and the target is given up, as it should be
+                    if (_failure != null) StringAssert.Contains("the command is over", _failure);
+                }
                 yield return _scene.UntilHeard(0, 0);
                 yield return _scene.Until(
                     () => Math.Abs(odometry.twist.twist.linear.x) < 1e-3, "for the robot to rest");
