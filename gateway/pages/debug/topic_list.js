@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { COMMAND_TYPES } from "../shared/command_topic.js";
-import { element } from "../shared/dom.js";
+import { breakable, element } from "../shared/dom.js";
 import { countOf, replace } from "./name_list.js";
 import { treeOf } from "./namespaces.js";
 
@@ -105,7 +105,7 @@ export class TopicList {
     item.topic = topic;
     item.above.textContent = name.slice(0, -label.length);
     item.below.data = label;
-    item.types.textContent = topic.types.join(", ");
+    item.types.replaceChildren(breakable(topic.types.join(", ")));
     item.drive.hidden = !COMMAND_TYPES.includes(topic.types[0]) || !topic.subscribers.length;
     return item.element;
   }

@@ -23,6 +23,13 @@ export function element(name, { dataset = {}, aria = {}, ...properties } = {}, .
  */
 export const find = (id) => document.getElementById(id);
 
+/** Return a name of ROS that is broken after slashes where it is too long for a line. */
+export function breakable(name) {
+  const made = document.createElement("span");
+  for (const part of name.split(/(?<=\/)/)) made.append(part, document.createElement("wbr"));
+  return made;
+}
+
 /** Return a number of bytes as people read it. */
 export function bytes(count) {
   if (count < 1000) return `${Math.round(count)} B`;
