@@ -139,10 +139,11 @@ class Queue:
         # frames are longer than what they are made of
         return behind * (self.sent_bytes / self.sent if self.sent else self.waiting[0].size)
 
-    def put(self, entry: Entry, *, more: bool = False) -> None:
+    def put(self, entry: Entry, *, more: bool = False) -> bool:
         """Write an entry directly if possible, else append it and drop what does not fit.
 
-        *more* says that others follow at once, to be written together.
+        *more* says that others follow at once, to be written together. Return whether the client
+        has to be woken, for what waits.
         """
         outbox = self._outbox
         write_directly = outbox.write_directly
@@ -151,7 +152,7 @@ class Queue:
             if written:
                 self.sent += 1
                 self.sent_bytes += written
-                return
+                return False
         self.waiting.append(entry)
         self.size += entry.size
         outbox.grow(entry.size)
@@ -160,6 +161,7 @@ class Queue:
         ):
             self.drop_oldest()
         outbox.shed()
+        return True
 
     def drop_oldest(self) -> None:
         """Drop the entry that has waited longest, and count it."""

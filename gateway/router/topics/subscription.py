@@ -133,16 +133,19 @@ class Subscription:
         """The samples that the client will never get, as it, its throttle or DDS was too slow."""
         return self.lost_before + self.queue.dropped + self.queue.coalesced
 
-    def offer(self, entry: Entry, now_ns: int, *, more: bool) -> None:
-        """Take an entry, now or at the end of the throttle's interval; *more* follow at once."""
+    def offer(self, entry: Entry, now_ns: int, *, more: bool) -> bool:
+        """Take an entry, now or at the end of the throttle's interval; *more* follow at once.
+
+        Return whether the client has to be woken, as `Queue.put` does.
+        """
         self.offered += 1
         throttle = self._throttle
         if throttle is None or throttle.passes(now_ns):
-            self.queue.put(entry, more=more)
-            return
+            return self.queue.put(entry, more=more)
         self.queue.coalesced += throttle.hold(entry)
         if self._timer is None:
             self._wait_for(throttle, now_ns)
+        return False
 
     def change(
         self, requests: Mapping[str | int | None, Subscribe], options: SubscriptionOptions

@@ -151,6 +151,7 @@ class Topic:
         self._seq += count
         self._received.append((now_ns, self._seq))
         more = count > 1
+        has_waiting = False  # otherwise all have it already, and nobody is to be woken
         size = 0
         for encoding in self._encodings.values():
             size = 0
@@ -159,15 +160,16 @@ class Topic:
                 size += shared.size
                 for subscription in encoding.subscriptions:
                     if subscription.shares_frames and not subscription.session.is_ros_sharp:
-                        subscription.offer(shared, now_ns, more=more)
+                        has_waiting |= subscription.offer(shared, now_ns, more=more)
                     elif self._passes(subscription, seq, sample):
-                        self._offer_own(shared, subscription, now_ns, more=more)
+                        has_waiting |= self._offer_own(shared, subscription, now_ns, more=more)
         self._counts.received += count
         self._counts.received_bytes += size
         if now_ns >= self._timed_ns:
             self._timed_ns = now_ns + TIMING_PERIOD_NS
             self._time(samples[0].received_ns)
-        self._wake_all()
+        if has_waiting:
+            self._wake_all()
 
     def _note_lost(self, lost: int) -> None:
         """Count samples that never came, and leave out their numbers."""
@@ -193,9 +195,11 @@ class Topic:
 
     def _offer_own(
         self, shared: SharedFrame, subscription: Subscription, now_ns: int, *, more: bool
-    ) -> None:
+    ) -> bool:
         received_ns = self._ros.now_ns() if subscription.options.meta else None
-        subscription.offer(PerClientFrame(shared, subscription, received_ns), now_ns, more=more)
+        return subscription.offer(
+            PerClientFrame(shared, subscription, received_ns), now_ns, more=more
+        )
 
     def _join_late(self, subscription: Subscription) -> None:
         try:
