@@ -95,6 +95,27 @@ async def test_a_message_is_copied_where_the_browser_has_no_clipboard_for_pages(
         assert json.loads(await pasted.input_value())["child_frame_id"]
 
 
+async def test_a_copy_that_failed_is_said_until_one_works_and_hides_nothing_else(demo, open_page):
+    refused = """
+        window.refuse = true;
+        const write = async () => { if (refuse) throw new Error("no permission"); };
+        Object.defineProperty(navigator, "clipboard", { value: { writeText: write } });
+    """
+    said = "() => document.querySelector('article .problem').textContent"
+    async with open_page(f"{page_address(demo)}#card=tree+0+/odom", script=refused) as page:
+        await until(page, "() => document.querySelector('.tree')?.textContent.includes('odom')")
+        copy = page.get_by_role("button", name="Copy /odom")
+        await copy.click()
+        await until(page, f"() => ({said})() === 'not copied: no permission'")
+        await page.evaluate("() => { window.refuse = false; }")
+        await copy.click()
+        await until(page, f"() => ({said})() === ''")
+        other = "document.querySelector('article .problem').textContent = 'what the gateway says'"
+        await page.evaluate(f"() => {{ {other}; }}")
+        await copy.click()
+        assert await page.evaluate(said) == "what the gateway says"
+
+
 async def test_a_number_is_chosen_in_the_plot(demo, open_page):
     async with open_page(f"{page_address(demo)}#card=trail+0+/odom") as page:
         await page.click("button[aria-label='plot a number of /odom']")

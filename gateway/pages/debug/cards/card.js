@@ -62,6 +62,11 @@ export class Card {
     this.problem.hidden = !text;
   }
 
+  /** Say it no longer, if it is still what is said. */
+  untell(text) {
+    if (this.problem.textContent === text) this.tell("");
+  }
+
   /**
    * Draw what has come since the last frame of the screen.
    * @param {number} _ms when this frame began, the same for all cards

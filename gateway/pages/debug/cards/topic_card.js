@@ -22,7 +22,8 @@ export class TopicCard extends Card {
   #arrivals = new Arrivals();
   #views = element("select", { title: "how it is shown" });
   #isBroken = false; // the view has failed at the newest message
-  #hasFailed = false; // and that is said
+  #failure = ""; // what is said of that
+  #notCopied = ""; // likewise of a copy that has failed
   #forget;
 
   constructor(gateway, shown, actions) {
@@ -58,7 +59,7 @@ export class TopicCard extends Card {
     this.#attempt(() => {
       if (isDue) this.#view.show(this.#newest.message, this.#newest.data);
       this.#view.draw?.();
-      if (isDue && this.#hasFailed) this.#recover();
+      if (isDue && this.#failure) this.#recover();
     });
   }
 
@@ -107,8 +108,9 @@ export class TopicCard extends Card {
     try {
       action();
     } catch (error) {
-      this.#isBroken = this.#hasFailed = true;
-      this.tell(`The view ${nameOf(this.view)} cannot show this ${this.#type.split("/").at(-1) || "message"}: ${error.message}. Another view may.`);
+      this.#isBroken = true;
+      this.#failure = `The view ${nameOf(this.view)} cannot show this ${this.#type.split("/").at(-1) || "message"}: ${error.message}. Another view may.`;
+      this.tell(this.#failure);
     }
   }
 
@@ -146,8 +148,10 @@ export class TopicCard extends Card {
   async #copy() {
     try {
       await copy(json(this.#newest?.message ?? null, 2));
+      this.untell(this.#notCopied);
     } catch (error) {
-      this.tell(`not copied: ${error.message}`);
+      this.#notCopied = `not copied: ${error.message}`;
+      this.tell(this.#notCopied);
     }
   }
 
@@ -161,7 +165,8 @@ export class TopicCard extends Card {
     this.#unsubscribe();
     this.#view?.close?.();
     this.#status({ msg: "" });
-    this.#isDirty = this.#isBroken = this.#hasFailed = false;
+    this.#isDirty = this.#isBroken = false;
+    this.#failure = "";
     this.#view = makeView(this.view, this);
     this.body.replaceChildren(this.#view.element);
     const problem = misfit(this.view, this.#type);
@@ -189,8 +194,8 @@ export class TopicCard extends Card {
   }
 
   #recover() {
-    this.#hasFailed = false;
-    this.tell("");
+    this.untell(this.#failure);
+    this.#failure = "";
   }
 
   #status({ msg, code = "" }) {
