@@ -1,124 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-using System.Net;
 using Ros2Gateway.Unity;
 using UnityEditor;
-using UnityEngine;
 
 namespace Ros2Gateway.Editor
 {
-    /// <summary>Of Gateway Settings, with buttons that find gateways, and try the connection.</summary>
+    /// <summary>Of Gateway Settings.</summary>
     [CustomEditor(typeof(GatewaySettings))]
-    public sealed class GatewaySettingsInspector : UnityEditor.Editor
+    public sealed class GatewaySettingsInspector : AddressInspector
     {
-        private const double FindSeconds = 10; // nobody answers later who has not by then
-
-        private ConnectionProbe _probe;
-        private GatewayFinder _finder;
-        private double _findsUntil;
-
-        /// <summary>Where it looks for gateways: everywhere on this network by default.</summary>
-        public IPAddress[] Targets { get; set; } = new IPAddress[0];
-
-        /// <summary>Draws the settings, the button and what came of it.</summary>
-        public override void OnInspectorGUI()
+        /// <inheritdoc/>
+        protected override GatewayOptions Options()
         {
-            DrawDefaultInspector();
-            EditorGUILayout.Space();
-            DrawFound();
-            if (GUILayout.Button("Test connection"))
-            {
-                End();
-                _probe = new ConnectionProbe(((GatewaySettings)target).Options());
-                EditorApplication.update += Pump;
-            }
-            if (_probe != null)
-            {
-                bool isBad = _probe.IsDone && !_probe.IsGood;
-                EditorGUILayout.HelpBox(_probe.Text, isBad ? MessageType.Error : MessageType.Info);
-            }
+            return ((GatewaySettings)target).Options();
         }
 
-        // also called before a domain reload
-        private void OnDisable()
+        /// <inheritdoc/>
+        protected override void SetAddress(string address)
         {
-            End();
-            EndFinding();
-        }
-
-        private void DrawFound()
-        {
-            if (GUILayout.Button("Find gateways"))
-            {
-                EndFinding();
-                _finder = new GatewayFinder(Targets);
-                _findsUntil = EditorApplication.timeSinceStartup + FindSeconds;
-                EditorApplication.update += Find;
-            }
-            if (_finder == null)
-            {
-                return;
-            }
-            EditorGUILayout.HelpBox(_finder.Problem ?? Progress(), MessageType.Info);
-            foreach (FoundGateway found in _finder.Found)
-            {
-                string token = found.NeedsToken ? ", needs a token" : "";
-                if (GUILayout.Button(found.Name + "  " + found.Address + token))
-                {
-                    Undo.RecordObject(target, "Choose a gateway");
-                    ((GatewaySettings)target).Address = found.Address;
-                    EditorUtility.SetDirty(target);
-                    EndFinding();
-                    return;
-                }
-            }
-        }
-
-        private string Progress()
-        {
-            return _finder.Found.Count > 0
-                ? "choose one:"
-                : "nobody answers yet: gateways do that listen on all networks (ros2-gateway serve --lan)";
-        }
-
-        private void Find()
-        {
-            _finder.Pump();
-            if (EditorApplication.timeSinceStartup > _findsUntil)
-            {
-                EditorApplication.update -= Find;
-                _finder.Dispose(); // what was found stays
-            }
-            Repaint();
-        }
-
-        private void EndFinding()
-        {
-            if (_finder != null)
-            {
-                EditorApplication.update -= Find;
-                _finder.Dispose();
-                _finder = null;
-            }
-        }
-
-        private void Pump()
-        {
-            _probe.Pump();
-            if (_probe.IsDone)
-            {
-                EditorApplication.update -= Pump;
-            }
-            Repaint();
-        }
-
-        private void End()
-        {
-            if (_probe != null)
-            {
-                EditorApplication.update -= Pump;
-                _probe.Dispose();
-                _probe = null;
-            }
+            ((GatewaySettings)target).Address = address;
         }
     }
 }

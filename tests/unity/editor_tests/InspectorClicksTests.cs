@@ -4,6 +4,8 @@ using System.Collections;
 using System.Diagnostics;
 using System.Linq;
 using System.Net;
+using System.Net.Sockets;
+using System.Text;
 using NUnit.Framework;
 using Ros2Gateway.Messages.GeometryMsgs;
 using Ros2Gateway.Unity;
@@ -19,6 +21,9 @@ namespace Ros2Gateway.Editor.Tests
     public sealed class InspectorClicksTests
     {
         private const int TimeoutMilliseconds = 120000; // a machine may be busy with other things
+
+        private const string TwoAddresses = "{\"op\":\"gateway\",\"id\":\"4f1d\",\"name\":\"robot7\",\"path\":\"/\","
+            + "\"port\":9090,\"tls\":false,\"tls_port\":9443,\"token\":true}";
 
         private GameObject _holder;
         private GatewaySettings _settings;
@@ -140,20 +145,58 @@ namespace Ros2Gateway.Editor.Tests
 
         [UnityTest]
         [Category("Gateway")]
-        public IEnumerator A_gateway_of_this_network_is_found_and_chosen()
+        public IEnumerator The_connection_is_tested_beside_its_own_address()
         {
-            int port = new Uri(Gateway()).Port;
-            Open(_settings, typeof(GatewaySettingsInspector));
-            ((GatewaySettingsInspector)_editor).Targets = new[] { IPAddress.Parse("127.255.255.255") };
-            Look("Find gateways");
-            StringAssert.StartsWith("nobody answers yet", Inspector.Words[0]);
-            string address = "ws://127.0.0.1:" + port + "/";
-            yield return Until(() => Inspector.Buttons.Any(text => text.EndsWith("  " + address)));
-            Look(Inspector.Buttons.Single(text => text.EndsWith("  " + address)));
-            Assert.AreEqual(address, _settings.Address);
-            Look();
-            Assert.IsEmpty(Inspector.Words);
-            Assert.IsNull(EditorApplication.update);
+            GatewayConnection connection = _holder.AddComponent<GatewayConnection>();
+            connection.Address = Gateway();
+            Open(connection, typeof(GatewayConnectionInspector));
+            Look("Test connection");
+            yield return Until(() => Inspector.Words.Any(words => words.StartsWith("ros2-json-gateway")));
+        }
+
+        [UnityTest]
+        [Category("Gateway")]
+        public IEnumerator A_gateway_of_this_network_is_found_and_chosen_for_the_settings()
+        {
+            return GatewayIsChosen(_settings, typeof(GatewaySettingsInspector), () => _settings.Address);
+        }
+
+        [UnityTest]
+        [Category("Gateway")]
+        public IEnumerator A_gateway_of_this_network_is_found_and_chosen_for_the_connection()
+        {
+            GatewayConnection connection = _holder.AddComponent<GatewayConnection>();
+            connection.Settings = _settings;
+            yield return GatewayIsChosen(
+                connection, typeof(GatewayConnectionInspector), () => connection.Address);
+            Assert.AreEqual("ws://localhost:9090", _settings.Address, "other scenes have it, too");
+        }
+
+        [UnityTest]
+        public IEnumerator Of_a_gateway_with_two_addresses_the_encrypted_one_is_offered_first()
+        {
+            IPAddress here = IPAddress.Parse("127.0.0.9");
+            using (Socket robot = new Socket(AddressFamily.InterNetwork, SocketType.Dgram, ProtocolType.Udp))
+            {
+                robot.SetSocketOption(SocketOptionLevel.Socket, SocketOptionName.ReuseAddress, true);
+                robot.Bind(new IPEndPoint(here, GatewayFinder.Port));
+                Open(_settings, typeof(GatewaySettingsInspector));
+                ((AddressInspector)_editor).Targets = new[] { here };
+                Look("Find gateways");
+                yield return Until(() => robot.Available > 0);
+                EndPoint sender = new IPEndPoint(IPAddress.Any, 0);
+                robot.ReceiveFrom(new byte[1024], ref sender);
+                robot.SendTo(Encoding.ASCII.GetBytes(TwoAddresses), sender);
+                yield return Until(() => Inspector.Buttons.Any(text => text.StartsWith("robot7")));
+                CollectionAssert.AreEqual(
+                    new[]
+                    {
+                        "robot7  wss://127.0.0.9:9443/, needs a token", "robot7  ws://127.0.0.9:9090/, needs a token",
+                    },
+                    Inspector.Buttons.Where(text => text.StartsWith("robot7")));
+                Look("robot7  ws://127.0.0.9:9090/, needs a token");
+                Assert.AreEqual("ws://127.0.0.9:9090/", _settings.Address);
+            }
         }
 
         [UnityTest]
@@ -170,6 +213,22 @@ namespace Ros2Gateway.Editor.Tests
             Look("Test connection");
             Assert.IsNotNull(EditorApplication.update);
             yield return Until(() => EditorApplication.update == null);
+        }
+
+        private IEnumerator GatewayIsChosen(UnityEngine.Object of, Type inspector, Func<string> chosen)
+        {
+            int port = new Uri(Gateway()).Port;
+            Open(of, inspector);
+            ((AddressInspector)_editor).Targets = new[] { IPAddress.Parse("127.255.255.255") };
+            Look("Find gateways");
+            StringAssert.StartsWith("nobody answers yet", Inspector.Words[0]);
+            string address = "ws://127.0.0.1:" + port + "/";
+            yield return Until(() => Inspector.Buttons.Any(text => text.EndsWith("  " + address)));
+            Look(Inspector.Buttons.Single(text => text.EndsWith("  " + address)));
+            Assert.AreEqual(address, chosen());
+            Look();
+            Assert.IsEmpty(Inspector.Words);
+            Assert.IsNull(EditorApplication.update);
         }
 
         private static string Gateway()

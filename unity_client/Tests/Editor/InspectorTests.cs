@@ -12,10 +12,11 @@ namespace Ros2Gateway.Editor.Tests
     public sealed class InspectorTests
     {
         [Test]
-        public void InspectorsDrawWithoutAConnectionInTheScene()
+        public void InspectorsDrawWhereNothingIsConnected()
         {
             GameObject holder = new GameObject("topics");
             holder.SetActive(false);
+            Draw(holder.AddComponent<GatewayConnection>(), typeof(GatewayConnectionInspector));
             Draw(holder.AddComponent<TopicSubscriber>(), typeof(TopicSubscriberInspector));
             Draw(holder.AddComponent<TopicPublisher>(), typeof(TopicPublisherInspector));
             Object.DestroyImmediate(holder);
