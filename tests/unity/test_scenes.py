@@ -204,7 +204,8 @@ def test_both_demonstrations_are_scenes_with_materials_for_both_pipelines():
         materials = {asset.stem for asset in (path.parent / "Materials").glob("*.mat")}
         assert materials == {*materials} | {f"{m.removesuffix(' URP')} URP" for m in materials}
         used = {GUIDS[link.guid] for d in read(path) for link in d.links if link.guid in GUIDS}
-        assert {asset.parent.name for asset in used if asset.suffix == ".mat"} == {"Materials"}
+        built_in = {m for m in materials if not m.endswith(" URP")}
+        assert {asset.stem for asset in used if asset.suffix == ".mat"} == built_in
         [settings] = [asset for asset in used if asset.suffix == ".asset"]
         [document] = read(settings)
         assert document.members["Address"] == "'ws://localhost:9090'"

@@ -33,6 +33,11 @@ _COLOURS: Final = {
     "Nose": (1.0, 0.92, 0.016),
     "Target": (0.0, 1.0, 0.0),
 }
+# what each sample has materials for
+_PARTS: Final = {
+    _TELEOPERATION: ("Floor", "Robot", "Nose"),
+    _XR_TARGET: ("Floor", "Robot", "Nose", "Target"),
+}
 # Standard, and URP's Lit; a material of one is pink in the other.
 _SHADERS: Final = {
     "": Reference(file_id=46, guid="0000000000000000f000000000000000", kind=0),
@@ -42,13 +47,13 @@ _SHADERS: Final = {
 
 def scenes() -> Iterator[tuple[Path, str]]:
     """Yield every file and its text."""
-    for folder in (_TELEOPERATION, _XR_TARGET):
+    for folder, parts in _PARTS.items():
         yield folder / "Gateway.asset", _settings()
-        for name, color in _COLOURS.items():
+        for name in parts:
             for pipeline in _SHADERS:
                 yield (
                     folder / "Materials" / f"{name}{pipeline}.mat",
-                    _material(name, pipeline, color),
+                    _material(name, pipeline, _COLOURS[name]),
                 )
     for path, roots in (
         (_TELEOPERATION / "Teleoperation.unity", list(_teleoperation())),
