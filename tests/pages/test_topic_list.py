@@ -7,7 +7,7 @@ import pytest
 
 from tests.client import client
 from tests.gateway_process import gateway_process
-from tests.pages.conftest import page_address, robots_domain
+from tests.pages.conftest import page_address, robots_domain, severable
 from tests.pages.test_debug_page import card, new_token, until
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
@@ -117,34 +117,129 @@ async def test_the_rate_is_that_of_the_topic_though_two_frames_a_second_come(ope
             for _ in range(10):
                 await robot.send(op="publish", topic="/chatter", msg={"data": "hello"})
             await page.wait_for_timeout(100)
-        came = "[...document.querySelectorAll('article td')].map((each) => each.textContent)"
-        assert "chatter" not in await page.evaluate(came)  # the card says what cards get
+        listed = "[...document.querySelectorAll('article dt')].map((each) => each.textContent)"
+        assert await page.evaluate(listed)
+        assert "chatter" not in await page.evaluate(listed)  # but what cards show
 
 
 async def test_a_card_of_a_measured_topic_gets_whole_messages(demo, open_page):
-    async with open_page(f"{page_address(demo)}#measure=all&card=raw+0+/imu", TALL) as page:
-        await until(page, f"() => / Hz · /.test({words('/scan')})")
-        await page.evaluate(
-            """() => {
-                window.shown = [];
-                const raw = document.querySelector(".raw");
-                new MutationObserver(() => shown.push(raw.textContent)).observe(
-                    raw, { childList: true, characterData: true, subtree: true });
-            }"""
-        )
-        await until(page, "() => shown.length > 40")
-        assert [
-            text for text in await page.evaluate("() => shown") if "orientation" not in text
-        ] == []
+    note = """
+        window.frames = [];
+        const { parse } = JSON;
+        JSON.parse = (text) => {
+            const frame = parse(text);
+            if (frame?.op === "publish") frames.push([frame.topic, Object.keys(frame.msg).length]);
+            return frame;
+        };
+    """
+    of = "topic => frames.filter(([name]) => name === topic).map(([, fields]) => fields)"
+    async with open_page(f"{page_address(demo)}#measure=all", TALL, script=note) as page:
+        await until(page, f"() => / Hz · /.test({words('/imu')})")
+        await page.click("#topics button:has-text('/imu')")
+        await until(page, f"() => ({of})('/imu').length > 5")
+        assert 0 not in await page.evaluate(of, "/imu")
+        assert set(await page.evaluate(of, "imu")) == {0}
+        await page.evaluate("() => { frames.length = 0; }")
+        await until(page, f"() => ({of})('/imu').length > 20")
+        assert await page.evaluate(of, "imu") == []  # the card says it as well
 
 
-async def test_a_topic_that_is_not_measured_says_why(open_page, nowhere):
+async def test_a_topic_that_is_not_measured_says_why_until_there_is_room(open_page, nowhere):
     few = ("--set", "limits.max_subscriptions=1")
+    both = f"[{words('/rosout')}, {words('/diagnostics')}]"
     async with (
         gateway_process("serve", *nowhere, *few) as gateway,
-        open_page(f"{page_address(gateway)}#measure=all&card=connection+0+/", TALL) as page,
+        open_page(f"{page_address(gateway)}#card=tree+0+/rosout", TALL) as page,
     ):
-        await until(page, f"() => /at most 1/.test([{words('/rosout')}, {words('/diagnostics')}])")
+        await page.wait_for_selector(card("/rosout"))
+        await page.check(MEASURE)
+        await until(page, f"() => /at most 1 /.test({words('/diagnostics')})")
+        assert "at most 1" not in await page.evaluate(f"() => {words('/rosout')}")
+        await page.click("button[aria-label='close /rosout']")
+        await until(page, f"() => {both}.some((each) => / Hz · /.test(each))")
+        await page.uncheck(MEASURE)
+        await until(page, f"() => {both}.every((each) => each === '')")
+        assert await page.is_hidden("#notice")  # to end what was refused is nothing to tell of
+
+
+async def test_what_is_measured_stays_so_by_another_connection(demo, open_page):
+    async with open_page("about:blank", TALL) as page, severable(page) as line:
+        await page.goto(f"{page_address(demo)}#measure=all&card=plot+0+/imu")
+        await until(page, f"() => / Hz · /.test({words('/scan')})")
+        await line.cut()
+        await until(page, "() => state.dataset.state === 'closed'")
+        line.mend()
+        await until(page, "() => state.dataset.state === 'open'")
+        await until(page, f"() => / Hz · .* ms old/.test({words('/scan')})")
+
+
+async def test_without_a_robot_the_page_says_so_whatever_is_to_be_measured(open_page, nowhere):
+    silent = ("--set", "ros.diagnostics=false")
+    async with (
+        gateway_process("serve", *nowhere, *silent) as gateway,
+        open_page(page_address(gateway)) as page,
+    ):
+        said = "() => /Start a robot/.test(cards.textContent)"
+        await until(page, said)
+        await page.check(MEASURE)
+        assert await page.evaluate(said)
+        await page.reload()
+        await until(page, said)
+        assert await page.is_checked(MEASURE)
+
+
+async def test_a_long_list_makes_the_page_no_longer(open_page, nowhere):
+    phone = {"width": 390, "height": 844}
+    async with (
+        gateway_process("serve", *nowhere) as gateway,
+        client(gateway.url) as robot,
+        open_page(page_address(gateway), phone) as page,
+    ):
+        for number in range(40):
+            name = f"/robot/part{number % 4}/topic{number}"
+            await robot.send(op="advertise", topic=name, type="std_msgs/msg/String")
+        await until(
+            page, "() => document.querySelectorAll('#topics button:first-child').length > 40"
+        )
+        await page.evaluate("() => scrollTo(0, document.documentElement.scrollHeight)")
+        stop = await page.locator("#stop").bounding_box()
+        assert 0 <= stop["y"] < phone["height"]
+        whole = page.get_by_role("button", name="/robot/part1/topic1 std_msgs/msg/String")
+        assert await whole.first.count() == 1  # read out as one name
+
+
+@pytest.mark.parametrize(
+    ("came", "hz"),
+    [
+        # each: the time of a message in ms, and its number; the clock ticks once a second
+        ([(100 * n, n) for n in range(30)], "10 Hz"),
+        ([(500 * n, 15 * n) for n in range(6)], "30 Hz"),
+        ([(2000, n) for n in range(10)], "0 Hz"),  # at once: that is no rate
+        ([(0, 1), (2000, 2)], "0.5 Hz"),
+        (
+            [(0, 70), (500, 75)] + [(1000 + 500 * n, 5 * n) for n in range(5)],
+            "10 Hz",
+        ),  # counted anew
+        ([(0, 1), (500, 2)], "0.4 Hz"),  # and none for 2.5 s
+    ],
+)
+async def test_a_rate_is_that_of_the_numbers_whatever_comes_when(demo, open_page, came, hz):
+    reckon = """async came => {
+        const { Arrivals } = await import("/shared/arrivals.js");
+        const { now: clock } = performance;
+        let now = 0;
+        performance.now = () => now;
+        const arrivals = new Arrivals();
+        for (now = 0; now <= 3000; now += 100) {
+            for (const [ms, seq] of came) if (ms === now) arrivals.add(1, 0, seq);
+            if (now % 1000 === 0 && now) arrivals.tick();
+        }
+        const { words } = arrivals;
+        performance.now = clock;
+        return words;
+    }"""
+    async with open_page(page_address(demo)) as page:
+        assert (await page.evaluate(reckon, came)).startswith(f"{hz} · ")
 
 
 async def test_a_first_visit_of_who_may_not_drive_has_no_stick(demo, open_page, tmp_path):

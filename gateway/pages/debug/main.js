@@ -74,7 +74,12 @@ function changed() {
   empty.remove();
   if (cards.length) none.remove();
   else if (!isFirstVisit) find("cards").append(none);
-  if (!isFirstVisit || cards.length) page.write(cards.map((each) => each.shown), measuring.isOn);
+  if (!isFirstVisit || cards.length) keep();
+}
+
+/** Keep in the address what is shown. */
+function keep() {
+  page.write(cards.map((each) => each.shown), measuring.isOn);
 }
 
 /** Open what the address names, and say what nobody knows. */
@@ -133,7 +138,7 @@ const measure = find("measure");
 measure.checked = measuring.isOn = page.isMeasuring();
 measure.onchange = () => {
   measuring.isOn = measure.checked;
-  changed();
+  keep();
 };
 
 const everywhere = (types) => types.some((each) => each.startsWith("rcl_interfaces/")); // each node has these

@@ -3,6 +3,7 @@
 import { NOTHING_YET } from "../shared/arrivals.js";
 
 const EVERY_MS = 500;
+const RETRY_TICKS = 10; // of one that is refused: there may be room again
 
 /**
  * Rate, size and age of topics: of those that a card shows by what comes for it, of others that can be seen in the list, on request,
@@ -40,32 +41,37 @@ export class Measuring {
     return this.#gateway.arrivals.get(topic) ?? this.#gateway.arrivals.get(byOtherName(topic));
   }
 
-  /** Return what is known of a topic in words: its figures, or why there are none. */
+  /** Return what is known of a topic in words: its figures, or what the gateway says of why there are none. */
   words(topic) {
     const measured = this.#measured.get(topic);
-    return measured?.problem || (this.arrivals(topic)?.words ?? (measured ? NOTHING_YET : ""));
+    return this.arrivals(topic)?.words ?? (measured ? measured.problem || NOTHING_YET : "");
   }
 
   /** Measure what is to be measured now; called once a second, so that scrolling by asks for nothing. */
   tick() {
-    const { topics } = this.#gateway.graph;
-    const isWanted = (topic) => this.#isOn && this.#seen.has(topic) && Boolean(topics.get(topic)?.publishers.length);
-    for (const [topic, { end }] of this.#measured) {
-      if (isWanted(topic)) continue;
-      end();
+    for (const [topic, measured] of this.#measured) {
+      measured.ticksRefused += measured.isRefused ? 1 : 0;
+      if (this.#isWanted(topic) && measured.ticksRefused < RETRY_TICKS) continue;
+      measured.end();
       this.#measured.delete(topic);
     }
-    for (const topic of this.#seen) if (isWanted(topic) && !this.#measured.has(topic)) this.#measure(topic);
+    for (const topic of this.#seen) if (this.#isWanted(topic) && !this.#measured.has(topic)) this.#measure(topic);
+  }
+
+  #isWanted(topic) {
+    const isShown = this.#gateway.throttleOf(topic) !== undefined; // by a card
+    const isPublished = Boolean(this.#gateway.graph.topics.get(topic)?.publishers.length);
+    return this.#isOn && this.#seen.has(topic) && isPublished && !isShown;
   }
 
   #measure(topic) {
-    const measured = { end: () => {}, problem: "" };
+    const measured = { end: () => {}, problem: "", isRefused: false, ticksRefused: 0 };
     this.#measured.set(topic, measured);
     measured.end = this.#gateway.subscribe(
       byOtherName(topic),
       { fields: [], throttle_rate: EVERY_MS },
-      () => {},
-      ({ level, msg }) => { measured.problem = level === "error" ? msg : ""; },
+      () => { measured.isRefused = false; }, // not any more, on another connection
+      ({ level, msg }) => Object.assign(measured, { problem: msg, isRefused: level === "error" }),
     );
   }
 }

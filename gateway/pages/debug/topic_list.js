@@ -60,7 +60,7 @@ export class TopicList {
   #write() {
     for (const { topic, title, figures } of this.#items.values()) {
       const isLate = Boolean(this.#measuring.arrivals(topic.name)?.isLate);
-      title.classList.toggle("stale", !topic.publishers.length || isLate);
+      title.element.classList.toggle("stale", !topic.publishers.length || isLate);
       figures.textContent = topic.publishers.length ? this.#measuring.words(topic.name) : "nobody publishes it";
     }
   }
@@ -71,11 +71,11 @@ export class TopicList {
 
   #branch(namespace, label, below) {
     if (!this.#branches.has(namespace)) {
-      const [title, list] = [element("summary"), element("ul", { className: "topics" })];
-      this.#branches.set(namespace, { title, list, element: element("li", {}, element("details", { open: true }, title, list)) });
+      const [title, list] = [titled("summary"), element("ul", { className: "topics" })];
+      this.#branches.set(namespace, { title, list, element: element("li", {}, element("details", { open: true }, title.element, list)) });
     }
     const branch = this.#branches.get(namespace);
-    branch.title.textContent = label;
+    branch.title.say(namespace, label);
     replace(branch.list, below.map((each) => this.#place(each)), "");
     return branch.element;
   }
@@ -89,26 +89,34 @@ export class TopicList {
   #item(name, label) {
     let item = this.#items.get(name);
     if (!item) {
-      const above = element("span", { className: "unseen" });
-      const below = document.createTextNode("");
-      const [title, types, figures] = [element("span", {}, above, below), element("small"), element("small")];
-      const button = element("button", { type: "button" }, title, types, figures);
+      const [title, types, figures] = [titled("span"), element("small"), element("small")];
+      const button = element("button", { type: "button" }, title.element, types, figures);
       button.onclick = () => this.#to.open(name);
       const drive = also("drive", `drive by ${name}`, () => this.#to.drive(name));
       const plot = also("plot", `plot a number of ${name}`, () => this.#to.plot(name));
       const publish = also("✎", `publish to ${name}`, () => this.#to.publish(name));
-      item = { above, below, title, types, figures, drive, element: element("li", { dataset: { topic: name } }, button, drive, plot, publish) };
+      item = { title, types, figures, drive, element: element("li", { dataset: { topic: name } }, button, drive, plot, publish) };
       this.#items.set(name, item);
       this.#eye.observe(item.element);
     }
     const topic = this.#gateway.graph.topics.get(name);
     item.topic = topic;
-    item.above.textContent = name.slice(0, -label.length);
-    item.below.data = label;
+    item.title.say(name, label);
     item.types.replaceChildren(breakable(topic.types.join(", ")));
     item.drive.hidden = !COMMAND_TYPES.includes(topic.types[0]) || !topic.subscribers.length;
     return item.element;
   }
+}
+
+/** Make an element for a name, of which only the end is seen, its label; all of it is read out. */
+function titled(kind) {
+  const above = element("span", { className: "unseen" });
+  const below = document.createTextNode("");
+  const say = (name, label) => {
+    above.textContent = name.slice(0, -label.length);
+    below.data = label;
+  };
+  return { element: element(kind, {}, above, below), say };
 }
 
 /** Make a small button of a topic: what else can be done with it. */

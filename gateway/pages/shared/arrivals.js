@@ -2,6 +2,7 @@
 import { bytes, span } from "./dom.js";
 
 export const NOTHING_YET = "nothing yet";
+const LEAST_MS = 400; // between two messages that a rate is reckoned from: a burst has none
 const LATE_MS = 2000;
 const REGULAR = 3; // messages: whoever has sent so many is expected to go on; a map is as good as it was
 
@@ -12,7 +13,7 @@ export class Arrivals {
   #bytes = 0; // of the newest
   #newest = { seq: 0, ms: 0 };
   #hz = 0;
-  #ticked = this.#newest; // what was the newest then
+  #reckoned = this.#newest; // what was the newest when the rate was reckoned
 
   /**
    * Count a message.
@@ -25,15 +26,16 @@ export class Arrivals {
     this.#bytes = bytes;
     this.dropped += dropped;
     this.#newest = { seq, ms: performance.now() };
-    if (this.messages === 1 || seq < this.#ticked.seq) this.#ticked = this.#newest; // the gateway counts anew
+    if (this.messages === 1 || seq < this.#reckoned.seq) this.#reckoned = this.#newest; // the gateway counts anew
   }
 
-  /** Reckon the rate, between the newest message and that of the last call. */
+  /** Reckon the rate, from the message that it was reckoned from before to the newest. */
   tick() {
-    const [messages, ms] = [this.#newest.seq - this.#ticked.seq, this.#newest.ms - this.#ticked.ms];
-    if (messages) this.#hz = (messages * 1000) / Math.max(1, ms);
-    else this.#hz = Math.min(this.#hz, 1000 / this.ageMs); // one that stays away is not that often
-    this.#ticked = this.#newest;
+    const ms = this.#newest.ms - this.#reckoned.ms;
+    if (ms >= LEAST_MS) {
+      this.#hz = ((this.#newest.seq - this.#reckoned.seq) * 1000) / ms;
+      this.#reckoned = this.#newest;
+    } else this.#hz = Math.min(this.#hz, 1000 / this.ageMs); // what stays away is not that frequent
   }
 
   /** How old the newest message is, by the time of its arrival. */

@@ -231,9 +231,11 @@ export class Gateway extends EventTarget {
     if (this.#listeners.has(frame.id)) {
       this.#listeners.get(frame.id)(frame);
     } else if (frame.op === "publish") {
+      const heard = [...this.#subscriptions.values()].filter((each) => each.topic === frame.topic);
+      if (!heard.length) return; // it was on its way when its subscription ended
       const dropped = this.#dropped(frame);
       this.counts.dropped += dropped;
-      for (const each of this.#subscriptions.values()) if (each.topic === frame.topic) each.onMessage(frame.msg, size, data, dropped);
+      for (const each of heard) each.onMessage(frame.msg, size, data, dropped);
       this.#arrived(frame.topic).add(frame.size ?? size, dropped, frame.seq);
     } else if (frame.op === "graph") {
       this.graph.update(frame);
@@ -273,6 +275,7 @@ export class Gateway extends EventTarget {
       for (const each of this.#subscriptions.values()) if (each.topic === subscription.topic) each.onStatus(frame);
     } else if (subscription) subscription.onStatus(frame);
     else if (isLookup(frame)) return; // the frame may come yet; until then nothing is shown
+    else if (frame.request === "unsubscribe" && frame.code === "not_found") return; // it was refused
     else if (!this.#settle(frame.id, null, frame.msg, frame.code)) {
       this.dispatchEvent(new CustomEvent("status", { detail: frame }));
     }
