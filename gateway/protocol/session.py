@@ -68,6 +68,7 @@ class Session:
         self.waited_s: Callable[[], float] = lambda: 0.0
         self.received = 0
         self.refused = 0
+        self.unreadable = 0  # messages that were neither JSON nor CBOR
         self.is_ros_sharp = False  # it reads ASCII only, and `values` of the type only
         self.numbers = itertools.count(1)  # of the calls and goals passed on to this client
         # raises ProtocolError if the client may not have one more ROS entity
@@ -200,6 +201,7 @@ class Session:
             op = _readable_op(values)
             return _operation(op, values)
         except ProtocolError as error:
+            self.unreadable += error.code == "bad_json"
             self._refuse(error, _readable(values))
         return None
 

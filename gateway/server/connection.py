@@ -40,7 +40,8 @@ from gateway.server.end import (
     ended_elsewhere,
 )
 from gateway.server.http import new_protocol
-from gateway.server.inbound import READ_CHUNK_BYTES, Inbound, not_utf8
+from gateway.server.inbound import READ_CHUNK_BYTES, Inbound
+from gateway.server.inbound_text import receive_text
 from gateway.server.keep_alive import Abort, Close, KeepAlive, Ping, Sending
 from gateway.server.message_assembly import MessageAssembly
 from gateway.server.pacing import Pacing
@@ -336,14 +337,13 @@ class Connection(asyncio.BufferedProtocol):
 
     def _receive(self, message: bytes, *, is_text: bool) -> None:
         # The state may be closing already: a close often comes in one packet with the last message.
-        if self._session is None:
+        session, receive = self._session, self._acceptor.receive
+        if session is None:
             return
-        if is_text and (text := not_utf8(message)):
-            # RFC 6455 8.1: on invalid UTF-8 in a text frame an endpoint MUST fail the connection
-            self._session.refuse(ProtocolError("bad_json", text))
-            self.close(INVALID_DATA, text)
-            return
-        self._acceptor.receive(self._session, message)
+        if not is_text:
+            receive(session, message)
+        elif text := receive_text(session, message, receive):
+            self.close(INVALID_DATA, text)  # as an endpoint MUST
 
     def _explain_failure(self) -> None:
         """Report in a `status` why `websockets` is about to close, if a client can know."""

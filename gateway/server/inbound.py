@@ -180,13 +180,3 @@ class Inbound:
             self._head = head[1 - len(_END_OF_HEAD) :] if end < 0 else None
         piece, self._unparsed = self._unparsed[:size], self._unparsed[size:]
         return piece
-
-
-def not_utf8(message: bytes) -> str:
-    """Return what is no UTF-8 in a message, in words; an empty text if it is valid."""
-    if not message.isascii():
-        try:
-            message.decode()
-        except UnicodeDecodeError as error:
-            return f"not UTF-8: byte 0x{message[error.start]:02x} at offset {error.start}"
-    return ""

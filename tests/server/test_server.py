@@ -105,13 +105,24 @@ async def test_a_message_too_large_gets_one_status_and_1009(serve: Serve, size, 
     assert "Traceback" not in caplog.text
 
 
-async def test_a_text_frame_that_is_not_utf_8_gets_a_status_and_1007(serve: Serve):
+@pytest.mark.parametrize(
+    "frame",
+    [
+        b'{"op":"\xff"}',
+        b'{"op":"pin\xe4"',  # no JSON either
+        b"\xa1\x62op\x64ping",  # a map of CBOR, which comes in binary frames
+        b'{"op":"publish","topic":"/t","msg":{"data":"' + b"\xc3\xa4" * 300_000 + b'\xff"}}',
+        b'{"op":"ping","x":NaN,"y":"\xff"}',
+    ],
+    ids=["text", "no-json", "cbor", "large", "token"],
+)
+async def test_a_text_frame_that_is_not_utf_8_gets_a_status_and_1007(serve: Serve, frame: bytes):
     async with serve() as served, client(served.url) as other:
         reader, writer = await handshake(served)
-        writer.write(masked(Opcode.TEXT, b'{"op":"\xff"}'))
+        writer.write(masked(Opcode.TEXT, frame))
         answer = await reader.read()
-        assert b"not UTF-8: byte 0xff at offset 7" in answer
-        assert (1007).to_bytes(2, "big") in answer
+        assert b'"code":"bad_json"' in answer
+        assert (1007).to_bytes(2, "big") + b"not UTF-8: byte 0x" in answer
         assert await other.sync() == []
         writer.close()
 
