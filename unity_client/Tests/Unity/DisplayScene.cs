@@ -38,6 +38,7 @@ namespace Ros2Gateway.Unity.Tests
             }
             GatewaySettings settings = ScriptableObject.CreateInstance<GatewaySettings>();
             settings.Address = address;
+            settings.SilenceSeconds = TimeoutMilliseconds / 1000; // a busy machine holds the gateway up
             _made.Add(settings);
             GameObject holder = Inactive("connection");
             Connection = holder.AddComponent<GatewayConnection>();

@@ -329,9 +329,11 @@ namespace Ros2Gateway.Unity.Tests
         {
             TwistMsg ahead = new TwistMsg();
             ahead.linear.x = 0.05;
-            if (!_others.Publish(ahead) && _control.State.Cause == "deadline")
+            if (!_others.Publish(ahead) && !IsStopped(_control.State))
             {
-                _others.Publish(new TwistMsg()); // a machine that is busy with other things has held up a command
+                // a machine that is busy with other things has held up a command: too long for the deadline, or too
+                // long for that command
+                _others.Publish(new TwistMsg());
             }
         }
     }
