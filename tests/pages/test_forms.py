@@ -228,6 +228,37 @@ async def test_a_goal_tells_its_feedback_and_is_cancelled(demo, open_page):
         await until(page, "() => /canceled after/.test(cards.textContent)")
 
 
+@pytest.mark.parametrize(
+    "viewport", [{"width": 1280, "height": 700}, {"width": 390, "height": 844}]
+)
+async def test_a_form_comes_into_view_with_what_comes_of_it(demo, open_page, viewport):
+    async with open_page(page_address(demo), viewport) as page:
+        await page.wait_for_selector(form("/odom"))
+        await page.click("#tab-actions")
+        await page.click("#actions button:has-text('/navigate_to_pose')")
+        title = "Goal of /navigate_to_pose"
+        button = page.locator(f"{form(title)} button:text-is('Send goal')")
+        await button.wait_for()
+        place = """each => {
+            const { top } = each.getBoundingClientRect();
+            return top >= document.querySelector(".bar").getBoundingClientRect().bottom - 1;
+        }"""
+        await until(page, f"() => ({place})(document.activeElement.closest('article'))")
+        box = await button.bounding_box()
+        assert box["y"] + box["height"] <= viewport["height"] or viewport["width"] == 390
+        await field(page, title, "pose", "pose", "position", "x").fill("0.3")
+        await button.click()
+        seen = """() => {
+            const all = [...document.querySelectorAll("article pre")];
+            const text = all.find((each) => each.textContent.includes("{"));
+            if (!text) return false;
+            const { left, top } = text.getBoundingClientRect();
+            return text.contains(document.elementFromPoint(left + 5, top + 5));
+        }"""
+        await until(page, seen)
+        await page.click(f"{form(title)} button:text-is('Cancel')")
+
+
 async def test_a_parameter_is_set_and_a_refusal_is_shown(demo, open_page):
     async with open_page(page_address(demo)) as page:
         await page.click("#tab-nodes")

@@ -39,7 +39,7 @@ let isFirstVisit = wanted === null;
 const cards = [];
 
 function add(shown) {
-  const card = makeCard(gateway, shown, { changed, close, open });
+  const card = makeCard(gateway, shown, { changed, close, open, grown });
   cards.push(card);
   find("cards").append(card.element);
   changed();
@@ -58,6 +58,15 @@ function open(topic, view = viewsFor(gateway.graph.typeOf(topic))[0], fields = [
 /** Bring a card into view, and the focus to it. */
 function look({ element: its }) {
   its.focus({ preventScroll: true });
+  reveal(its);
+}
+
+/** Bring a card into view again that has got its form, unless whoever opened it has gone elsewhere. */
+function grown({ element: its }) {
+  if (its.contains(document.activeElement)) reveal(its);
+}
+
+function reveal(its) {
   its.scrollIntoView({ block: innerWidth < NARROW ? "start" : "nearest" });
 }
 

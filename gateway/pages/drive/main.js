@@ -47,7 +47,7 @@ function show(place, missing, ...kinds) {
   views[place]?.end();
   const view = new View({ topic, gateway, tell: bar.tell });
   view.topic = topic;
-  const unsubscribe = gateway.subscribe(topic, view.options, (message) => view.show(message), lasting(bar.tell));
+  const unsubscribe = gateway.subscribe(topic, view.options, (message) => attempt(() => view.show(message)), lasting(bar.tell));
   view.end = () => {
     unsubscribe();
     view.close?.();
@@ -58,7 +58,16 @@ function show(place, missing, ...kinds) {
 
 function draw() {
   requestAnimationFrame(draw); // first: whatever fails here, the next frame comes
-  for (const view of Object.values(views)) view?.draw?.();
+  for (const view of Object.values(views)) attempt(() => view?.draw?.());
+}
+
+/** Say what cannot be shown, and go on: the page has to drive, and to stop. */
+function attempt(action) {
+  try {
+    action();
+  } catch (error) {
+    bar.tell(`What the robot says cannot be shown: ${error.message}.`);
+  }
 }
 
 /** Write what changes with time. */

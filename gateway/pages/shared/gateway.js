@@ -33,6 +33,7 @@ export function address() {
  * @property {object} options members of the operation `subscribe`
  * @property {(message: any, bytes: number, frame: object, dropped: number) => void} onMessage gets how many were dropped before it, too
  * @property {(status: object) => void} onStatus what the gateway says of it
+ * @property {boolean} isRefused whether the gateway does not have it
  */
 
 /** Events: `state`, with `open`, `connecting`, `closed` or `token` as detail; the names of operations, such as `graph`, `status`
@@ -137,10 +138,9 @@ export class Gateway extends EventTarget {
    */
   subscribe(topic, options, onMessage, onStatus) {
     const id = `page:${this.#nextId++}`;
-    const subscription = { id, topic, options, onMessage, onStatus };
+    const subscription = { id, topic, options, onMessage, onStatus, isRefused: false };
     const before = this.throttleOf(topic);
     this.#subscriptions.set(id, subscription);
-    this.#merge(topic);
     this.#send(subscription);
     if (before !== 0 && this.throttleOf(topic) === 0) this.#settleDrops(topic);
     return () => {
@@ -158,7 +158,7 @@ export class Gateway extends EventTarget {
 
   /** Note the throttle of a topic, as the gateway makes one subscription of all; return whether there is any. */
   #merge(topic) {
-    const throttles = [...this.#subscriptions.values()].filter((each) => each.topic === topic).map(({ options }) => options.throttle_rate ?? 0);
+    const throttles = this.#heard(topic).map(({ options }) => options.throttle_rate ?? 0);
     if (throttles.length) this.#throttles.set(topic, Math.min(...throttles));
     else this.#throttles.delete(topic);
     return throttles.length > 0;
@@ -181,7 +181,10 @@ export class Gateway extends EventTarget {
     };
   }
 
-  #send({ id, topic, options }) {
+  #send(subscription) {
+    const { id, topic, options } = subscription;
+    subscription.isRefused = false;
+    this.#merge(topic);
     this.send({ op: "subscribe", id, topic, meta: true, nonfinite: "string", ...options });
   }
 
@@ -231,7 +234,7 @@ export class Gateway extends EventTarget {
     if (this.#listeners.has(frame.id)) {
       this.#listeners.get(frame.id)(frame);
     } else if (frame.op === "publish") {
-      const heard = [...this.#subscriptions.values()].filter((each) => each.topic === frame.topic);
+      const heard = this.#heard(frame.topic);
       if (!heard.length) return; // it was on its way when its subscription ended
       const dropped = this.#dropped(frame);
       this.counts.dropped += dropped;
@@ -263,6 +266,11 @@ export class Gateway extends EventTarget {
     this.#settling.delete(topic);
   }
 
+  /** Return the subscriptions that get a topic's messages. */
+  #heard(topic) {
+    return [...this.#subscriptions.values()].filter((each) => each.topic === topic && !each.isRefused);
+  }
+
   #arrived(topic) {
     if (!this.arrivals.has(topic)) this.arrivals.set(topic, new Arrivals());
     return this.arrivals.get(topic);
@@ -270,6 +278,10 @@ export class Gateway extends EventTarget {
 
   #status(frame) {
     const subscription = this.#subscriptions.get(frame.id);
+    if (subscription && frame.level === "error" && frame.request === "subscribe") {
+      subscription.isRefused = true;
+      this.#merge(subscription.topic); // what it asked for is not done
+    }
     if (subscription && frame.level !== "error" && OF_TOPIC.includes(frame.code)) {
       // the gateway tells a connection once, by the newest id
       for (const each of this.#subscriptions.values()) if (each.topic === subscription.topic) each.onStatus(frame);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { draw } from "./occupancy.js";
-import { Plan, yawOf } from "./plan.js";
+import { insist, Plan, yawOf } from "./plan.js";
 
 const BASES = ["base_footprint", "base_link"]; // REP 105 and REP 120; whichever is known first is the robot
 const RATE_HZ = 15;
@@ -101,6 +101,7 @@ function placed(message) {
   const [x, y, yaw] = [origin.position.x, origin.position.y, yawOf(origin.orientation)];
   const [wide, high] = [width * resolution, height * resolution];
   if (!(wide > 0 && high > 0 && Number.isFinite(wide + high + x + y))) throw new RangeError(`its cells are ${resolution} m wide`);
+  insist(x, y, wide, high);
   const turned = (right, up) => ({ x: x + Math.cos(yaw) * right - Math.sin(yaw) * up, y: y + Math.sin(yaw) * right + Math.cos(yaw) * up });
   const lift = (Math.ceil(height / cells) * cells - height) * resolution; // of rows that are drawn in part
   return {

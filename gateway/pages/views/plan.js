@@ -7,10 +7,17 @@ const SIZE = 480; // pixels
 const MARGIN = 12;
 const ROBOT = 0.12; // metres from its middle to its nose
 const LEAST_ROBOT = 7; // pixels
+const FARTHEST = 1e9; // metres: much farther, and the next number that a computer has is the next line of a grid
 
 /** Return the heading of an orientation, seen from above. */
 export function yawOf({ x = 0, y = 0, z = 0, w = 1 }) {
   return Math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
+}
+
+/** Throw an error with words unless a place can be drawn, or a distance. */
+export function insist(...metres) {
+  if (!metres.every(Number.isFinite)) throw new RangeError("a place in it is no number");
+  if (metres.some((each) => Math.abs(each) > FARTHEST)) throw new RangeError("it lies over a million km away");
 }
 
 /** A picture from above; `begin` says which part of the world it shows. */
@@ -32,6 +39,7 @@ export class Plan {
    * @param {number} up the heading that points up; by default that of y
    */
   begin({ x, y }, reach, up = Math.PI / 2) {
+    insist(x, y, reach);
     this.#pen.setTransform(1, 0, 0, 1, 0, 0);
     this.#pen.clearRect(0, 0, SIZE, SIZE);
     this.#middle = { x, y, up };
@@ -43,7 +51,7 @@ export class Plan {
     const [middleX, middleY] = this.#at(x, y);
     const step = stepOf(farthest);
     this.#pen.strokeStyle = token("line");
-    for (let metres = step; metres <= farthest; metres += step) {
+    for (const metres of marks(step, farthest, step)) {
       this.#pen.beginPath();
       this.#pen.arc(middleX, middleY, metres * this.#scale, 0, 2 * Math.PI);
       this.#pen.stroke();
@@ -57,13 +65,13 @@ export class Plan {
     const step = stepOf(reach);
     this.#pen.strokeStyle = token("line");
     this.#pen.beginPath();
-    for (let x = Math.ceil((this.#middle.x - reach) / step) * step; x <= this.#middle.x + reach; x += step) {
+    for (const x of marks(this.#middle.x - reach, this.#middle.x + reach, step)) {
       const [left] = this.#at(x, 0);
       this.#pen.moveTo(left, 0);
       this.#pen.lineTo(left, SIZE);
       this.#label(`${rounded(x)}`, left + 3, SIZE - 4);
     }
-    for (let y = Math.ceil((this.#middle.y - reach) / step) * step; y <= this.#middle.y + reach; y += step) {
+    for (const y of marks(this.#middle.y - reach, this.#middle.y + reach, step)) {
       const [, top] = this.#at(0, y);
       this.#pen.moveTo(0, top);
       this.#pen.lineTo(SIZE, top);
@@ -88,7 +96,7 @@ export class Plan {
   scan({ ranges, angle_min: first, angle_increment: step, range_min: least, range_max: most }, { x, y, yaw }, colour = "accent") {
     this.#pen.fillStyle = token(colour);
     ranges.forEach((range, index) => {
-      if (!(range >= least && range <= most)) return;
+      if (!isHit(range, least, most)) return;
       const heading = yaw + first + index * step;
       const [left, top] = this.#at(x + Math.cos(heading) * range, y + Math.sin(heading) * range);
       this.#pen.fillRect(left - 1.5, top - 1.5, 3, 3);
@@ -139,5 +147,14 @@ function stepOf(metres) {
   const power = 10 ** Math.floor(Math.log10(metres / 3));
   return power * ([5, 2, 1].find((each) => each * power <= metres / 3) ?? 1);
 }
+
+/** Return the multiples of a step between two numbers. */
+function marks(least, most, step) {
+  const first = Math.ceil(least / step);
+  return Array.from({ length: Math.max(0, Math.floor(most / step) - first + 1) }, (_, index) => (first + index) * step);
+}
+
+/** Return whether a ray of a laser has hit something; one that has not may be infinite, as may what its laser reaches. */
+export const isHit = (range, least, most) => Number.isFinite(range) && range >= least && range <= most;
 
 const rounded = (metres) => Number(metres.toPrecision(3));

@@ -6,6 +6,9 @@ import { TreeView } from "./tree.js";
 const SPAN_S = 30;
 const MOST_POINTS = 6000;
 const HEIGHT = 220; // pixels
+const LEAST_SHARE = 1e-9; // of a number, that an axis shows around it
+const LARGEST = 8e307; // on an axis: from one end to the other is a number, too
+const NON_FINITE = ["NaN", "Infinity", "-Infinity"]; // as they come in JSON
 /** @type {any} the library has no types here */
 const Plot = uPlot;
 const COLOURS = ["series-1", "series-2", "series-3", "series-4"];
@@ -35,14 +38,17 @@ export class PlotView {
   keep(message) {
     if (this.#choice) return;
     const now = performance.now() / 1000;
+    let strange = "";
     this.#columns[0].push(now);
     this.card.fields.forEach((path, index) => {
       const value = path.split(".").reduce((each, name) => each?.[name], message);
+      strange ||= ["undefined", "number", "boolean"].includes(typeof value) || NON_FINITE.includes(value) ? "" : path;
       this.#columns[index + 1].push(typeof value === "boolean" ? Number(value) : Number.isFinite(value) ? value : null);
     });
     const late = this.#columns[0].findIndex((each) => each >= now - SPAN_S);
     const excess = Math.max(late, this.#columns[0].length - MOST_POINTS);
     if (excess > MOST_POINTS / 10 || late > 200) for (const each of this.#columns) each.splice(0, excess);
+    if (strange) throw new TypeError(`${strange} is no number`);
   }
 
   show(message) {
@@ -97,9 +103,13 @@ function written(value) {
   return Number.isInteger(value) ? String(value) : Math.abs(value) < 1e-3 || Math.abs(value) >= 1e6 ? value.toExponential(2) : value.toFixed(3);
 }
 
-/** Return what the axis shows: a tenth more than the values, and something where they are all the same. */
+/**
+ * Return what the axis shows: a tenth more than the values, and something where they are all the same, or differ by less than lets
+ * marks between them be told apart.
+ */
 function around(least, most) {
   if (least === null) return [-1, 1];
-  const margin = least === most ? Math.abs(least) || 1 : (most - least) / 10;
-  return [least - margin, most + margin];
+  const size = Math.max(Math.abs(least), Math.abs(most));
+  const margin = least === most ? size || 1 : Math.max((most - least) / 10, size * LEAST_SHARE);
+  return [Math.max(least - margin, -LARGEST), Math.min(most + margin, LARGEST)];
 }

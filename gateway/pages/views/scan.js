@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { Plan } from "./plan.js";
+import { isHit, Plan } from "./plan.js";
 
 const HERE = { x: 0, y: 0, yaw: 0 };
 
@@ -15,7 +15,7 @@ export class ScanView {
 
   show(scan) {
     const { ranges, range_min: least, range_max: most } = scan;
-    const farthest = ranges.reduce((far, each) => (each >= least && each <= most ? Math.max(far, each) : far), 1);
+    const farthest = ranges.reduce((far, each) => (isHit(each, least, most) ? Math.max(far, each) : far), 1);
     this.#plan.begin(HERE, farthest, HERE.yaw);
     this.#plan.rings(HERE, farthest);
     this.#plan.scan(scan, HERE);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { Plan, yawOf } from "./plan.js";
+import { insist, Plan, yawOf } from "./plan.js";
 
 const MOST_PLACES = 2000;
 const LEAST_STEP = 0.01; // metres
@@ -52,5 +52,6 @@ export class TrailView {
 /** Return the pose of a PoseStamped, or of a message that holds one beside its covariance. */
 function poseOf({ pose }) {
   const { position, orientation } = pose.pose ?? pose;
+  insist(position.x, position.y);
   return { x: position.x, y: position.y, yaw: yawOf(orientation) };
 }

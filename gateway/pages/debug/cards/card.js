@@ -8,7 +8,7 @@ import { element } from "../../shared/dom.js";
 
 /**
  * What a card asks of the page.
- * @typedef {{changed: () => void, close: (card: Card) => void, open: (name: string, view?: string, fields?: string[]) => void}} Actions
+ * @typedef {{changed: () => void, close: (card: Card) => void, open: (name: string, view?: string, fields?: string[]) => void, grown: (card: Card) => void}} Actions
  */
 
 /** The frame of everything that lies on the page: a title with controls, what is wrong, a body and a footer. */

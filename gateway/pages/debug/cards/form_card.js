@@ -69,6 +69,7 @@ export class FormCard extends Card {
       this.body.prepend(this.form.element);
       this.footer.before(this.buttons);
       this.#act.disabled = text.disabled = false;
+      this.actions.grown(this);
     } catch (error) {
       this.tell(error.message);
     }

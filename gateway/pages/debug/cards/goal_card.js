@@ -55,10 +55,10 @@ export class GoalCard extends FormCard {
   }
 
   #heard({ op, values, status, result, msg }) {
-    if (op === "action_feedback") this.#feedback.textContent = json(values, 2);
+    if (op === "action_feedback") write(this.#feedback, json(values, 2));
     else if (op === "status") this.tell(msg);
     else if (op === "action_result") {
-      this.#result.textContent = result ? json(values, 2) : "";
+      write(this.#result, result ? json(values, 2) : "");
       this.#end(result ? "" : String(values));
       this.footer.textContent = `${STATUS[status] ?? "not carried out"} after ${span(performance.now() - this.#beganMs)}`;
     }
@@ -72,4 +72,11 @@ export class GoalCard extends FormCard {
     this.footer.textContent = "";
     this.tell(problem);
   }
+}
+
+/** Write what comes of a goal, and bring it into view at first, as it stands below the fields. */
+function write(place, text) {
+  const isFirst = !place.textContent;
+  place.textContent = text;
+  if (isFirst && text) place.scrollIntoView({ block: "nearest" });
 }

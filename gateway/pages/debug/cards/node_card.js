@@ -57,6 +57,7 @@ export class NodeCard extends Card {
       ]);
       const names = Object.keys(values).sort();
       this.#parameters.replaceChildren(...names.map((name) => this.#parameter(name, values[name], parameters[name] ?? {})));
+      this.actions.grown(this);
       this.footer.textContent = names.length ? `${names.length} parameters` : "it has no parameters";
     } catch (error) {
       this.tell(error.message);

@@ -77,7 +77,8 @@ export class TopicCard extends Card {
 
   #write() {
     this.element.classList.toggle("stale", this.#arrivals.isLate);
-    this.footer.textContent = this.#isPaused ? "paused" : this.#arrivals.words + this.#reason + this.#cap;
+    const words = this.#isPaused ? "paused" : this.#arrivals.words + this.#reason + this.#cap;
+    this.footer.textContent = misfit(this.view, this.#type) ? "" : words;
   }
 
   /** Why nothing has come yet, in words: who would have to send something. */
