@@ -29,7 +29,7 @@ export class TopicList {
     this.#measuring = measuring;
     this.#to = to;
     this.#eye = new IntersectionObserver((seen) => {
-      for (const { target, isIntersecting } of seen) measuring.see(target.dataset.topic, isIntersecting);
+      for (const { target, isIntersecting } of seen) measuring.see(target.getAttribute("data-topic"), isIntersecting);
     });
     search.addEventListener("input", () => this.#arrange());
     gateway.on("graph", () => this.#arrange());
@@ -65,6 +65,7 @@ export class TopicList {
     }
   }
 
+  /** @param {import("./namespaces.js").Node} node */
   #place({ name, label, below }) {
     return below ? this.#branch(name, label, below) : this.#item(name, label);
   }
