@@ -47,6 +47,18 @@ async def send(page: Any, point: Callable[[], Awaitable[None]]) -> None:
         assert any(each in words for each in LATE), words
 
 
+async def send_and_end(page: Any, point: Callable[[], Awaitable[None]], by: str) -> str:
+    """Point at the floor, end the approach by a script once the robot drives; return what is said.
+
+    A busy machine may have ended it before.
+    """
+    await send(page, point)
+    await page.wait_for_function("() => control.textContent === 'Driving.' || !lab.pilot.isActive")
+    await page.evaluate(by)
+    await page.wait_for_function("() => !lab.pilot.isActive")
+    return str(await page.evaluate("() => lab.pilot.words"))
+
+
 async def send_and_arrive(page: Any, point: Callable[[], Awaitable[None]]) -> None:
     """Point at the floor until the robot has arrived."""
     while True:

@@ -16,6 +16,7 @@ from tests.pages.lab import (
     opened,
     send,
     send_and_arrive,
+    send_and_end,
     until_it_stands_at,
 )
 from tests.pages.test_drive_page import Watched, frozen_robot
@@ -104,13 +105,7 @@ async def test_what_ends_an_approach_stops_the_robot_and_says_why(lab, speaker, 
         said = ""
         while words not in said:
             assert not said or any(each in said for each in LATE), said
-            await send(page, click_on(page, 1.2, 0))
-            await page.wait_for_function(
-                "() => control.textContent === 'Driving.' || !lab.pilot.isActive"
-            )
-            await page.evaluate(by)
-            await page.wait_for_function("() => !lab.pilot.isActive")
-            said = await page.evaluate("() => lab.pilot.words")
+            said = await send_and_end(page, click_on(page, 1.2, 0), by)
         await watched.until(state="moving")
         await watched.until(state="stopped")
         assert not await page.evaluate("() => lab.pilot.isActive")

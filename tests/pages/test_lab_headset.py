@@ -10,7 +10,15 @@ from tests.client import client
 from tests.clients.driver import INSTALLED
 from tests.demonstration import until_it_can_be_driven
 from tests.pages.conftest import page_address
-from tests.pages.lab import LATE, frames, opened, send, send_and_arrive, until_it_stands_at
+from tests.pages.lab import (
+    LATE,
+    frames,
+    opened,
+    send,
+    send_and_arrive,
+    send_and_end,
+    until_it_stands_at,
+)
 from tests.pages.test_drive_page import Watched
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
@@ -223,13 +231,7 @@ async def test_a_session_that_ends_or_is_not_seen_stops_the_robot(enter, speaker
     while words not in said:
         assert not said or any(each in said for each in LATE), said
         async with enter() as page:
-            await send(page, trigger(page, 0.9, 0))
-            await page.wait_for_function(
-                "() => control.textContent === 'Driving.' || !lab.pilot.isActive"
-            )
-            await page.evaluate(by)
-            await page.wait_for_function("() => !lab.pilot.isActive")
-            said = await page.evaluate("() => lab.pilot.words")
+            said = await send_and_end(page, trigger(page, 0.9, 0), by)
     await watched.until(state="moving")
     await watched.until(state="stopped")
 

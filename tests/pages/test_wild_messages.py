@@ -103,7 +103,9 @@ async def test_a_card_that_is_refused_takes_no_part_in_what_another_one_gets(dem
         tree = "document.querySelector('article footer').textContent"
         await until(page, f"() => /at most 5 Hz, by choice/.test({tree})")
         refused = "() => [...document.querySelectorAll('article footer')].at(-1).textContent"
-        await page.wait_for_timeout(2000)  # in which drops would be counted
+        fields = "() => document.querySelector('.tree').textContent"
+        for _ in range(10):  # between which drops would be counted
+            await until(page, f"before => ({fields})() !== before", await page.evaluate(fields))
         assert "dropped" not in await page.evaluate(f"() => {tree}")
         assert "Hz" not in await page.evaluate(refused)
         assert await page.evaluate("() => /dropped ?0/.test(figures.textContent)")
@@ -112,5 +114,4 @@ async def test_a_card_that_is_refused_takes_no_part_in_what_another_one_gets(dem
 async def test_a_view_that_does_not_fit_does_not_say_that_nothing_comes(demo, open_page):
     async with open_page(f"{page_address(demo)}#card=image+0+/odom") as page:
         await until(page, "() => /Odometry is none of these/.test(cards.textContent)")
-        await page.wait_for_timeout(1100)  # the footer is written once a second
-        assert await page.inner_text("article footer") == ""
+        await until(page, "() => document.querySelector('article footer').textContent === ''")

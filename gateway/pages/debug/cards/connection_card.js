@@ -22,7 +22,8 @@ export class ConnectionCard extends Card {
       const { words, value } = worded(key, its);
       return [[words, ...(words === key ? [] : [" ", element("small", {}, key)])], value];
     }));
-    write(this.#topics, [...this.gateway.arrivals].filter(([name]) => name.startsWith("/")).map(([name, { words }]) => [[name], words]));
+    const shown = [...this.gateway.arrivals].filter(([name]) => name.startsWith("/")); // the others are measured only
+    write(this.#topics, shown.map(([name, { words }]) => [[name], words]));
     this.footer.textContent = this.gateway.hello ? "as the gateway has told" : "not connected";
   }
 }
