@@ -35,7 +35,8 @@ class Door:
         self.events: list[dict[str, Any]] = []
         self.anonymous_role: Role | None = config.pop("anonymous_role", None)
         self.limits: dict[str, Any] = config.pop("limits", {})
-        self.config = AccessConfig(**config)
+        # a busy machine takes longer than people do
+        self.config = AccessConfig(**{"auth_timeout_s": 60.0} | config)
         self._serve = serve
 
     @contextlib.asynccontextmanager
