@@ -98,10 +98,9 @@ class Drive:
             self._guard,
         )
 
-    @property
-    def is_moving(self) -> bool:
-        """Return whether the last command was one to move."""
-        return self._moves
+    def may_move(self, now_ns: int) -> bool:
+        """Return whether the last command was one to move, and its deadline has not passed."""
+        return self._moves and now_ns - self._accepted_ns < self._rules.deadline_ns
 
     @property
     def needs_guard(self) -> bool:
@@ -173,7 +172,7 @@ class Drive:
     def tick(self, now_ns: int) -> Effects:
         """Do what is due."""
         out: Effects = []
-        if self._moves and now_ns - self._accepted_ns >= self._rules.deadline_ns:
+        if self._moves and not self.may_move(now_ns):
             self._stop("deadline", now_ns, out, allows_single=self._is_single)
         if self._lease and self._lease.is_over(now_ns, self._rules.lease_ns):
             if self._moves:

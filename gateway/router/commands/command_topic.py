@@ -335,9 +335,11 @@ class CommandTopic:
             self._is_guarded = True
             offset_ns = stamp_ns - time.monotonic_ns() if stamp_ns else 0
             self._guard.moving(self.name, offset_ns, self._frame_id)
-            if not is_zero and not self._drive.is_moving:
-                return  # the guard was found lost just now, and the robot is stopped
         cdr = encode(self.message_type.name, effect.velocity, stamp_ns, self._frame_id)
+        # The guard was found lost just now, or the gateway stood still here while the guard stopped
+        # the robot: asked by the clock, not as of this turn, and as late as can be.
+        if not is_zero and not self._drive.may_move(time.monotonic_ns()):
+            return
         try:
             self._publisher.publish(cdr)
         except RosError as error:

@@ -70,6 +70,16 @@ async def test_a_guard_that_is_found_lost_while_a_command_goes_out_keeps_it_back
     assert "if the gateway dies is not there" in client.statuses[-1][1]
 
 
+async def test_a_gateway_that_stood_still_within_a_command_keeps_it_back(build: Build):
+    scene = build(deadline_s=0.1)
+    heard = scene.listen()
+    scene.guard.on_moving = lambda: time.sleep(0.11)
+    client = scene.client()
+    push(client)
+    await eventually(lambda: len(heard) >= 1)
+    assert set(speeds(heard)) == {0.0}
+
+
 async def test_the_guard_prepares_for_a_robot_before_anybody_drives_it(scene: Scene):
     scene.listen()
     await eventually(lambda: bool(scene.guard.told))

@@ -365,6 +365,8 @@ namespace Ros2Gateway.Tests
                 live.Until(() => told > 0 && second.State.IsKnown, "for the state");
                 control.Dispose();
                 control.Dispose();
+                Answered<string[]>(live, second.Stop); // whatever the two made was answered before
+                Assert.AreEqual(0, live.Events.FindAll(one => one.Level == EventLevel.Error).Count);
                 int before = told;
                 Publisher<TwistMsg> commands = live.Client.Advertise<TwistMsg>(Topic);
                 Drive(live, second, commands);
@@ -372,7 +374,6 @@ namespace Ros2Gateway.Tests
                 commands.Publish(Zero);
                 commands.Dispose();
                 second.Dispose();
-                Assert.AreEqual(0, live.Events.FindAll(one => one.Level == EventLevel.Error).Count);
             }
         }
 
