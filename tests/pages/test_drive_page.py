@@ -453,7 +453,7 @@ async def set_rate(page, rate: float) -> None:
 
 
 async def face_the_rings(page) -> None:
-    """Turn until they are in the middle; slower each time, as a late picture lets it turn too far."""
+    """Turn until they are in the middle: slower each time, as late pictures let it turn too far."""
     rate = 0.2
     while True:
         rings = await page.evaluate(RINGS)
