@@ -11,6 +11,7 @@ from contextlib import suppress
 from typing import Any, Final, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 import pybase64
 
 Clock: TypeAlias = int | Callable[[], int]
@@ -58,7 +59,12 @@ def whole(value: Any) -> Any:
 
 def wholes(values: list[Any]) -> list[Any]:
     """Return an array of integers and floats with `whole` done to each."""
-    if first_fraction(values) is not None:
+    numbers = np.array(values, np.float64)
+    is_whole = _is_whole(numbers)
+    if is_whole.all():  # and so exact
+        exact: list[int] = numbers.astype(np.int64).tolist()
+        return exact
+    if _first_float(values, ~is_whole) is not None:
         return values
     return list(map(int, values))
 
@@ -68,9 +74,16 @@ def first_fraction(values: list[Any]) -> int | None:
 
     Among 100,000 numbers of a client numpy finds it in the time of 20,000 tests.
     """
-    numbers = np.array(values, np.float64)
-    is_whole = (np.trunc(numbers) == numbers) & (np.abs(numbers) <= MAX_WHOLE)
-    doubtful = np.flatnonzero(~is_whole).tolist()
+    return _first_float(values, ~_is_whole(np.array(values, np.float64)))
+
+
+def _is_whole(numbers: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
+    is_whole: npt.NDArray[np.bool_] = np.trunc(numbers) == numbers
+    return is_whole & (np.abs(numbers) <= MAX_WHOLE)
+
+
+def _first_float(values: list[Any], is_doubtful: npt.NDArray[np.bool_]) -> int | None:
+    doubtful = np.flatnonzero(is_doubtful).tolist()
     return next((index for index in doubtful if type(values[index]) is float), None)
 
 

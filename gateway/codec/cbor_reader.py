@@ -17,8 +17,8 @@ from gateway.codec.cbor import MAP, OCTETS, TYPED_ARRAYS
 from gateway.codec.errors import CodecError
 from gateway.codec.json import MAX_DEPTH, MAX_ITEMS
 
-# Outside of typed arrays, keys included: 10 ms for so many.
-MAX_SINGLE_ITEMS: Final = 20_000
+# Outside of typed arrays, keys included: 10 to 15 ms for so many.
+MAX_SINGLE_ITEMS: Final = 15_000
 
 _TAG: Final = 0xC0
 _TAG_ITEMS: Final = 3  # a typed array takes as long as so many items, beside its tag and its bytes

@@ -64,11 +64,14 @@ class Session:
         # takes what work for this client has taken from its time budget: seconds, and the time;
         # returns whether something is left
         self.spend: Callable[[float, float], bool] = lambda spent_s, now_s: True
+        # takes what a large message asks for: to read it has taken enough of this turn
+        self.next_turn: Callable[[Callable[[], None]], None] = lambda work: work()
         # for how long the message at hand may have waited until we read it, in seconds
         self.waited_s: Callable[[], float] = lambda: 0.0
         self.received = 0
         self.refused = 0
         self.unreadable = 0  # messages that were neither JSON nor CBOR
+        self.read_bytes = 0  # of the newest one, put together
         self.is_ros_sharp = False  # it reads ASCII only, and `values` of the type only
         self.numbers = itertools.count(1)  # of the calls and goals passed on to this client
         # raises ProtocolError if the client may not have one more ROS entity
@@ -193,6 +196,7 @@ class Session:
 
     def _parse(self, data: bytes) -> ClientOperation | Fragment | None:
         """Parse one operation, and answer it if it is malformed."""
+        self.read_bytes = len(data)
         values: dict[str, object] = {}
         try:
             values = _object(data, self._max_json_depth, self._max_json_items)

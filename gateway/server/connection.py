@@ -9,6 +9,7 @@ socket takes them. So the rest waits in the outbox, where it can be dropped.
 import asyncio
 import logging
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Final, cast
 
@@ -50,6 +51,8 @@ from gateway.server.protocol_output import ProtocolOutput
 from gateway.server.socket_options import tune
 
 logger = logging.getLogger(__name__)
+
+_DATA: Final = frozenset({Opcode.TEXT, Opcode.BINARY, Opcode.CONT})
 
 WRITE_HIGH_WATER_BYTES: Final = 64 * 1024  # beyond this, frames wait where they can be dropped
 
@@ -275,23 +278,21 @@ class Connection(asyncio.BufferedProtocol):
 
     # Called by its `Inbound`
 
-    def handle(self, event: Event) -> None:
-        """Handle one request or frame."""
+    def handle(self, event: Event | Callable[[], None]) -> None:
+        """Handle one request or frame, or do what one that was handled has left to do."""
         if isinstance(event, Request):
             self._open(event)
             return
-        if not isinstance(event, Frame) or self._session is None or self._closing_s is not None:
+        if self._session is None or self._closing_s is not None or isinstance(event, Response):
             return
-        if not self._frames.allow(time.monotonic_ns()):
+        if not isinstance(event, Frame):
+            event()
+        elif not self._frames.allow(time.monotonic_ns()):
             self.close(POLICY_VIOLATION, f"at most {self._limits.frames_per_s:g} frames per second")
-            return
-        match event.opcode:
-            case Opcode.TEXT | Opcode.BINARY | Opcode.CONT:
-                message = self._assembly.add(event)
-                if message is not None:
-                    self._receive(message, is_text=self._assembly.is_text)
-            case _:
-                pass  # `websockets` answers pings, records pongs and closes
+        elif event.opcode in _DATA:  # `websockets` answers pings, records pongs and closes
+            message = self._assembly.add(event)
+            if message is not None:
+                self._receive(message, is_text=self._assembly.is_text)
 
     def end_piece(self) -> None:
         """Send what `websockets` answers by itself."""
@@ -332,6 +333,7 @@ class Connection(asyncio.BufferedProtocol):
             return
         self._session.outbox.write_directly = self._write_directly
         self._session.spend = self.spending.spend
+        self._session.next_turn = self._inbound.next_turn
         self._session.waited_s = self._inbound.waited_s
         logger.info("connected", extra={"client": self.name})
 

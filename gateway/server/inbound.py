@@ -8,6 +8,7 @@ the socket is not read, so that it is one read at most, and TCP holds the sender
 import asyncio
 import time
 from collections import deque
+from collections.abc import Callable
 from typing import Final, Protocol
 
 from websockets.protocol import Event
@@ -32,8 +33,8 @@ _END_OF_HEAD: Final = b"\r\n\r\n"
 class Receiver(Protocol):
     """The connection that handles what comes in."""
 
-    def handle(self, event: Event) -> None:
-        """Handle one request or frame."""
+    def handle(self, event: Event | Callable[[], None]) -> None:
+        """Handle one request or frame, or do what one that was handled has left to do."""
 
     def end_piece(self) -> None:
         """Send what `websockets` answers by itself: all before it is handled."""
@@ -64,7 +65,8 @@ class Inbound:
         self._spending = spending
         spending.go_on = self.go_on
         self._unparsed = b""
-        self._events: deque[Event] = deque()
+        self._events: deque[Event | Callable[[], None]] = deque()
+        self._is_turn_over = False
         self._head: bytes | None = b""  # the end of the HTTP request so far; None: it is complete
         self._is_ignored = False  # what comes
         self.is_paused = False  # reading, until what waits is handled and paid for
@@ -95,6 +97,11 @@ class Inbound:
         """Return for how long what is being handled may have waited, here or in the kernel."""
         since_s = self._read_s if self._late_since_s is None else self._late_since_s
         return time.monotonic() - since_s
+
+    def next_turn(self, work: Callable[[], None]) -> None:
+        """Do *work* when the others have had their turn, and before anything else that waits."""
+        self._events.appendleft(work)
+        self._is_turn_over = True
 
     def drop(self) -> None:
         """Forget what waits: nobody wants it any more."""
@@ -155,13 +162,14 @@ class Inbound:
 
     def _handle_until(self, end_s: float) -> None:
         """Handle what waits until there is nothing or it is *end_s*, but at least one event."""
+        self._is_turn_over = False
         while self:
             if not self._events:
                 self._protocol.receive_data(self._cut())
                 self._events.extend(self._protocol.events_received())
             while self._events:
                 self._receiver.handle(self._events.popleft())
-                if self._events and time.monotonic() > end_s:
+                if self._events and (self._is_turn_over or time.monotonic() > end_s):
                     return
             self._receiver.end_piece()
             if self._unparsed and time.monotonic() > end_s:

@@ -211,6 +211,52 @@ def test_what_takes_longer_than_a_slice_goes_on_in_later_turns_and_in_order(wire
     assert not wire.handles
 
 
+def padded_ping(size: int) -> bytes:
+    return b'{"op":"ping","id":0%s}' % (b" " * (size - 20))
+
+
+def in_pieces(message: bytes, count: int) -> bytes:
+    size = -(-len(message) // count)
+    pieces = [message[at : at + size].decode() for at in range(0, len(message), size)]
+    members = {"op": "fragment", "id": "f", "total": count}
+    return b"".join(
+        masked(Opcode.TEXT, json.dumps({**members, "num": num, "data": data}).encode())
+        for num, data in enumerate(pieces)
+    )
+
+
+@pytest.mark.parametrize("pieces", [None, 3])
+def test_a_large_message_is_carried_out_in_the_turn_after_the_one_in_which_it_is_read(
+    wire: Wire, pieces: int | None
+):
+    message = padded_ping(8 * 1024 + 1)
+    sent = in_pieces(message, pieces) if pieces else masked(Opcode.TEXT, message)
+    sent += pings(1, 2)
+    for start in range(0, len(sent), 16 * 1024):
+        wire.receive(sent[start : start + 16 * 1024])
+    assert wire.pongs == []
+    assert not wire.transport.is_read
+    assert wire.next_turn() == 0
+    assert wire.pongs == [0, 1, 2]
+    assert wire.transport.is_read
+
+
+def test_a_message_of_8_kib_is_carried_out_at_once(wire: Wire):
+    sent = masked(Opcode.TEXT, padded_ping(8 * 1024))
+    for start in range(0, len(sent), 16 * 1024):
+        wire.receive(sent[start : start + 16 * 1024])
+    assert wire.pongs == [0]
+
+
+def test_what_a_large_message_asks_for_is_forgotten_with_a_connection_that_ends(wire: Wire):
+    sent = masked(Opcode.TEXT, padded_ping(8 * 1024 + 1))
+    for start in range(0, len(sent), 16 * 1024):
+        wire.receive(sent[start : start + 16 * 1024])
+    wire.connection.close(1000, "")
+    wire.until_read()
+    assert wire.pongs == []
+
+
 def test_no_more_than_4_kib_are_parsed_at_once(wire: Wire):
     sizes = []
     receive_data = wire.connection._protocol.receive_data
