@@ -57,6 +57,8 @@ def field(page, title: str, *names: str):
         (UINT8, "constructor", 'refused: expected a whole number, not "constructor"'),
         (INT64, "9007199254740993", "9007199254740993"),
         (FLOAT32, "1e-3", "0.001"),
+        (FLOAT32, "+.5E2", "50"),
+        (FLOAT32, "0x10", 'refused: expected a number, NaN, Infinity or -Infinity, not "0x10"'),
         (FLOAT32, "NaN", '"NaN"'),
         (FLOAT32, "-Infinity", '"-Infinity"'),
         (FLOAT32, "1e39", "refused: too large for a float32"),

@@ -73,6 +73,9 @@ export function jsonOf(field, typed) {
   return READERS[field.kind](field, text);
 }
 
+/** Return the number that a text is, or NaN: also for 0x10, which is a number for JavaScript alone. */
+const decimal = (text) => (/^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(text) ? Number(text) : NaN);
+
 const READERS = {
   integer: (field, text) => {
     const named = String(Object.hasOwn(field.constants ?? {}, text) ? field.constants[text] : text);
@@ -85,7 +88,7 @@ const READERS = {
   },
   number: (field, text) => {
     if (OUTSIDE.includes(text)) return JSON.stringify(text);
-    const value = Number(text);
+    const value = decimal(text);
     if (!Number.isFinite(value)) throw new Error(`expected a number, NaN, Infinity or -Infinity, not ${shortened(text)}`);
     if (field.most !== undefined && !(value > field.least && value < field.most)) throw new Error("too large for a float32");
     return JSON.stringify(value);
@@ -96,7 +99,7 @@ const READERS = {
   },
   time: (_, text) => {
     if (text === "now") return '"now"';
-    const seconds = Number(text);
+    const seconds = decimal(text);
     if (!Number.isFinite(seconds)) throw new Error(`expected now, or seconds, not ${shortened(text)}`);
     const sec = Math.floor(seconds);
     return JSON.stringify({ sec, nanosec: Math.min(999_999_999, Math.round((seconds - sec) * 1e9)) });
