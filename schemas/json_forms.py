@@ -61,7 +61,8 @@ def wholes(values: list[Any]) -> list[Any]:
     """Return an array of integers and floats with `whole` done to each."""
     numbers = np.array(values, np.float64)
     is_whole = _is_whole(numbers)
-    if is_whole.all():  # and so exact
+    # an integer beyond is rounded to MAX_WHOLE at least
+    if is_whole.all() and (np.abs(numbers) < MAX_WHOLE).all():
         exact: list[int] = numbers.astype(np.int64).tolist()
         return exact
     if _first_float(values, ~is_whole) is not None:

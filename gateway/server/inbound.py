@@ -107,6 +107,7 @@ class Inbound:
         """Forget what waits: nobody wants it any more."""
         self._unparsed = b""
         self._events.clear()
+        self._is_turn_over = False
 
     def ignore(self) -> None:
         """Forget what waits, and all that comes; reading it is paid for nevertheless."""
@@ -132,17 +133,22 @@ class Inbound:
         if may_go_on is self._is_behind:
             self._is_behind = not may_go_on
             self._receiver.fall_behind(is_behind=self._is_behind)
-        if self._head is None and not may_go_on:
+        if self._is_turn_over:  # it pays afterwards: a large message takes memory while it waits
+            self._go_on_soon()
+        elif self._head is None and not may_go_on:
             self._pause()
             self._spending.wait()
         elif self:
-            self._pause()
-            self._next_slice = asyncio.get_running_loop().call_soon(self.go_on)
+            self._go_on_soon()
         elif self._late_since_s is not None and not self._transport.is_closing():
             if self.is_paused:
                 self.is_paused = False
                 self._transport.resume_reading()
             self._catch_up(self._reads, EMPTY_TURNS)
+
+    def _go_on_soon(self) -> None:
+        self._pause()
+        self._next_slice = asyncio.get_running_loop().call_soon(self.go_on)
 
     def _pause(self) -> None:
         if not self.is_paused and not self._transport.is_closing():

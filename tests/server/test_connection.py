@@ -241,6 +241,17 @@ def test_a_large_message_is_carried_out_in_the_turn_after_the_one_in_which_it_is
     assert wire.transport.is_read
 
 
+def test_what_was_read_of_a_large_message_does_not_wait_for_the_budget(wire: Wire):
+    wire.acceptor.cost_s = 0.3  # of reading; the burst is 0.25 s
+    sent = masked(Opcode.TEXT, padded_ping(8 * 1024 + 1))
+    wire.receive(sent)
+    assert wire.pongs == []
+    assert wire.next_turn() == 0
+    assert wire.pongs == [0]
+    assert not wire.transport.is_read
+    assert wire.until_read() > 0
+
+
 def test_a_message_of_8_kib_is_carried_out_at_once(wire: Wire):
     sent = masked(Opcode.TEXT, padded_ping(8 * 1024))
     for start in range(0, len(sent), 16 * 1024):
