@@ -14,7 +14,7 @@ from gateway.codec import cbor
 from gateway.codec.cbor_reader import MAX_SINGLE_ITEMS
 from gateway.codec.cdr.bounds import MAX_FIELDS, count_fields
 from gateway.codec.cdr.layout import flatten
-from gateway.codec.json import LARGE_BYTES, MAX_CONTAINERS, MAX_ITEMS, MAX_TOKENS
+from gateway.codec.json import LARGE_BYTES, MAX_CONTAINERS, MAX_ITEMS, MAX_STRINGS, MAX_TOKENS
 from gateway.config.limits import Limits
 from schemas.definition import FLOATS, INTEGER_RANGES, STRINGS, Definition, FieldType
 from schemas.installed import InstalledDefinitions
@@ -94,8 +94,9 @@ def plain_frames() -> Iterator[HostileFrame]:
     room = MAX_MESSAGE_BYTES - 1000
     floats, nulls = ",".join(["0.1"] * most), ",".join(["null"] * most)
     few = (LARGE_BYTES - 1000) // 4 * 4  # of the characters of these numbers
-    names, ones = ",".join(['"Infinity"'] * most), ",".join(["1.0"] * most)
-    members = ",".join(f'"k{number}":"v"' for number in range(most // 2))
+    strings = MAX_STRINGS - _SPARE
+    names, ones = ",".join(['"Infinity"'] * strings), ",".join(["1.0"] * most)
+    members = ",".join(f'"k{number}":"v"' for number in range(strings // 2))
     for name, data in {
         "ranges: numbers": publish(_SCAN, f'{{"ranges":[{floats}]}}'),
         "ranges: nulls": publish(_SCAN, f'{{"ranges":[{nulls}]}}'),

@@ -84,8 +84,10 @@ def _is_whole(numbers: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
 
 
 def _first_float(values: list[Any], is_doubtful: npt.NDArray[np.bool_]) -> int | None:
-    doubtful = np.flatnonzero(is_doubtful).tolist()
-    return next((index for index in doubtful if type(values[index]) is float), None)
+    doubtful = np.flatnonzero(is_doubtful)
+    if doubtful.size and type(values[doubtful[0]]) is float:  # then the others need not be listed
+        return int(doubtful[0])
+    return next((index for index in doubtful.tolist() if type(values[index]) is float), None)
 
 
 def octets(value: object) -> bytes:

@@ -27,6 +27,8 @@ MAX_DEPTH: Final = 32
 MAX_ITEMS: Final = 100_000
 # On its way to CDR an object costs five times as much as a number: 10 ms for so many points.
 MAX_CONTAINERS: Final = 20_000
+# A path of 3,000 poses has 48,000. To read and compare as many names takes 12 ms.
+MAX_STRINGS: Final = 60_000
 
 # The closing quote is optional, or the search would retry a string without one from each of its
 # escaped quotes. It never backtracks, or it would remember each escape.
@@ -85,7 +87,8 @@ def loads(
     """Read one JSON text.
 
     *max_depth* bounds how deep objects and arrays nest, *max_items* how many members and
-    elements they have in all, `MAX_CONTAINERS` how many of these are objects and arrays.
+    elements they have in all, `MAX_CONTAINERS` how many of these are objects and arrays; names and
+    values are at most `MAX_STRINGS` strings.
 
     Beside RFC 8259, a text of up to `LARGE_BYTES` may hold the values NaN, Infinity and -Infinity,
     at most `MAX_TOKENS`, if it *takes_tokens*.
@@ -98,8 +101,11 @@ def loads(
         data = data.encode("utf-8", "surrogatepass")  # orjson refuses it, with the position
     text = data if len(data) <= LARGE_BYTES else _outline(data)
     # each item takes a character at least
-    if len(text) > min(max_items, MAX_CONTAINERS) and not _is_bounded(text, max_items):
-        _check_items(text, max_items)
+    if len(text) > min(max_items, MAX_CONTAINERS):
+        if not _is_bounded(text, max_items):
+            _check_items(text, max_items)
+        if _strings(text) > MAX_STRINGS:
+            raise JsonError(f"JSON has over {MAX_STRINGS} strings, names included")
     has_tokens = False
     try:
         value: object = orjson.loads(data)
@@ -167,6 +173,11 @@ def _check_items(data: bytes, max_items: int) -> None:
 
 def _containers(data: bytes) -> int:
     return data.count(b"[") + data.count(b"{")
+
+
+def _strings(data: bytes) -> int:
+    """Return how many strings there are, or fewer where some end with a backslash."""
+    return (data.count(b'"') - data.count(b'\\"')) // 2
 
 
 def _items_at_most(data: bytes) -> int:

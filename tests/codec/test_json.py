@@ -8,7 +8,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from gateway.codec.json import JsonError, ascii_only, dumps, loads
+from gateway.codec.json import MAX_STRINGS, JsonError, ascii_only, dumps, loads
 
 KIB_256 = 256 * 1024
 
@@ -192,6 +192,14 @@ def test_objects_and_arrays_are_bounded(inner):
     assert len(loads(f"[{','.join([inner] * most)}]")) == most
     with pytest.raises(JsonError, match=r"^JSON has over 20000 objects and arrays$"):
         loads(f"[{','.join([inner] * (most + 1))}]")
+
+
+def test_strings_are_bounded_and_names_count():
+    for text in ('["",{"a":"b"}%s]', '["\\"",{"a":"b"}%s]'):
+        assert len(loads(text % (',""' * (MAX_STRINGS - 3)))) == MAX_STRINGS - 1
+        with pytest.raises(JsonError, match=r"^JSON has over 60000 strings, names included$"):
+            loads(text % (',""' * (MAX_STRINGS - 2)))
+    assert loads(json.dumps(['"' * 125_000]))  # quotes in a string, in a text that is not large
 
 
 def test_commas_and_brackets_in_strings_are_no_items():
