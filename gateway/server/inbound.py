@@ -122,8 +122,10 @@ class Inbound:
         self._spending.close()
 
     def _work(self, now_s: float, cost_s: float) -> None:
+        # what is left of a large message does not wait for the budget, but what is behind it does
+        is_due_alone = self._is_turn_over and self._is_behind
         try:
-            self._handle_until(now_s + SLICE_S)
+            self._handle_until(0.0 if is_due_alone else now_s + SLICE_S)
             self._receiver.end_turn()
         except Exception as error:  # noqa: BLE001  # a bug of ours: the others are unharmed
             self.drop()

@@ -231,9 +231,7 @@ def test_a_large_message_is_carried_out_in_the_turn_after_the_one_in_which_it_is
 ):
     message = padded_ping(8 * 1024 + 1)
     sent = in_pieces(message, pieces) if pieces else masked(Opcode.TEXT, message)
-    sent += pings(1, 2)
-    for start in range(0, len(sent), 16 * 1024):
-        wire.receive(sent[start : start + 16 * 1024])
+    wire.receive(sent + pings(1, 2))
     assert wire.pongs == []
     assert not wire.transport.is_read
     assert wire.next_turn() == 0
@@ -241,28 +239,26 @@ def test_a_large_message_is_carried_out_in_the_turn_after_the_one_in_which_it_is
     assert wire.transport.is_read
 
 
-def test_what_was_read_of_a_large_message_does_not_wait_for_the_budget(wire: Wire):
+def test_what_was_read_of_a_large_message_does_not_wait_for_the_budget_as_what_follows_does(
+    wire: Wire,
+):
     wire.acceptor.cost_s = 0.3  # of reading; the burst is 0.25 s
-    sent = masked(Opcode.TEXT, padded_ping(8 * 1024 + 1))
-    wire.receive(sent)
+    wire.receive(masked(Opcode.TEXT, padded_ping(8 * 1024 + 1)) + pings(1, 2))
     assert wire.pongs == []
     assert wire.next_turn() == 0
     assert wire.pongs == [0]
     assert not wire.transport.is_read
     assert wire.until_read() > 0
+    assert wire.pongs == [0, 1, 2]
 
 
 def test_a_message_of_8_kib_is_carried_out_at_once(wire: Wire):
-    sent = masked(Opcode.TEXT, padded_ping(8 * 1024))
-    for start in range(0, len(sent), 16 * 1024):
-        wire.receive(sent[start : start + 16 * 1024])
+    wire.receive(masked(Opcode.TEXT, padded_ping(8 * 1024)))
     assert wire.pongs == [0]
 
 
 def test_what_a_large_message_asks_for_is_forgotten_with_a_connection_that_ends(wire: Wire):
-    sent = masked(Opcode.TEXT, padded_ping(8 * 1024 + 1))
-    for start in range(0, len(sent), 16 * 1024):
-        wire.receive(sent[start : start + 16 * 1024])
+    wire.receive(masked(Opcode.TEXT, padded_ping(8 * 1024 + 1)))
     wire.connection.close(1000, "")
     wire.until_read()
     assert wire.pongs == []
