@@ -14,7 +14,16 @@ from gateway.codec import cbor
 from gateway.codec.cbor_reader import MAX_SINGLE_ITEMS
 from gateway.codec.cdr.bounds import MAX_FIELDS, count_fields
 from gateway.codec.cdr.layout import flatten
-from gateway.codec.json import LARGE_BYTES, MAX_CONTAINERS, MAX_ITEMS, MAX_STRINGS, MAX_TOKENS
+from gateway.codec.json import MAX_TOKENS
+from gateway.codec.json_bounds import (
+    LARGE_BYTES,
+    MAX_BACKSLASHES,
+    MAX_CONTAINERS,
+    MAX_ITEMS,
+    MAX_STRINGS,
+    MAX_WIDE_BYTES,
+    SHORT_BYTES,
+)
 from gateway.config.limits import Limits
 from schemas.definition import FLOATS, INTEGER_RANGES, STRINGS, Definition, FieldType
 from schemas.installed import InstalledDefinitions
@@ -25,6 +34,10 @@ MAX_MESSAGE_BYTES: Final = Limits().max_message_bytes
 _MAX_NESTING: Final = 3  # arrays of messages within arrays of messages
 _SPARE: Final = 20  # containers and items of the frame around the array
 _SPARE_FIELDS: Final = 1000  # of the messages around an array within arrays
+_HARD_NUMBER: Final = (  # between two that a double can hold: no parser may take a short way
+    "2.2250738585072011360574097967091319759348195463516456480234261097248222220210769455165295239081"
+    "3508e-308"
+)
 _IMAGE: Final = "sensor_msgs/msg/Image"
 _SCAN: Final = "sensor_msgs/msg/LaserScan"
 _JOY: Final = "sensor_msgs/msg/Joy"
@@ -97,6 +110,7 @@ def plain_frames() -> Iterator[HostileFrame]:
     strings = MAX_STRINGS - _SPARE
     names, ones = ",".join(['"Infinity"'] * strings), ",".join(["1.0"] * most)
     members = ",".join(f'"k{number}":"v"' for number in range(strings // 2))
+    number = f"{_HARD_NUMBER}," * (SHORT_BYTES * MAX_ITEMS // (len(_HARD_NUMBER) + 1) - 2)
     for name, data in {
         "ranges: numbers": publish(_SCAN, f'{{"ranges":[{floats}]}}'),
         "ranges: nulls": publish(_SCAN, f'{{"ranges":[{nulls}]}}'),
@@ -122,16 +136,13 @@ def plain_frames() -> Iterator[HostileFrame]:
         "octets as bad base64 in lines": publish(
             _IMAGE, f'{{"data":"{(("A" * 76) + chr(92) + "n") * (MAX_BROKEN_TEXT // 77)}?"}}'
         ),
-        "a long string": publish(_STRING, f'{{"data":"{"a" * room}"}}'),
-        "a long string, not ASCII": publish(_STRING, f'{{"data":"{"ü" * (room // 2)}"}}'),
+        "ranges: long numbers": publish(_SCAN, f'{{"ranges":[{number}0]}}'),
         "unknown fields": publish(_STRING, f"{{{members}}}"),
         "unfinished arrays": b"[" * room,
         "nothing but arrays": b"[" + b",".join([b"[]"] * containers) + b"]",
         "nothing but objects": b"[" + b",".join([b'{"a":{}}'] * (containers // 2)) + b"]",
         "colons in strings": f'{{"op":"x","y" :":",{members}}}'.encode(),
         "a duplicate among many": f'{{"op":"x","y" :":","op":"x",{members}}}'.encode(),
-        "strings of commas": b'["' + b"," * (LARGE_BYTES - 10) + b'"]',
-        "strings of escapes": b'["' + b'\\"' * (LARGE_BYTES // 2 - 10) + b'"]',
         "a call with many values": _operation(
             "call_service", f'"service":"/rosapi/topics","args":[{floats}]'
         ),
@@ -146,7 +157,52 @@ def plain_frames() -> Iterator[HostileFrame]:
         "a long topic": b'{"op":"subscribe","topic":"/' + b"s" * room + b'"}',
     }.items():
         yield HostileFrame(name, data)
+    yield from _text_frames()
     yield from _cbor_frames()
+
+
+def _text_frames() -> Iterator[HostileFrame]:
+    """Return frames of long strings, many strings, and what is hard to tell from them."""
+    room, strings = MAX_MESSAGE_BYTES - 1000, MAX_STRINGS - _SPARE
+    short = ":" * (SHORT_BYTES * MAX_ITEMS // strings - 12)
+    colons = ",".join(f'"{short}{number:05}" :"{short}"' for number in range(strings // 2))
+    lines = ("a" * (room // MAX_BACKSLASHES - 3) + chr(92) + "n") * (MAX_BACKSLASHES - 2)
+    quotes = ("a" * (room // MAX_BACKSLASHES - 3) + chr(92) + '"') * (MAX_BACKSLASHES - 2)
+    texts = ",".join([f'"{"a" * 2049}"'] * (room // 2053))
+    for name, data in {
+        "a long string": publish(_STRING, f'{{"data":"{"a" * room}"}}'),
+        **{
+            f"a long string, {name}": publish(_STRING, f'{{"data":"{text}"}}')
+            for name, text in {
+                "with a quote": chr(92) + '"' + "a" * room,
+                "with lines": lines,
+                "with quotes": quotes,
+            }.items()
+        },
+        **{
+            f"a wide string, {name}": publish(
+                _STRING, f'{{"data":"{text}{"a" * (MAX_WIDE_BYTES - 1000)}"}}'
+            )
+            for name, text in {
+                "with ü": "ü",
+                "with €": "€",
+                "with an emoji": "😀",
+                "with an escaped emoji": chr(92) + "ud83d" + chr(92) + "ude00",
+            }.items()
+        },
+        "a wide string of emojis": publish(
+            _STRING, f'{{"data":"{"😀" * (MAX_WIDE_BYTES // 4 - 250)}"}}'
+        ),
+        "strings of 2 KiB": publish(_STRING, f'{{"data":[{texts}]}}'),
+        "strings of colons": f'{{"op":"x",{colons}}}'.encode(),
+        "white space": publish(_STRING, f'{{"data":{" " * (SHORT_BYTES * MAX_ITEMS - 1000)}""}}'),
+        "nothing but backslashes": b'"' + b"\\" * room + b'"',
+        "nothing but quotes": b'"' * room,
+        "nothing but colons": b":" * room,
+        "strings of commas": b'["' + b"," * (LARGE_BYTES - 10) + b'"]',
+        "strings of escapes": b'["' + b'\\"' * (LARGE_BYTES // 2 - 10) + b'"]',
+    }.items():
+        yield HostileFrame(name, data)
 
 
 def _cbor_frames() -> Iterator[HostileFrame]:
@@ -174,7 +230,8 @@ def _cbor_frames() -> Iterator[HostileFrame]:
         ("ranges as integers", _SCAN, "ranges", b"\xd8\x4e" + floats),
         ("integers as float32", _JOY, "buttons", b"\xd8\x55" + floats),
         ("octets", _IMAGE, "data", cbor.head(cbor.OCTETS, room) + bytes(room)),
-        ("a long text", _STRING, "data", cbor.text("ü" * (room // 2))),
+        ("a long text", _STRING, "data", cbor.text("a" * room)),
+        ("a wide text", _STRING, "data", cbor.text("😀" + "a" * (MAX_WIDE_BYTES - 4))),
         ("text for octets", _IMAGE, "data", cbor.text("A" * (room // 4 * 4))),
     ):
         yield HostileFrame(f"CBOR: {name}", _cbor(type_name, field, value))

@@ -15,7 +15,8 @@ import numpy as np
 
 from gateway.codec.cbor import MAP, OCTETS, TYPED_ARRAYS
 from gateway.codec.errors import CodecError
-from gateway.codec.json import MAX_DEPTH, MAX_ITEMS
+from gateway.codec.json import MAX_DEPTH
+from gateway.codec.json_bounds import MAX_ITEMS, MAX_WIDE_BYTES
 
 # Outside of typed arrays, keys included: 10 to 15 ms for so many.
 MAX_SINGLE_ITEMS: Final = 15_000
@@ -46,7 +47,8 @@ def loads(data: bytes, *, max_depth: int = MAX_DEPTH, max_items: int = MAX_ITEMS
 
     Typed arrays of RFC 8746 become lists of numbers, those of uint8 bytes; ``undefined`` becomes
     ``None``. *max_depth* bounds how deep arrays and maps nest, *max_items* how many items there
-    are in all, `MAX_SINGLE_ITEMS` those outside of typed arrays.
+    are in all, `MAX_SINGLE_ITEMS` those outside of typed arrays. Texts that are not ASCII have
+    `MAX_WIDE_BYTES` at most.
 
     Raises:
         CborError: it is not CBOR, it is CBOR that JSON has nothing for, a limit is exceeded, or a
@@ -69,6 +71,7 @@ class _Reader:
         self._max_singles = min(max_items, MAX_SINGLE_ITEMS)
         self._singles = 0
         self._numbers = 0  # in typed arrays
+        self._wide_bytes = 0  # in texts that are not ASCII
 
     def item(self) -> object:
         self._singles += 1
@@ -110,8 +113,14 @@ class _Reader:
         return octets
 
     def _text(self, length: int) -> str:
+        octets = self._octets(length)
+        if not octets.isascii():
+            self._wide_bytes += length
+            if self._wide_bytes > MAX_WIDE_BYTES:
+                limit = f"over {MAX_WIDE_BYTES // 1024**2} MiB of text that is not ASCII"
+                raise CborError(f"frame has {limit}")
         try:
-            return self._octets(length).decode()
+            return octets.decode()
         except UnicodeDecodeError:
             self._refuse("text that is not UTF-8")
 

@@ -12,3 +12,7 @@ class CodecError(ValueError):
 
 class FieldError(CodecError):
     """A path names no field of a message type; the text lists the fields."""
+
+
+class JsonError(CodecError):
+    """A client sent something else than the JSON it may send; the text says where and why."""

@@ -13,34 +13,23 @@ from functools import partial
 from itertools import chain
 from typing import Any, Final
 
-import numpy as np
 import orjson
 import pybase64
 
 from gateway.codec.error_text import MAX_ECHO
-from gateway.codec.errors import CodecError
+from gateway.codec.errors import JsonError
+from gateway.codec.json_bounds import (
+    LARGE_BYTES,
+    MAX_CONTAINERS,
+    MAX_ITEMS,
+    check,
+    count_names,
+    without_long_strings,
+)
 from gateway.codec.json_tokens import in_original, is_at_token, with_numbers, without_tokens
 
 # Deeper than any ROS type nests, and far from the recursion limits of the code that follows.
 MAX_DEPTH: Final = 32
-# An image of 100 kB as an array of numbers; as Python objects about 6 MB.
-MAX_ITEMS: Final = 100_000
-# On its way to CDR an object costs five times as much as a number: 10 ms for so many points.
-MAX_CONTAINERS: Final = 20_000
-# A path of 3,000 poses has 48,000. To read and compare as many names takes 12 ms.
-MAX_STRINGS: Final = 60_000
-
-# The closing quote is optional, or the search would retry a string without one from each of its
-# escaped quotes. It never backtracks, or it would remember each escape.
-_STRING: Final = re.compile(rb'"[^"\\]*+(?:\\.[^"\\]*+)*+"?', re.DOTALL)
-
-_ESCAPE: Final = re.compile(rb"\\.", re.DOTALL)
-
-_MAX_OUTLINED: Final = 1000  # strings; a picture's message has a dozen
-
-# Removing strings takes up to 50 ns a byte, 10 ms here. In a longer text everything counts as if it
-# stood outside of strings; base64 has no commas, brackets or backslashes.
-LARGE_BYTES: Final = 256 * 1024
 
 # NaN, Infinity and, in a text with these, strings: 10 ms to put numbers in their places.
 MAX_TOKENS: Final = 20_000
@@ -48,10 +37,6 @@ MAX_TOKENS: Final = 20_000
 _CONTAINERS: Final = frozenset({dict, list})
 
 _NOT_ASCII: Final = re.compile(r"[^\0-\x7f]+")
-
-
-class JsonError(CodecError):
-    """A client sent something else than the JSON it may send; the text says where and why."""
 
 
 def _base64(value: object) -> str:
@@ -99,13 +84,9 @@ def loads(
     """
     if isinstance(data, str):
         data = data.encode("utf-8", "surrogatepass")  # orjson refuses it, with the position
-    text = data if len(data) <= LARGE_BYTES else _outline(data)
-    # each item takes a character at least
-    if len(text) > min(max_items, MAX_CONTAINERS):
-        if not _is_bounded(text, max_items):
-            _check_items(text, max_items)
-        if _strings(text) > MAX_STRINGS:
-            raise JsonError(f"JSON has over {MAX_STRINGS} strings, names included")
+    text = data if len(data) <= LARGE_BYTES else without_long_strings(data, max_items)
+    if len(text) > min(max_items, MAX_CONTAINERS):  # each item takes a character at least
+        check(text, max_items)
     has_tokens = False
     try:
         value: object = orjson.loads(data)
@@ -135,55 +116,6 @@ def _loads_tokens(refused: orjson.JSONDecodeError, data: bytes, max_depth: int) 
     except orjson.JSONDecodeError as error:
         raise _refusal(in_original(error, data), data, max_depth) from None
     return value
-
-
-def _outline(data: bytes) -> bytes:
-    """Return a text without the content of its strings, or unchanged if it has many of them."""
-    pieces: list[bytes] = []
-    start = 0
-    for _ in range(_MAX_OUTLINED):
-        opening = data.find(b'"', start)
-        closing = data.find(b'"', opening + 1)
-        if opening < 0 or closing < 0:
-            return b"".join([*pieces, data[start:]])
-        if data[closing - 1] == ord("\\"):  # an escaped quote, or the end of an escaped backslash
-            return data
-        pieces.append(data[start : opening + 1] + b'"')
-        start = closing + 1
-    return data
-
-
-def _is_bounded(data: bytes, max_items: int) -> bool:
-    """Return whether a text surely is within the bounds."""
-    containers = _containers(data)
-    escapes = data.count(b"\\") if len(data) > LARGE_BYTES else 0
-    return containers <= MAX_CONTAINERS and data.count(b",") + containers + escapes <= max_items
-
-
-def _check_items(data: bytes, max_items: int) -> None:
-    if len(data) > LARGE_BYTES:
-        text = f"over {max_items} commas, brackets and backslashes, those in strings included"
-        raise JsonError(f"JSON of over {LARGE_BYTES // 1024} KiB has {text}")
-    without_strings = _STRING.sub(b"", data)
-    if _items_at_most(without_strings) > max_items:
-        raise JsonError(f"JSON has over {max_items} items")
-    if _containers(without_strings) > MAX_CONTAINERS:
-        raise JsonError(f"JSON has over {MAX_CONTAINERS} objects and arrays")
-
-
-def _containers(data: bytes) -> int:
-    return data.count(b"[") + data.count(b"{")
-
-
-def _strings(data: bytes) -> int:
-    """Return how many strings there are, or fewer where some end with a backslash."""
-    return (data.count(b'"') - data.count(b'\\"')) // 2
-
-
-def _items_at_most(data: bytes) -> int:
-    """Return an upper bound of the items: each follows a comma or is first in its container."""
-    empty = data.count(b"[]") + data.count(b"{}")
-    return data.count(b",") + _containers(data) - empty
 
 
 def _refusal(error: json.JSONDecodeError, data: bytes, max_depth: int) -> JsonError:
@@ -244,14 +176,7 @@ def _has_names(data: bytes, count: int) -> bool:
         and not (b" :" in data or b"\n:" in data or b"\r:" in data or b"\t:" in data)
     ):
         return True
-    return _names_of(data) == count
-
-
-def _names_of(data: bytes) -> int:
-    """Count the names in a text that is JSON: the colons with an even number of quotes before."""
-    octets = np.frombuffer(_ESCAPE.sub(b"", data), np.uint8)
-    quotes, colons = (np.flatnonzero(octets == ord(mark)) for mark in '":')
-    return int(np.count_nonzero(np.searchsorted(quotes, colons) % 2 == 0))
+    return count_names(data) == count
 
 
 def _duplicate(data: bytes) -> JsonError:

@@ -11,7 +11,8 @@ from pydantic import ValidationError
 from gateway.access.permissions import UNLIMITED, Action, Identity
 from gateway.codec import cbor_reader
 from gateway.codec.error_text import truncate
-from gateway.codec.json import JsonError, ascii_only, loads
+from gateway.codec.errors import JsonError
+from gateway.codec.json import ascii_only, loads
 from gateway.config.limits import Limits
 from gateway.metrics.histogram import Histogram
 from gateway.protocol import messages

@@ -131,6 +131,13 @@ def test_small_typed_arrays_count_as_the_items_whose_time_they_take():
         loads(b"\x99" + struct.pack(">H", most) + b"\xd8\x55\x40" * most)
 
 
+def test_text_that_is_not_ascii_has_4_mib_at_most():
+    texts = ["a" * 5_000_000, "ü" * 2**20, "ü" * 2**20]
+    assert loads(cbor2.dumps(texts)) == texts
+    with pytest.raises(CborError, match=r"^frame has over 4 MiB of text that is not ASCII$"):
+        loads(cbor2.dumps([*texts, "ü"]))
+
+
 def test_numbers_in_typed_arrays_are_bounded_together():
     data = cbor2.dumps([typed(np.zeros(50, "<f4"))] * 2)
     others = 11  # the array, and five for each of those within
@@ -149,7 +156,7 @@ def test_what_follows_a_typed_array_counts_as_well():
 def test_the_operators_bound_on_items_is_kept():
     data = cbor2.dumps([0] * 9)
     assert loads(data, max_items=10) == [0] * 9
-    with pytest.raises(CborError, match="over 9 items"):
+    with pytest.raises(CborError, match="over 9 items; send numbers as"):
         loads(data, max_items=9)
 
 

@@ -1,14 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 import json
 import math
+import re
 import tracemalloc
+from unittest import mock
 
 import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from gateway.codec.json import MAX_STRINGS, JsonError, ascii_only, dumps, loads
+from gateway.codec.errors import JsonError
+from gateway.codec.json import ascii_only, dumps, loads
+from gateway.codec.json_bounds import MAX_STRINGS, count_names, without_long_strings
 
 KIB_256 = 256 * 1024
 
@@ -110,7 +114,10 @@ def test_the_name_of_a_duplicate_key_comes_back_truncated():
 
 SCALARS = st.one_of(
     st.sampled_from(
-        ["1", "null", '":"', '"\\":"', '"\\u003a"', '"a"', '" :"', '"\\\\"', "[]", "{}"]
+        [
+            *("1", "null", "[]", "{}"),
+            *('":"', '"\\":"', '"\\u003a"', '"a"', '" :"', '"\\\\"', '"\\\\\\":"', '":\\\\"'),
+        ]
     )
 )
 NAMES = st.sampled_from(['"a"', '"b"', '":"', '"\\":"', '"\\u0061"', '" :"'])
@@ -143,6 +150,18 @@ def test_duplicates_are_found_wherever_they_are_and_only_there(text):
             loads(text)
     else:
         assert loads(text) == expected
+
+
+@given(TEXTS)
+def test_names_are_counted_and_long_strings_left_out_whatever_they_hold(text):
+    names = []
+    json.loads(text, object_pairs_hook=lambda pairs: names.extend(pairs))
+    assert count_names(text.encode()) == len(names)
+    with mock.patch("gateway.codec.json_bounds._LONG_STRING", 2):
+        short = without_long_strings(text.encode(), 1000)
+    assert short.decode() == re.sub(
+        r'"(?:[^"\\]|\\.)*"', lambda found: found[0] if len(found[0]) <= 3 else '""', text
+    )
 
 
 @given(st.binary(max_size=60) | st.text(max_size=60))
@@ -207,15 +226,45 @@ def test_commas_and_brackets_in_strings_are_no_items():
     assert loads(text) == json.loads(text)
 
 
-def test_in_a_large_text_strings_count_as_well():
+def test_what_strings_of_a_large_text_hold_is_no_item():
+    for text in (["a" * 250, ",[{:" * 60] * 1100, [",[{:" * 200_000, "\\" * 60_000, '"' * 10_000]):
+        assert loads(json.dumps(text)) == text
     many = ["a" * 250] * 1100
-    assert loads(json.dumps([*many, "," * 98_000]))
-    for character in (",", "\n", "\\"):
-        with pytest.raises(JsonError, match=r"^JSON of over 256 KiB has over 100000 commas, brack"):
-            loads(json.dumps([*many, character * 100_001]))
-    for character in ("[", "{"):
-        with pytest.raises(JsonError, match="those in strings included"):
-            loads(json.dumps([*many, character * 20_001]))
+    assert loads(json.dumps([*many, *[0] * 98_900]))
+    with pytest.raises(JsonError, match=r"^JSON has over 100000 items$"):
+        loads(json.dumps([*many, *[0] * 98_901]))
+
+
+def test_backslashes_are_bounded():
+    assert loads(json.dumps(["\\" * 65_536])) == ["\\" * 65_536]
+    with pytest.raises(JsonError, match=r"^JSON has over 131072 backslashes$"):
+        loads(json.dumps(["\\" * 65_536 + "\n"]))
+
+
+def test_what_a_large_text_says_beside_its_long_strings_is_bounded():
+    def text(spaces: int) -> str:
+        return f'["{"a" * 300_000}", "{"," * 3_000_000}",{" " * (spaces - 11)}""]'
+
+    assert len(loads(text(2_400_000))) == 3
+    with pytest.raises(
+        JsonError, match=r"^JSON has over 2400000 bytes, those in strings of over 2 K"
+    ):
+        loads(text(2_400_001))
+    assert len(loads(text(262_144), max_items=5)) == 3
+    with pytest.raises(JsonError, match=r"^JSON has over 262144 bytes"):
+        loads(text(262_145), max_items=5)
+
+
+def test_a_text_of_over_4_mib_is_ascii():
+    filling = "a" * 4_194_300
+    for last in ("a", "\n", "\\u"):
+        assert loads(json.dumps([filling + last])) == [filling + last]
+    for last in ("\u00e4", "\u20ac", "\U0001f600"):
+        for is_escaped in (False, True):
+            text = json.dumps([filling + last], ensure_ascii=is_escaped)
+            with pytest.raises(JsonError, match=r"^JSON of over 4 MiB has a character that is not"):
+                loads(text)
+            assert loads(text.replace("aaaaaaaaaaaaaaaa", "", 1))
 
 
 def test_in_a_large_text_with_few_strings_they_do_not_count():

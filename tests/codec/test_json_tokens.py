@@ -9,7 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gateway.codec import json_tokens
-from gateway.codec.json import LARGE_BYTES, MAX_CONTAINERS, MAX_TOKENS, JsonError, loads
+from gateway.codec.errors import JsonError
+from gateway.codec.json import MAX_TOKENS, loads
+from gateway.codec.json_bounds import LARGE_BYTES, MAX_CONTAINERS
 
 TOKENS = {"NaN": math.nan, "Infinity": math.inf, "-Infinity": -math.inf}
 PIECES = [
