@@ -227,6 +227,41 @@ async def test_a_plot_says_the_newest_value_beside_the_name_of_each_curve(open_p
             await until(page, f"wanted => wanted.every((each) => {labels}.includes(each))", wanted)
 
 
+async def test_a_plot_says_what_was_when_one_points_at_and_can_be_looked_at_closer(demo, open_page):
+    async with open_page(f"{page_address(demo)}#card=plot+0+/odom+pose.pose.position.x") as page:
+        over = page.locator(".plot .u-over")
+        label = ".u-series:last-child .u-label"
+        says = "([place, words]) => new RegExp(words).test(document.querySelector(place).innerText)"
+
+        async def point(share: float) -> None:
+            box = await over.bounding_box()
+            await page.mouse.move(box["x"] + share * box["width"], box["y"] + box["height"] / 2)
+
+        async def age_s(share: float) -> float:
+            """Return how old what is under the pointer is, as the legend says."""
+            await point(share)
+            found = re.search(r"x \S+, ([\d.]+) s ago$", await page.inner_text(label))
+            assert found
+            return float(found[1])
+
+        await over.wait_for()
+        await until(page, says, [label, r"x \S+$"])
+        await point(0.5)  # where nothing is yet: the oldest counts
+        await until(page, says, [label, r"x \S+, [3-9]\.\d s ago$"])
+        await page.get_by_role("button", name="Pause /odom").click()
+        await until(page, says, ["article footer", "^paused: drag across the plot"])
+        whole_s = await age_s(0.5)
+        assert whole_s > 2 * await age_s(0.97)
+        await page.mouse.down()
+        await point(0.99)
+        await page.mouse.up()
+        assert await age_s(0.0) < whole_s / 2
+        await over.dblclick()
+        assert await age_s(0.0) == whole_s  # what there is fills the plot
+        await page.get_by_role("button", name="Resume /odom").click()
+        await until(page, says, [label, r"x \S+$"])  # it is no longer pointed at
+
+
 async def test_a_plot_is_as_wide_as_its_card(demo, open_page):
     widths = (
         "[document.querySelector('.uplot').offsetWidth,"

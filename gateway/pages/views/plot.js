@@ -5,7 +5,9 @@ import { TreeView } from "./tree.js";
 
 const SPAN_S = 30;
 const MOST_POINTS = 6000;
-const HEIGHT = 220; // pixels
+const HEIGHT = 220; // pixels, as these are:
+const LINE = 1.5;
+const EDGE = 1;
 const LEAST_SHARE = 1e-9; // of a number, that an axis shows around it
 const LARGEST = 8e307; // on an axis: from one end to the other is a number, too
 const NON_FINITE = ["NaN", "Infinity", "-Infinity"]; // as they come in JSON
@@ -13,8 +15,10 @@ const NON_FINITE = ["NaN", "Infinity", "-Infinity"]; // as they come in JSON
 const Plot = uPlot;
 const COLOURS = ["series-1", "series-2", "series-3", "series-4"];
 
-/** Numeric fields over the last 30 s, by the time of arrival. */
+/** Numeric fields over the last 30 s, by the time of arrival; where one points at, their values then. */
 export class PlotView {
+  /** What to do with a plot that stands still, in words. */
+  held = "drag across the plot to look closer, double click to see all";
   /** Milliseconds between two drawings: the eye sees no more of a line. */
   rest = 66;
   element = element("div", { className: "plot" });
@@ -70,25 +74,39 @@ export class PlotView {
     this.#observer.disconnect();
   }
 
-  /** Write the newest value of each curve beside its name. */
+  /** Write the value of each curve beside its name: that at which one points, or else the newest. */
   #label() {
     if (!this.#labels.length) this.#labels = [...this.element.querySelectorAll(".u-series .u-label")].slice(-this.card.fields.length);
+    const place = this.#plot?.cursor.idx ?? -1;
+    const time = place < 0 ? "" : `, ${(-this.#since(this.#columns[0][place])).toFixed(1)} s ago`;
     this.card.fields.forEach((path, index) => {
-      const text = `${path} ${written(this.#columns[index + 1].at(-1))}`;
+      const text = `${path} ${written(this.#columns[index + 1].at(place))}${time}`;
       if (this.#labels[index].textContent !== text) this.#labels[index].textContent = text;
     });
   }
 
+  /** Return a time in seconds since the newest values came. */
+  #since(time) {
+    return time - this.#columns[0].at(-1);
+  }
+
   #make(width) {
+    // a plot that goes on has the last 30 s, whatever is chosen
+    const whilePaused = (_plot, _target, handler) => (event) => this.card.isPaused && handler(event);
     const axis = { stroke: token("quiet"), grid: { stroke: token("line"), width: 1 }, ticks: { stroke: token("line"), width: 1 } };
-    const seconds = (plot, marks) => marks.map((each) => `${Math.round(each - performance.now() / 1000)} s`);
-    const series = this.card.fields.map((label, index) => ({
-      label, stroke: token(COLOURS[index % COLOURS.length]), width: 1.5, spanGaps: false, points: { show: false },
+    const seconds = (plot, marks, _axis, _room, step) => marks.map((each) => `${this.#since(each).toFixed(step < 1 ? 1 : 0)} s`);
+    const series = this.card.fields.map((label, index, { length }) => ({
+      label,
+      stroke: token(COLOURS[index % COLOURS.length]),
+      width: LINE + (length - 1 - index) * EDGE, // of two that are equal, the one behind shows as an edge
+      spanGaps: false,
+      points: { show: false },
     }));
     return new Plot({
       width,
       height: HEIGHT,
-      cursor: { show: false },
+      cursor: { y: false, drag: { x: true, y: false }, bind: { mousedown: whilePaused, dblclick: whilePaused } },
+      hooks: { setCursor: [() => this.#label()] },
       scales: { x: { time: false }, y: { range: (_, least, most) => around(least, most) } },
       axes: [{ ...axis, values: seconds }, { ...axis, size: 60 }],
       series: [{}, ...series],

@@ -75,9 +75,15 @@ export class TopicCard extends Card {
     super.close();
   }
 
+  /** Whether what it shows stands still. */
+  get isPaused() {
+    return this.#isPaused;
+  }
+
   #write() {
     this.element.classList.toggle("stale", this.#arrivals.isLate);
-    const words = this.#isPaused ? "paused" : this.#arrivals.words + this.#reason + this.#cap;
+    const paused = ["paused", this.#view.held].filter(Boolean).join(": ");
+    const words = this.#isPaused ? paused : this.#arrivals.words + this.#reason + this.#cap;
     this.footer.textContent = misfit(this.view, this.#type) ? "" : words;
   }
 
