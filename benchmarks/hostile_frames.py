@@ -14,15 +14,16 @@ from gateway.codec import cbor
 from gateway.codec.cbor_reader import MAX_SINGLE_ITEMS
 from gateway.codec.cdr.bounds import MAX_FIELDS, count_fields
 from gateway.codec.cdr.layout import flatten
-from gateway.codec.json import MAX_TOKENS
+from gateway.codec.json import LARGE_BYTES, MAX_TOKENS
 from gateway.codec.json_bounds import (
-    LARGE_BYTES,
-    MAX_BACKSLASHES,
+    BACKSLASH_COST,
     MAX_CONTAINERS,
+    MAX_COST,
     MAX_ITEMS,
     MAX_STRINGS,
-    MAX_WIDE_BYTES,
-    SHORT_BYTES,
+    OUTSIDE_COST,
+    STRING_COST,
+    WIDE_COST,
 )
 from gateway.config.limits import Limits
 from schemas.definition import FLOATS, INTEGER_RANGES, STRINGS, Definition, FieldType
@@ -110,7 +111,7 @@ def plain_frames() -> Iterator[HostileFrame]:
     strings = MAX_STRINGS - _SPARE
     names, ones = ",".join(['"Infinity"'] * strings), ",".join(["1.0"] * most)
     members = ",".join(f'"k{number}":"v"' for number in range(strings // 2))
-    number = f"{_HARD_NUMBER}," * (SHORT_BYTES * MAX_ITEMS // (len(_HARD_NUMBER) + 1) - 2)
+    hard = _hard_numbers((MAX_COST - 1000) // (1 + OUTSIDE_COST))
     for name, data in {
         "ranges: numbers": publish(_SCAN, f'{{"ranges":[{floats}]}}'),
         "ranges: nulls": publish(_SCAN, f'{{"ranges":[{nulls}]}}'),
@@ -136,7 +137,7 @@ def plain_frames() -> Iterator[HostileFrame]:
         "octets as bad base64 in lines": publish(
             _IMAGE, f'{{"data":"{(("A" * 76) + chr(92) + "n") * (MAX_BROKEN_TEXT // 77)}?"}}'
         ),
-        "ranges: long numbers": publish(_SCAN, f'{{"ranges":[{number}0]}}'),
+        "ranges: long numbers": publish(_SCAN, f'{{"ranges":[{hard}]}}'),
         "unknown fields": publish(_STRING, f"{{{members}}}"),
         "unfinished arrays": b"[" * room,
         "nothing but arrays": b"[" + b",".join([b"[]"] * containers) + b"]",
@@ -164,38 +165,40 @@ def plain_frames() -> Iterator[HostileFrame]:
 def _text_frames() -> Iterator[HostileFrame]:
     """Return frames of long strings, many strings, and what is hard to tell from them."""
     room, strings = MAX_MESSAGE_BYTES - 1000, MAX_STRINGS - _SPARE
-    short = ":" * (SHORT_BYTES * MAX_ITEMS // strings - 12)
-    colons = ",".join(f'"{short}{number:05}" :"{short}"' for number in range(strings // 2))
-    lines = ("a" * (room // MAX_BACKSLASHES - 3) + chr(92) + "n") * (MAX_BACKSLASHES - 2)
-    quotes = ("a" * (room // MAX_BACKSLASHES - 3) + chr(92) + '"') * (MAX_BACKSLASHES - 2)
-    texts = ",".join([f'"{"a" * 2049}"'] * (room // 2053))
+    cost, back = MAX_COST - 2000, chr(92)
+    escapes = (cost - room) // BACKSLASH_COST
+    line = "a" * (room // escapes - 2) + back
+    most_wide = cost // (1 + WIDE_COST)
+    # half of the strings are names
+    left = cost - STRING_COST * strings - (1 + OUTSIDE_COST) * 3 * strings
+    member, wide_member = left // strings - 8, left // (1 + WIDE_COST) // strings - 8
+    aside = (cost - 8_000_000) // (1 + OUTSIDE_COST)
+    for name, text in {
+        "": "a" * room,
+        ", with a quote": back + '"' + "a" * room,
+        ", with lines": (line + "n") * escapes,
+        ", with quotes": (line + '"') * escapes,
+        " of line ends": (back + "n") * (cost // (2 + BACKSLASH_COST)),
+        " of backslashes": back * (cost // (1 + BACKSLASH_COST) // 2 * 2),
+        ", with ü": "ü" + "a" * most_wide,
+        ", with €": "€" + "a" * most_wide,
+        ", with an emoji": "😀" + "a" * most_wide,
+        ", with an escaped emoji": f"{back}ud83d{back}ude00" + "a" * most_wide,
+        " of emojis": "😀" * (most_wide // 4),
+        ", and numbers": "a" * 8_000_000 + f'","x":[{_hard_numbers(aside)}],"y":"',
+    }.items():
+        yield HostileFrame(f"a long string{name}", publish(_STRING, f'{{"data":"{text}"}}'))
+        if name in {"", ", with an emoji"}:
+            wrong = f'{{"op":"x","y":"{text}",}}'.encode()
+            yield HostileFrame(f"a long string{name}, then a mistake", wrong)
     for name, data in {
-        "a long string": publish(_STRING, f'{{"data":"{"a" * room}"}}'),
-        **{
-            f"a long string, {name}": publish(_STRING, f'{{"data":"{text}"}}')
-            for name, text in {
-                "with a quote": chr(92) + '"' + "a" * room,
-                "with lines": lines,
-                "with quotes": quotes,
-            }.items()
-        },
-        **{
-            f"a wide string, {name}": publish(
-                _STRING, f'{{"data":"{text}{"a" * (MAX_WIDE_BYTES - 1000)}"}}'
-            )
-            for name, text in {
-                "with ü": "ü",
-                "with €": "€",
-                "with an emoji": "😀",
-                "with an escaped emoji": chr(92) + "ud83d" + chr(92) + "ude00",
-            }.items()
-        },
-        "a wide string of emojis": publish(
-            _STRING, f'{{"data":"{"😀" * (MAX_WIDE_BYTES // 4 - 250)}"}}'
-        ),
-        "strings of 2 KiB": publish(_STRING, f'{{"data":[{texts}]}}'),
-        "strings of colons": f'{{"op":"x",{colons}}}'.encode(),
-        "white space": publish(_STRING, f'{{"data":{" " * (SHORT_BYTES * MAX_ITEMS - 1000)}""}}'),
+        "too wide": f'["{"😀" + "a" * room}"]'.encode(),
+        "strings of 2 KiB": b"[" + b",".join([b'"%s"' % (b"a" * 2049)] * (room // 2053)) + b"]",
+        "strings of colons": _members(strings // 2, ":" * member),
+        "wide strings of colons": _members(strings // 2, "😀" + ":" * (wide_member - 4)),
+        "names of 2 KiB": _members(4900, "a" * 2080, "1"),
+        "names with lines": _members(4900, (line + "n") * (2080 // (len(line) + 1)), "1"),
+        "white space": b'["",' + b" " * (cost // (1 + OUTSIDE_COST)) + b"1]",
         "nothing but backslashes": b'"' + b"\\" * room + b'"',
         "nothing but quotes": b'"' * room,
         "nothing but colons": b":" * room,
@@ -203,6 +206,18 @@ def _text_frames() -> Iterator[HostileFrame]:
         "strings of escapes": b'["' + b'\\"' * (LARGE_BYTES // 2 - 10) + b'"]',
     }.items():
         yield HostileFrame(name, data)
+
+
+def _members(count: int, text: str, value: str | None = None) -> bytes:
+    """Return an object whose names begin with a number; they and the values have a text."""
+    value = f'"{text}"' if value is None else value
+    members = ",".join(f'"{number:05}{text}" :{value}' for number in range(count))
+    return f"{{{members}}}".encode()
+
+
+def _hard_numbers(size: int) -> str:
+    """Return numbers with commas, so many characters of them."""
+    return f"{_HARD_NUMBER}," * (size // (len(_HARD_NUMBER) + 1) - 2) + "0"
 
 
 def _cbor_frames() -> Iterator[HostileFrame]:
@@ -231,7 +246,12 @@ def _cbor_frames() -> Iterator[HostileFrame]:
         ("integers as float32", _JOY, "buttons", b"\xd8\x55" + floats),
         ("octets", _IMAGE, "data", cbor.head(cbor.OCTETS, room) + bytes(room)),
         ("a long text", _STRING, "data", cbor.text("a" * room)),
-        ("a wide text", _STRING, "data", cbor.text("😀" + "a" * (MAX_WIDE_BYTES - 4))),
+        (
+            "a wide text",
+            _STRING,
+            "data",
+            cbor.text("😀" + "a" * ((MAX_COST - 1000) // (1 + WIDE_COST))),
+        ),
         ("text for octets", _IMAGE, "data", cbor.text("A" * (room // 4 * 4))),
     ):
         yield HostileFrame(f"CBOR: {name}", _cbor(type_name, field, value))

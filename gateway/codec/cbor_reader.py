@@ -16,7 +16,7 @@ import numpy as np
 from gateway.codec.cbor import MAP, OCTETS, TYPED_ARRAYS
 from gateway.codec.errors import CodecError
 from gateway.codec.json import MAX_DEPTH
-from gateway.codec.json_bounds import MAX_ITEMS, MAX_WIDE_BYTES
+from gateway.codec.json_bounds import MAX_COST, MAX_ITEMS, WIDE_COST
 
 # Outside of typed arrays, keys included: 10 to 15 ms for so many.
 MAX_SINGLE_ITEMS: Final = 15_000
@@ -47,8 +47,8 @@ def loads(data: bytes, *, max_depth: int = MAX_DEPTH, max_items: int = MAX_ITEMS
 
     Typed arrays of RFC 8746 become lists of numbers, those of uint8 bytes; ``undefined`` becomes
     ``None``. *max_depth* bounds how deep arrays and maps nest, *max_items* how many items there
-    are in all, `MAX_SINGLE_ITEMS` those outside of typed arrays. Texts that are not ASCII have
-    `MAX_WIDE_BYTES` at most.
+    are in all, `MAX_SINGLE_ITEMS` those outside of typed arrays. It costs no more than
+    `MAX_COST`, as text that is not ASCII does.
 
     Raises:
         CborError: it is not CBOR, it is CBOR that JSON has nothing for, a limit is exceeded, or a
@@ -71,7 +71,7 @@ class _Reader:
         self._max_singles = min(max_items, MAX_SINGLE_ITEMS)
         self._singles = 0
         self._numbers = 0  # in typed arrays
-        self._wide_bytes = 0  # in texts that are not ASCII
+        self._cost = len(data)
 
     def item(self) -> object:
         self._singles += 1
@@ -115,10 +115,10 @@ class _Reader:
     def _text(self, length: int) -> str:
         octets = self._octets(length)
         if not octets.isascii():
-            self._wide_bytes += length
-            if self._wide_bytes > MAX_WIDE_BYTES:
-                limit = f"over {MAX_WIDE_BYTES // 1024**2} MiB of text that is not ASCII"
-                raise CborError(f"frame has {limit}")
+            self._cost += WIDE_COST * length
+            if self._cost > MAX_COST:
+                reason = "takes too long to read, for its text that is not ASCII"
+                raise CborError(f"frame of {len(self._data)} bytes {reason}")
         try:
             return octets.decode()
         except UnicodeDecodeError:

@@ -2,8 +2,7 @@
 """JSON out, and JSON in from clients that may send anything.
 
 Input goes through orjson, strict and fast, and then through a check that nothing was left out, so
-that two readers of one frame never see two different messages. The cost of the check depends on
-the number of objects and arrays in a frame, not on its length.
+that two readers of one frame never see two different messages.
 """
 
 import json
@@ -18,18 +17,15 @@ import pybase64
 
 from gateway.codec.error_text import MAX_ECHO
 from gateway.codec.errors import JsonError
-from gateway.codec.json_bounds import (
-    LARGE_BYTES,
-    MAX_CONTAINERS,
-    MAX_ITEMS,
-    check,
-    count_names,
-    without_long_strings,
-)
+from gateway.codec.json_bounds import MAX_CONTAINERS, MAX_ITEMS, check, outline
 from gateway.codec.json_tokens import in_original, is_at_token, with_numbers, without_tokens
+from gateway.codec.utf8 import invalid_at
 
 # Deeper than any ROS type nests, and far from the recursion limits of the code that follows.
 MAX_DEPTH: Final = 32
+
+LARGE_BYTES: Final = 256 * 1024
+"""A larger text takes too long to be read in Python, for the place of an error or of a NaN."""
 
 # NaN, Infinity and, in a text with these, strings: 10 ms to put numbers in their places.
 MAX_TOKENS: Final = 20_000
@@ -72,8 +68,7 @@ def loads(
     """Read one JSON text.
 
     *max_depth* bounds how deep objects and arrays nest, *max_items* how many members and
-    elements they have in all, `MAX_CONTAINERS` how many of these are objects and arrays; names and
-    values are at most `MAX_STRINGS` strings.
+    elements they have in all; `gateway.codec.json_bounds` has further bounds.
 
     Beside RFC 8259, a text of up to `LARGE_BYTES` may hold the values NaN, Infinity and -Infinity,
     at most `MAX_TOKENS`, if it *takes_tokens*.
@@ -84,9 +79,10 @@ def loads(
     """
     if isinstance(data, str):
         data = data.encode("utf-8", "surrogatepass")  # orjson refuses it, with the position
-    text = data if len(data) <= LARGE_BYTES else without_long_strings(data, max_items)
-    if len(text) > min(max_items, MAX_CONTAINERS):  # each item takes a character at least
-        check(text, max_items)
+    outside = None
+    if len(data) > min(max_items, MAX_CONTAINERS):  # each item takes a character at least
+        outside = outline(data)
+        check(outside, max_items)
     has_tokens = False
     try:
         value: object = orjson.loads(data)
@@ -95,7 +91,7 @@ def loads(
         if not has_tokens:
             raise _refusal(error, data, max_depth) from None
         value = _loads_tokens(error, data, max_depth)
-    if not _has_names(text, _count_names(value, max_depth)):
+    if not _has_names(data, outside, _count_names(value, max_depth)):
         raise _duplicate(data)
     return with_numbers(value) if has_tokens else value
 
@@ -119,10 +115,8 @@ def _loads_tokens(refused: orjson.JSONDecodeError, data: bytes, max_depth: int) 
 
 
 def _refusal(error: json.JSONDecodeError, data: bytes, max_depth: int) -> JsonError:
-    try:
-        text = data.decode()
-    except UnicodeDecodeError as not_utf8:
-        offset = not_utf8.start
+    offset = invalid_at(data)
+    if offset is not None:
         return JsonError(f"frame is not UTF-8 at offset {offset}", offset=offset)
     # orjson's own depth limit, or its allocation for a document that opens and never closes
     if "depth" in error.msg or "allocate" in error.msg:
@@ -132,7 +126,7 @@ def _refusal(error: json.JSONDecodeError, data: bytes, max_depth: int) -> JsonEr
         what = what[:1].lower() + what[1:]
     return JsonError(
         f"frame is not JSON: {what} at line {error.lineno}, column {error.colno}",
-        offset=len(text[: error.pos].encode()),
+        offset=error.pos if data.isascii() else len(error.doc[: error.pos].encode()),
     )
 
 
@@ -157,26 +151,21 @@ def _count_names(value: object, max_depth: int) -> int:
     return names
 
 
-# Up to so many bytes five searches take less time than numpy does.
-_QUOTED_BYTES: Final = 64 * 1024
-
-
-def _has_names(data: bytes, count: int) -> bool:
-    """Return whether *data* has no more names than the *count* that parsing kept.
+def _has_names(data: bytes, outside: bytes | None, count: int) -> bool:
+    """Return whether a text has no more names than the *count* that parsing kept.
 
     Parsing keeps the last of two members of one name, so duplicates lower the count. A colon
     follows each name, but strings have colons, too ("publish:/cmd_vel:1"). If no white space
     precedes a colon, those behind names follow a quote.
     """
-    if data.count(b":") == count:
-        return True
-    if (
-        len(data) <= _QUOTED_BYTES
-        and data.count(b'":') == count
-        and not (b" :" in data or b"\n:" in data or b"\r:" in data or b"\t:" in data)
-    ):
-        return True
-    return count_names(data) == count
+    if outside is None:
+        if data.count(b":") == count:
+            return True
+        has_space = b" :" in data or b"\n:" in data or b"\r:" in data or b"\t:" in data
+        if not has_space and data.count(b'":') == count:
+            return True
+        outside = outline(data)
+    return outside.count(b":") == count
 
 
 def _duplicate(data: bytes) -> JsonError:

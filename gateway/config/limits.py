@@ -38,8 +38,9 @@ class Limits(Section):
         10 * 1024**2,
         serialization_alias="message_bytes",
         description="bytes of the largest frame a client may send, as much as rosbridge takes;"
-        " a larger one ends its connection with code 1009; JSON of over 4 MiB is ASCII, without"
-        " \\u, and what is not ASCII has 4 MiB at most in CBOR",
+        " a larger one ends its connection with code 1009; JSON that would take longer to read than"
+        " 13 MB of text is refused: a byte counts thrice where one is not ASCII, a character"
+        " outside of strings five times, a string as 80 and a backslash as 28",
     )
     client_time_share: Share = Field(
         0.25,
@@ -125,9 +126,7 @@ class Limits(Section):
         100_000,
         serialization_alias="json_items",
         description="values in one JSON frame of a client, as each costs time and memory; of these"
-        " 20,000 objects and arrays; strings, names included, are 60,000 at most, backslashes"
-        " 131,072, and a frame of over 256 KiB has 24 bytes for each value, those in strings of"
-        " over 2 KiB left out",
+        " 20,000 objects and arrays; strings, names included, are 60,000 at most",
     )
     max_queue_length: Annotated[int, Field(ge=1, le=100_000)] = Field(
         MAX_QUEUE_DEPTH,

@@ -4,6 +4,7 @@
 from collections.abc import Callable
 
 from gateway.codec.cbor_reader import is_cbor
+from gateway.codec.utf8 import invalid_at
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.session import Session
 
@@ -25,8 +26,5 @@ def receive_text(
 
 
 def _not_utf8(message: bytes) -> str:
-    try:
-        message.decode()
-    except UnicodeDecodeError as error:
-        return f"not UTF-8: byte 0x{message[error.start]:02x} at offset {error.start}"
-    return ""
+    offset = invalid_at(message)
+    return "" if offset is None else f"not UTF-8: byte 0x{message[offset]:02x} at offset {offset}"

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from gateway.codec import json_tokens
 from gateway.codec.errors import JsonError
-from gateway.codec.json import MAX_TOKENS, loads
-from gateway.codec.json_bounds import LARGE_BYTES, MAX_CONTAINERS
+from gateway.codec.json import LARGE_BYTES, MAX_TOKENS, loads
+from gateway.codec.json_bounds import MAX_CONTAINERS
 
 TOKENS = {"NaN": math.nan, "Infinity": math.inf, "-Infinity": -math.inf}
 PIECES = [

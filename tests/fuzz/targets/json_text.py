@@ -6,8 +6,8 @@ import math
 from typing import Any
 
 from gateway.codec.errors import CodecError
-from gateway.codec.json import MAX_DEPTH, ascii_only, loads
-from gateway.codec.json_bounds import LARGE_BYTES, MAX_CONTAINERS, MAX_ITEMS
+from gateway.codec.json import LARGE_BYTES, MAX_DEPTH, ascii_only, loads
+from gateway.codec.json_bounds import MAX_CONTAINERS, MAX_ITEMS
 from gateway.codec.nonfinite import writer
 from tests.fuzz import seeds
 from tests.fuzz.target import Target, check

@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: Apache-2.0
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from gateway.codec.utf8 import invalid_at
+
+PIECE = 64 * 1024
+
+
+def place(data: bytes) -> int | None:
+    try:
+        data.decode()
+    except UnicodeDecodeError as error:
+        return error.start
+    return None
+
+
+TEXTS = st.lists(st.binary(max_size=3) | st.text(max_size=3).map(str.encode)).map(b"".join)
+
+
+@given(st.integers(0, 8), TEXTS)
+@example(2, "😀".encode())
+@example(2, "😀".encode()[:3])
+@example(0, b"\xf0\x9f\x98\x80\x80")
+def test_what_is_no_utf8_is_found_where_python_finds_it(before_the_cut, text):
+    for data in (text, b"a" * (PIECE - before_the_cut) + text + b"a" * PIECE):
+        assert invalid_at(data) == place(data)
