@@ -8,7 +8,8 @@ It moves the robot only while its holder commands it to, in time:
   what has piled up. Of the commands of one turn the newest goes out.
 - A stop is `ZEROS` commands of zero, then silence.
 - After a stop that the client did not ask for, the `TripLatch` refuses commands to move.
-- More than `CROWD` commands in one turn after a silence are a backlog, whatever was before.
+- Many commands at once after a silence are a backlog, whatever was before, and a few wait until
+  time has explained them (`Crowd`).
 
 A person who types commands by hand sends a single one and knows that the robot moves for one
 deadline. Such a motion, of one command, ends with a latch that allows a single command: it waits
@@ -23,6 +24,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from gateway.drive import refusals
+from gateway.drive.crowd import Crowd
 from gateway.drive.effects import (
     Cause,
     Changed,
@@ -44,7 +46,6 @@ from gateway.drive.velocity import ZERO
 
 HOLD_NS: Final = QUIET_NS
 CROWD_GAP_NS: Final = 3_000_000  # XR's 120 Hz are 8 ms apart
-CROWD: Final = 12  # 100 ms at 120 Hz, while the loop was busy; less than a backlog of 1 s at 20 Hz
 
 
 @dataclass(slots=True)
@@ -54,6 +55,7 @@ class _Held:
     command: Command
     since_ns: int  # when it came
     until_ns: int | None
+    is_new: bool = False  # of this turn, at whose end is known for how long it waits
 
 
 class Drive:
@@ -78,10 +80,7 @@ class Drive:
         self._is_by_hand = True  # no command had its client's time
         self._pending: Command | None = None  # goes out at the end of this turn
         self._held: _Held | None = None
-        # the turn
-        self._heard_ns: int | None = None
-        self._in_turn = 0
-        self._is_after_silence = False
+        self._crowd = Crowd()
         # the stop
         self._zeros_left = 0
         self._next_zero_ns = 0
@@ -132,13 +131,9 @@ class Drive:
             if self._moves and is_stop:  # late, but never too late
                 self._stop("zero", now_ns, out, is_asked=True)
             if command.age == "stale":  # one that follows closely may be of the same backlog
-                self._heard_ns = now_ns
+                self._crowd.hear(now_ns)
             return [*out, refused]
-        gap_ns = None if self._heard_ns is None else now_ns - self._heard_ns
-        self._heard_ns = now_ns
-        if not self._in_turn:
-            self._is_after_silence = gap_ns is None or gap_ns >= self._rules.deadline_ns
-        self._in_turn += 1
+        gap_ns = self._crowd.add(now_ns)
         if command.velocity.is_zero:
             self._zero(command, now_ns, out)
         else:
@@ -155,16 +150,19 @@ class Drive:
     def end_turn(self, now_ns: int) -> Effects:
         """Send the newest command of the turn."""
         out = self.tick(now_ns)
-        is_crowd = self._is_after_silence and self._in_turn > CROWD
-        self._in_turn = 0
+        is_backlog = self._crowd.end_turn()
         pending, self._pending = self._pending, None
-        waiting = pending or (self._held and self._held.command)
-        if is_crowd and waiting and not waiting.velocity.is_zero:
-            self._held = None
+        held = self._held
+        waiting = pending or (held and held.command)
+        if is_backlog and waiting and not waiting.velocity.is_zero:
             self._stop("backlog", now_ns, out)
             out.append(self._tripped(waiting))
         elif pending is not None:
             out.append(Send(pending.velocity))
+        elif held and held.is_new:
+            held.is_new = False
+            held.until_ns = max(held.since_ns, self._crowd.explained_ns)
+            self._tick_held(held, now_ns, out)
         return out
 
     # Other events; those that end something take back what waits before it could go out
@@ -305,8 +303,11 @@ class Drive:
             self._held = _Held(command, now_ns, until_ns or now_ns + HOLD_NS)
         elif self._guard == "starting":
             self._held = _Held(command, now_ns, None)
-        else:
+        elif self._moves or command.age != "unknown":
             self._accept(command, now_ns, out)
+        else:
+            self._pending = None
+            self._held = _Held(command, now_ns, now_ns + HOLD_NS, is_new=True)
 
     def _may_be_single(self, command: Command, gap_ns: int | None) -> bool:
         """Return whether a command after a motion of a single one may wait to go out."""
@@ -327,9 +328,9 @@ class Drive:
             self._held = None
             out.append(self._tripped(held.command))
         elif self._guard == "ready":
-            self._send_held(held, now_ns, out)
+            self._send_held(held, held.until_ns or now_ns, out)
         else:
-            held.until_ns, held.since_ns = None, now_ns
+            held.until_ns = None  # the guard comes in time, or it is too late
 
     def _send_held(self, held: _Held, accepted_ns: int, out: Effects) -> None:
         self._held = None
@@ -339,7 +340,7 @@ class Drive:
         out.append(Send(held.command.velocity))
 
     def _accept(self, command: Command, now_ns: int, out: Effects) -> None:
-        self._pending = command
+        self._pending, self._held = command, None
         self._accepted_ns = now_ns
         if not self._moves:
             self._moves = True

@@ -5,7 +5,8 @@ from collections.abc import Iterable
 
 import pytest
 
-from gateway.drive.drive import CROWD, Drive
+from gateway.drive.crowd import CROWD
+from gateway.drive.drive import Drive
 from gateway.drive.effects import (
     Changed,
     Clamped,
@@ -151,6 +152,8 @@ def test_zeros_of_a_robot_that_stands_pass(bench: Bench):
 
 
 def test_the_newest_of_a_turn_goes_out(bench: Bench):
+    bench.command()
+    bench.sent()
     bench.burst([AHEAD, Velocity(linear_x=0.3), Velocity(linear_x=0.1)])
     assert bench.sent() == [Velocity(linear_x=0.1)]
 
@@ -212,8 +215,11 @@ def test_a_gateway_that_stood_still_judges_the_deadline_before_what_has_piled_up
     bench.stream()
     bench.sent()
     bench.freeze(3000)
+    bench.command()
+    assert bench.causes() == ["deadline"]
     bench.burst([AHEAD] * 10 + [ZERO] + [AHEAD])
     bench.command()
+    bench.wait(100)
     assert set(bench.sent()) == {ZERO}
 
 
@@ -222,11 +228,19 @@ def test_a_reset_that_ends_late_begins_anew_as_commands_may_wait():
     bench.command(ZERO)
     bench.freeze(3000)
     bench.burst([AHEAD] * 3)
+    assert bench.refusals() == ["tripped"] * 3
     assert bench.sent() == [ZERO]
-    assert set(bench.refusals()) <= {"tripped"}
 
 
 def test_a_command_of_a_turn_during_which_the_gateway_stood_still_does_not_go_out(bench: Bench):
+    bench.take(bench.drive.command(Command("a", AHEAD), bench.now))
+    bench.freeze(600)
+    bench.end_turn()
+    assert bench.refusals() == ["tripped"]
+    assert bench.sent() == []
+    bench.command()
+    bench.wait(50)
+    bench.sent()
     bench.take(bench.drive.command(Command("a", AHEAD), bench.now))
     bench.freeze(600)
     bench.end_turn()
@@ -241,12 +255,80 @@ def test_many_commands_at_once_after_a_silence_are_a_backlog(bench: Bench):
     assert bench.refusals() == ["tripped"]
 
 
-def test_fewer_commands_or_a_stream_that_goes_on_are_no_backlog(bench: Bench):
-    bench.burst([AHEAD] * CROWD)
-    assert bench.sent() == [AHEAD]
-    bench.wait(100)
+@pytest.mark.parametrize("silent_ms", [300, 4000])
+@pytest.mark.parametrize(
+    ("segments", "gap_ms"),
+    [((12, 24, 48), 20), ((12, 24, 48), 50), ((10, 20, 40, 10), 20), ((6, 12, 24, 48), 5)],
+)
+def test_a_backlog_in_segments_does_not_move_a_robot_that_stood_still(
+    bench: Bench, segments: tuple[int, ...], gap_ms: int, silent_ms: int
+):
+    bench.stream()
+    bench.stream(5, ZERO)
+    bench.wait(silent_ms)
+    bench.out = []
+    for count in segments:
+        bench.burst([AHEAD] * count)
+        bench.wait(gap_ms)
+    bench.wait(1000)
+    assert bench.causes() == ["backlog"]
+    assert set(bench.sent()) == {ZERO}
+    assert bench.drive.status.is_tripped
+
+
+def test_a_backlog_whose_first_segment_is_one_command_moves_until_the_next_one_comes(bench: Bench):
+    bench.command()
+    bench.wait(20)
     bench.burst([AHEAD] * (CROWD + 1))
+    assert bench.causes() == ["backlog"]
+    assert bench.sent()[:2] == [AHEAD, ZERO]
+    assert bench.drive.status.is_tripped
+
+
+def test_a_few_commands_at_once_after_a_silence_go_out_when_time_has_explained_them(bench: Bench):
+    bench.burst([AHEAD] * CROWD)
+    assert bench.sent() == []
+    bench.wait((CROWD - 1) * 1000 / 120 - 0.1)
+    assert bench.sent() == []
+    bench.wait(0.1)
     assert bench.sent() == [AHEAD]
+    bench.wait(499)
+    assert bench.moves
+
+
+def test_a_stream_goes_on_at_once_behind_a_few_commands_that_came_together(bench: Bench):
+    bench.burst([Velocity(linear_x=0.1)] * 3)
+    bench.wait(16)
+    assert bench.sent() == []
+    bench.wait(34)
+    bench.stream(3)
+    assert bench.sent() == [Velocity(linear_x=0.1), *[AHEAD] * 3]
+    assert bench.refusals() == []
+
+
+def test_a_command_that_is_proved_fresh_takes_the_place_of_one_that_waits(bench: Bench):
+    bench.take(bench.drive.command(Command("a", AHEAD), bench.now))
+    bench.take(bench.drive.command(Command("a", Velocity(linear_x=0.1), "fresh"), bench.now))
+    bench.end_turn()
+    bench.wait(100)
+    assert bench.sent() == [Velocity(linear_x=0.1)]
+
+
+def test_120_commands_a_second_are_no_backlog_however_busy_the_loop_is(bench: Bench):
+    for count in (12, 6, 1, 3, 12, 9, 6, 3, 3, 12):
+        bench.burst([AHEAD] * count)
+        bench.wait(count * 1000 / 120)
+    assert bench.refusals() == []
+    assert bench.moves
+
+
+def test_a_stream_that_goes_on_is_no_backlog(bench: Bench):
+    for _ in range(200):  # at 500 Hz
+        bench.command()
+        bench.wait(2)
+    bench.burst([AHEAD] * 10 * CROWD)
+    assert bench.refusals() == []
+    assert bench.sent() == [AHEAD] * 201
 
 
 # A single command, typed by hand
@@ -288,6 +370,21 @@ def test_a_stream_that_follows_a_single_command_begins_a_little_later(bench: Ben
     bench.stream(10)
     assert bench.refusals() == []
     assert bench.sent() == [AHEAD] * 6
+
+
+def test_a_command_that_waits_for_the_guard_as_well_waits_no_longer_than_the_deadline(bench: Bench):
+    bench.command()
+    bench.wait(5000)
+    bench.take(bench.drive.set_guard("starting", bench.now))
+    bench.sent()
+    bench.command()
+    bench.wait(499)
+    assert bench.refusals() == []
+    bench.wait(1)
+    assert bench.refusals() == ["tripped"]
+    bench.take(bench.drive.set_guard("ready", bench.now))
+    bench.wait(100)
+    assert bench.sent() == []
 
 
 def test_a_zero_takes_back_the_command_that_waits(bench: Bench):
