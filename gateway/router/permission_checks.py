@@ -57,7 +57,8 @@ def may_carry_out(session: Session, operation: ClientOperation, *, is_of_tf: boo
         if need.absent is not None and not permissions.sees(name):
             absent = ProtocolError("not_found", need.absent)
             if isinstance(operation, topics.Subscribe):  # which would wait for the topic
-                session.warn(absent, operation.op, operation.id)
+                if operation.type is None:
+                    session.warn(absent, operation.op, operation.id)
                 return False
             raise absent
         _check(permissions, need.action, name, need.doing)
@@ -102,7 +103,8 @@ def _need(operation: ClientOperation, longest: int) -> _Need | None:
         case topics.Publish() | topics.Advertise():
             topic = resolve_topic(operation.topic, longest)
             absent = f"topic {topic} is not known: name its type by `type`, or advertise it"
-            return _Need("publish", (topic,), "publishing on", absent)
+            is_known = operation.type is not None  # it would make the topic
+            return _Need("publish", (topic,), "publishing on", None if is_known else absent)
         case services.CallService():
             service = resolve_service(operation.service, longest)
             return _Need("call", (service,), "calling", f"service {service} does not exist")

@@ -165,6 +165,8 @@ async def answers(bench: Bench, *, exist: bool) -> list[Any]:
         ]
     ):
         client.send(id=number, **operation)
+        if operation["op"] == "subscribe" and "type" in operation:  # it waits, and says nothing
+            client.send(op="ping", id=number)
         await client.sees_id(number)
     return [frame for frame in client.frames if frame["op"] != "pong"]
 
@@ -189,6 +191,21 @@ async def test_a_hidden_subscription_is_refused_in_the_words_for_an_absent_topic
     bench.ros.add_publisher("/secret/pose", STRING)
     await bench.settle()
     assert bench.ros.entity_count() == 1  # of the client that may see it
+
+
+@pytest.mark.parametrize("op", ["subscribe", "publish", "advertise"])
+async def test_with_a_type_a_hidden_name_answers_as_one_that_nobody_has(
+    bench: Bench, op: str
+) -> None:
+    client = viewer(bench, HIDING)
+    answers = []
+    for name in ("/secret/nobody", "/plain/nobody"):
+        message = {"msg": {}} if op == "publish" else {}
+        client.send(op=op, id=name, topic=name, type=STRING, **message)
+        client.send(op="ping", id=f"{name} is done")
+        await client.sees_id(f"{name} is done")
+        answers.append([frame["code"] for frame in client.frames if frame.get("id") == name])
+    assert answers[0] == answers[1] == ([] if op == "subscribe" else ["forbidden"])
 
 
 async def test_a_proposal_never_names_what_is_hidden(bench: Bench) -> None:
