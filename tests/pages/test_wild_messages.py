@@ -96,6 +96,19 @@ async def test_the_drive_page_says_it_and_stops_the_robot_all_the_same(open_page
         await page.click("#stop")
 
 
+async def test_the_drive_page_says_what_cannot_be_shown_until_something_can(open_page, nowhere):
+    async with (
+        gateway_process("serve", *nowhere) as gateway,
+        client(gateway.url) as robot,
+        open_page(f"{page_address(gateway)}drive") as page,
+    ):
+        await robot.send(op="advertise", topic="/wild", type=SCAN, latch=True)
+        await robot.send(op="publish", topic="/wild", msg=NO_HIT | {"ranges": [1e20, 2]})
+        await until(page, "() => /cannot be shown/.test(notice.textContent)")
+        await robot.send(op="publish", topic="/wild", msg=NO_HIT | {"ranges": [1, 2]})
+        await until(page, "() => notice.hidden")
+
+
 async def test_a_card_that_is_refused_takes_no_part_in_what_another_one_gets(demo, open_page):
     cards = "#card=tree+0+/odom&card=plot+0+/odom+no.such.field"
     async with open_page(page_address(demo) + cards) as page:

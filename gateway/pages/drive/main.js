@@ -23,6 +23,7 @@ const TICK_MS = 200;
 const gateway = new Gateway();
 const views = { camera: null, world: null };
 const ages = { camera: new Aging(find("camera")), world: new Aging(find("world")) };
+const failures = new Map(); // of views, in words
 const motion = new Motion();
 const heard = { odometry: "", scan: "", map: "" }; // topics; a robot that is gone takes them out of the graph
 let isConnected = false;
@@ -45,9 +46,9 @@ function show(place, missing, ...kinds) {
   if (!View && !views[place]) find(place).replaceChildren(element("p", {}, missing));
   if (!View || views[place] instanceof View) return;
   views[place]?.end();
-  const view = new View({ topic, gateway, tell: bar.tell });
+  const view = new View({ topic, gateway, tell: bar.tell, untell: bar.untell });
   view.topic = topic;
-  const unsubscribe = gateway.subscribe(topic, view.options, (message) => attempt(() => view.show(message)), lasting(bar.tell));
+  const unsubscribe = gateway.subscribe(topic, view.options, (message) => attempt(place, () => view.show(message)), lasting(bar.tell));
   view.end = () => {
     unsubscribe();
     view.close?.();
@@ -58,15 +59,18 @@ function show(place, missing, ...kinds) {
 
 function draw() {
   requestAnimationFrame(draw); // first: whatever fails here, the next frame comes
-  for (const view of Object.values(views)) attempt(() => view?.draw?.());
+  for (const [place, view] of Object.entries(views)) attempt(`drawing ${place}`, () => view?.draw?.());
 }
 
-/** Say what cannot be shown, and go on: the page has to drive, and to stop. */
-function attempt(action) {
+/** Say what cannot be shown, until it can be, and go on: the page has to drive, and to stop. */
+function attempt(what, action) {
   try {
     action();
+    if (failures.has(what)) bar.untell(failures.get(what));
+    failures.delete(what);
   } catch (error) {
-    bar.tell(`What the robot says cannot be shown: ${error.message}.`);
+    failures.set(what, `What the robot says cannot be shown: ${error.message}.`);
+    bar.tell(failures.get(what));
   }
 }
 

@@ -18,6 +18,11 @@ export function tell(text) {
   find("notice").hidden = !text;
 }
 
+/** Show a sentence no longer, if it is still what is shown. */
+export function untell(text) {
+  if (find("notice").textContent === text) tell("");
+}
+
 /** Stop the robot, whoever drives it. */
 async function stop(gateway) {
   try {

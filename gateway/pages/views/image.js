@@ -7,6 +7,7 @@ export class ImageView {
   #canvas = element("canvas", { className: "picture", width: 320, height: 240, role: "img" });
   #isDecoding = false;
   #next = null;
+  #failure = ""; // what is said of the newest picture
 
   constructor(card) {
     this.card = card;
@@ -30,8 +31,11 @@ export class ImageView {
         if (this.#canvas.width !== bitmap.width) this.#canvas.width = bitmap.width; // to set it anew lays the page out anew
         if (this.#canvas.height !== bitmap.height) this.#canvas.height = bitmap.height;
         this.#canvas.getContext("bitmaprenderer").transferFromImageBitmap(bitmap); // closes it, and copies nothing
+        if (this.#failure) this.card.untell(this.#failure);
+        this.#failure = "";
       } catch (error) {
-        this.card.tell(`this picture (${format}) cannot be shown: ${error.message}`);
+        this.#failure = `this picture (${format}) cannot be shown: ${error.message}`;
+        this.card.tell(this.#failure);
       }
     }
     this.#isDecoding = false;
