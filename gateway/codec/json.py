@@ -17,7 +17,7 @@ import pybase64
 
 from gateway.codec.error_text import MAX_ECHO
 from gateway.codec.errors import JsonError
-from gateway.codec.json_bounds import MAX_CONTAINERS, MAX_ITEMS, check, outline
+from gateway.codec.json_bounds import MAX_CONTAINERS, MAX_ITEMS, check, count_names, outline
 from gateway.codec.json_tokens import in_original, is_at_token, with_numbers, without_tokens
 from gateway.codec.utf8 import invalid_at
 
@@ -165,7 +165,7 @@ def _has_names(data: bytes, outside: bytes | None, count: int) -> bool:
         if not has_space and data.count(b'":') == count:
             return True
         outside = outline(data)
-    return outside.count(b":") == count
+    return count_names(outside) == count
 
 
 def _duplicate(data: bytes) -> JsonError:

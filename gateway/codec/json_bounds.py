@@ -66,13 +66,23 @@ def outline(data: bytes) -> bytes:
 
 def check(outline: bytes, max_items: int) -> None:
     """Raise `JsonError` if a text has more items than *max_items*, or too many objects."""
-    containers = outline.count(b"[") + outline.count(b"{")
-    # each follows a comma or is first in its container
-    empty = outline.count(b"[]") + outline.count(b"{}")
-    if outline.count(b",") + containers - empty > max_items:
-        raise JsonError(f"JSON has over {max_items} items")
+    octets = np.frombuffer(outline, np.uint8)
+    containers = _count(octets | np.uint8(0x20), "{")  # and square brackets, which differ by that bit
     if containers > MAX_CONTAINERS:
         raise JsonError(f"JSON has over {MAX_CONTAINERS} objects and arrays")
+    # each follows a comma or is first in its container
+    items = _count(octets, ",") + containers
+    if items > max_items and items - outline.count(b"[]") - outline.count(b"{}") > max_items:
+        raise JsonError(f"JSON has over {max_items} items")
+
+
+def count_names(outline: bytes) -> int:
+    """Return how many names there are: a colon follows each."""
+    return _count(np.frombuffer(outline, np.uint8), ":")
+
+
+def _count(octets: Octets, character: str) -> int:
+    return int(np.count_nonzero(octets == ord(character)))  # faster than `bytes.count`
 
 
 def _check_cost(size: int, costs: dict[str, int]) -> None:
