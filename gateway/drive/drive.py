@@ -8,8 +8,7 @@ It moves the robot only while its holder commands it to, in time:
   what has piled up. Of the commands of one turn the newest goes out.
 - A stop is `ZEROS` commands of zero, then silence.
 - After a stop that the client did not ask for, the `TripLatch` refuses commands to move.
-- Many commands at once after a silence are a backlog, whatever was before, and a few wait until
-  time has explained them (`Crowd`).
+- Many commands at once after a silence are a backlog, a few wait to be explained (`Crowd`).
 
 A person who types commands by hand sends a single one and knows that the robot moves for one
 deadline. Such a motion, of one command, ends with a latch that allows a single command: it waits
@@ -20,7 +19,6 @@ rule, and do not get it.
 """
 
 from collections.abc import Hashable
-from dataclasses import dataclass, replace
 from typing import Final
 
 from gateway.drive import refusals
@@ -39,6 +37,7 @@ from gateway.drive.effects import (
     Status,
     Stopped,
 )
+from gateway.drive.held import Held
 from gateway.drive.lease import Lease
 from gateway.drive.stop import ZERO_PERIOD_NS, ZEROS
 from gateway.drive.trip_latch import QUIET_NS, TripLatch
@@ -46,16 +45,6 @@ from gateway.drive.velocity import ZERO
 
 HOLD_NS: Final = QUIET_NS
 CROWD_GAP_NS: Final = 3_000_000  # XR's 120 Hz are 8 ms apart
-
-
-@dataclass(slots=True)
-class _Held:
-    """A command that waits: for the guard, or with a time, for others to come after it."""
-
-    command: Command
-    since_ns: int  # when it came
-    until_ns: int | None
-    is_new: bool = False  # of this turn, at whose end is known for how long it waits
 
 
 class Drive:
@@ -78,9 +67,12 @@ class Drive:
         self._accepted_ns = 0
         self._commands = 0
         self._is_by_hand = True  # no command had its client's time
-        self._pending: Command | None = None  # goes out at the end of this turn
-        self._held: _Held | None = None
+        self._pending: Command | None = None  # goes out at the end of this turn, or
+        self._waits = False  # later, as it starts a motion with others that came at once
+        self._is_under_way = False  # a command of this motion has gone out
+        self._held: Held | None = None
         self._crowd = Crowd()
+        self._has_moved = False  # in this turn something was to move the robot
         # the stop
         self._zeros_left = 0
         self._next_zero_ns = 0
@@ -114,6 +106,8 @@ class Drive:
             times.append(self._accepted_ns + self._rules.deadline_ns)
         if self._zeros_left:
             times.append(self._next_zero_ns)
+        if self._waits and self._pending:
+            times.append(self._crowd.explained_ns)
         if self._held:
             times.append(self._held.until_ns or self._held.since_ns + self._rules.deadline_ns)
         if self._lease:
@@ -124,16 +118,18 @@ class Drive:
 
     def command(self, command: Command, now_ns: int) -> Effects:
         """Take a command of a client."""
-        out = self.tick(now_ns)
+        out = self._advance(now_ns)
+        silence_ns = self._rules.deadline_ns if self._moves else QUIET_NS
         refused = self._check(command, now_ns)
         if refused is not None:
             is_stop = command.velocity.is_zero and self._is_held_by(command)
             if self._moves and is_stop:  # late, but never too late
                 self._stop("zero", now_ns, out, is_asked=True)
             if command.age == "stale":  # one that follows closely may be of the same backlog
-                self._crowd.hear(now_ns)
+                self._crowd.hear(command.client, now_ns, silence_ns)
             return [*out, refused]
-        gap_ns = self._crowd.add(now_ns)
+        count = self._crowd.hear if command.age == "fresh" else self._crowd.add
+        gap_ns = count(command.client, now_ns, silence_ns)
         if command.velocity.is_zero:
             self._zero(command, now_ns, out)
         else:
@@ -142,33 +138,35 @@ class Drive:
 
     def invalid(self, client: Hashable, now_ns: int) -> Effects:
         """Take note that a client has sent a message that does not fit the type."""
-        out = self.tick(now_ns)
-        if self._moves and self._lease and self._lease.holder == client:
+        is_held, out = self._take_back(client), self._advance(now_ns)
+        if (self._moves or is_held) and self._lease and self._lease.holder == client:
             self._stop("invalid_value", now_ns, out)
         return out
 
     def end_turn(self, now_ns: int) -> Effects:
-        """Send the newest command of the turn."""
-        out = self.tick(now_ns)
-        is_backlog = self._crowd.end_turn()
-        pending, self._pending = self._pending, None
-        held = self._held
-        waiting = pending or (held and held.command)
-        if is_backlog and waiting and not waiting.velocity.is_zero:
+        """Send the newest command of the turn, or let it wait for what came with it."""
+        out = self._advance(now_ns)
+        has_moved, self._has_moved = self._has_moved, False
+        if self._crowd.end_turn() and has_moved:
+            waiting = self._held.command if self._held else self._pending
             self._stop("backlog", now_ns, out)
-            out.append(self._tripped(waiting))
-        elif pending is not None:
-            out.append(Send(pending.velocity))
-        elif held and held.is_new:
-            held.is_new = False
-            held.until_ns = max(held.since_ns, self._crowd.explained_ns)
-            self._tick_held(held, now_ns, out)
+            if waiting:
+                out.append(self._tripped(waiting))
+        else:
+            self._send_pending(now_ns, out)
         return out
 
     # Other events; those that end something take back what waits before it could go out
 
     def tick(self, now_ns: int) -> Effects:
         """Do what is due."""
+        out = self._advance(now_ns)
+        if self._waits:
+            self._send_pending(now_ns, out)
+        return out
+
+    def _advance(self, now_ns: int) -> Effects:
+        """Do what is due before anything else is; what waits may still be taken back."""
         out: Effects = []
         if self._moves and not self.may_move(now_ns):
             self._stop("deadline", now_ns, out, allows_single=self._is_single)
@@ -200,7 +198,7 @@ class Drive:
     def stop(self, client: Hashable, now_ns: int) -> Effects:
         """Stop at the request of any client, also a robot that stands as far as we know."""
         self._held = None
-        out = self.tick(now_ns)
+        out = self._advance(now_ns)
         is_asked = self._lease is None or self._lease.holder == client
         self._stop("stop", now_ns, out, is_asked=is_asked)
         return out
@@ -209,7 +207,7 @@ class Drive:
         """Give control to a client; what another one has moved is stopped first."""
         if self._held and self._held.command.client != client:
             self._held = None
-        out = self.tick(now_ns)
+        out = self._advance(now_ns)
         if self._lease and self._lease.holder != client:
             if self._moves:
                 self._stop("takeover", now_ns, out)
@@ -224,7 +222,7 @@ class Drive:
     def set_guard(self, guard: GuardState, now_ns: int) -> Effects:
         """Follow the guard process: without it nothing moves."""
         is_changed, self._guard = guard != self._guard, guard
-        out = self.tick(now_ns)
+        out = self._advance(now_ns)
         if is_changed:
             out.append(Changed())
         if guard != "ready" and self._moves:
@@ -233,14 +231,14 @@ class Drive:
             out.append(self._tripped(self._held.command))
             self._held = None
         elif self._held and guard == "ready" and self._held.until_ns is None:
-            self._send_held(self._held, self._held.since_ns, out)
+            self._send_held(self._held, self._held.since_ns, now_ns, out)
         return out
 
     def shut_down(self, now_ns: int) -> Effects:
         """Stop, and refuse to move from now on."""
         self._is_over = True
         self._held = None
-        out = self.tick(now_ns)
+        out = self._advance(now_ns)
         if self._moves:
             self._stop("shutdown", now_ns, out)
         return out
@@ -252,18 +250,11 @@ class Drive:
         return self._commands == 1 and self._is_by_hand
 
     def _check(self, command: Command, now_ns: int) -> Refused | None:
-        if self._lease and not self._may_command(self._lease, command, now_ns):
+        if self._lease and not self._lease.admits(command, now_ns, self._rules):
             return refusals.not_holder(command, self._topic, self._rules)
         if command.age == "stale":
             return refusals.stale(command, self._topic)
         return None
-
-    def _may_command(self, lease: Lease, command: Command, now_ns: int) -> bool:
-        if lease.holder == command.client:
-            return True
-        # with "zero" a client that would drive has to stop first, and zeros take nothing away
-        is_first = not command.velocity.is_zero and self._rules.first_command == "any"
-        return is_first and lease.is_weak(now_ns, self._rules.lease_ns)
 
     def _is_held_by(self, command: Command) -> bool:
         return self._lease is not None and self._lease.holder == command.client
@@ -297,17 +288,18 @@ class Drive:
             out.append(self._tripped(command))
             return
         self._take_lease(command, now_ns, out)
-        command = self._clamp(command, out)
+        clamped = command.clamped(self._rules)
+        if clamped is not command:
+            out.append(Clamped(command, clamped.velocity))
+            command = clamped
+        self._has_moved = True
         if self._latch.is_set:
             until_ns = self._held.until_ns if self._held else now_ns + HOLD_NS
-            self._held = _Held(command, now_ns, until_ns or now_ns + HOLD_NS)
+            self._held = Held(command, now_ns, until_ns or now_ns + HOLD_NS)
         elif self._guard == "starting":
-            self._held = _Held(command, now_ns, None)
-        elif self._moves or command.age != "unknown":
-            self._accept(command, now_ns, out)
+            self._held = Held(command, now_ns, None)
         else:
-            self._pending = None
-            self._held = _Held(command, now_ns, now_ns + HOLD_NS, is_new=True)
+            self._accept(command, now_ns, out)
 
     def _may_be_single(self, command: Command, gap_ns: int | None) -> bool:
         """Return whether a command after a motion of a single one may wait to go out."""
@@ -315,7 +307,7 @@ class Drive:
             return False
         return gap_ns is None or gap_ns >= CROWD_GAP_NS
 
-    def _tick_held(self, held: _Held, now_ns: int, out: Effects) -> None:
+    def _tick_held(self, held: Held, now_ns: int, out: Effects) -> None:
         if held.until_ns is None:
             is_late = now_ns - held.since_ns >= self._rules.deadline_ns
             if not is_late:
@@ -328,35 +320,48 @@ class Drive:
             self._held = None
             out.append(self._tripped(held.command))
         elif self._guard == "ready":
-            self._send_held(held, held.until_ns or now_ns, out)
+            self._send_held(held, now_ns, now_ns, out)
         else:
             held.until_ns = None  # the guard comes in time, or it is too late
 
-    def _send_held(self, held: _Held, accepted_ns: int, out: Effects) -> None:
+    def _take_back(self, client: Hashable) -> bool:
+        """Drop what a client has waiting, and return whether there was something."""
+        is_held = self._held is not None and self._held.command.client == client
+        self._held = None if is_held else self._held
+        return is_held
+
+    def _send_held(self, held: Held, accepted_ns: int, now_ns: int, out: Effects) -> None:
         self._held = None
         self._latch = TripLatch()
         self._accept(held.command, accepted_ns, out)
-        self._pending = None
-        out.append(Send(held.command.velocity))
+        self._send_pending(now_ns, out)
 
     def _accept(self, command: Command, now_ns: int, out: Effects) -> None:
-        self._pending, self._held = command, None
+        self._pending, self._waits = command, False
         self._accepted_ns = now_ns
         if not self._moves:
             self._moves = True
             self._commands = 0
             self._is_by_hand = True
-            self._zeros_left = 0
+            self._is_under_way = False
             out.append(Changed())
         self._commands += 1
         self._is_by_hand &= command.age == "unknown"
 
-    def _clamp(self, command: Command, out: Effects) -> Command:
-        velocity = command.velocity.clamped(self._rules.max_linear, self._rules.max_angular)
-        if velocity == command.velocity:
-            return command
-        out.append(Clamped(command, velocity))
-        return replace(command, velocity=velocity)
+    def _send_pending(self, now_ns: int, out: Effects) -> None:
+        """Send what is pending, unless it starts a motion and what came with it is unexplained."""
+        pending = self._pending
+        if pending is None:
+            return
+        is_start = self._moves and not self._is_under_way and pending.age == "unknown"
+        self._waits = is_start and now_ns < self._crowd.explained_ns
+        if self._waits:
+            return
+        if self._moves:
+            self._is_under_way = True
+            self._zeros_left = 0
+        self._pending = None
+        out.append(Send(pending.velocity))
 
     def _take_lease(self, command: Command, now_ns: int, out: Effects) -> None:
         """Take or renew the lease; `_check` has found nothing against it."""
@@ -370,9 +375,8 @@ class Drive:
             self._lease.driven_ns = now_ns
 
     def _end_lease(self, client: Hashable, cause: Cause, now_ns: int, **how: bool) -> Effects:
-        if self._held and self._held.command.client == client:
-            self._held = None
-        out = self.tick(now_ns)
+        self._take_back(client)
+        out = self._advance(now_ns)
         if self._lease and self._lease.holder == client:
             if self._moves:
                 self._stop(cause, now_ns, out, **how)
@@ -419,6 +423,4 @@ class Drive:
     def _tripped(self, command: Command) -> Refused:
         if self._is_over:
             return refusals.shutting_down(command, self._topic)
-        if self._guard != "ready":
-            return refusals.unguarded(command, self._topic, self._guard)
-        return refusals.tripped(command, self._topic, self._latch.cause or "deadline")
+        return refusals.tripped(command, self._topic, self._latch.cause, self._guard)

@@ -2,7 +2,7 @@
 """Inputs and outputs of a drive, as data."""
 
 from collections.abc import Hashable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from gateway.drive.freshness import Age
@@ -35,6 +35,11 @@ class Command:
     velocity: Velocity
     age: Age = "unknown"
     request: object = None
+
+    def clamped(self, rules: "Rules") -> "Command":
+        """Return it with speeds within the limits, itself if they are."""
+        velocity = self.velocity.clamped(rules.max_linear, rules.max_angular)
+        return self if velocity == self.velocity else replace(self, velocity=velocity)
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,6 +4,8 @@
 from collections.abc import Hashable
 from dataclasses import dataclass
 
+from gateway.drive.effects import Command, Rules
+
 
 @dataclass(slots=True)
 class Lease:
@@ -28,3 +30,11 @@ class Lease:
         if self.is_asked_for:
             return False
         return self.driven_ns is None or now_ns - self.driven_ns >= lease_ns
+
+    def admits(self, command: Command, now_ns: int, rules: Rules) -> bool:
+        """Return whether a client may command, or take the lease by it."""
+        if self.holder == command.client:
+            return True
+        # with "zero" a client that would drive has to stop first, and zeros take nothing away
+        is_first = not command.velocity.is_zero and rules.first_command == "any"
+        return is_first and self.is_weak(now_ns, rules.lease_ns)

@@ -46,17 +46,18 @@ def stale(command: Command, topic: str) -> Refused:
     return Refused(command, "stale_command", reason)
 
 
-def tripped(command: Command, topic: str, cause: Cause) -> Refused:
-    """Refuse a command to move, as the latch is set."""
+def tripped(command: Command, topic: str, cause: Cause | None, guard: GuardState) -> Refused:
+    """Refuse a command to move, as the latch is set or the guard process is not there."""
+    if guard != "ready":
+        return _unguarded(command, topic, guard)
     reason = (
-        f'topic {topic} is stopped, {CAUSE_TEXTS[cause]}: publish a command of zero ("msg":{{}}),'
-        " nothing that moves for 250 ms, then drive on"
+        f"topic {topic} is stopped, {CAUSE_TEXTS[cause or 'deadline']}: publish a command of zero"
+        ' ("msg":{}), nothing that moves for 250 ms, then drive on'
     )
     return Refused(command, "tripped", reason)
 
 
-def unguarded(command: Command, topic: str, guard: GuardState) -> Refused:
-    """Refuse a command to move, as the guard process is not there to stop it."""
+def _unguarded(command: Command, topic: str, guard: GuardState) -> Refused:
     reason = (
         f"topic {topic}: the process that stops the robot if the gateway dies {_GUARD_TEXTS[guard]}"
     )
