@@ -32,7 +32,8 @@ class _Need(NamedTuple):
     action: Action
     names: tuple[str, ...]
     doing: str
-    absent: str | None  # None: an operation that makes names is refused in any case
+    absent: str | None  # None: an operation that makes names is refused in any case,
+    makes: bool = False  # as this one would be, of a name that is absent
 
 
 def may_carry_out(session: Session, operation: ClientOperation, *, is_of_tf: bool = False) -> bool:
@@ -51,10 +52,12 @@ def may_carry_out(session: Session, operation: ClientOperation, *, is_of_tf: boo
     permissions = session.identity.permissions
     need = _need(operation, session.limits.max_name_characters)
     if need is not None and is_of_tf:
-        need = need._replace(action="subscribe", names=_TRANSFORMS, doing="subscribing to")
+        need = need._replace(
+            action="subscribe", names=_TRANSFORMS, doing="subscribing to", makes=False
+        )
     for name in need.names if need else ():
         assert need is not None  # noqa: S101  # else there are no names
-        if need.absent is not None and not permissions.sees(name):
+        if need.absent is not None and not need.makes and not permissions.sees(name):
             absent = ProtocolError("not_found", need.absent)
             if isinstance(operation, topics.Subscribe):  # which would wait for the topic
                 if operation.type is None:
@@ -103,8 +106,8 @@ def _need(operation: ClientOperation, longest: int) -> _Need | None:
         case topics.Publish() | topics.Advertise():
             topic = resolve_topic(operation.topic, longest)
             absent = f"topic {topic} is not known: name its type by `type`, or advertise it"
-            is_known = operation.type is not None  # it would make the topic
-            return _Need("publish", (topic,), "publishing on", None if is_known else absent)
+            makes = operation.type is not None
+            return _Need("publish", (topic,), "publishing on", absent, makes)
         case services.CallService():
             service = resolve_service(operation.service, longest)
             return _Need("call", (service,), "calling", f"service {service} does not exist")
