@@ -108,6 +108,8 @@ class Driving(RuleBasedStateMachine):
 
     @rule(client=CLIENTS, method=st.sampled_from(["stop", "acquire", "release", "invalid"]))
     def operate(self, client: str, method: str) -> None:
+        over = {"stop": "abc", "acquire": "abc".replace(client, "")}.get(method, client)
+        self.history += [Event(self.now, "gone", each) for each in over]  # what they have sent
         self.judge(getattr(self.drive, method)(client, self.now))
 
     @rule(guard=st.sampled_from(["starting", "ready", "ready", "lost"]))
