@@ -235,7 +235,8 @@ async def test_a_plot_says_what_was_when_one_points_at_and_can_be_looked_at_clos
 
         async def point(share: float) -> None:
             box = await over.bounding_box()
-            await page.mouse.move(box["x"] + share * box["width"], box["y"] + box["height"] / 2)
+            place = (box["x"] + share * box["width"], box["y"] + box["height"] / 2)
+            await page.mouse.move(*place, steps=3)
 
         async def age_s(share: float) -> float:
             """Return how old what is under the pointer is, as the legend says."""
