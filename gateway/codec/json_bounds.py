@@ -67,9 +67,8 @@ def outline(data: bytes) -> bytes:
 def check(outline: bytes, max_items: int) -> None:
     """Raise `JsonError` if a text has more items than *max_items*, or too many objects."""
     octets = np.frombuffer(outline, np.uint8)
-    containers = _count(
-        octets | np.uint8(0x20), "{"
-    )  # and square brackets, which differ by that bit
+    # and square brackets, which differ from the others by one bit
+    containers = _count(octets | np.uint8(0x20), "{")
     if containers > MAX_CONTAINERS:
         raise JsonError(f"JSON has over {MAX_CONTAINERS} objects and arrays")
     # each follows a comma or is first in its container
