@@ -23,12 +23,17 @@ ARGS ?=
 WHAT ?=
 COMPARE ?=
 REPEAT ?=
+ALL ?=
 SECONDS ?= 60
 MINUTES ?=
 PYTEST_ARGS ?= $(ARGS)
 # As many workers as tests/conftest.py says. Each begins with a part of the tests in their order, so that those that share
 # a gateway or a Mono process stay together; one that has done its own takes over from the others.
 WORKERS := -n auto --dist worksteal
+
+# Whoever names tests gets those. Else what takes longest is left out, but for ALL=1.
+SELECTION := $(if $(ALL),,-m 'not long')
+DURATION := $(if $(ALL),a quarter of an hour,six minutes)
 
 .DEFAULT_GOAL := help
 .PHONY: help demo serve test kilted lint format docs screenshots bench faults fuzz soak mutants clean
@@ -42,13 +47,13 @@ demo: $(READY) ## start the simulated robot and the gateway (make demo ARGS='--p
 serve: $(READY) ## start the gateway alone (make serve ARGS='--domain-id 7')
 	@$(BIN)/ros2-gateway serve $(ARGS)
 
-test: lint $(CLIENTS) ## check and test everything, a quarter of an hour (make test ARGS='tests/cli/test_main.py -x -n0')
+test: lint $(CLIENTS) ## check and test, six minutes; a quarter of an hour with ALL=1 (make test ARGS='tests/cli/test_main.py -n0')
 	$(BIN)/python -m schemas.generate --check
 	@$(BIN)/python -m tests.interfaces
 	@sh tools/make-mono.sh
 	@sh tools/make-browser.sh
-	@$(if $(PYTEST_ARGS),:,echo "testing takes about a quarter of an hour on two cores, the first time some minutes more ...")
-	$(BIN)/python -m pytest $(WORKERS) $(PYTEST_ARGS)
+	@$(if $(PYTEST_ARGS),:,echo "testing takes about $(DURATION) on two cores, the first time some minutes more ...")
+	$(BIN)/python -m pytest $(WORKERS) $(or $(PYTEST_ARGS),$(SELECTION))
 
 kilted: $(READY_ON_KILTED) ## test what depends on ROS with ROS 2 Kilted, in .venv-kilted, some 5 minutes
 	@$(KILTED)/bin/python -m tests.interfaces

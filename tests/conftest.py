@@ -33,6 +33,18 @@ def pytest_xdist_auto_num_workers() -> int:
     return min(WORKERS_PER_CORE * len(os.sched_getaffinity(0)), MAX_WORKERS)
 
 
+# A whole system is many processes, a browser, a robot that drives: most of the suite's time.
+WHOLE_SYSTEMS = ("tests/e2e/", "tests/pages/")
+
+
+@pytest.hookimpl(tryfirst=True)  # before pytest leaves out what `-m` says
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark as ``long`` what tries a whole system, but for one of each kind, marked ``brief``."""
+    for item in items:
+        if item.nodeid.startswith(WHOLE_SYSTEMS) and item.get_closest_marker("brief") is None:
+            item.add_marker("long")
+
+
 # How fast an example is made or tested says more about the machine than about the code.
 _UNTIMED = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
 # The same examples each time: a failure is that of the change at hand, and comes again.

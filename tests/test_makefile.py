@@ -53,6 +53,35 @@ def test_make_docs_that_fails_leaves_the_page_as_it_was(tree):
     assert (code != 0, page) == (True, PAGE)
 
 
+@pytest.mark.parametrize(
+    ("arguments", "selects"),
+    [
+        ((), "-m not long"),
+        (("ALL=1",), ""),
+        (("ARGS=tests/e2e/test_log.py -x",), "tests/e2e/test_log.py -x"),
+    ],
+    ids=["short", "all", "named"],
+)
+def test_make_test_leaves_out_what_is_long_unless_it_is_asked_for(tree, arguments, selects):
+    make = shutil.which("make")
+    if make is None:
+        pytest.skip("make is not installed")
+    for name in ("ruff", "mypy", "lint-imports"):
+        script(tree, name, "exit 0")
+    script(tree, "python", 'case "$2" in pytest) echo "runs: $*";; esac')
+    (tree / "tools").mkdir()
+    for name in ("make-clients", "make-mono", "make-browser"):
+        (tree / f"tools/{name}.sh").touch()
+    (tree / ".venv/clients").mkdir()
+    (tree / ".venv/clients/.ready").touch()
+    command = [make, "-f", str(ROOT / "Makefile"), "test", *arguments]
+    finished = subprocess.run(
+        command, cwd=tree, capture_output=True, timeout=TIMEOUT_S, check=True, text=True
+    )
+    ran = [line for line in finished.stdout.splitlines() if line.startswith("runs: ")]
+    assert ran == [f"runs: -m pytest -n auto --dist worksteal {selects}".rstrip()]
+
+
 def test_a_tree_that_cannot_be_written_is_named_with_what_to_do(tmp_path):
     (tmp_path / ".venv").touch()  # which root cannot make a folder of, either
     for source in ("Makefile", "pyproject.toml"):

@@ -23,6 +23,7 @@ def free_port() -> str:
         return str(server.getsockname()[1])
 
 
+@pytest.mark.long
 async def test_a_restart_of_the_gateway_is_survived(library: Driver, robot: Robot):
     client = library.connection()
     out, into, service = client.own("out"), client.own("in"), client.own("switch")

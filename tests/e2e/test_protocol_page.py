@@ -8,6 +8,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from tests.client import Client, client
 from tests.demonstration import demonstration
 
@@ -81,6 +83,7 @@ def is_timeout(frame: Any) -> bool:
     return frame.get("code") == "timeout"
 
 
+@pytest.mark.brief
 async def test_every_example_of_the_page_holds():
     assert len(CONVERSATIONS) > 25
     places = [f"limits.{limit}=64" for limit in ("max_clients", "max_clients_per_address")]
@@ -103,6 +106,7 @@ async def on_its_own_connection(url: str, conversation: str) -> str | None:
     return surprise
 
 
+@pytest.mark.brief
 def test_the_examples_tell_a_wrong_frame_from_a_right_one():
     assert fits(
         expectation('{"a":...,"b":[{"c":1,...},...]}'), {"a": 2, "b": [0, {"c": 1, "d": 2}]}

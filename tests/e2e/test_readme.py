@@ -18,6 +18,7 @@ MINUTE = README.partition("## The first minute")[2].partition("\n## ")[0]
 LINES = re.findall(r"^```\n(\{.*\})\n^```", MINUTE, re.MULTILINE)
 
 
+@pytest.mark.brief
 def test_the_first_minute_begins_calmly():
     first = json.loads(LINES[0])
     assert (first["op"], first["throttle_rate"]) == ("subscribe", 1000)
@@ -25,6 +26,7 @@ def test_the_first_minute_begins_calmly():
     assert [line for line in LINES if f"  {line}\n" in shown] == LINES[:5]
 
 
+@pytest.mark.brief
 async def test_the_first_minute_goes_as_the_readme_says():
     subscribe, drive, look_up, go, cancel, reset = LINES
     async with demonstration() as gateway, client(gateway.url) as person:

@@ -17,7 +17,7 @@ from tests.client import TIMEOUT_S, Client, Frame, client, eventually
 from tests.demonstration import until_it_can_be_driven
 from tests.gateway_process import GatewayProcess, gateway_process
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = [pytest.mark.brief, pytest.mark.asyncio(loop_scope="module")]
 
 TWIST = "geometry_msgs/msg/Twist"
 

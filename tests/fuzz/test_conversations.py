@@ -45,6 +45,7 @@ def converse_again(stage: Stage) -> None:
         print("once, and not when it was said again:", *error.exceptions)
 
 
+@pytest.mark.long
 def test_whatever_clients_say_is_answered_and_leaves_nothing_behind():
     with open_stage() as stage:
         stage.start_threads()

@@ -15,7 +15,7 @@ from tests.demonstration import until_it_can_be_driven
 from tests.gateway_process import gateway_process
 from tests.pages.conftest import DESK, page_address
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+pytestmark = [pytest.mark.brief, pytest.mark.asyncio(loop_scope="module")]
 
 PHONE = {"width": 390, "height": 844}
 # whether a canvas has more than one colour; asked of a copy, as reading makes a canvas slow
@@ -418,6 +418,7 @@ async def test_what_is_no_json_or_no_operation_is_said_and_harms_nothing(demo, o
 
 
 @pytest.mark.parametrize("viewport", [DESK, PHONE], ids=["desk", "phone"])
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("name", "scheme", "ready"),
     [

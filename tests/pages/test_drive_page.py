@@ -57,6 +57,7 @@ def drive(demo, open_page):
     return open_it
 
 
+@pytest.mark.brief
 async def test_a_held_key_drives_and_letting_go_stops(drive, watched):
     async with drive() as page:
         await page.keyboard.down("ArrowLeft")
@@ -430,7 +431,7 @@ RINGS = """(() => {
     const { data } = copy.getImageData(0, 0, canvas.width, canvas.height);
     let [left, right] = [canvas.width, 0];
     for (let at = 0; at < data.length; at += 4) {
-        if (data[at] < 185 || data[at + 1] > 0.29 * data[at] || data[at + 2] > 80) continue;
+        if (data[at] < 185 || data[at + 1] > 0.24 * data[at] || data[at + 2] > 80) continue;
         const x = (at / 4) % canvas.width;
         left = Math.min(left, x);
         right = Math.max(right, x);

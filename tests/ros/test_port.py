@@ -440,6 +440,7 @@ async def test_a_middleware_without_callbacks_is_noticed_at_the_start(
             pass
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("taking", ["eventfd", "wait_set"])
 async def test_two_hundred_rounds_of_each_kind_leave_nothing(taking: Taking) -> None:
     requests: list[Request] = []

@@ -170,6 +170,7 @@ def test_each_number_of_an_operation_may_be_anything(op: str, caplog: pytest.Log
     assert [each for each in caplog.records if each.levelno >= logging.ERROR] == []
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("op", sorted(OPERATIONS))
 def test_no_number_of_an_operation_is_more_than_a_gateway_can_answer(
     op: str, caplog: pytest.LogCaptureFixture

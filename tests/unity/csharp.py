@@ -182,8 +182,11 @@ def parameters_of(binary: Binary) -> list[Any]:
         raise CompileError(f"{binary.name}'s tests cannot be listed:\n{listing.stderr}")
     tests = [json.loads(line) for line in listing.stdout.splitlines()]
     return [
-        pytest.param(
-            CSharpTest(test["name"], binary, frozenset(test["categories"])), id=test["name"]
-        )
+        _parameter(CSharpTest(test["name"], binary, frozenset(test["categories"])))
         for test in tests
     ]
+
+
+def _parameter(test: CSharpTest) -> Any:
+    marks = [pytest.mark.long] if "Long" in test.categories else []
+    return pytest.param(test, id=test.name, marks=marks)

@@ -18,11 +18,13 @@ def test_components(test, check_csharp):
     check_csharp(test)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("test", csharp.parameters("Ros2Gateway.Core.Tests", csharp.AHEAD_OF_TIME))
 def test_core_ahead_of_time(test, check_ahead_of_time):
     check_ahead_of_time(test)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("test", csharp.parameters("Ros2Gateway.Unity.Tests", csharp.AHEAD_OF_TIME))
 def test_components_ahead_of_time(test, check_ahead_of_time):
     check_ahead_of_time(test)

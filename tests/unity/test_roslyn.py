@@ -17,6 +17,7 @@ pytestmark = [
 CSHARP_9 = Path(__file__).parent / "csharp9"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("target", [EDITOR.with_everything(), ANDROID, WEBGL], ids=str)
 def test_the_package_has_no_warning(target: Target) -> None:
     assert roslyn.diagnostics(roslyn.described(target)) == []

@@ -64,6 +64,7 @@ async def injected(robot: Base, driver, inject: Callable[[], None]) -> int:
 # Client
 
 
+@pytest.mark.brief
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT], ids=["killed", "closed"])
 async def test_a_client_that_ends_stops_the_robot(robot, gateway, measured, number):
     for _ in REPETITIONS:
@@ -74,6 +75,7 @@ async def test_a_client_that_ends_stops_the_robot(robot, gateway, measured, numb
             measured(f"client {name}", took_s, allowed_s=0.1)
 
 
+@pytest.mark.brief
 async def test_a_client_that_is_frozen_stops_the_robot(robot, gateway, measured):
     for _ in REPETITIONS:
         async with scene.operator(gateway.url) as driver:
@@ -82,6 +84,7 @@ async def test_a_client_that_is_frozen_stops_the_robot(robot, gateway, measured)
             measured("client frozen", took_s, after_s=DEADLINE_S, allowed_s=0.1)
 
 
+@pytest.mark.brief
 async def test_a_link_that_goes_black_stops_the_robot(robot, gateway, measured):
     for _ in REPETITIONS:
         async with (
@@ -181,6 +184,7 @@ async def driven(robot: Base) -> AsyncIterator[tuple[Gateway, asyncio.subprocess
         yield own, driver
 
 
+@pytest.mark.brief
 @pytest.mark.parametrize(
     ("number", "name", "allowed_s"),
     [(signal.SIGTERM, "SIGTERM", 0.1), (signal.SIGKILL, "SIGKILL", 0.2)],

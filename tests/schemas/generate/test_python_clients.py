@@ -100,6 +100,7 @@ def test_types_that_share_a_name_have_their_package_before_it(imported):
     assert not hasattr(models, "String")
 
 
+@pytest.mark.long
 def test_mypy_finds_nothing_in_any_type(written):
     for what in (("-p", "robot_models"), ("all_models.py",)):
         checked = subprocess.run(

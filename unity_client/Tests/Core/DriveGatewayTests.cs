@@ -16,6 +16,7 @@ namespace Ros2Gateway.Tests
         private const double Standing = 1e-3; // m/s and rad/s
 
         // A third of a minute each, at the robot's pace: twenty targets in all, four of them ahead of time.
+        [Category("Long")]
 #if ENABLE_IL2CPP
         [TestCase(5)]
 #else

@@ -155,6 +155,7 @@ namespace Ros2Gateway.Unity.Tests
         }
 
         [UnityTest]
+        [Category("Long")]
         public IEnumerator FramesThatNobodyAsksForMakeRoom()
         {
             LogAssert.ignoreFailingMessages = true; // nobody knows these frames
@@ -179,6 +180,7 @@ namespace Ros2Gateway.Unity.Tests
         }
 
         [UnityTest]
+        [Category("Long")]
         public IEnumerator FramesThatNobodyAsksForMakeRoomForOtherFixedFrames()
         {
             LogAssert.ignoreFailingMessages = true; // nobody knows these frames
