@@ -59,7 +59,8 @@ class Session:
         self.address = "?"
         self.client = "?"  # address and number, for logs and metrics
         self.latency = Histogram()  # of what its topics sent, see `Queue.on_timed`
-        self.authenticate: Callable[[Auth], None] | None = None  # set by who knows the tokens
+        # set by who knows the tokens; else nobody has to show one
+        self.authenticate: Callable[[Auth], None] = lambda request: None
         self.outbox = Outbox(limits.send_queue_bytes)
         self.wake = wake
         # takes what work for this client has taken from its time budget: seconds, and the time;

@@ -154,6 +154,8 @@ def _needs_no_permission(
     | gateway.Help
     | gateway.Describe
     | gateway.Generate
+    # meshes and textures of installed packages tell nothing of what the robot does
+    | gateway.FetchAsset
     | gateway.GraphRequest
     | gateway.Events
     | gateway.SetLevel

@@ -324,8 +324,7 @@ class Router:
                 | parameters.SetParameters()
                 | parameters.DescribeParameters()
             ):
-                work = self._views.of(session).parameters.carry_out
-                self._answer_later(session, operation, work, self._asking)
+                self._ask_node(session, operation)
             case transforms.LookupTransform(rate=None):
                 self._answer_later(session, operation, self._transforms.lookup, self._looking)
             case transforms.LookupTransform():
@@ -350,6 +349,8 @@ class Router:
                 self._introspection.describe(session, operation)
             case gateway.Generate():
                 self._generate(session, operation)
+            case gateway.FetchAsset():
+                self._answer_later(session, operation, self._introspection.fetch, self._asking)
             case gateway.GraphRequest():
                 self._introspection.graph(session, operation)
             case gateway.Events():
@@ -357,10 +358,13 @@ class Router:
             case gateway.SetLevel():
                 session.set_level(operation.level)
             case gateway.Auth():
-                if session.authenticate is not None:
-                    session.authenticate(operation)
+                session.authenticate(operation)
             case _:
                 assert_never(operation)
+
+    def _ask_node(self, session: Session, operation: parameters.ParameterOperation) -> None:
+        work = self._views.of(session).parameters.carry_out
+        self._answer_later(session, operation, work, self._asking)
 
     def _generate(self, session: Session, operation: gateway.Generate) -> None:
         write = partial(self._introspection.generate, session)

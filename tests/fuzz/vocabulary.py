@@ -164,6 +164,11 @@ ASKED_OF_NODES: list[dict[str, Any]] = [
         for asmdef in (None, "A.B", "../x", 7)
     ),
     *(
+        {"op": "fetch_asset", "uri": uri, "offset": offset}
+        for uri in ("package://rclpy/x.stl", "package://%00/%ff.stl", "x" * 500, "", 7)
+        for offset in (0, -1, 2**63, 1e308, "x")
+    ),
+    *(
         {"op": op, "node": node}
         for op in ("list_parameters", "get_parameters", "describe_parameters")
         for node in ("/ros2_gateway_debug", "outside", "/nobody", "", "a b", "/" * 9)

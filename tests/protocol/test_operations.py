@@ -18,7 +18,7 @@ from gateway.protocol.operations.topics import (
 from gateway.protocol.operations.transforms import StampRequest
 
 NEEDED: dict[str, Any] = {
-    **dict.fromkeys(["topic", "service", "action", "node", "data", "id", "type"], "x"),
+    **dict.fromkeys(["topic", "service", "action", "node", "data", "id", "type", "uri"], "x"),
     **dict.fromkeys(["target_frame", "source_frame"], "x"),
     "num": 0,
     "total": 1,

@@ -50,6 +50,7 @@ ClientOperation = (
     | gateway.Ping
     | gateway.Describe
     | gateway.Generate
+    | gateway.FetchAsset
     | gateway.GraphRequest
     | gateway.Events
     | gateway.Auth

@@ -71,6 +71,14 @@ class Generate(Operation):
         return asmdef
 
 
+class FetchAsset(Operation):
+    """Ask for a part of a mesh or a texture of an installed package, from an offset in bytes."""
+
+    op = "fetch_asset"
+    uri: str
+    offset: Annotated[int, Field(ge=0)] = 0
+
+
 class GraphRequest(Operation):
     """Ask for topics, services, actions and nodes.
 

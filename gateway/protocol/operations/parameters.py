@@ -45,3 +45,6 @@ class DescribeParameters(Operation):
     node: str
     names: Names | None = None
     timeout: Seconds | None = None
+
+
+ParameterOperation = ListParameters | GetParameters | SetParameters | DescribeParameters

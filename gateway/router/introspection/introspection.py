@@ -10,6 +10,7 @@ from gateway.protocol.operations import OPERATIONS
 from gateway.protocol.operations.gateway import Describe, GraphRequest, Hello, Help, Ping
 from gateway.protocol.session import Session
 from gateway.router.introspection import graph_frames
+from gateway.router.introspection.assets import Assets
 from gateway.router.introspection.client_code import ClientCode
 from gateway.router.introspection.descriptions import Descriptions
 from gateway.router.introspection.help import DOCS, frames_to_try
@@ -33,15 +34,21 @@ class Introspection:
         version: str,
     ) -> None:
         self._ros = ros
-        client_code = ClientCode(descriptions.definitions)
-        self.generate = client_code.generate
-        self.close = client_code.close
+        self._client_code = ClientCode(descriptions.definitions)
+        self.generate = self._client_code.generate
+        self._assets = Assets()
+        self.fetch = self._assets.fetch
         self._descriptions = descriptions
         self._subscriptions = subscriptions
         self._limits = limits
         self._version = version
         self._watching: dict[Session, str | int | None] = {}
         self._seen: Graph | None = None  # the last snapshot that the watchers got
+
+    def close(self) -> None:
+        """End the threads, with what they are doing."""
+        self._client_code.close()
+        self._assets.close()
 
     def ping(self, session: Session, request: Ping) -> None:
         """Answer `ping` with ROS time and gateway time."""

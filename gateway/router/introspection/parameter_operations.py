@@ -8,6 +8,7 @@ from gateway.protocol.operations.parameters import (
     DescribeParameters,
     GetParameters,
     ListParameters,
+    ParameterOperation,
     SetParameters,
 )
 from gateway.rosapi.node_parameters import Parameters, node_timeout_s
@@ -22,9 +23,7 @@ class ParameterOperations:
     def __init__(self, parameters: Parameters) -> None:
         self._parameters = parameters
 
-    async def carry_out(
-        self, request: ListParameters | GetParameters | SetParameters | DescribeParameters
-    ) -> dict[str, Any]:
+    async def carry_out(self, request: ParameterOperation) -> dict[str, Any]:
         """Return the members of the answer."""
         match request:
             case ListParameters():

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The models and pictures of installed packages, which a robot's description names.
+
+A description (URDF, http://wiki.ros.org/urdf/XML/link) or a marker has them as
+``package://arm/meshes/upper.stl``: the file below ``share/arm`` of the first prefix that has
+the package, as in `ament_index`.
+"""
+
+import asyncio
+import base64
+import os
+import re
+import stat
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+from urllib.parse import unquote
+
+from gateway.codec.error_text import truncate
+from gateway.protocol.errors import ProtocolError
+from gateway.protocol.operations.gateway import FetchAsset
+from schemas.installed import installed_prefixes
+
+# What a mesh or a texture ends in: nothing else of a package is anybody's business.
+SUFFIXES: Final = (".stl", ".dae", ".obj", ".mtl", ".glb", ".ply", ".png", ".jpg", ".jpeg")
+MAX_BYTES: Final = 64 * 1024 * 1024
+# An answer goes ahead of what waits in queues, so it is no larger than a picture.
+CHUNK_BYTES: Final = 32 * 1024
+
+_SCHEME: Final = "package://"
+_PACKAGE: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
+
+
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """Some bytes of a file, from an offset that was asked for, and the size of the whole."""
+
+    data: bytes
+    size: int
+
+
+class Assets:
+    """Reads them in a thread, one chunk after the other: a disk may take its time."""
+
+    def __init__(self) -> None:
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix="assets")
+
+    def close(self) -> None:
+        """Read no more; the thread ends with what it is reading."""
+        self._thread.shutdown(wait=False, cancel_futures=True)
+
+    async def fetch(self, request: FetchAsset) -> dict[str, Any]:
+        """Return the part of an asset that begins at an offset, for the answer.
+
+        Raises:
+            ProtocolError: as for `read`.
+        """
+        loop = asyncio.get_running_loop()
+        chunk = await loop.run_in_executor(
+            self._thread, read, request.uri, request.offset, installed_prefixes()
+        )
+        return {
+            "uri": request.uri,
+            "offset": request.offset,
+            "size": chunk.size,
+            "data": base64.b64encode(chunk.data).decode(),
+        }
+
+
+def read(uri: str, offset: int, prefixes: Iterable[Path]) -> Chunk:
+    """Read up to `CHUNK_BYTES` of an asset; none at its end.
+
+    Raises:
+        ProtocolError: ``bad_name``: the URI names no model or picture of a package;
+            ``not_found``: the package or the file is missing; ``invalid_value``: *offset* is
+            beyond its end; ``limit_exceeded``: it is too large.
+    """
+    package, path = _parts(uri)
+    shares = (prefix / "share" / package for prefix in prefixes)
+    share = next(filter(Path.is_dir, shares), None)
+    if share is None:
+        reason = f"{_quoted(uri)}: the gateway's machine has no package {package}"
+        raise ProtocolError("not_found", f"{reason} in its AMENT_PREFIX_PATH")
+    try:
+        # not blocking, where somebody has put a FIFO
+        descriptor = os.open(share / path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    except (OSError, ValueError) as error:  # a ValueError of NUL
+        why = error.strerror if isinstance(error, OSError) else None
+        reason = f"{_quoted(uri)}: the package has no such file that can be read"
+        raise ProtocolError("not_found", f"{reason}: {why}" if why else reason) from error
+    try:
+        status = os.fstat(descriptor)
+        if not stat.S_ISREG(status.st_mode):
+            raise ProtocolError("not_found", f"{_quoted(uri)}: that is no file")
+        if status.st_size > MAX_BYTES:
+            reason = f"it has {status.st_size} bytes, at most {MAX_BYTES} are given"
+            raise ProtocolError("limit_exceeded", f"{_quoted(uri)}: {reason}")
+        if offset > status.st_size:
+            reason = f"offset: expected at most {status.st_size}, its size, got {offset}"
+            raise ProtocolError("invalid_value", f"{_quoted(uri)}: {reason}")
+        return Chunk(os.pread(descriptor, CHUNK_BYTES, offset), status.st_size)
+    finally:
+        os.close(descriptor)
+
+
+def _parts(uri: str) -> tuple[str, str]:
+    """Return the name of the package and the path in it."""
+    package, _, path = unquote(uri.removeprefix(_SCHEME)).partition("/")
+    if not uri.startswith(_SCHEME) or not _PACKAGE.fullmatch(package) or not path:
+        raise ProtocolError("bad_name", f"{_quoted(uri)}: expected package://PACKAGE/PATH")
+    if any(part in {"", ".", ".."} for part in path.split("/")):
+        raise ProtocolError("bad_name", f"{_quoted(uri)}: . and .. lead out of the package")
+    if not path.lower().endswith(SUFFIXES):
+        expected = f"expected one of the files that end in {', '.join(SUFFIXES)}"
+        raise ProtocolError("bad_name", f"{_quoted(uri)}: {expected}")
+    return package, path
+
+
+def _quoted(uri: str) -> str:
+    return f"uri {truncate(uri)}"
