@@ -3,7 +3,8 @@
 
 A description (URDF, http://wiki.ros.org/urdf/XML/link) or a marker has them as
 ``package://arm/meshes/upper.stl``: the file below ``share/arm`` of the first prefix that has
-the package, as in `ament_index`.
+the package, as in `ament_index`. What xacro's ``$(find arm)`` has made a ``file://`` of is the
+same file, if it lies there.
 """
 
 import asyncio
@@ -11,7 +12,7 @@ import base64
 import os
 import re
 import stat
-from collections.abc import Iterable
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,7 +30,7 @@ MAX_BYTES: Final = 64 * 1024 * 1024
 # An answer goes ahead of what waits in queues, so it is no larger than a picture.
 CHUNK_BYTES: Final = 32 * 1024
 
-_SCHEME: Final = "package://"
+_PACKAGES: Final = "package://"
 _PACKAGE: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 
 
@@ -69,7 +70,7 @@ class Assets:
         }
 
 
-def read(uri: str, offset: int, prefixes: Iterable[Path]) -> Chunk:
+def read(uri: str, offset: int, prefixes: Sequence[Path]) -> Chunk:
     """Read up to `CHUNK_BYTES` of an asset; none at its end.
 
     Raises:
@@ -77,7 +78,7 @@ def read(uri: str, offset: int, prefixes: Iterable[Path]) -> Chunk:
             ``not_found``: the package or the file is missing; ``invalid_value``: *offset* is
             beyond its end; ``limit_exceeded``: it is too large.
     """
-    package, path = _parts(uri)
+    package, path = _parts(uri, prefixes)
     shares = (prefix / "share" / package for prefix in prefixes)
     share = next(filter(Path.is_dir, shares), None)
     if share is None:
@@ -105,17 +106,24 @@ def read(uri: str, offset: int, prefixes: Iterable[Path]) -> Chunk:
         os.close(descriptor)
 
 
-def _parts(uri: str) -> tuple[str, str]:
+def _parts(uri: str, prefixes: Sequence[Path]) -> tuple[str, str]:
     """Return the name of the package and the path in it."""
-    package, _, path = unquote(uri.removeprefix(_SCHEME)).partition("/")
-    if not uri.startswith(_SCHEME) or not _PACKAGE.fullmatch(package) or not path:
-        raise ProtocolError("bad_name", f"{_quoted(uri)}: expected package://PACKAGE/PATH")
+    package, _, path = unquote(_below_share(uri, prefixes)).partition("/")
+    if not _PACKAGE.fullmatch(package) or not path:
+        expected = "expected package://PACKAGE/PATH, or file:// of the same file"
+        raise ProtocolError("bad_name", f"{_quoted(uri)}: {expected}")
     if any(part in {"", ".", ".."} for part in path.split("/")):
         raise ProtocolError("bad_name", f"{_quoted(uri)}: . and .. lead out of the package")
     if not path.lower().endswith(SUFFIXES):
         expected = f"expected one of the files that end in {', '.join(SUFFIXES)}"
         raise ProtocolError("bad_name", f"{_quoted(uri)}: {expected}")
     return package, path
+
+
+def _below_share(uri: str, prefixes: Sequence[Path]) -> str:
+    """Return what follows the ``share`` of a prefix; nothing if the URI is of another kind."""
+    begins = (_PACKAGES, *(f"file://{prefix}/share/" for prefix in prefixes))
+    return next((uri.removeprefix(begin) for begin in begins if uri.startswith(begin)), "")
 
 
 def _quoted(uri: str) -> str:

@@ -97,6 +97,18 @@ async def test_a_link_in_the_package_is_followed_as_colcon_makes_them(bench, sha
     )
 
 
+async def test_what_xacro_has_found_is_the_file_of_the_package(bench: Bench, share):
+    answer = await fetched(bench, uri=f"file://{share}/meshes/upper.stl")
+    assert base64.b64decode(answer["data"]) == MESH[: 32 * 1024]
+
+
+async def test_no_other_file_is_given(bench: Bench, share, tmp_path):
+    (tmp_path / "secret.stl").write_bytes(b"secret")
+    inside = f"file://{share}"
+    for uri in (f"file://{tmp_path}/secret.stl", f"{inside}/../../../secret.stl", f"{inside}.stl"):
+        assert (await refused(bench, uri=uri))[0] == "bad_name"
+
+
 @pytest.mark.parametrize(
     "uri",
     [
