@@ -19,6 +19,7 @@ CONVERSATIONS = re.findall(r"^```wscat\n(.*?)^```", PAGE.read_text(), re.DOTALL 
 # At an example: on a busy machine nodes of ROS answer later than the page expects, and a name may
 # be too new to be suggested.
 ATTEMPTS = 3
+TWIST = "geometry_msgs/msg/Twist"
 
 ANY = "*any*"  # stands for `...` as a value
 MORE = "*more*"  # stands for `...` as a further member or element
@@ -103,6 +104,8 @@ async def on_its_own_connection(url: str, conversation: str) -> str | None:
                 surprise = await hold(conversation, speaker)
                 if surprise is None:
                     break
+            if "/cmd_vel" in conversation:  # as it was, for another attempt
+                await speaker.send(op="publish", topic="/cmd_vel", type=TWIST, msg={})
     return surprise
 
 

@@ -417,8 +417,19 @@ async def test_what_is_no_json_or_no_operation_is_said_and_harms_nothing(demo, o
         page.wrong[:] = [each for each in page.wrong if not each.startswith("http")]
 
 
-@pytest.mark.parametrize("viewport", [DESK, PHONE], ids=["desk", "phone"])
+async def test_on_a_phone_the_bar_leaves_the_screen_to_the_cards(demo, open_page):
+    async with open_page(page_address(demo), PHONE) as page:
+        await until(page, "() => state.textContent === 'connected'")
+        heights = await page.evaluate("""() => {
+            const parts = [...document.querySelectorAll(".bar > :not(h1)")];
+            return [parts.find((each) => each.id === "stop"), document.querySelector(".bar")].map(
+                (each) => each.offsetHeight);
+        }""")
+        assert heights[1] < 3 * heights[0]  # two rows, and what lies around them
+
+
 @pytest.mark.long
+@pytest.mark.parametrize("viewport", [DESK, PHONE], ids=["desk", "phone"])
 @pytest.mark.parametrize(
     ("name", "scheme", "ready"),
     [

@@ -63,21 +63,21 @@ export class Plan {
   grid() {
     const reach = SIZE / 2 / this.#scale;
     const step = stepOf(reach);
+    const columns = marks(this.#middle.x - reach, this.#middle.x + reach, step).map((x) => ({ x, left: this.#at(x, 0)[0] }));
+    const rows = marks(this.#middle.y - reach, this.#middle.y + reach, step).map((y) => ({ y, top: this.#at(0, y)[1] }));
     this.#pen.strokeStyle = token("line");
     this.#pen.beginPath();
-    for (const x of marks(this.#middle.x - reach, this.#middle.x + reach, step)) {
-      const [left] = this.#at(x, 0);
+    for (const { left } of columns) {
       this.#pen.moveTo(left, 0);
       this.#pen.lineTo(left, SIZE);
-      this.#label(`${rounded(x)}`, left + 3, SIZE - 4);
     }
-    for (const y of marks(this.#middle.y - reach, this.#middle.y + reach, step)) {
-      const [, top] = this.#at(0, y);
+    for (const { top } of rows) {
       this.#pen.moveTo(0, top);
       this.#pen.lineTo(SIZE, top);
-      this.#label(`${rounded(y)} m`, 3, top - 3);
     }
     this.#pen.stroke();
+    for (const { x, left } of columns) this.#label(`${rounded(x)}`, left + 3, SIZE - 4);
+    for (const { y, top } of rows) this.#label(`${rounded(y)} m`, 3, top - 3);
   }
 
   /** Draw what an offscreen canvas has, a pixel of it as wide as *resolution* metres, its lower left corner at *origin*. */
@@ -127,9 +127,15 @@ export class Plan {
   }
 
   #label(text, left, bottom) {
-    this.#pen.fillStyle = token("quiet");
+    this.#pen.save();
     this.#pen.font = "12px system-ui";
+    this.#pen.lineJoin = "round";
+    this.#pen.lineWidth = 4;
+    this.#pen.strokeStyle = token("surface"); // whatever lies below, it can be read
+    this.#pen.strokeText(text, left, bottom);
+    this.#pen.fillStyle = token("quiet");
     this.#pen.fillText(text, left, bottom);
+    this.#pen.restore();
   }
 
   #at(x, y) {
