@@ -2,6 +2,8 @@
 """What the package's tests share: a live gateway with a simulated robot, and C# under Mono."""
 
 import contextlib
+import os
+import struct
 from collections.abc import AsyncIterator, Callable, Iterator, Mapping
 from urllib.parse import urlsplit
 
@@ -22,10 +24,24 @@ from tests.unity.rogue import deaf, rogue
 
 
 @pytest.fixture(scope="package")  # other tests in this domain want to be alone with their robot
-def gateway() -> Iterator[GatewayProcess]:
-    """``ros2-gateway demo`` on a free port."""
-    with in_background(demonstration()) as process:
+def gateway(tmp_path_factory: pytest.TempPathFactory) -> Iterator[GatewayProcess]:
+    """``ros2-gateway demo`` on a free port, whose machine has a package with a mesh more."""
+    prefix = tmp_path_factory.mktemp("prefix")
+    meshes = prefix / "share/gateway_tests/meshes"
+    meshes.mkdir(parents=True)
+    (meshes / "strip.stl").write_bytes(_strip(2000))
+    prefixes = os.pathsep.join(filter(None, [os.environ.get("AMENT_PREFIX_PATH"), str(prefix)]))
+    with in_background(demonstration(before=("env", f"AMENT_PREFIX_PATH={prefixes}"))) as process:
         yield process
+
+
+def _strip(count: int) -> bytes:
+    """Return a binary STL of *count* triangles, each of which begins one metre further along x."""
+    triangles = (
+        struct.pack("<12fH", *(0, 0, 1), *(x, 0, 0), *(x + 1, 0, 0), *(x, 1, 0), 0)
+        for x in range(count)
+    )
+    return bytes(80) + struct.pack("<I", count) + b"".join(triangles)
 
 
 @pytest.fixture(scope="package")

@@ -2,14 +2,19 @@
 """A gateway that misbehaves, by the path that a client connects to; for tests of clients.
 
 ``/through`` is the exception: it passes everything on to a real gateway, until a client sends
-``{"op":"cut"}`` and the line is cut.
+``{"op":"cut"}`` and the line is cut. ``/assets`` serves meshes, some of which are refused, held
+back or cut off, by their names.
 """
 
 import asyncio
+import base64
 import contextlib
+import itertools
 import json
+import re
+import struct
 from collections.abc import AsyncIterator, Awaitable, Callable
-from typing import Final
+from typing import Any, Final
 
 from websockets.asyncio.client import connect
 from websockets.asyncio.server import ServerConnection, serve
@@ -17,6 +22,7 @@ from websockets.exceptions import ConnectionClosed
 
 GOOD: Final = '{"op":"publish","topic":"/odom","msg":{"child_frame_id":"the good one"}}'
 HUGE_BYTES: Final = 20_000_000
+CHUNK_BYTES: Final = 256 * 1024
 
 # Each is wrong in its own way, and comes before a good one.
 BAD_FRAMES: Final = (
@@ -73,7 +79,9 @@ class Rogue:
             "/stops-reading": self._stops_reading,
             "/refuses-commands": self._refuses_commands,
             "/through": self._through,
+            "/assets": self._assets,
         }
+        self._cut_off = False
 
     async def serve(self, client: ServerConnection) -> None:
         """Live one connection."""
@@ -163,6 +171,35 @@ class Rogue:
                 reason = "you may not publish on /forbidden"
                 await client.send(json.dumps({**refusal, "msg": reason, "code": "forbidden"}))
 
+    async def _assets(self, client: ServerConnection) -> None:
+        """Serve ``package://rogue/N.stl``, N triangles as high as the number of their fetch.
+
+        ``held.stl`` is answered before the next fetch, ``cut.stl`` on every other connection,
+        ``deadly.stl`` on none: with these the line is cut.
+        """
+        fetches = 0
+        held: list[str] = []
+        async for text in client:
+            frame = json.loads(text)
+            if frame["op"] == "ping":
+                await client.send(json.dumps({"op": "pong", "value": frame["value"]}))
+            if frame["op"] != "fetch_asset":
+                continue
+            name = frame["uri"].removeprefix("package://rogue/")
+            fetches += frame["offset"] == 0
+            if name == "cut.stl":
+                self._cut_off = not self._cut_off
+            if name == "deadly.stl" or (name == "cut.stl" and self._cut_off):
+                client.transport.abort()
+                return
+            answer = json.dumps(_asset(frame, name, fetches))
+            if name == "held.stl":
+                held.append(answer)
+                continue
+            for one in [*held, answer]:
+                await client.send(one)
+            held.clear()
+
     async def _through(self, client: ServerConnection) -> None:
         async with connect(self._gateway, max_size=None) as gateway, asyncio.TaskGroup() as group:
             back = group.create_task(_pass_on(gateway, client))
@@ -176,6 +213,23 @@ class Rogue:
                         continue
                     await gateway.send(frame)
             back.cancel()
+
+
+def _asset(frame: dict[str, Any], name: str, fetches: int) -> dict[str, Any]:
+    if name == "missing.stl":
+        refusal = {"op": "status", "level": "error", "id": frame["id"], "request": "fetch_asset"}
+        return {**refusal, "code": "not_found", "msg": f"there is no file {frame['uri']}"}
+    number = re.fullmatch(r"(\d+)\.stl", name, re.IGNORECASE)
+    count = int(number[1]) if number else 1
+    corners = (0, 0, fetches), (1, 0, fetches), (0, 2, fetches)
+    triangle = struct.pack("<12fH", 0, 0, 1, *itertools.chain(*corners), 0)
+    stl = bytes(80) + struct.pack("<I", count) + triangle * count
+    if name == "broken.stl":
+        stl = stl[:-1]
+    offset = frame["offset"]
+    data = base64.b64encode(stl[offset : offset + CHUNK_BYTES]).decode()
+    answer = {"op": "fetch_asset", "id": frame["id"], "uri": frame["uri"]}
+    return {**answer, "offset": offset, "size": len(stl), "data": data}
 
 
 async def _pass_on(gateway: object, client: ServerConnection) -> None:

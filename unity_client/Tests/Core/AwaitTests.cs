@@ -72,6 +72,8 @@ namespace Ros2Gateway.Tests
                     Failure(live, () => live.Client.CallServiceAsync<TriggerResponse>("nowhere", new TriggerRequest())));
                 StringAssert.Contains("nobody", Failure(live, () => live.Client.ListParametersAsync("/nobody")));
                 StringAssert.Contains(
+                    "no package nobody", Failure(live, () => live.Client.FetchAssetAsync("package://nobody/arm.stl")));
+                StringAssert.Contains(
                     "lookup_transform: frame 'moon' is unknown",
                     Failure(live, () => live.Client.LookupTransformAsync("base_link", "moon", default(CancellationToken), 1)));
             }

@@ -99,9 +99,9 @@ namespace Ros2Gateway.Unity.Tests
         [Category("Gateway")]
         public IEnumerator AnArmAndItsGripperMayPublishTheirJointsApart()
         {
-            LogAssert.Expect(LogType.Warning, new Regex("no model for package://arm/hand.v2.stl"));
+            LogAssert.Expect(LogType.Warning, new Regex("no model for package://arm/hand.v2.stl: a small box"));
             GatewayClient client = _scene.Connect().Client;
-            RobotDescriptionDisplay robot = _scene.Display<RobotDescriptionDisplay>();
+            RobotDescriptionDisplay robot = _scene.Display<RobotDescriptionDisplay>(setUp: made => made.FetchMeshes = false);
             robot.Show(new StringMsg { data = Arm });
             yield return null;
             JointStateDisplay joints = _scene.Display<JointStateDisplay>(

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+using System;
 using System.Collections.Generic;
 using Ros2Gateway.Messages.StdMsgs;
 using Ros2Gateway.Robots;
@@ -12,7 +13,8 @@ namespace Ros2Gateway.Unity
     /// stands where its root link's frame is; else the Transform is the root link.
     /// </summary>
     /// <remarks>
-    /// Boxes, cylinders and spheres are drawn. A mesh is one of *Models* with the name of its file, else a small box.
+    /// Boxes, cylinders and spheres are drawn. A mesh is one of *Models* with the name of its file; else the file itself
+    /// if it is an STL of a package, which the gateway serves; else, and until that has come, a small box.
     /// </remarks>
     [AddComponentMenu("ROS 2 Gateway/Robot Description Display")]
     public sealed class RobotDescriptionDisplay : FramedDisplay<StringMsg>
@@ -22,6 +24,15 @@ namespace Ros2Gateway.Unity
         [SerializeField]
         [Tooltip("Imported models for the robot's meshes: base.stl and base.dae are the one with the name base")]
         private GameObject[] _models = new GameObject[0];
+
+        [SerializeField]
+        [Tooltip("Fetch meshes that are not among Models from the gateway: STL files of its packages, package:// or file://")]
+        private bool _fetchMeshes = true;
+
+        [SerializeField]
+        [Tooltip("Of all meshes that are fetched for a robot; what is beyond stays a small box. 4 million take 250 MB of the GPU")]
+        [Range(1000, 50000000)]
+        private int _maxTriangles = 1 << 22;
 
         [SerializeField]
         [Tooltip("Before the names of links in the frames of transforms, such as robot1/")]
@@ -38,12 +49,27 @@ namespace Ros2Gateway.Unity
         private readonly MeshStaging _staging = new MeshStaging();
         private string _shown;
         private Material _own; // if none was chosen
+        private ServedMeshes _served; // of the robot that is shown; null if none of its meshes is to be fetched
 
         /// <summary>Imported models for the robot's meshes, by the files' names; for the next description.</summary>
         public GameObject[] Models
         {
             get { return _models; }
             set { _models = value; }
+        }
+
+        /// <summary>Whether meshes that are not among Models are fetched from the gateway; for the next description.</summary>
+        public bool FetchMeshes
+        {
+            get { return _fetchMeshes; }
+            set { _fetchMeshes = value; }
+        }
+
+        /// <summary>How many triangles all meshes that are fetched for a robot may have; for the next description.</summary>
+        public int MaxTriangles
+        {
+            get { return _maxTriangles; }
+            set { _maxTriangles = value; }
         }
 
         /// <summary>Before the names of links in the frames of transforms, such as robot1/.</summary>
@@ -81,6 +107,17 @@ namespace Ros2Gateway.Unity
                 }
             }
             return true;
+        }
+
+        /// <inheritdoc/>
+        protected override void Update()
+        {
+            if (_served != null)
+            {
+                _served.Update(Client()); // first, as base.Update hides what is new if it must
+                _served = _served.IsOver ? null : _served;
+            }
+            base.Update();
         }
 
         private void OnDestroy()
@@ -155,6 +192,19 @@ namespace Ros2Gateway.Unity
                 _made.Add(copy);
                 return;
             }
+            PointMesh mesh = Drawn(visual, link);
+            _shapes.Clear(MeshKind.Triangles);
+            Shape(visual);
+            mesh.Upload(_shapes);
+            if (IsServed(visual))
+            {
+                _served = _served ?? new ServedMeshes(Warn, _maxTriangles);
+                _served.Add(visual, mesh, () => More(visual, link));
+            }
+        }
+
+        private PointMesh Drawn(RobotVisual visual, Transform link)
+        {
             GameObject made = new GameObject(visual.Shape.ToString(), typeof(MeshFilter), typeof(MeshRenderer));
             made.transform.SetParent(link, false);
             _made.Add(made);
@@ -162,9 +212,18 @@ namespace Ros2Gateway.Unity
             made.GetComponent<MeshRenderer>().sharedMaterial = _material != null ? _material : _own;
             PointMesh mesh = new PointMesh(made.transform, true, _staging);
             _meshes.Add(mesh);
-            _shapes.Clear(MeshKind.Triangles);
-            Shape(visual);
-            mesh.Upload(_shapes);
+            return mesh;
+        }
+
+        // For what is too much for one mesh; null if somebody has destroyed the link.
+        private PointMesh More(RobotVisual visual, Transform link)
+        {
+            if (link == null)
+            {
+                return null;
+            }
+            StandIn(FrameId); // or it would be drawn while all else is hidden
+            return Drawn(visual, link);
         }
 
         private void Shape(RobotVisual visual)
@@ -181,10 +240,36 @@ namespace Ros2Gateway.Unity
                     _shapes.Sphere(visual.Origin, visual.Size, visual.Color);
                     break;
                 default:
-                    Warn("there is no model for " + visual.Mesh + ": a small box stands for it");
+                    WarnOfBox(visual);
                     _shapes.Box(visual.Origin, new Vector3<Flu>(MeshBox, MeshBox, MeshBox), visual.Color);
                     break;
             }
+        }
+
+        private void WarnOfBox(RobotVisual visual)
+        {
+            string reason = !_fetchMeshes ? ""
+                : !IsServed(visual) ? " among Models, and only an STL by package:// or file:// is fetched"
+                : Client() == null ? " among Models, and no Gateway Connection to fetch it by"
+                : null;
+            if (reason != null)
+            {
+                Warn("there is no model for " + visual.Mesh + reason + ": a small box stands for it");
+            }
+        }
+
+        private bool IsServed(RobotVisual visual)
+        {
+            return _fetchMeshes && visual.Shape == RobotShape.Mesh
+                && (visual.Mesh.StartsWith("package://", StringComparison.Ordinal)
+                    || visual.Mesh.StartsWith("file://", StringComparison.Ordinal)) // by xacro's find
+                && visual.Mesh.EndsWith(".stl", StringComparison.OrdinalIgnoreCase);
+        }
+
+        private GatewayClient Client()
+        {
+            GatewayConnection connection = Subscriber == null ? null : Subscriber.Connection;
+            return connection == null ? null : connection.Client;
         }
 
         private GameObject Model(string mesh)
@@ -218,6 +303,11 @@ namespace Ros2Gateway.Unity
 
         private void Clear()
         {
+            if (_served != null)
+            {
+                _served.Dispose();
+                _served = null;
+            }
             foreach (PointMesh mesh in _meshes)
             {
                 mesh.Destroy();

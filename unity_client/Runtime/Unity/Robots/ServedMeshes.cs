@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+using System;
+using System.Collections.Generic;
+using System.Threading;
+using Ros2Gateway.Robots;
+using Ros2Gateway.Shapes;
+
+namespace Ros2Gateway.Unity
+{
+    /// <summary>Fetches the meshes of one robot from its gateway, and draws each where a small box stands for it.</summary>
+    /// <remarks>
+    /// One file is fetched at a time, and the one before it read and drawn meanwhile: on a thread of the pool, where
+    /// there are threads, but for the upload, of a part in each frame. A connection that is lost, or comes late, is
+    /// waited for.
+    /// </remarks>
+    internal sealed class ServedMeshes : IDisposable
+    {
+        private const int PartVertices = 3 << 16; // more take longer to upload than a frame has
+        private const int MaxAttempts = 3; // of a file with which connections end
+
+#if UNITY_WEBGL && !UNITY_EDITOR
+        private static readonly bool HasThreads = false;
+#else
+        private static readonly bool HasThreads = true;
+#endif
+
+        private readonly Action<string> _warn;
+        private readonly int _maxTriangles;
+        private readonly WaitCallback _work;
+        private readonly Dictionary<string, ServedMesh> _byUri = new Dictionary<string, ServedMesh>();
+        private readonly Queue<ServedMesh> _unfetched = new Queue<ServedMesh>(); // the first of it is being fetched
+        private GatewayClient _client; // by which that is done
+        private AssetFetch _fetch; // null while nothing is under way
+        private ServedMesh _fetched; // waits to be drawn
+        private ServedMesh _drawn;
+        private int _triangles;
+
+        // Of the one that is drawn; the worker's while it is at work.
+        private MeshBuffer _part;
+        private int _visual; // of those that show it
+        private int _first; // triangle of the part
+        private int _next; // triangle after it
+        private string _problem;
+        private volatile bool _isAtWork;
+
+        /// <param name="warn">Gets what is wrong with a mesh, in words.</param>
+        /// <param name="maxTriangles">Of all that is drawn; what is beyond stays a small box.</param>
+        internal ServedMeshes(Action<string> warn, int maxTriangles)
+        {
+            _warn = warn;
+            _maxTriangles = maxTriangles;
+            _work = state => Work();
+        }
+
+        /// <summary>Whether nothing is left to do.</summary>
+        internal bool IsOver
+        {
+            get { return _unfetched.Count == 0 && _fetched == null && _drawn == null; }
+        }
+
+        /// <summary>Adds a visual whose mesh is to be fetched; before the first <see cref="Update"/>.</summary>
+        /// <param name="drawn">Has the small box, and gets the mesh.</param>
+        /// <param name="more">Makes another for what is too much for one; null if there is no place any more.</param>
+        internal void Add(RobotVisual visual, PointMesh drawn, Func<PointMesh> more)
+        {
+            ServedMesh mesh;
+            if (!_byUri.TryGetValue(visual.Mesh, out mesh))
+            {
+                mesh = _byUri[visual.Mesh] = new ServedMesh(visual.Mesh);
+                _unfetched.Enqueue(mesh);
+            }
+            mesh.Visuals.Add(new ServedVisual { Visual = visual, Drawn = drawn, More = more });
+        }
+
+        /// <summary>Goes on; in each frame.</summary>
+        /// <param name="client">Null while there is none.</param>
+        internal void Update(GatewayClient client)
+        {
+            Fetch(client);
+            if (_isAtWork)
+            {
+                return;
+            }
+            if (_drawn != null)
+            {
+                TakePart();
+            }
+            if (_drawn == null && _fetched != null)
+            {
+                _drawn = _fetched;
+                _fetched = null;
+                _visual = 0;
+                _first = 0;
+                BeginPart();
+            }
+        }
+
+        /// <summary>Ends all that is under way.</summary>
+        public void Dispose()
+        {
+            if (_fetch != null)
+            {
+                _fetch.Cancel();
+                _fetch = null;
+            }
+        }
+
+        private void Fetch(GatewayClient client)
+        {
+            if (_fetch != null && client != _client)
+            {
+                Dispose(); // of a connection that is gone
+            }
+            if (_fetch == null && _fetched == null && _unfetched.Count > 0 && client != null && client.IsConnected)
+            {
+                _client = client;
+                _unfetched.Peek().Attempts++;
+                _fetch = client.StartFetch(_unfetched.Peek().Uri, Take);
+            }
+        }
+
+        private void Take(Reply<byte[]> reply)
+        {
+            _fetch = null;
+            ServedMesh mesh = _unfetched.Peek();
+            if (!reply.Ok && !_client.IsConnected && mesh.Attempts < MaxAttempts)
+            {
+                return; // asked for again when there is a connection
+            }
+            _unfetched.Dequeue();
+            if (reply.Ok)
+            {
+                mesh.Stl = reply.Value;
+                _fetched = mesh;
+            }
+            else
+            {
+                _warn(mesh.Uri + " cannot be fetched: " + reply.Error + ": a small box stands for it");
+            }
+        }
+
+        private void BeginPart()
+        {
+            _isAtWork = true;
+            if (HasThreads)
+            {
+                ThreadPool.UnsafeQueueUserWorkItem(_work, null);
+            }
+            else
+            {
+                Work();
+            }
+        }
+
+        /// <summary>Reads the file unless that is done, and makes a part of it for a visual.</summary>
+        private void Work()
+        {
+            _problem = null;
+            try
+            {
+                if (_drawn.Mesh == null)
+                {
+                    byte[] stl = _drawn.Stl;
+                    _drawn.Stl = null;
+                    _drawn.Mesh = StlReader.Read(stl);
+                }
+                _part = _part ?? new MeshBuffer { Room = PartVertices };
+                _part.Clear(MeshKind.Triangles);
+                RobotVisual visual = _drawn.Visuals[_visual].Visual;
+                _next = _drawn.Mesh.AddTo(_part, _first, visual.Origin, visual.Size, visual.Color);
+            }
+            catch (StlException error)
+            {
+                _problem = error.Message;
+            }
+            catch (OutOfMemoryException)
+            {
+                _problem = "there is no memory for it";
+            }
+            catch (Exception error) // a fault of the reader, which is not to end the application
+            {
+                _problem = "the reader failed: " + error.GetType().Name + ": " + error.Message;
+            }
+            _isAtWork = false;
+        }
+
+        /// <summary>Uploads what has been made, and begins the next part.</summary>
+        private void TakePart()
+        {
+            ServedVisual visual = _drawn.Visuals[_visual];
+            bool isRead = _drawn.Mesh != null;
+            if (_problem == null && _first == 0)
+            {
+                bool fits = _drawn.Mesh.TriangleCount <= _maxTriangles - _triangles;
+                _triangles += fits ? _drawn.Mesh.TriangleCount : 0;
+                _problem = fits ? null : "with it, the robot's meshes have more than " + _maxTriangles + " triangles";
+            }
+            PointMesh drawn = null;
+            if (_problem != null)
+            {
+                _warn(_drawn.Uri + " cannot be drawn: " + _problem + ": a small box stands for it");
+            }
+            else
+            {
+                drawn = _first == 0 ? visual.Drawn : visual.More();
+            }
+            if (drawn != null)
+            {
+                drawn.Upload(_part);
+            }
+            _first = _next;
+            if (drawn == null || _first == _drawn.Mesh.TriangleCount)
+            {
+                _first = 0;
+                _visual++;
+            }
+            if (isRead && _visual < _drawn.Visuals.Count)
+            {
+                BeginPart();
+            }
+            else
+            {
+                _drawn.Mesh = null;
+                _drawn = null;
+            }
+        }
+
+        /// <summary>A file, and who shows it.</summary>
+        private sealed class ServedMesh
+        {
+            internal readonly string Uri;
+            internal readonly List<ServedVisual> Visuals = new List<ServedVisual>();
+            internal int Attempts;
+            internal byte[] Stl; // from when it is fetched until it is read
+            internal StlMesh Mesh; // from then on until it is drawn
+
+            internal ServedMesh(string uri)
+            {
+                Uri = uri;
+            }
+        }
+
+        private struct ServedVisual
+        {
+            internal RobotVisual Visual;
+            internal PointMesh Drawn;
+            internal Func<PointMesh> More;
+        }
+    }
+}

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+using System.Collections.Generic;
+using NUnit.Framework;
+using Ros2Gateway.Robots;
+
+namespace Ros2Gateway.Tests
+{
+    /// <summary>Assets of a real gateway, whose machine has the package gateway_tests.</summary>
+    [TestFixture]
+    [Category("Gateway")]
+    public sealed class ServedAssetTests
+    {
+        [Test]
+        public void AMeshOfManyChunksIsTheFile()
+        {
+            Reply<byte[]> reply = Fetched("package://gateway_tests/meshes/strip.stl");
+            StlMesh mesh = StlReader.Read(reply.OrThrow());
+            Assert.AreEqual(2000, mesh.TriangleCount); // 100 kB
+            for (int i = 0; i < mesh.TriangleCount; i++)
+            {
+                Assert.AreEqual((float)i, mesh.Corners[9 * i]); // each begins one metre further
+            }
+        }
+
+        [TestCase("package://gateway_tests/meshes/none.stl", "no such file")]
+        [TestCase("package://nobody/meshes/strip.stl", "no package nobody")]
+        [TestCase("package://gateway_tests/../../strip.stl", "lead out of the package")]
+        [TestCase("https://gateway_tests/strip.stl", "expected package://")]
+        public void WhatIsNotServedFailsInTheGatewaysWords(string uri, string words)
+        {
+            Reply<byte[]> reply = Fetched(uri);
+            Assert.IsFalse(reply.Ok);
+            StringAssert.Contains(words, reply.Error);
+        }
+
+        private static Reply<byte[]> Fetched(string uri)
+        {
+            using (Live live = Live.Connected())
+            {
+                List<Reply<byte[]>> replies = new List<Reply<byte[]>>();
+                live.Client.FetchAsset(uri, replies.Add);
+                live.Until(() => replies.Count > 0, "for " + uri);
+                return replies[0];
+            }
+        }
+    }
+}
