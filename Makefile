@@ -53,7 +53,7 @@ test: lint $(CLIENTS) ## check and test, six minutes; a quarter of an hour with 
 	@sh tools/make-mono.sh
 	@sh tools/make-browser.sh
 	@$(if $(PYTEST_ARGS),:,echo "testing takes about $(DURATION) on two cores, the first time some minutes more ...")
-	$(BIN)/python -m pytest $(WORKERS) $(or $(PYTEST_ARGS),$(SELECTION))
+	$(BIN)/python -m pytest $(WORKERS) $(if $(findstring tests/,$(PYTEST_ARGS)),,$(SELECTION)) $(PYTEST_ARGS)
 
 kilted: $(READY_ON_KILTED) ## test what depends on ROS with ROS 2 Kilted, in .venv-kilted, some 5 minutes
 	@$(KILTED)/bin/python -m tests.interfaces

@@ -60,8 +60,9 @@ def test_make_docs_that_fails_leaves_the_page_as_it_was(tree):
         ((), "-m not long"),
         (("ALL=1",), ""),
         (("ARGS=tests/e2e/test_log.py -x",), "tests/e2e/test_log.py -x"),
+        (("ARGS=-x",), "-m not long -x"),
     ],
-    ids=["short", "all", "named"],
+    ids=["short", "all", "named", "options"],
 )
 def test_make_test_leaves_out_what_is_long_unless_it_is_asked_for(tree, arguments, selects):
     make = shutil.which("make")
@@ -89,7 +90,9 @@ def test_make_test_leaves_out_what_is_long_unless_it_is_asked_for(tree, argument
         text=True,
     )
     ran = [line for line in finished.stdout.splitlines() if line.startswith("runs: ")]
-    assert ran == [f"runs: -m pytest -n auto --dist worksteal {selects}".rstrip()]
+    assert [" ".join(line.split()) for line in ran] == [
+        f"runs: -m pytest -n auto --dist worksteal {selects}".rstrip()
+    ]
 
 
 def test_a_tree_that_cannot_be_written_is_named_with_what_to_do(tmp_path):

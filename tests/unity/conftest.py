@@ -29,6 +29,7 @@ def gateway(tmp_path_factory: pytest.TempPathFactory) -> Iterator[GatewayProcess
     prefix = tmp_path_factory.mktemp("prefix")
     meshes = prefix / "share/gateway_tests/meshes"
     meshes.mkdir(parents=True)
+    (meshes.parent / "package.xml").write_text("<package/>")
     (meshes / "strip.stl").write_bytes(_strip(2000))
     prefixes = os.pathsep.join(filter(None, [os.environ.get("AMENT_PREFIX_PATH"), str(prefix)]))
     with in_background(demonstration(before=("env", f"AMENT_PREFIX_PATH={prefixes}"))) as process:

@@ -10,6 +10,7 @@ from schemas.assembly_name import EXPECTATION, is_assembly_name
 
 # Ten times what a large package has: half a second of a thread.
 MAX_GENERATED_TYPES: Final = 300
+MAX_URI: Final = 4096  # characters, as many as a path of Linux has bytes
 
 
 class SetLevel(Operation):
@@ -75,7 +76,7 @@ class FetchAsset(Operation):
     """Ask for a part of a mesh or a texture of an installed package, from an offset in bytes."""
 
     op = "fetch_asset"
-    uri: str
+    uri: Annotated[str, Field(max_length=MAX_URI)]
     offset: Annotated[int, Field(ge=0)] = 0
 
 

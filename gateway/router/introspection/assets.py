@@ -3,8 +3,7 @@
 
 A description (URDF, http://wiki.ros.org/urdf/XML/link) or a marker has them as
 ``package://arm/meshes/upper.stl``: the file below ``share/arm`` of the first prefix that has
-the package, as in `ament_index`. What xacro's ``$(find arm)`` has made a ``file://`` of is the
-same file, if it lies there.
+the package. xacro's ``$(find arm)`` makes ``file://`` of it, which is that very file.
 """
 
 import asyncio
@@ -30,8 +29,10 @@ MAX_BYTES: Final = 64 * 1024 * 1024
 # An answer goes ahead of what waits in queues, so it is no larger than a picture.
 CHUNK_BYTES: Final = 32 * 1024
 
+ANSWER_S: Final = 8.0  # less than a client waits; a disk of the network may never answer
+
 _PACKAGES: Final = "package://"
-_PACKAGE: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
+_PACKAGE: Final = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,254}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,12 +57,17 @@ class Assets:
         """Return the part of an asset that begins at an offset, for the answer.
 
         Raises:
-            ProtocolError: as for `read`.
+            ProtocolError: as for `read`; ``timeout``: the disk, or others' assets, took too long.
         """
         loop = asyncio.get_running_loop()
-        chunk = await loop.run_in_executor(
-            self._thread, read, request.uri, request.offset, installed_prefixes()
-        )
+        try:
+            async with asyncio.timeout(ANSWER_S):
+                chunk = await loop.run_in_executor(
+                    self._thread, read, request.uri, request.offset, installed_prefixes()
+                )
+        except TimeoutError:
+            text = f"not read within {ANSWER_S:g} s, as the disk or others' assets take so long"
+            raise ProtocolError("timeout", f"{_quoted(request.uri)}: {text}") from None
         return {
             "uri": request.uri,
             "offset": request.offset,
@@ -78,19 +84,13 @@ def read(uri: str, offset: int, prefixes: Sequence[Path]) -> Chunk:
             ``not_found``: the package or the file is missing; ``invalid_value``: *offset* is
             beyond its end; ``limit_exceeded``: it is too large.
     """
-    package, path = _parts(uri, prefixes)
-    shares = (prefix / "share" / package for prefix in prefixes)
-    share = next(filter(Path.is_dir, shares), None)
-    if share is None:
-        reason = f"{_quoted(uri)}: the gateway's machine has no package {package}"
-        raise ProtocolError("not_found", f"{reason} in its AMENT_PREFIX_PATH")
+    path = _path(uri, prefixes)
     try:
         # not blocking, where somebody has put a FIFO
-        descriptor = os.open(share / path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
     except (OSError, ValueError) as error:  # a ValueError of NUL
-        why = error.strerror if isinstance(error, OSError) else None
-        reason = f"{_quoted(uri)}: the package has no such file that can be read"
-        raise ProtocolError("not_found", f"{reason}: {why}" if why else reason) from error
+        reason = "the package has no such file, or none that can be read"
+        raise ProtocolError("not_found", f"{_quoted(uri)}: {reason}") from error
     try:
         status = os.fstat(descriptor)
         if not stat.S_ISREG(status.st_mode):
@@ -106,9 +106,34 @@ def read(uri: str, offset: int, prefixes: Sequence[Path]) -> Chunk:
         os.close(descriptor)
 
 
-def _parts(uri: str, prefixes: Sequence[Path]) -> tuple[str, str]:
+def _path(uri: str, prefixes: Sequence[Path]) -> Path:
+    """Return where an asset would be."""
+    if uri.startswith(_PACKAGES):
+        package, path = _checked(uri, unquote(uri.removeprefix(_PACKAGES)))
+    else:
+        prefixes, rest = _found(uri, prefixes)
+        package, path = _checked(uri, rest)
+    for prefix in prefixes:
+        # not every folder there is a package: /usr/share has others
+        if os.path.isfile(prefix / "share" / package / "package.xml"):  # noqa: PTH113  # raises nothing
+            return prefix / "share" / package / path
+    reason = f"the gateway's machine has no package {package}"
+    raise ProtocolError("not_found", f"{_quoted(uri)}: {reason}, or its AMENT_PREFIX_PATH lacks it")
+
+
+def _found(uri: str, prefixes: Sequence[Path]) -> tuple[Sequence[Path], str]:
+    """Return the prefix of a ``file://``, and what follows its ``share``; nothing of another."""
+    for location in (uri, unquote(uri)):  # xacro writes paths as they are
+        for prefix in prefixes:
+            begin = f"file://{prefix}/share/"
+            if location.startswith(begin):
+                return (prefix,), location.removeprefix(begin)
+    return (), ""
+
+
+def _checked(uri: str, location: str) -> tuple[str, str]:
     """Return the name of the package and the path in it."""
-    package, _, path = unquote(_below_share(uri, prefixes)).partition("/")
+    package, _, path = location.partition("/")
     if not _PACKAGE.fullmatch(package) or not path:
         expected = "expected package://PACKAGE/PATH, or file:// of the same file"
         raise ProtocolError("bad_name", f"{_quoted(uri)}: {expected}")
@@ -118,12 +143,6 @@ def _parts(uri: str, prefixes: Sequence[Path]) -> tuple[str, str]:
         expected = f"expected one of the files that end in {', '.join(SUFFIXES)}"
         raise ProtocolError("bad_name", f"{_quoted(uri)}: {expected}")
     return package, path
-
-
-def _below_share(uri: str, prefixes: Sequence[Path]) -> str:
-    """Return what follows the ``share`` of a prefix; nothing if the URI is of another kind."""
-    begins = (_PACKAGES, *(f"file://{prefix}/share/" for prefix in prefixes))
-    return next((uri.removeprefix(begin) for begin in begins if uri.startswith(begin)), "")
 
 
 def _quoted(uri: str) -> str:

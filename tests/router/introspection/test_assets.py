@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import base64
 import os
+import threading
 
 import pytest
 
@@ -17,6 +18,7 @@ def share(tmp_path, monkeypatch):
     share = tmp_path / "robot/share/arm"
     (share / "meshes").mkdir(parents=True)
     (share / "meshes/upper.stl").write_bytes(MESH)
+    (share / "package.xml").write_text("<package/>")
     (tmp_path / "overlay/share/other").mkdir(parents=True)
     prefixes = (tmp_path / "overlay", tmp_path / "robot")
     monkeypatch.setenv("AMENT_PREFIX_PATH", os.pathsep.join(map(str, prefixes)))
@@ -86,7 +88,12 @@ async def test_models_and_pictures_are_given_however_their_names_are_written(
 async def test_the_first_prefix_that_has_the_package_counts(bench: Bench, share, tmp_path):
     (tmp_path / "overlay/share/arm/meshes").mkdir(parents=True)
     (tmp_path / "overlay/share/arm/meshes/upper.stl").write_bytes(b"overlay")
+    first = MESH[: 32 * 1024]
+    assert base64.b64decode((await fetched(bench, uri=UPPER))["data"]) == first  # no package yet
+    (tmp_path / "overlay/share/arm/package.xml").write_text("<package/>")
     assert base64.b64decode((await fetched(bench, uri=UPPER))["data"]) == b"overlay"
+    below = await fetched(bench, uri=f"file://{share}/meshes/upper.stl")
+    assert base64.b64decode(below["data"]) == first
 
 
 async def test_a_link_in_the_package_is_followed_as_colcon_makes_them(bench, share, tmp_path):
@@ -133,7 +140,6 @@ async def test_no_other_file_is_given(bench: Bench, share, tmp_path):
     ],
 )
 async def test_whatever_is_no_model_of_a_package_is_refused(bench: Bench, share, uri):
-    (share / "package.xml").write_text("<package/>")
     code, text = await refused(bench, uri=uri)
     assert code == "bad_name"
     assert uri in text
@@ -142,13 +148,14 @@ async def test_whatever_is_no_model_of_a_package_is_refused(bench: Bench, share,
 @pytest.mark.parametrize(
     ("uri", "words"),
     [
-        ("package://leg/upper.stl", "the gateway's machine has no package leg in its AMENT_PREFI"),
-        ("package://arm/meshes/lower.stl", "No such file"),
+        ("package://leg/upper.stl", "the gateway's machine has no package leg"),
+        (f"package://{'a' * 255}/upper.stl", "has no package aaa"),
+        ("package://arm/meshes/lower.stl", "no such file"),
         ("package://arm/meshes/folder.stl", "no file"),
         ("package://arm/meshes/fifo.stl", "no file"),
-        ("package://arm/meshes/upper.stl/x.stl", "Not a directory"),
+        ("package://arm/meshes/upper.stl/x.stl", "no such file"),
         ("package://arm/%00.stl", "no such file"),
-        (f"package://arm/{'x' * 5000}.stl", "File name too long"),
+        (f"package://arm/{'x' * 4000}.stl", "no such file"),
     ],
 )
 async def test_what_is_not_there_is_said(bench: Bench, share, fifo, uri, words):
@@ -156,7 +163,7 @@ async def test_what_is_not_there_is_said(bench: Bench, share, fifo, uri, words):
     code, text = await refused(bench, uri=uri)
     assert code == "not_found"
     assert words in text
-    assert len(text) < 400
+    assert len(text) < 500
 
 
 async def test_an_offset_beyond_the_end_is_refused(bench: Bench, share):
@@ -165,7 +172,9 @@ async def test_an_offset_beyond_the_end_is_refused(bench: Bench, share):
     assert f"at most {len(MESH)}" in text
 
 
-@pytest.mark.parametrize("members", [{}, {"uri": UPPER, "offset": -1}, {"uri": 7}])
+@pytest.mark.parametrize(
+    "members", [{}, {"uri": UPPER, "offset": -1}, {"uri": 7}, {"uri": "x" * 4097}]
+)
 async def test_what_is_no_request_is_refused(bench: Bench, share, members):
     assert (await refused(bench, **members))[0] == "bad_request"
 
@@ -179,3 +188,17 @@ async def test_a_file_that_is_too_large_is_refused(bench: Bench, share):
     code, text = await refused(bench, uri=UPPER)
     assert code == "limit_exceeded"
     assert "67108865 bytes, at most 67108864" in text
+
+
+async def test_a_disk_that_does_not_answer_is_waited_for_no_longer_than_a_client_waits(
+    bench: Bench, share, monkeypatch
+):
+    goes_on = threading.Event()
+    monkeypatch.setattr(assets, "ANSWER_S", 0.1)
+    monkeypatch.setattr(assets, "read", lambda *_: goes_on.wait())
+    try:
+        code, text = await refused(bench, uri=UPPER)
+    finally:
+        goes_on.set()
+    assert code == "timeout"
+    assert "the disk or others' assets" in text
