@@ -109,6 +109,21 @@ async def test_what_xacro_has_found_is_the_file_of_the_package(bench: Bench, sha
     assert base64.b64decode(answer["data"]) == MESH[: 32 * 1024]
 
 
+@pytest.mark.parametrize("written", ["my ws", "my%20ws"])
+async def test_a_file_address_may_be_quoted_or_as_xacro_writes_it(
+    bench: Bench, tmp_path, monkeypatch, written
+):
+    share = tmp_path / "my ws/share/arm"
+    share.mkdir(parents=True)
+    (share / "package.xml").write_text("<package/>")
+    (share / "100%25.stl").write_bytes(b"literal")
+    (share / "100%.stl").write_bytes(b"unquoted")
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path / "my ws"))
+    answer = await fetched(bench, uri=f"file://{tmp_path}/{written}/share/arm/100%25.stl")
+    expected = b"literal" if written == "my ws" else b"unquoted"
+    assert base64.b64decode(answer["data"]) == expected
+
+
 async def test_no_other_file_is_given(bench: Bench, share, tmp_path):
     (tmp_path / "secret.stl").write_bytes(b"secret")
     inside = f"file://{share}"
