@@ -62,6 +62,18 @@ BAD_FRAMES: Final = (
 )
 
 
+_RED: Final = """<COLLADA>
+<library_effects><effect id="e"><profile_COMMON><technique><lambert><diffuse>
+<color>1 0 0 1</color></diffuse></lambert></technique></profile_COMMON></effect></library_effects>
+<library_materials><material id="m"><instance_effect url="#e"/></material></library_materials>
+<library_geometries><geometry><mesh>
+<source id="s"><float_array id="f">0 0 1 1 0 1 0 2 1</float_array>
+<technique_common><accessor source="#f" count="3" stride="3"/></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#s"/></vertices>
+<triangles material="m"><input semantic="VERTEX" source="#v"/><p>0 1 2</p></triangles>
+</mesh></geometry></library_geometries></COLLADA>"""
+
+
 class Rogue:
     """The server of all paths; *gateway* is where ``/through`` leads."""
 
@@ -175,10 +187,12 @@ class Rogue:
         """Serve ``package://rogue/N.stl``, N triangles as high as the number of their fetch.
 
         ``held.stl`` is answered before the next fetch, ``cut.stl`` on every other connection,
-        ``deadly.stl`` on none: with these the line is cut.
+        ``deadly.stl`` on none: with these the line is cut. ``busy.stl`` is refused once,
+        ``missing.stl`` each time. ``red.dae`` is a red triangle.
         """
         fetches = 0
         held: list[str] = []
+        refusals = {"missing.stl": 3, "busy.stl": 1}
         async for text in client:
             frame = json.loads(text)
             if frame["op"] == "ping":
@@ -192,6 +206,10 @@ class Rogue:
             if name == "deadly.stl" or (name == "cut.stl" and self._cut_off):
                 client.transport.abort()
                 return
+            if refusals.get(name, 0) > 0:
+                refusals[name] -= 1
+                await client.send(json.dumps(_refused(frame)))
+                continue
             answer = json.dumps(_asset(frame, name, fetches))
             if name == "held.stl":
                 held.append(answer)
@@ -215,10 +233,14 @@ class Rogue:
             back.cancel()
 
 
+def _refused(frame: dict[str, Any]) -> dict[str, Any]:
+    refusal = {"op": "status", "level": "error", "id": frame["id"], "request": "fetch_asset"}
+    return {**refusal, "code": "not_found", "msg": f"there is no file {frame['uri']}"}
+
+
 def _asset(frame: dict[str, Any], name: str, fetches: int) -> dict[str, Any]:
-    if name == "missing.stl":
-        refusal = {"op": "status", "level": "error", "id": frame["id"], "request": "fetch_asset"}
-        return {**refusal, "code": "not_found", "msg": f"there is no file {frame['uri']}"}
+    if name == "red.dae":
+        return _chunk(frame, _RED.encode())
     number = re.fullmatch(r"(\d+)\.stl", name, re.IGNORECASE)
     count = int(number[1]) if number else 1
     corners = (0, 0, fetches), (1, 0, fetches), (0, 2, fetches)
@@ -226,10 +248,14 @@ def _asset(frame: dict[str, Any], name: str, fetches: int) -> dict[str, Any]:
     stl = bytes(80) + struct.pack("<I", count) + triangle * count
     if name == "broken.stl":
         stl = stl[:-1]
+    return _chunk(frame, stl)
+
+
+def _chunk(frame: dict[str, Any], asset: bytes) -> dict[str, Any]:
     offset = frame["offset"]
-    data = base64.b64encode(stl[offset : offset + CHUNK_BYTES]).decode()
+    data = base64.b64encode(asset[offset : offset + CHUNK_BYTES]).decode()
     answer = {"op": "fetch_asset", "id": frame["id"], "uri": frame["uri"]}
-    return {**answer, "offset": offset, "size": len(stl), "data": data}
+    return {**answer, "offset": offset, "size": len(asset), "data": data}
 
 
 async def _pass_on(gateway: object, client: ServerConnection) -> None:

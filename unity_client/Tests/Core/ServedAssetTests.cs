@@ -14,7 +14,7 @@ namespace Ros2Gateway.Tests
         public void AMeshOfManyChunksIsTheFile()
         {
             Reply<byte[]> reply = Fetched("package://gateway_tests/meshes/strip.stl");
-            StlMesh mesh = StlReader.Read(reply.OrThrow());
+            TriangleMesh mesh = StlReader.Read(reply.OrThrow());
             Assert.AreEqual(2000, mesh.TriangleCount); // 100 kB
             for (int i = 0; i < mesh.TriangleCount; i++)
             {

@@ -28,7 +28,7 @@ namespace Ros2Gateway.Tests
         public void ABinaryFileIsReadWhateverItsHeaderSays(string header)
         {
             float[] second = { 0, -1, 0, 1, 0, 0, 2, 0, 0, 1, 0, 1 };
-            StlMesh mesh = StlReader.Read(Binary(header, 2, Flat, second));
+            TriangleMesh mesh = StlReader.Read(Binary(header, 2, Flat, second));
             Assert.AreEqual(2, mesh.TriangleCount);
             CollectionAssert.AreEqual(new float[] { 0, 0, 0, 2, 0, 0, 0, 3, 0, 1, 0, 0, 2, 0, 0, 1, 0, 1 }, mesh.Corners);
             CollectionAssert.AreEqual(new float[] { 0, 0, 1, 0, -1, 0 }, mesh.Normals);
@@ -44,9 +44,10 @@ namespace Ros2Gateway.Tests
         [TestCase("solid\r\n{0}endsolid\r\n")]
         [TestCase("solid\r{0}endsolid")]
         [TestCase("\n solid facet\n{0}endsolid facet")]
+        [TestCase("\uFEFFsolid arm\n{0}endsolid arm\n")]
         public void AnAsciiFileIsRead(string file)
         {
-            StlMesh mesh = Text(file.Replace("{0}", Facet));
+            TriangleMesh mesh = Text(file.Replace("{0}", Facet));
             CollectionAssert.AreEqual(new float[] { 0, 0, 0, 2, 0, 0, 0, 3, 0 }, mesh.Corners);
             CollectionAssert.AreEqual(new float[] { 0, 0, 1 }, mesh.Normals);
         }
@@ -59,7 +60,7 @@ namespace Ros2Gateway.Tests
             {
                 many.Append(" facet normal 0 0 1 outer loop vertex " + i + " 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet");
             }
-            StlMesh mesh = Text(many + "\nendsolid a\nsolid b\n" + Facet.ToUpperInvariant() + "endsolid b");
+            TriangleMesh mesh = Text(many + "\nendsolid a\nsolid b\n" + Facet.ToUpperInvariant() + "endsolid b");
             Assert.AreEqual(1001, mesh.TriangleCount);
             Assert.AreEqual(9009, mesh.Corners.Length);
             Assert.AreEqual(999, mesh.Corners[999 * 9]);
@@ -118,7 +119,7 @@ namespace Ros2Gateway.Tests
         {
             float[] big = { 0, 3, 4, 0, 0, 0, 2, 0, 0, 0, 3, 0 };
             float[] line = { 0, 0, 0, 0, 0, 0, 1, 1, 1, 2, 2, 2 };
-            StlMesh mesh = StlReader.Read(Binary("", 2, big, line));
+            TriangleMesh mesh = StlReader.Read(Binary("", 2, big, line));
             CollectionAssert.AreEqual(new[] { 0, 0.6f, 0.8f, 0, 0, 0 }, mesh.Normals);
             MeshBuffer buffer = Buffer(mesh, new Vector3<Flu>(1, 1, 1));
             Assert.AreEqual(new Rgba(255, 255, 255).Lit(new Vector3<Flu>(double.NaN, 0, 0)), buffer.Colors[3]);
@@ -146,14 +147,14 @@ namespace Ros2Gateway.Tests
         [TestCase("solid a\nxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx", "got 'xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx'")]
         public void ATextThatIsNoneIsRefusedInWords(string text, string words)
         {
-            StringAssert.Contains(words, Assert.Throws<StlException>(() => Text(text)).Message);
+            StringAssert.Contains(words, Assert.Throws<MeshException>(() => Text(text)).Message);
         }
 
         [TestCase("solid a\n{0}", "expected facet or endsolid, got the end")]
         [TestCase("solid a\n{0}endsolid a\n{0}", "line 10 of the STL: expected solid, got 'facet'")]
         public void ATextThatIsIncompleteIsRefusedInWords(string text, string words)
         {
-            StringAssert.Contains(words, Assert.Throws<StlException>(() => Text(text.Replace("{0}", Facet))).Message);
+            StringAssert.Contains(words, Assert.Throws<MeshException>(() => Text(text.Replace("{0}", Facet))).Message);
         }
 
         [Test]
@@ -168,7 +169,7 @@ namespace Ros2Gateway.Tests
             Assert.AreEqual(1, StlReader.Read(file).TriangleCount);
             Array.Resize(ref file, file.Length - 50);
             Refuses(file, "133 bytes, its 1 triangles take 134");
-            Assert.Throws<StlException>(() => StlReader.Read(null));
+            Assert.Throws<MeshException>(() => StlReader.Read(null));
         }
 
         [TestCase(float.NaN, "NaN")]
@@ -184,12 +185,12 @@ namespace Ros2Gateway.Tests
         [Test]
         public void AMillionTrianglesAreReadAndNoMore()
         {
-            byte[] file = new byte[84 + 50 * (StlReader.MaxTriangles + 1)];
-            BitConverter.GetBytes(StlReader.MaxTriangles + 1).CopyTo(file, 80);
+            byte[] file = new byte[84 + 50 * (TriangleMesh.MaxTriangles + 1)];
+            BitConverter.GetBytes(TriangleMesh.MaxTriangles + 1).CopyTo(file, 80);
             Refuses(file, "1000001 triangles, must have 1 to 1000000");
             Array.Resize(ref file, file.Length - 50);
-            BitConverter.GetBytes(StlReader.MaxTriangles).CopyTo(file, 80);
-            Assert.AreEqual(StlReader.MaxTriangles, StlReader.Read(file).TriangleCount);
+            BitConverter.GetBytes(TriangleMesh.MaxTriangles).CopyTo(file, 80);
+            Assert.AreEqual(TriangleMesh.MaxTriangles, StlReader.Read(file).TriangleCount);
         }
 
         [Test]
@@ -198,9 +199,9 @@ namespace Ros2Gateway.Tests
             byte[] facet = Encoding.ASCII.GetBytes(
                 "facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet\n");
             byte[] begin = Encoding.ASCII.GetBytes("solid\n");
-            byte[] file = new byte[begin.Length + facet.Length * (StlReader.MaxTriangles + 1)];
+            byte[] file = new byte[begin.Length + facet.Length * (TriangleMesh.MaxTriangles + 1)];
             begin.CopyTo(file, 0);
-            for (int i = 0; i <= StlReader.MaxTriangles; i++)
+            for (int i = 0; i <= TriangleMesh.MaxTriangles; i++)
             {
                 facet.CopyTo(file, begin.Length + i * facet.Length);
             }
@@ -225,7 +226,7 @@ namespace Ros2Gateway.Tests
                 {
                     StlReader.Read(file);
                 }
-                catch (StlException)
+                catch (MeshException)
                 {
                 }
             }
@@ -239,7 +240,7 @@ namespace Ros2Gateway.Tests
                 new Vector3<Flu>(10, 0, 0), new Quaternion<Flu>(0, 0, Math.Sqrt(0.5), Math.Sqrt(0.5)));
             MeshBuffer buffer = new MeshBuffer();
             Rgba white = new Rgba(255, 255, 255);
-            StlMesh mesh = StlReader.Read(Binary("", 1, Flat));
+            TriangleMesh mesh = StlReader.Read(Binary("", 1, Flat));
             Assert.AreEqual(1, mesh.AddTo(buffer, 0, origin, new Vector3<Flu>(2, 3, 4), white));
             // corners at (0, 0), (4, 0), (0, 9) on the floor, turned to (0, 0), (0, 4), (-9, 0); in Unity right, up, forward
             float[] expected = { 0, 0, 10, -4, 0, 10, 0, 0, 1 };
@@ -290,7 +291,7 @@ namespace Ros2Gateway.Tests
         [Test]
         public void WhatABufferHasNoRoomForIsLeftForTheNext()
         {
-            StlMesh mesh = StlReader.Read(Binary("", 3, Flat, Flat, Flat));
+            TriangleMesh mesh = StlReader.Read(Binary("", 3, Flat, Flat, Flat));
             MeshBuffer buffer = new MeshBuffer { Room = 7 };
             Vector3<Flu> one = new Vector3<Flu>(1, 1, 1);
             Assert.AreEqual(2, mesh.AddTo(buffer, 0, Here, one, new Rgba(1, 2, 3)));
@@ -303,12 +304,12 @@ namespace Ros2Gateway.Tests
         [Test]
         public void AScaleThatLeadsBeyondFloatIsRefusedInWords()
         {
-            StlMesh mesh = StlReader.Read(Binary("", 1, Flat));
-            StringAssert.Contains("farther away than float32 goes", Assert.Throws<StlException>(
+            TriangleMesh mesh = StlReader.Read(Binary("", 1, Flat));
+            StringAssert.Contains("farther away than float32 goes", Assert.Throws<MeshException>(
                 () => Buffer(mesh, new Vector3<Flu>(1, 3e38, 1))).Message);
         }
 
-        private static MeshBuffer Buffer(StlMesh mesh, Vector3<Flu> scale)
+        private static MeshBuffer Buffer(TriangleMesh mesh, Vector3<Flu> scale)
         {
             MeshBuffer buffer = new MeshBuffer();
             mesh.AddTo(buffer, 0, Here, scale, new Rgba(255, 255, 255));
@@ -335,12 +336,12 @@ namespace Ros2Gateway.Tests
 
         private static void Refuses(byte[] stl, string words)
         {
-            StringAssert.Contains(words, Assert.Throws<StlException>(() => StlReader.Read(stl)).Message);
+            StringAssert.Contains(words, Assert.Throws<MeshException>(() => StlReader.Read(stl)).Message);
         }
 
-        private static StlMesh Text(string text)
+        private static TriangleMesh Text(string text)
         {
-            return StlReader.Read(Encoding.ASCII.GetBytes(text));
+            return StlReader.Read(Encoding.UTF8.GetBytes(text));
         }
 
         private static string Solid(string facets)

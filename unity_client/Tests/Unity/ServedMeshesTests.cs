@@ -14,7 +14,7 @@ namespace Ros2Gateway.Unity.Tests
 {
     /// <summary>
     /// Meshes of a robot that its gateway serves: package://rogue/N.stl has N triangles with the corners (0, 0, n),
-    /// (1, 0, n) and (0, 2, n), for the nth fetch of the connection.
+    /// (1, 0, n) and (0, 2, n), for the nth fetch of the connection; red.dae has that of 1, in red.
     /// </summary>
     [TestFixture]
     public sealed class ServedMeshesTests
@@ -55,6 +55,34 @@ namespace Ros2Gateway.Unity.Tests
             Assert.AreSame(mesh, Shown(robot, 0));
             Assert.AreEqual(1, robot.transform.childCount);
             Assert.AreEqual(0, _scene.Connection.Client.PendingRequests);
+        }
+
+        [UnityTest]
+        [Category("Gateway")]
+        public IEnumerator AColladaFileHasItsOwnColours()
+        {
+            Connect();
+            RobotDescriptionDisplay robot = Robot(
+                Mesh("package://rogue/red.dae") + "<material name='blue'><color rgba='0 0 1 1'/></material>");
+            yield return null;
+            yield return _scene.Until(() => Shown(robot, 0).vertexCount == 3, "for the mesh");
+            CollectionAssert.AreEqual(
+                new[] { new Vector3(0, 1, 0), new Vector3(0, 1, 1), new Vector3(-2, 1, 0) }, Shown(robot, 0).vertices);
+            Assert.AreEqual(new Color32(248, 0, 0, 255), Shown(robot, 0).colors32[0], "lit from above");
+        }
+
+        [UnityTest]
+        [Category("Gateway")]
+        public IEnumerator WhatIsRefusedIsAskedForAgainAfterTheOthers()
+        {
+            LogAssert.ignoreFailingMessages = true; // the client says what was refused
+            Connect();
+            RobotDescriptionDisplay robot = Robot(Mesh("package://rogue/busy.stl"), Mesh("package://rogue/2.stl"));
+            yield return null;
+            yield return _scene.Until(() => All(robot, mesh => mesh.vertexCount != BoxVertices), "for the meshes");
+            Assert.AreEqual(2, Shown(robot, 1).vertices[0].y, "of the second fetch");
+            Assert.AreEqual(3, Shown(robot, 0).vertices[0].y, "of the third");
+            Assert.AreEqual(1, _scene.Logged.FindAll(text => text.Contains("busy.stl")).Count, "said once, by the client");
         }
 
         [UnityTest]
@@ -107,6 +135,7 @@ namespace Ros2Gateway.Unity.Tests
                 Mesh("package://rogue/missing.stl"), Mesh("package://rogue/broken.stl"), Mesh("package://rogue/1.stl"));
             yield return null;
             yield return _scene.Until(() => Shown(robot, 5).vertexCount == 3, "for the only one that is right");
+            yield return _scene.Until(() => _scene.HasLogged("missing.stl cannot be fetched"), "for the third refusal");
             for (int i = 0; i < 5; i++)
             {
                 Assert.AreEqual(BoxVertices, Shown(robot, i).vertexCount, "of " + i);
@@ -114,10 +143,10 @@ namespace Ros2Gateway.Unity.Tests
             const string Warning = "RobotDescriptionDisplay on RobotDescriptionDisplay: package://rogue/";
             List<string> warnings = _scene.Logged.FindAll(text => text.StartsWith(Warning));
             Assert.AreEqual(3, warnings.Count, string.Join(" | ", warnings));
+            StringAssert.Contains("broken.stl cannot be drawn: the STL has 133 bytes", warnings[0]);
+            StringAssert.Contains("1.stl cannot be drawn: with its scale", warnings[1]);
             StringAssert.Contains(
-                "missing.stl cannot be fetched: there is no file package://rogue/missing.stl: a small box", warnings[0]);
-            StringAssert.Contains("broken.stl cannot be drawn: the STL has 133 bytes", warnings[1]);
-            StringAssert.Contains("1.stl cannot be drawn: with its scale", warnings[2]);
+                "missing.stl cannot be fetched: there is no file package://rogue/missing.stl: a small box", warnings[2]);
         }
 
         [UnityTest]
@@ -245,9 +274,9 @@ namespace Ros2Gateway.Unity.Tests
 
         [UnityTest]
         [Category("Gateway")]
-        public IEnumerator OnlyAnStlOfAPackageIsFetchedAndOnlyIfItMay()
+        public IEnumerator OnlyAMeshOfAPackageIsFetchedAndOnlyIfItMay()
         {
-            string[] others = { "package://rogue/1.dae", "http://rogue/1.stl", "model://rogue/1.stl", "package://rogue/1.stl.gz" };
+            string[] others = { "package://rogue/1.obj", "http://rogue/1.stl", "model://rogue/1.stl", "package://rogue/1.stl.gz" };
             GatewayClient client = Connect();
             RobotDescriptionDisplay robot = Robot(Array.ConvertAll(others, uri => Mesh(uri)));
             yield return _scene.Until(() => client.IsConnected, "to be connected");
@@ -256,7 +285,7 @@ namespace Ros2Gateway.Unity.Tests
             foreach (string uri in others)
             {
                 Assert.IsTrue(_scene.HasLogged("no model for " + uri
-                    + " among Models, and only an STL by package:// or file:// is fetched: a small box stands for it"), uri);
+                    + " among Models, and only .stl and .dae by package:// or file:// are fetched: a small box stands for it"), uri);
             }
             robot.FetchMeshes = false;
             Show(robot, Mesh("package://rogue/1.stl"));

@@ -56,42 +56,34 @@ namespace Ros2Gateway.Robots
                 throw new UrdfException(
                     "the robot description has " + urdf.Length + " characters, at most " + MaxCharacters);
             }
-            XmlReaderSettings settings = new XmlReaderSettings
-            {
-                DtdProcessing = DtdProcessing.Prohibit, // entities may grow without bound, or open files
-                XmlResolver = null,
-            };
-            XmlDocument document = new XmlDocument { XmlResolver = null };
+            XmlElement root;
             try
             {
-                using (XmlReader reader = XmlReader.Create(new StringReader(urdf), settings))
-                {
-                    document.Load(reader);
-                }
+                root = XmlTree.Root(XmlReader.Create(new StringReader(urdf), XmlTree.Settings));
             }
             catch (XmlException error)
             {
                 throw new UrdfException("the robot description is no XML: " + error.Message);
             }
-            if (document.DocumentElement.Name != "robot")
+            if (root.Name != "robot")
             {
-                throw new UrdfException("the robot description begins with <" + document.DocumentElement.Name
+                throw new UrdfException("the robot description begins with <" + root.Name
                     + ">, must begin with <robot>");
             }
-            return document.DocumentElement;
+            return root;
         }
 
         private RobotDescription ReadRobot(XmlElement robot)
         {
-            foreach (XmlElement material in Children(robot, "material"))
+            foreach (XmlElement material in XmlTree.Children(robot, "material"))
             {
                 Color(material);
             }
-            foreach (XmlElement link in Children(robot, "link"))
+            foreach (XmlElement link in XmlTree.Children(robot, "link"))
             {
                 ReadLink(link);
             }
-            foreach (XmlElement joint in Children(robot, "joint"))
+            foreach (XmlElement joint in XmlTree.Children(robot, "joint"))
             {
                 ReadJoint(joint);
             }
@@ -111,7 +103,7 @@ namespace Ros2Gateway.Robots
                 throw new UrdfException("more than " + MaxLinks + " links");
             }
             List<RobotVisual> visuals = new List<RobotVisual>();
-            foreach (XmlElement visual in Children(element, "visual"))
+            foreach (XmlElement visual in XmlTree.Children(element, "visual"))
             {
                 if (++_visuals > MaxVisuals)
                 {
@@ -127,32 +119,32 @@ namespace Ros2Gateway.Robots
         private RobotVisual ReadVisual(XmlElement element, string link)
         {
             string where = "link " + link;
-            XmlElement geometry = Child(element, "geometry");
+            XmlElement geometry = XmlTree.Child(element, "geometry");
             if (geometry == null)
             {
                 throw new UrdfException(where + ": a visual has no geometry");
             }
             Pose<Flu> origin = Origin(element, where);
-            XmlElement material = Child(element, "material");
+            XmlElement material = XmlTree.Child(element, "material");
             Rgba color = material == null ? new Rgba(200, 200, 200) : Color(material);
             XmlElement shape;
-            if ((shape = Child(geometry, "box")) != null)
+            if ((shape = XmlTree.Child(geometry, "box")) != null)
             {
                 return new RobotVisual(RobotShape.Box, Vector(shape, "size", where, null), "", origin, color);
             }
-            if ((shape = Child(geometry, "cylinder")) != null)
+            if ((shape = XmlTree.Child(geometry, "cylinder")) != null)
             {
                 double width = 2 * Number(shape, "radius", where);
                 Vector3<Flu> size = new Vector3<Flu>(width, width, Number(shape, "length", where));
                 return new RobotVisual(RobotShape.Cylinder, size, "", origin, color);
             }
-            if ((shape = Child(geometry, "sphere")) != null)
+            if ((shape = XmlTree.Child(geometry, "sphere")) != null)
             {
                 double width = 2 * Number(shape, "radius", where);
                 Vector3<Flu> size = new Vector3<Flu>(width, width, width);
                 return new RobotVisual(RobotShape.Sphere, size, "", origin, color);
             }
-            if ((shape = Child(geometry, "mesh")) != null)
+            if ((shape = XmlTree.Child(geometry, "mesh")) != null)
             {
                 Vector3<Flu> scale = Vector(shape, "scale", where, new Vector3<Flu>(1, 1, 1));
                 string file = Need(shape, "filename", where + ": a mesh");
@@ -175,7 +167,7 @@ namespace Ros2Gateway.Robots
                 throw new UrdfException(
                     "link " + child + " hangs from two joints: " + _byChild[child].Name + " and " + name);
             }
-            XmlElement mimic = Child(element, "mimic");
+            XmlElement mimic = XmlTree.Child(element, "mimic");
             _byChild[child] = new RobotJoint(
                 name, parent, child, MotionOf(Need(element, "type", where), where), Origin(element, where),
                 Axis(element, where), mimic == null ? "" : Need(mimic, "joint", where + ": mimic"),
@@ -246,7 +238,7 @@ namespace Ros2Gateway.Robots
 
         private string LinkOf(XmlElement joint, string which, string where)
         {
-            XmlElement element = Child(joint, which);
+            XmlElement element = XmlTree.Child(joint, which);
             string link = element == null ? "" : element.GetAttribute("link");
             if (!_links.ContainsKey(link))
             {
@@ -278,7 +270,7 @@ namespace Ros2Gateway.Robots
         private Rgba Color(XmlElement material)
         {
             string name = material.GetAttribute("name");
-            XmlElement color = Child(material, "color");
+            XmlElement color = XmlTree.Child(material, "color");
             Rgba known;
             if (color == null)
             {
@@ -296,7 +288,7 @@ namespace Ros2Gateway.Robots
 
         private static Pose<Flu> Origin(XmlElement element, string where)
         {
-            XmlElement origin = Child(element, "origin");
+            XmlElement origin = XmlTree.Child(element, "origin");
             if (origin == null)
             {
                 return new Pose<Flu>(default(Vector3<Flu>), Quaternion<Flu>.Identity);
@@ -308,7 +300,7 @@ namespace Ros2Gateway.Robots
 
         private static Vector3<Flu> Axis(XmlElement joint, string where)
         {
-            XmlElement element = Child(joint, "axis");
+            XmlElement element = XmlTree.Child(joint, "axis");
             Vector3<Flu> axis = element == null ? new Vector3<Flu>(1, 0, 0)
                 : Vector(element, "xyz", where, new Vector3<Flu>(1, 0, 0));
             double length = axis.Length;
@@ -367,27 +359,6 @@ namespace Ros2Gateway.Robots
                 throw new UrdfException(what + " has no " + name);
             }
             return value;
-        }
-
-        private static XmlElement Child(XmlElement element, string name)
-        {
-            foreach (XmlElement child in Children(element, name))
-            {
-                return child;
-            }
-            return null;
-        }
-
-        private static IEnumerable<XmlElement> Children(XmlElement element, string name)
-        {
-            for (XmlNode child = element.FirstChild; child != null; child = child.NextSibling)
-            {
-                XmlElement found = child as XmlElement;
-                if (found != null && found.Name == name)
-                {
-                    yield return found;
-                }
-            }
         }
     }
 }

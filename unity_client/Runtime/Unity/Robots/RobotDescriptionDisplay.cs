@@ -14,7 +14,8 @@ namespace Ros2Gateway.Unity
     /// </summary>
     /// <remarks>
     /// Boxes, cylinders and spheres are drawn. A mesh is one of *Models* with the name of its file; else the file itself
-    /// if it is an STL of a package, which the gateway serves; else, and until that has come, a small box.
+    /// if it is an STL or COLLADA file (.dae) of a package, which the gateway serves; else, and until that has come, a small
+    /// box. A file's own colours come before those of the description, as in RViz; textures are not shown.
     /// </remarks>
     [AddComponentMenu("ROS 2 Gateway/Robot Description Display")]
     public sealed class RobotDescriptionDisplay : FramedDisplay<StringMsg>
@@ -26,7 +27,7 @@ namespace Ros2Gateway.Unity
         private GameObject[] _models = new GameObject[0];
 
         [SerializeField]
-        [Tooltip("Fetch meshes that are not among Models from the gateway: STL files of its packages, package:// or file://")]
+        [Tooltip("Fetch meshes that are not among Models from the gateway: STL and COLLADA files of its packages")]
         private bool _fetchMeshes = true;
 
         [SerializeField]
@@ -249,7 +250,7 @@ namespace Ros2Gateway.Unity
         private void WarnOfBox(RobotVisual visual)
         {
             string reason = !_fetchMeshes ? ""
-                : !IsServed(visual) ? " among Models, and only an STL by package:// or file:// is fetched"
+                : !IsServed(visual) ? " among Models, and only .stl and .dae by package:// or file:// are fetched"
                 : Client() == null ? " among Models, and no Gateway Connection to fetch it by"
                 : null;
             if (reason != null)
@@ -263,7 +264,7 @@ namespace Ros2Gateway.Unity
             return _fetchMeshes && visual.Shape == RobotShape.Mesh
                 && (visual.Mesh.StartsWith("package://", StringComparison.Ordinal)
                     || visual.Mesh.StartsWith("file://", StringComparison.Ordinal)) // by xacro's find
-                && visual.Mesh.EndsWith(".stl", StringComparison.OrdinalIgnoreCase);
+                && MeshReader.CanRead(visual.Mesh);
         }
 
         private GatewayClient Client()

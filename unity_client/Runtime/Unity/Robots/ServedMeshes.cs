@@ -4,6 +4,7 @@ using System.Collections.Generic;
 using System.Threading;
 using Ros2Gateway.Robots;
 using Ros2Gateway.Shapes;
+using UnityEngine;
 
 namespace Ros2Gateway.Unity
 {
@@ -11,12 +12,13 @@ namespace Ros2Gateway.Unity
     /// <remarks>
     /// One file is fetched at a time, and the one before it read and drawn meanwhile: on a thread of the pool, where
     /// there are threads, but for the upload, of a part in each frame. A connection that is lost, or comes late, is
-    /// waited for.
+    /// waited for; what the gateway refuses is asked for again after the others, as it may have had too much to do.
     /// </remarks>
     internal sealed class ServedMeshes : IDisposable
     {
         private const int PartVertices = 3 << 16; // more take longer to upload than a frame has
-        private const int MaxAttempts = 3; // of a file with which connections end
+        private const int MaxAttempts = 3; // of a file with which connections end, or which is refused
+        private const double RetrySeconds = 2; // so soon that the client does not repeat why
 
 #if UNITY_WEBGL && !UNITY_EDITOR
         private static readonly bool HasThreads = false;
@@ -111,7 +113,7 @@ namespace Ros2Gateway.Unity
             {
                 Dispose(); // of a connection that is gone
             }
-            if (_fetch == null && _fetched == null && _unfetched.Count > 0 && client != null && client.IsConnected)
+            if (_fetch == null && _fetched == null && client != null && client.IsConnected && FindNext())
             {
                 _client = client;
                 _unfetched.Peek().Attempts++;
@@ -119,19 +121,40 @@ namespace Ros2Gateway.Unity
             }
         }
 
+        /// <summary>Brings the next whose time has come to the front; false if there is none.</summary>
+        private bool FindNext()
+        {
+            double now = Time.unscaledTimeAsDouble;
+            for (int i = 0; i < _unfetched.Count; i++)
+            {
+                if (_unfetched.Peek().NotBefore <= now)
+                {
+                    return true;
+                }
+                _unfetched.Enqueue(_unfetched.Dequeue());
+            }
+            return false;
+        }
+
         private void Take(Reply<byte[]> reply)
         {
             _fetch = null;
             ServedMesh mesh = _unfetched.Peek();
-            if (!reply.Ok && !_client.IsConnected && mesh.Attempts < MaxAttempts)
+            bool isLast = mesh.Attempts == MaxAttempts;
+            if (!reply.Ok && !isLast && !_client.IsConnected)
             {
                 return; // asked for again when there is a connection
             }
             _unfetched.Dequeue();
             if (reply.Ok)
             {
-                mesh.Stl = reply.Value;
+                mesh.File = reply.Value;
                 _fetched = mesh;
+            }
+            else if (!isLast)
+            {
+                mesh.NotBefore = Time.unscaledTimeAsDouble + RetrySeconds;
+                _unfetched.Enqueue(mesh);
             }
             else
             {
@@ -160,16 +183,16 @@ namespace Ros2Gateway.Unity
             {
                 if (_drawn.Mesh == null)
                 {
-                    byte[] stl = _drawn.Stl;
-                    _drawn.Stl = null;
-                    _drawn.Mesh = StlReader.Read(stl);
+                    byte[] file = _drawn.File;
+                    _drawn.File = null;
+                    _drawn.Mesh = MeshReader.Read(_drawn.Uri, file);
                 }
                 _part = _part ?? new MeshBuffer { Room = PartVertices };
                 _part.Clear(MeshKind.Triangles);
                 RobotVisual visual = _drawn.Visuals[_visual].Visual;
                 _next = _drawn.Mesh.AddTo(_part, _first, visual.Origin, visual.Size, visual.Color);
             }
-            catch (StlException error)
+            catch (MeshException error)
             {
                 _problem = error.Message;
             }
@@ -231,8 +254,9 @@ namespace Ros2Gateway.Unity
             internal readonly string Uri;
             internal readonly List<ServedVisual> Visuals = new List<ServedVisual>();
             internal int Attempts;
-            internal byte[] Stl; // from when it is fetched until it is read
-            internal StlMesh Mesh; // from then on until it is drawn
+            internal double NotBefore; // of Unity's time, it is asked for again
+            internal byte[] File; // from when it is fetched until it is read
+            internal TriangleMesh Mesh; // from then on until it is drawn
 
             internal ServedMesh(string uri)
             {

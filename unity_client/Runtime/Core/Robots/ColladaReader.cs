@@ -1,0 +1,316 @@
+// SPDX-License-Identifier: Apache-2.0
+using System;
+using System.Collections.Generic;
+using System.IO;
+using System.Xml;
+using Ros2Gateway.Shapes;
+
+namespace Ros2Gateway.Robots
+{
+    /// <summary>
+    /// Reads COLLADA files (1.4.1, https://www.khronos.org/files/collada_spec_1_4.pdf; 1.5 has the same): the triangles
+    /// and polygons of the scene, in metres, and their colours. Any thread.
+    /// </summary>
+    /// <remarks>
+    /// As RViz does it, the file's unit counts and its up_axis does not: x, y and z are those of the link. Textures,
+    /// transparency and light are not read; polygons are taken as convex.
+    /// </remarks>
+    public sealed class ColladaReader
+    {
+        private const int MaxParts = 1000000; // elements and attributes; of a file of 30 MB 20,000. They take some 100 bytes
+        private const int MaxDepth = 100; // of elements, and of nodes in nodes: each is a call
+        private const int MaxNodes = 100000; // with those that are shown several times
+
+        private readonly Dictionary<string, XmlElement> _byId = new Dictionary<string, XmlElement>();
+        private readonly Dictionary<XmlElement, ColladaGeometry> _geometries
+            = new Dictionary<XmlElement, ColladaGeometry>();
+
+        private readonly List<float> _corners = new List<float>();
+        private readonly List<Rgba?> _colors = new List<Rgba?>();
+        private bool _hasColors;
+        private int _nodes;
+
+        private ColladaReader()
+        {
+        }
+
+        /// <summary>Reads a file.</summary>
+        /// <exception cref="MeshException">It is none, in words.</exception>
+        public static TriangleMesh Read(byte[] collada)
+        {
+            if (collada == null || collada.Length == 0)
+            {
+                throw new MeshException("the COLLADA file is empty");
+            }
+            XmlElement root;
+            try
+            {
+                CheckSize(collada);
+                root = XmlTree.Root(Reader(collada));
+            }
+            catch (XmlException error)
+            {
+                throw new MeshException("the COLLADA file is no XML: " + error.Message);
+            }
+            if (root.Name != "COLLADA")
+            {
+                throw new MeshException(
+                    "the COLLADA file begins with <" + root.Name + ">, must begin with <COLLADA>");
+            }
+            return new ColladaReader().ReadRoot(root);
+        }
+
+        private static XmlReader Reader(byte[] collada)
+        {
+            return XmlReader.Create(new MemoryStream(collada), XmlTree.Settings);
+        }
+
+        // A tree takes many times the memory of its text.
+        private static void CheckSize(byte[] collada)
+        {
+            int parts = 0;
+            using (XmlReader reader = Reader(collada))
+            {
+                while (reader.Read())
+                {
+                    parts += reader.NodeType == XmlNodeType.Element ? 1 + reader.AttributeCount : 0;
+                    if (parts > MaxParts)
+                    {
+                        throw new MeshException(
+                            "the COLLADA file has more than " + MaxParts + " elements and attributes");
+                    }
+                    if (reader.Depth > MaxDepth)
+                    {
+                        throw new MeshException("the COLLADA file is more than " + MaxDepth + " elements deep");
+                    }
+                }
+            }
+        }
+
+        private TriangleMesh ReadRoot(XmlElement root)
+        {
+            Index(root);
+            double unit = Unit(root);
+            Affine metres = Affine.Scaling(unit, unit, unit);
+            XmlElement scene = Scene(root);
+            if (scene != null)
+            {
+                ShowAll(scene, metres, 0);
+            }
+            else
+            {
+                foreach (XmlElement library in XmlTree.Children(root, "library_geometries"))
+                {
+                    foreach (XmlElement geometry in XmlTree.Children(library, "geometry"))
+                    {
+                        Show(geometry, metres, null);
+                    }
+                }
+            }
+            if (_colors.Count == 0)
+            {
+                throw new MeshException("the COLLADA file shows no triangles");
+            }
+            return new TriangleMesh(
+                _corners.ToArray(), new float[3 * _colors.Count], _hasColors ? _colors.ToArray() : null);
+        }
+
+        private void Index(XmlElement element)
+        {
+            string id = element.GetAttribute("id");
+            if (id.Length > 0 && !_byId.ContainsKey(id))
+            {
+                _byId[id] = element;
+            }
+            foreach (XmlElement child in XmlTree.Children(element))
+            {
+                Index(child);
+            }
+        }
+
+        /// <summary>How many metres the unit of the file has.</summary>
+        private static double Unit(XmlElement root)
+        {
+            XmlElement asset = XmlTree.Child(root, "asset");
+            XmlElement unit = asset == null ? null : XmlTree.Child(asset, "unit");
+            if (unit == null || !unit.HasAttribute("meter"))
+            {
+                return 1;
+            }
+            double metres = ColladaNumbers.Floats(unit.GetAttribute("meter"), 1, "<unit meter>")[0];
+            if (!(metres > 0))
+            {
+                throw new MeshException("the COLLADA file's unit has " + unit.GetAttribute("meter") + " metres");
+            }
+            return metres;
+        }
+
+        /// <summary>The scene that the file says is to be shown, else the first; null if there is none.</summary>
+        private XmlElement Scene(XmlElement root)
+        {
+            XmlElement scene = XmlTree.Child(root, "scene");
+            XmlElement instance = scene == null ? null : XmlTree.Child(scene, "instance_visual_scene");
+            if (instance != null)
+            {
+                return Referred(instance, "url");
+            }
+            XmlElement library = XmlTree.Child(root, "library_visual_scenes");
+            return library == null ? null : XmlTree.Child(library, "visual_scene");
+        }
+
+        /// <summary>Shows what a scene or a node has, which it may place.</summary>
+        private void ShowAll(XmlElement node, Affine placed, int depth)
+        {
+            if (++_nodes > MaxNodes || depth > MaxDepth)
+            {
+                throw new MeshException(depth > MaxDepth
+                    ? "the COLLADA file's nodes are more than " + MaxDepth + " deep, or show themselves"
+                    : "the COLLADA file shows more than " + MaxNodes + " nodes");
+            }
+            foreach (XmlElement child in XmlTree.Children(node))
+            {
+                switch (child.Name)
+                {
+                    case "matrix":
+                    case "translate":
+                    case "rotate":
+                    case "scale":
+                        placed = placed * Placement(child);
+                        break;
+                    case "lookat":
+                    case "skew":
+                    case "instance_controller": // of a skin, which bones move
+                        throw new MeshException("the COLLADA file has <" + child.Name + ">, which is not read");
+                    case "instance_geometry":
+                        Show(Referred(child, "url"), placed, child);
+                        break;
+                    case "instance_node":
+                        ShowAll(Referred(child, "url"), placed, depth + 1);
+                        break;
+                    case "node":
+                        ShowAll(child, placed, depth + 1);
+                        break;
+                }
+            }
+        }
+
+        private static Affine Placement(XmlElement element)
+        {
+            string name = element.Name;
+            int count = name == "matrix" ? 16 : name == "rotate" ? 4 : 3;
+            double[] n = Array.ConvertAll(ColladaNumbers.Floats(element.InnerText, count, "<" + name + ">"), one => (double)one);
+            switch (name)
+            {
+                case "matrix":
+                    return new Affine(n);
+                case "translate":
+                    return Affine.Moving(n[0], n[1], n[2]);
+                case "scale":
+                    return Affine.Scaling(n[0], n[1], n[2]);
+                default:
+                    bool hasAxis = n[0] != 0 || n[1] != 0 || n[2] != 0;
+                    return Affine.Turning(n[0], n[1], hasAxis ? n[2] : 1, hasAxis ? n[3] * Math.PI / 180 : 0);
+            }
+        }
+
+        /// <param name="instance">Says what the materials are that the geometry names; may be null.</param>
+        private void Show(XmlElement element, Affine placed, XmlElement instance)
+        {
+            ColladaGeometry geometry;
+            if (!_geometries.TryGetValue(element, out geometry))
+            {
+                geometry = _geometries[element] = new ColladaGeometry(element, reference => Referred(reference, "source"));
+            }
+            bool isMirroring = placed.IsMirroring;
+            foreach (ColladaFaces faces in geometry.Faces)
+            {
+                Rgba? color = Color(faces.Material, instance);
+                _hasColors |= color.HasValue;
+                if (_colors.Count + faces.Corners.Count / 3 > TriangleMesh.MaxTriangles)
+                {
+                    throw new MeshException(
+                        "the COLLADA file has more than " + TriangleMesh.MaxTriangles + " triangles");
+                }
+                for (int i = 0; i < faces.Corners.Count; i += 3)
+                {
+                    Add(placed.Place(faces.Positions, 3 * faces.Corners[i]));
+                    Add(placed.Place(faces.Positions, 3 * faces.Corners[i + (isMirroring ? 2 : 1)]));
+                    Add(placed.Place(faces.Positions, 3 * faces.Corners[i + (isMirroring ? 1 : 2)]));
+                    _colors.Add(color);
+                }
+            }
+        }
+
+        private void Add(Vector3<Flu> corner)
+        {
+            if (!(Math.Abs(corner.x) + Math.Abs(corner.y) + Math.Abs(corner.z) <= float.MaxValue))
+            {
+                throw new MeshException("a corner of the COLLADA file is at " + corner + ", farther away than float32 goes");
+            }
+            _corners.Add((float)corner.x);
+            _corners.Add((float)corner.y);
+            _corners.Add((float)corner.z);
+        }
+
+        /// <summary>The colour of a material in diffuse light; null if it has none, or a texture.</summary>
+        private Rgba? Color(string material, XmlElement instance)
+        {
+            XmlElement found = Bound(material, instance);
+            XmlElement effect = found == null ? null : XmlTree.Child(found, "instance_effect");
+            XmlElement at = effect == null ? null : Referred(effect, "url");
+            foreach (string name in new[] { "profile_COMMON", "technique", null, "diffuse", "color" })
+            {
+                at = at == null ? null : name == null ? Shading(at) : XmlTree.Child(at, name);
+            }
+            if (at == null)
+            {
+                return null;
+            }
+            float[] parts = ColladaNumbers.Floats(at.InnerText, 3, "<color>");
+            return Rgba.Of(parts[0], parts[1], parts[2], 1);
+        }
+
+        /// <summary>The material that an instance binds to the name; else the one with that id; or null.</summary>
+        private XmlElement Bound(string material, XmlElement instance)
+        {
+            XmlElement bind = instance == null ? null : XmlTree.Child(instance, "bind_material");
+            XmlElement technique = bind == null ? null : XmlTree.Child(bind, "technique_common");
+            if (technique != null)
+            {
+                foreach (XmlElement binding in XmlTree.Children(technique, "instance_material"))
+                {
+                    if (binding.GetAttribute("symbol") == material)
+                    {
+                        return Referred(binding, "target");
+                    }
+                }
+            }
+            XmlElement found;
+            return _byId.TryGetValue(material, out found) ? found : null;
+        }
+
+        private static XmlElement Shading(XmlElement technique)
+        {
+            foreach (XmlElement child in XmlTree.Children(technique))
+            {
+                if (XmlTree.Child(child, "diffuse") != null)
+                {
+                    return child; // phong, lambert or blinn
+                }
+            }
+            return null;
+        }
+
+        private XmlElement Referred(XmlElement reference, string attribute)
+        {
+            string id = reference.GetAttribute(attribute);
+            XmlElement found;
+            if (id.Length < 2 || id[0] != '#' || !_byId.TryGetValue(id.Substring(1), out found))
+            {
+                throw new MeshException("the COLLADA file's <" + reference.Name + "> refers to '" + id
+                    + "', which is nothing in the file");
+            }
+            return found;
+        }
+    }
+}
