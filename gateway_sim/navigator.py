@@ -71,9 +71,10 @@ class Navigator:
 
     def close(self) -> None:
         """Abort the goal, and take the action off the graph."""
-        if self._server is not None:
-            self._finish(self._server, GoalStatus.STATUS_ABORTED, _UNKNOWN, "the robot is leaving")
-            self._server.close()
+        server, self._server = self._server, None
+        if server is not None:
+            self._finish(server, GoalStatus.STATUS_ABORTED, _UNKNOWN, "the robot is leaving")
+            server.close()
 
     def _begin(self, goal: Values) -> None:
         """Drive to a goal.
