@@ -14,9 +14,7 @@ from gateway.protocol.names import resolve_action, resolve_service, resolve_topi
 from gateway.protocol.operations import (
     ClientOperation,
     actions,
-    commands,
     gateway,
-    parameters,
     services,
     topics,
     transforms,
@@ -98,6 +96,8 @@ def _check(permissions: Permissions, action: Action, name: str, doing: str) -> N
 
 
 def _need(operation: ClientOperation, longest: int) -> _Need | None:
+    if not operation.needs_permission:
+        return None
     match operation:
         case topics.Subscribe():
             topic = resolve_topic(operation.topic, longest)
@@ -124,41 +124,4 @@ def _need(operation: ClientOperation, longest: int) -> _Need | None:
             absent = f"frame {operation.target_frame!r} is unknown"
             return _Need("subscribe", _TRANSFORMS, "subscribing to", absent)
         case _:
-            _needs_no_permission(operation)
-            return None
-
-
-def _needs_no_permission(
-    operation: topics.Unsubscribe
-    | topics.Unadvertise
-    | services.UnadvertiseService
-    | services.ServiceResponse
-    | actions.CancelActionGoal
-    | actions.UnadvertiseAction
-    | actions.ActionFeedback
-    | actions.ActionResult
-    | transforms.CancelTransform
-    # whoever sees a robot may stop it
-    | commands.Stop
-    | commands.ReleaseControl
-    # checked where the topic is known
-    | commands.AcquireControl
-    | commands.Control
-    # checked where the node is known
-    | parameters.ListParameters
-    | parameters.GetParameters
-    | parameters.SetParameters
-    | parameters.DescribeParameters
-    | gateway.Ping
-    | gateway.Hello
-    | gateway.Help
-    | gateway.Describe
-    | gateway.Generate
-    # meshes and textures of installed packages tell nothing of what the robot does
-    | gateway.FetchAsset
-    | gateway.GraphRequest
-    | gateway.Events
-    | gateway.SetLevel
-    | gateway.Auth,
-) -> None:
-    """Name the operations on what the client has anyway; a new operation is a type error here."""
+            raise ProtocolError("forbidden", f"{operation.op} is allowed to no role")

@@ -3,12 +3,16 @@
 
 import json
 import logging
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 
 from gateway.access.permissions import Identity, Policy
 from gateway.config.access import AccessConfig, OperatorConfig, Role, RoleConfig, ViewerConfig
+from gateway.protocol.errors import ProtocolError
+from gateway.protocol.operations import ClientOperation
+from gateway.protocol.operations.base import Operation
+from gateway.router.permission_checks import may_carry_out
 from tests.rosapi.scripted import ScriptedNodes
 from tests.router.conftest import Bench, Socketless
 
@@ -349,3 +353,19 @@ async def test_what_is_forbidden_is_recorded_without_the_payload(bench: Bench, c
     assert (event["event"], event["name"], event["role"]) == ("forbidden", "tablet", "viewer")
     assert event["op"] == "publish"
     assert "payload" not in record.getMessage()
+
+
+@pytest.mark.parametrize("model", get_args(ClientOperation), ids=lambda model: model.op)
+async def test_of_every_operation_it_is_known_what_it_needs(bench: Bench, model: Any) -> None:
+    names = dict.fromkeys(("topic", "service", "action", "target_frame"), "x")
+    session = bench.client(identity=identity("admin")).session
+    may_carry_out(session, model.model_construct(**names, type=None))
+
+
+async def test_an_operation_of_which_nobody_says_what_it_needs_is_forbidden(bench: Bench) -> None:
+    class New(Operation):
+        op = "new"
+
+    new: Any = New()
+    with pytest.raises(ProtocolError, match="new is allowed to no role"):
+        may_carry_out(viewer(bench).session, new)

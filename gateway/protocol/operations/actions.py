@@ -24,6 +24,7 @@ class CancelActionGoal(Operation):
     """Ask to cancel a goal by its id; its result reports whether it was cancelled."""
 
     op = "cancel_action_goal"
+    needs_permission = False
     action: str
     id: Id
 
@@ -40,6 +41,7 @@ class UnadvertiseAction(Operation):
     """Stop providing an action; its goals are aborted."""
 
     op = "unadvertise_action"
+    needs_permission = False
     action: str
 
 
@@ -47,6 +49,7 @@ class ActionFeedback(Operation):
     """Report the progress of a goal; *id* is the goal's."""
 
     op = "action_feedback"
+    needs_permission = False
     action: str
     id: Id
     values: Any = None
@@ -56,6 +59,7 @@ class ActionResult(Operation):
     """End a goal; *id* is the goal's."""
 
     op = "action_result"
+    needs_permission = False
     action: str
     id: Id
     values: Any = None

@@ -54,4 +54,7 @@ class Operation(OperationPart):
     model_config = ConfigDict(extra="ignore")
 
     op: ClassVar[str]
+    # False for what a client has anyway, or what is checked later; of all others the router's
+    # `permission_checks` knows the permission, or refuses them to whoever has a role
+    needs_permission: ClassVar[bool] = True
     id: Id | None = None

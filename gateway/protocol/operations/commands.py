@@ -8,6 +8,7 @@ class Stop(Operation):
     """Stop one command topic, or without a name all of them; any client may."""
 
     op = "stop"
+    needs_permission = False  # whoever sees a robot may stop it
     topic: str | None = None
 
 
@@ -15,6 +16,7 @@ class AcquireControl(Operation):
     """Take control of a command topic, also from another client; it is stopped first."""
 
     op = "acquire_control"
+    needs_permission = False  # checked where the topic is known
     topic: str | None = None
 
 
@@ -22,6 +24,7 @@ class ReleaseControl(Operation):
     """Give control back; what moves is stopped."""
 
     op = "release_control"
+    needs_permission = False
     topic: str | None = None
 
 
@@ -32,5 +35,6 @@ class Control(Operation):
     """
 
     op = "control"
+    needs_permission = False  # checked where the topic is known
     topic: str | None = None
     watch: bool | None = None

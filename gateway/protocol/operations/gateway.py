@@ -17,6 +17,7 @@ class SetLevel(Operation):
     """Choose the least severe `status` frames that this client wants."""
 
     op = "set_level"
+    needs_permission = False
     level: Literal["none", "error", "warning", "info"]
 
 
@@ -24,18 +25,21 @@ class Hello(Operation):
     """Ask for the server's identity and limits."""
 
     op = "hello"
+    needs_permission = False
 
 
 class Help(Operation):
     """Ask for lines to try; the text ``help``, which is not JSON, asks for them, too."""
 
     op = "help"
+    needs_permission = False
 
 
 class Ping(Operation):
     """Ask for the clocks; the answer repeats the value unchanged."""
 
     op = "ping"
+    needs_permission = False
     value: Any = None
 
 
@@ -46,6 +50,7 @@ class Describe(Operation):
     """
 
     op = "describe"
+    needs_permission = False
     type: str | int
 
 
@@ -56,6 +61,7 @@ class Generate(Operation):
     """
 
     op = "generate"
+    needs_permission = False
     language: Literal["csharp", "typescript", "python", "json-schema"]
     types: Annotated[
         tuple[str, ...], Field(strict=False, min_length=1, max_length=MAX_GENERATED_TYPES)
@@ -76,6 +82,7 @@ class FetchAsset(Operation):
     """Ask for a part of a mesh or a texture of an installed package, from an offset in bytes."""
 
     op = "fetch_asset"
+    needs_permission = False  # a mesh tells nothing of what the robot does
     uri: Annotated[str, Field(max_length=MAX_URI)]
     offset: Annotated[int, Field(ge=0)] = 0
 
@@ -87,6 +94,7 @@ class GraphRequest(Operation):
     """
 
     op = "graph"
+    needs_permission = False
     watch: bool | None = None
 
 
@@ -97,6 +105,7 @@ class Events(Operation):
     """
 
     op = "events"
+    needs_permission = False
     watch: bool = True
 
 
@@ -108,4 +117,5 @@ class Auth(Operation):
     """
 
     op = "auth"
+    needs_permission = False
     token: str | None = None

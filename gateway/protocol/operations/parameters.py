@@ -15,6 +15,7 @@ class ListParameters(Operation):
     """Ask for the names of a node's parameters, or of those below some prefixes."""
 
     op = "list_parameters"
+    needs_permission = False  # checked where the node is known
     node: str
     prefixes: Names = ()
     timeout: Seconds | None = None
@@ -24,6 +25,7 @@ class GetParameters(Operation):
     """Ask for values; without names, for all that the node has."""
 
     op = "get_parameters"
+    needs_permission = False  # checked where the node is known
     node: str
     names: Names | None = None
     timeout: Seconds | None = None
@@ -33,6 +35,7 @@ class SetParameters(Operation):
     """Set values; ``null`` deletes a parameter."""
 
     op = "set_parameters"
+    needs_permission = False  # checked where the node is known
     node: str
     values: Annotated[dict[str, Any], Field(min_length=1, max_length=1024)]
     timeout: Seconds | None = None
@@ -42,6 +45,7 @@ class DescribeParameters(Operation):
     """Ask for types, ranges and descriptions; without names, of all that the node has."""
 
     op = "describe_parameters"
+    needs_permission = False  # checked where the node is known
     node: str
     names: Names | None = None
     timeout: Seconds | None = None

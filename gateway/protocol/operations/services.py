@@ -31,6 +31,7 @@ class UnadvertiseService(Operation):
     """Stop providing a service."""
 
     op = "unadvertise_service"
+    needs_permission = False
     service: str
 
 
@@ -38,6 +39,7 @@ class ServiceResponse(Operation):
     """Answer a call that the gateway passed on; *id* is the call's."""
 
     op = "service_response"
+    needs_permission = False
     service: str
     values: Any = None
     result: bool = True

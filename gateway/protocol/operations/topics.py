@@ -115,6 +115,7 @@ class Unadvertise(Operation):
     """Withdraw one advertisement, or without an id all of this client's on the topic."""
 
     op = "unadvertise"
+    needs_permission = False
     topic: str
 
 
@@ -155,4 +156,5 @@ class Unsubscribe(Operation):
     """End one subscription, or without an id all of this client's on the topic."""
 
     op = "unsubscribe"
+    needs_permission = False
     topic: str

@@ -43,4 +43,5 @@ class CancelTransform(Operation):
     """End a periodic lookup by its id."""
 
     op = "cancel_transform"
+    needs_permission = False
     id: Id
