@@ -14,7 +14,7 @@ from gateway.codec import cbor
 from gateway.codec.cbor_reader import MAX_SINGLE_ITEMS
 from gateway.codec.cdr.bounds import MAX_FIELDS, count_fields
 from gateway.codec.cdr.layout import flatten
-from gateway.codec.json import LARGE_BYTES, MAX_TOKENS
+from gateway.codec.json import LARGE_TEXT_BYTES, MAX_TOKENS
 from gateway.codec.json_bounds import (
     BACKSLASH_COST,
     MAX_CONTAINERS,
@@ -107,7 +107,7 @@ def plain_frames() -> Iterator[HostileFrame]:
     most, containers = MAX_ITEMS - _SPARE, MAX_CONTAINERS - _SPARE
     room = MAX_MESSAGE_BYTES - 1000
     floats, nulls = ",".join(["0.1"] * most), ",".join(["null"] * most)
-    few = (LARGE_BYTES - 1000) // 4 * 4  # of the characters of these numbers
+    few = (LARGE_TEXT_BYTES - 1000) // 4 * 4  # of the characters of these numbers
     strings = MAX_STRINGS - _SPARE
     names, ones = ",".join(['"Infinity"'] * strings), ",".join(["1.0"] * most)
     members = ",".join(f'"k{number}":"v"' for number in range(strings // 2))
@@ -202,8 +202,8 @@ def _text_frames() -> Iterator[HostileFrame]:
         "nothing but backslashes": b'"' + b"\\" * room + b'"',
         "nothing but quotes": b'"' * room,
         "nothing but colons": b":" * room,
-        "strings of commas": b'["' + b"," * (LARGE_BYTES - 10) + b'"]',
-        "strings of escapes": b'["' + b'\\"' * (LARGE_BYTES // 2 - 10) + b'"]',
+        "strings of commas": b'["' + b"," * (LARGE_TEXT_BYTES - 10) + b'"]',
+        "strings of escapes": b'["' + b'\\"' * (LARGE_TEXT_BYTES // 2 - 10) + b'"]',
     }.items():
         yield HostileFrame(name, data)
 
@@ -273,7 +273,7 @@ def _cbor(type_name: str, field: str, value: bytes) -> bytes:
 def _filled(element: str) -> str:
     """Return elements, each with its comma, as many as may stand beside a NaN."""
     tokens = element.count("NaN") + element.count("Infinity") + element.count('"') // 2
-    most = min((MAX_TOKENS - _SPARE) // tokens, (LARGE_BYTES - 1000) // (len(element) + 1))
+    most = min((MAX_TOKENS - _SPARE) // tokens, (LARGE_TEXT_BYTES - 1000) // (len(element) + 1))
     return f"{element}," * (min(most, MAX_CONTAINERS - _SPARE) if "{" in element else most)
 
 

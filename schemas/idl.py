@@ -21,8 +21,8 @@ from schemas.definition import (
     Field,
     FieldType,
 )
-from schemas.idl_reader import Annotations, Reader, fitting, unexpected
-from schemas.idl_tokens import PlaceError, Token, shortened, with_place
+from schemas.idl_reader import Annotations, IdlReader, fitting, unexpected
+from schemas.idl_tokens import IdlToken, PlaceError, shortened, with_place
 from schemas.interface import ROLES, SEPARATOR, Interface, Role, part_name
 from schemas.msg_text import msg_text
 
@@ -97,7 +97,7 @@ def _parse(name: str, text: str, expected: list[str]) -> dict[str, Definition]:
         raise with_place(name, text, error) from error
 
 
-class _Parser(Reader):
+class _Parser(IdlReader):
     """Reads declarations."""
 
     def __init__(self, text: str) -> None:
@@ -190,7 +190,7 @@ class _Parser(Reader):
             full_name, () if found == _PLACEHOLDER else found, (), annotations.comment
         )
 
-    def _member(self) -> Iterator[tuple[Token, Field]]:
+    def _member(self) -> Iterator[tuple[IdlToken, Field]]:
         annotations = self.annotations()
         base = self._type()
         for name, kind in self._declarators(base):
@@ -224,7 +224,7 @@ class _Parser(Reader):
         if self._typedefs.setdefault(name.text, kind) != kind:
             raise PlaceError(name.offset, f"the second typedef {name}, of another type; rename it")
 
-    def _declarators(self, base: FieldType) -> Iterator[tuple[Token, FieldType]]:
+    def _declarators(self, base: FieldType) -> Iterator[tuple[IdlToken, FieldType]]:
         while True:
             name = self.name("a name")
             if self.takes("["):
@@ -289,7 +289,7 @@ class _Parser(Reader):
             case [_, "msg", _] as names:
                 found = FieldType("/".join(names))
             case names:
-                spelled = Token("name", "::".join(names), offset)
+                spelled = IdlToken("name", "::".join(names), offset)
                 raise unexpected("a type: a typedef from above, or PACKAGE::msg::NAME", spelled)
         if is_element and found.is_array:
             raise PlaceError(

@@ -12,16 +12,16 @@ from schemas.definition import (
     Value,
     text_misfit,
 )
-from schemas.idl_tokens import PlaceError, Token, items, number, shortened, string, tokens
+from schemas.idl_tokens import IdlToken, PlaceError, items, number, shortened, string, tokens
 
 MAX_SIZE: Final = 2**32 - 1  # of an array, a sequence or a string: CDR counts in 32 bits
 _MAX_FLOAT: Final = 2**1023  # of the integers that a float may be written as
 
-Literal = tuple[Token, Scalar]
+Literal = tuple[IdlToken, Scalar]
 """A value, and the word that it begins with."""
 
 
-class Reader:
+class IdlReader:
     """A text, and the word of it that is next.
 
     Its methods raise `PlaceError` where they find another word than they read.
@@ -31,7 +31,7 @@ class Reader:
         self._tokens = tokens(text)
         self.next = next(self._tokens)
 
-    def take(self) -> Token:
+    def take(self) -> IdlToken:
         """Return the next word, and go on to the one behind it."""
         token = self.next
         if token.kind != "end":
@@ -50,7 +50,7 @@ class Reader:
         if not self.takes(symbol):
             raise unexpected(symbol, self.next)
 
-    def name(self, what: str) -> Token:
+    def name(self, what: str) -> IdlToken:
         """Read a name; *what* is it, for the error text."""
         token = self.take()
         if token.kind != "name":
@@ -180,7 +180,7 @@ class Annotations(dict[str, dict[str, Literal]]):
         return tuple(fitting(kind, token, each) for each in values)
 
 
-def fitting(kind: FieldType, token: Token, value: Scalar) -> Scalar:
+def fitting(kind: FieldType, token: IdlToken, value: Scalar) -> Scalar:
     """Return a value for a constant, a field or an element of this type.
 
     Raises:
@@ -202,6 +202,6 @@ def fitting(kind: FieldType, token: Token, value: Scalar) -> Scalar:
     raise unexpected(f"a value of {kind.base}", token)
 
 
-def unexpected(expected: str, token: Token) -> PlaceError:
+def unexpected(expected: str, token: IdlToken) -> PlaceError:
     """Return the error about a word that is not the expected one."""
     return PlaceError(token.offset, f"expected {expected}, got {token}")

@@ -48,7 +48,7 @@ class PlaceError(ValueError):
 
 
 @dataclass(frozen=True, slots=True)
-class Token:
+class IdlToken:
     """One word of the text, and where it begins."""
 
     kind: TokenKind
@@ -65,7 +65,7 @@ def shortened(text: str) -> str:
     return text if len(text) <= _MAX_ECHO else f"{text[:_MAX_ECHO]}..."
 
 
-def tokens(text: str) -> Iterator[Token]:
+def tokens(text: str) -> Iterator[IdlToken]:
     """Yield the words of a text without comments, and an ``end`` behind them.
 
     Raises:
@@ -88,8 +88,8 @@ def tokens(text: str) -> Iterator[Token]:
             offset = end + 2
         elif match.lastgroup != "skipped":
             kind: TokenKind = match.lastgroup  # type: ignore[assignment]  # a group of the pattern
-            yield Token(kind, match[0], begin)
-    yield Token("end", "", len(text))
+            yield IdlToken(kind, match[0], begin)
+    yield IdlToken("end", "", len(text))
 
 
 def _unreadable(character: str) -> str:
@@ -105,7 +105,7 @@ def _unreadable(character: str) -> str:
     return f"expected IDL, got {character!r}; remove it"
 
 
-def number(token: Token) -> int | float:
+def number(token: IdlToken) -> int | float:
     """Return the value of a ``number``.
 
     Raises:
@@ -127,7 +127,7 @@ def number(token: Token) -> int | float:
     raise PlaceError(token.offset, f"expected a number such as 12, 0x1f or 1.5e3, got {token}")
 
 
-def string(token: Token) -> str:
+def string(token: IdlToken) -> str:
     """Return the text that a ``string`` stands for, as rosidl reads it.
 
     Raises:
@@ -145,7 +145,7 @@ def string(token: Token) -> str:
     return checked(token, _ESCAPED_TWICE.sub(r"\1", text))
 
 
-def checked(token: Token, text: str) -> str:
+def checked(token: IdlToken, text: str) -> str:
     """Return *text* with its surrogates joined.
 
     Raises:
@@ -174,7 +174,7 @@ _PYTHON_ESCAPE: Final = re.compile(
 _WORDS: Final = {"True": True, "False": False}
 
 
-def items(token: Token, text: str) -> tuple[Scalar, ...]:
+def items(token: IdlToken, text: str) -> tuple[Scalar, ...]:
     """Return the values in a default of an array, such as ``"(1, 2)"``.
 
     Raises:

@@ -29,7 +29,7 @@ def names_in(file: str) -> set[str]:
 
 
 @pytest.mark.parametrize(("function", "file"), sorted(set(rows())))
-def test_every_function_of_the_four_ways_is_where_the_page_says(function: str, file: str):
+def test_every_function_of_the_ways_is_where_the_page_says(function: str, file: str):
     if not file.startswith("<"):  # generated
         assert function.partition(".<locals>")[0] in names_in(file)
 
@@ -40,6 +40,16 @@ def test_every_file_that_is_named_exists():
     )
     assert len(named) > 40
     assert [name for name in named if not list(ROOT.glob(name.rstrip("/")))] == []
+
+
+def test_the_glossary_has_each_word_once_in_order():
+    glossary = PAGE.read_text("utf-8").partition("## Glossary")[2]
+    words = [
+        word.replace("`", "").lower()
+        for word in re.findall(r"^\| (.+?) \| ", glossary, re.MULTILINE)
+    ]
+    assert len(words) > 60
+    assert words[1:] == sorted(set(words[1:]))
 
 
 def test_every_class_of_the_glossary_exists():
@@ -55,6 +65,7 @@ def test_every_class_of_the_glossary_exists():
     [
         "",
         "/access",
+        "/cli",
         "/codec",
         "/config",
         "/protocol",

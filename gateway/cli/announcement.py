@@ -9,13 +9,12 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Final
 from urllib.parse import urlsplit
 
-from gateway.access.posture import LOOPBACKS
+from gateway.access.posture import EVERYWHERE, LOOPBACKS
 from gateway.cli.logs import json_line
 
 if TYPE_CHECKING:
     from gateway.app import Listening
 
-EVERYWHERE: Final = frozenset({"0.0.0.0", "::"})  # noqa: S104  # for messages, not binding
 
 _WARNING: Final = "WARNING: "
 _NO_ADDRESS: Final = "no default route: `ip -br address` lists the addresses of what is up"
@@ -87,7 +86,7 @@ def own_addresses() -> list[str]:
 
 def _lines(listening: "Listening", addresses: Sequence[str]) -> Iterator[str]:
     """Yield where to connect: with an address that can be typed into a headset, if there is one."""
-    if not EVERYWHERE.isdisjoint(host for host, _ in listening.addresses):
+    if any(host in EVERYWHERE for host, _ in listening.addresses):
         yield f"listening on every network of this machine, port {listening.port}"
         yield f"  on this machine   {own_url(listening)}"
         for address in addresses:
@@ -147,7 +146,7 @@ def _fragment(listening: "Listening") -> str:
 
 def _hosts(listening: "Listening", addresses: Sequence[str]) -> list[str]:
     hosts = [host for host, _ in listening.addresses]
-    return [*addresses, *hosts] if not EVERYWHERE.isdisjoint(hosts) else hosts
+    return [*addresses, *hosts] if any(host in EVERYWHERE for host in hosts) else hosts
 
 
 def _is_here(listening: "Listening") -> bool:

@@ -18,7 +18,7 @@ from gateway.errors import UsageError
 from schemas.definition import DefinitionError
 from schemas.generate.catalogue import Catalogue
 from schemas.generate.languages import LANGUAGES
-from schemas.generate.request import MARK, ClientCodeError, Request
+from schemas.generate.request import MARK, ClientCodeError, GenerateRequest
 from schemas.installed import InstalledDefinitions, UnknownTypeError
 
 _WHERE_ELSE: Final = """\
@@ -116,18 +116,18 @@ def _local(arguments: argparse.Namespace, environment: Mapping[str, str]) -> _Fo
     return _Found(definitions, tuple(sorted(names)), tuple(sorted(shown)))
 
 
-def _request(arguments: argparse.Namespace, found: _Found) -> Request:
+def _request(arguments: argparse.Namespace, found: _Found) -> GenerateRequest:
     try:
         catalogue = Catalogue.of_types(found.names, found.definitions)
     except UnknownTypeError as error:  # a nested one
         raise UsageError(f"{error}: {_WHERE_ELSE}") from error
-    asked = Request(
+    asked = GenerateRequest(
         found.names, catalogue, MARK, arguments.wire, arguments.complete, arguments.asmdef
     )
     return asked.made_by(arguments.language, found.shown)
 
 
-def _generated(arguments: argparse.Namespace, request: Request) -> Generated:
+def _generated(arguments: argparse.Namespace, request: GenerateRequest) -> Generated:
     language = LANGUAGES[arguments.language]
     notes = language.notes(request)
     if arguments.output is None:

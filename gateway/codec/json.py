@@ -24,7 +24,7 @@ from gateway.codec.utf8 import invalid_at
 # Deeper than any ROS type nests, and far from the recursion limits of the code that follows.
 MAX_DEPTH: Final = 32
 
-LARGE_BYTES: Final = 256 * 1024
+LARGE_TEXT_BYTES: Final = 256 * 1024
 """A larger text takes too long to be read in Python, for the place of an error or of a NaN."""
 
 # NaN, Infinity and, in a text with these, strings: 10 ms to put numbers in their places.
@@ -70,8 +70,8 @@ def loads(
     *max_depth* bounds how deep objects and arrays nest, *max_items* how many members and
     elements they have in all; `gateway.codec.json_bounds` has further bounds.
 
-    Beside RFC 8259, a text of up to `LARGE_BYTES` may hold the values NaN, Infinity and -Infinity,
-    at most `MAX_TOKENS`, if it *takes_tokens*.
+    Beside RFC 8259, a text of up to `LARGE_TEXT_BYTES` may hold the values NaN, Infinity and
+    -Infinity, at most `MAX_TOKENS`, if it *takes_tokens*.
 
     Raises:
         JsonError: the text is not JSON in UTF-8, a limit is exceeded, or an object has two members
@@ -98,8 +98,10 @@ def loads(
 
 def _loads_tokens(refused: orjson.JSONDecodeError, data: bytes, max_depth: int) -> object:
     """Read a text that was *refused* at a NaN or Infinity, with integers in their places."""
-    if len(data) > LARGE_BYTES:  # else it takes too long
-        limit = f"at most {LARGE_BYTES // 1024} KiB with NaN or Infinity; write them as strings"
+    if len(data) > LARGE_TEXT_BYTES:  # else it takes too long
+        limit = (
+            f"at most {LARGE_TEXT_BYTES // 1024} KiB with NaN or Infinity; write them as strings"
+        )
         raise JsonError(f"frame is not JSON: {limit}")
     if data.count(b"NaN") + data.count(b"Infinity") + data.count(b'"') // 2 > MAX_TOKENS:
         limit = f"at most {MAX_TOKENS} strings and NaN or Infinity; write these as strings"
@@ -169,7 +171,7 @@ def _has_names(data: bytes, outside: bytes | None, count: int) -> bool:
 
 
 def _duplicate(data: bytes) -> JsonError:
-    if len(data) <= LARGE_BYTES:  # else reading it in Python takes too long
+    if len(data) <= LARGE_TEXT_BYTES:  # else reading it in Python takes too long
         try:
             # The depth has been checked. Numbers need not be read, and long ones would raise.
             json.loads(data, object_pairs_hook=_without_duplicates, parse_int=str, parse_float=str)

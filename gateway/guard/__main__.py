@@ -17,7 +17,7 @@ from gateway.drive.stop import LIFESPAN_NS
 from gateway.drive.twist_cdr import encode
 from gateway.drive.velocity import ZERO
 from gateway.guard import DISCOVERY_S, HEARD_S, MAX_LINE_BYTES
-from gateway.guard.watch import Watch
+from gateway.guard.watch import CommandWatch
 from gateway.ports import RosError
 from gateway.ros.stand_alone import StandAlone, StandAlonePublisher
 
@@ -43,20 +43,20 @@ class _Output:
         return self.publisher.readers > 0
 
 
-class Guard:
+class GuardLoop:
     """The loop of the process; everything happens on its one thread."""
 
     def __init__(self, ros: StandAlone, silence_ns: int, answers: int) -> None:
         """*answers* is the descriptor on which the gateway listens."""
         self._ros = ros
         self._answers = answers
-        self._watch = Watch(silence_ns)
+        self._watch = CommandWatch(silence_ns)
         self._outputs: dict[str, _Output] = {}
         self._heard_ns = 0
         self._rest = b""
 
     def run(self) -> None:
-        """Watch until the gateway's end of the pipe is closed and everything stands."""
+        """CommandWatch until the gateway's end of the pipe is closed and everything stands."""
         self._say("ready")
         poll = select.poll()
         poll.register(0, select.POLLIN)
@@ -168,7 +168,7 @@ def main() -> None:
     answers = _own_answers()
     options = orjson.loads(sys.argv[1])
     with StandAlone(options["name"], options["namespace"], options["domain_id"]) as ros:
-        Guard(ros, options["silence_ns"], answers).run()
+        GuardLoop(ros, options["silence_ns"], answers).run()
 
 
 if __name__ == "__main__":

@@ -21,7 +21,7 @@ class _Watched:
     began_ns: int = 0
 
 
-class Watch:
+class CommandWatch:
     """The topics that are open, and which of them somebody moves."""
 
     def __init__(self, silence_ns: int) -> None:
@@ -42,11 +42,11 @@ class Watch:
         return any(each.zeros_left for each in self._topics.values())
 
     def open(self, topic: str) -> None:
-        """Watch a topic; nothing moves yet."""
+        """CommandWatch a topic; nothing moves yet."""
         self._topics.setdefault(topic, _Watched())
 
     def close(self, topic: str) -> None:
-        """Watch a topic no longer."""
+        """CommandWatch a topic no longer."""
         self._topics.pop(topic, None)
 
     def moving(self, topic: str, now_ns: int) -> None:

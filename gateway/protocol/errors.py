@@ -39,3 +39,8 @@ class ProtocolError(Exception):
     def __init__(self, code: StatusCode, reason: str) -> None:
         super().__init__(reason)
         self.code: StatusCode = code
+
+
+def unknown_topic(topic: str) -> str:
+    """Return the reason for a topic that is absent or, which a client must not notice, hidden."""
+    return f"topic {topic} is not known: name its type by `type`, or advertise it"

@@ -65,7 +65,7 @@ OnSent = Callable[[int], None]
 TIMED_EVERY: Final = 16
 
 # Odometry with its covariances is smaller, a scan of 1,000 rays larger.
-LARGE_BYTES: Final = 4096
+LARGE_FRAME_BYTES: Final = 4096
 # Of a link that is too slow for both: a robot is driven by its state, a picture can be smaller.
 LARGE_SHARE: Final = 0.2
 # What the link does not drain in this time is old when it arrives: newer entries take its place.
@@ -125,7 +125,7 @@ class Queue:
     def kind(self) -> "_Kind":
         """The queues that it shares the link with, by its next entry; there must be one."""
         entry = self.waiting[0] if self.claimed is None else self.claimed
-        return self._outbox.large if entry.size > LARGE_BYTES else self._outbox.small
+        return self._outbox.large if entry.size > LARGE_FRAME_BYTES else self._outbox.small
 
     @property
     def behind_bytes(self) -> float:

@@ -83,7 +83,7 @@ class Session:
         self.image_format: ImageFormat = "jpeg"  # of pictures for which it asks for none
         self.is_behind = False  # its time budget is spent, and what it has sent waits
         self.replaced = 0  # of what it deferred, by something newer
-        self.deferred: dict[Hashable, Deferred] = {}
+        self.deferred: dict[Hashable, DeferredWork] = {}
         self._level: messages.Level = "warning"
         self._assembly = Assembly(limits.max_message_bytes)
         # read for every message, and attributes of a pydantic model cost 40 ns more than others
@@ -120,7 +120,7 @@ class Session:
         times only the newest counts.
         """
         self.replaced += key in self.deferred
-        self.deferred[key] = Deferred(operation, work)
+        self.deferred[key] = DeferredWork(operation, work)
 
     @property
     def identity(self) -> Identity | None:
@@ -243,7 +243,7 @@ class Session:
             self.send(messages.status(level, text, code=code, request=op, request_id=request_id))
 
 
-class Deferred(NamedTuple):
+class DeferredWork(NamedTuple):
     """Work that is done at the end of a turn, and the operation that is answered if it fails."""
 
     operation: ClientOperation

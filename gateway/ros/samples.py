@@ -12,7 +12,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.ports import MAX_TAKES_PER_TURN, Sample
 from gateway.ros.groups import group_of_one
-from gateway.ros.large_takes import LARGE_BYTES, TAKES_AT_ONCE, LargeTake, LargeTakes
+from gateway.ros.large_takes import LARGE_SAMPLE_BYTES, TAKES_AT_ONCE, LargeTake, LargeTakes
 from gateway.ros.lost_samples import NO_NUMBER, LostSamples
 from gateway.ros.rclpy_private import message_taker
 from gateway.ros.ready_events import NO_EVENTS, ReadyEvents
@@ -143,7 +143,7 @@ class Reader:
         if len(samples) == MAX_TAKES_PER_TURN:
             self._source.notify_again()  # there may be more
         if samples:
-            self._are_large = len(samples[-1].cdr) >= LARGE_BYTES
+            self._are_large = len(samples[-1].cdr) >= LARGE_SAMPLE_BYTES
             self._on_samples(samples)
 
     def _take(self) -> list[Sample]:
@@ -208,7 +208,7 @@ class Reader:
             if sample.number != self._expected:
                 self._expected = self.lost.jump(self._expected, sample.number)
             self._expected += 1
-        self._are_large = len(samples[-1].cdr) >= LARGE_BYTES
+        self._are_large = len(samples[-1].cdr) >= LARGE_SAMPLE_BYTES
         self._on_samples(samples)
 
 

@@ -9,7 +9,7 @@ a client gets the answer that a name which does not exist would get.
 from typing import Final, NamedTuple
 
 from gateway.access.permissions import Action, Permissions
-from gateway.protocol.errors import ProtocolError
+from gateway.protocol.errors import ProtocolError, unknown_topic
 from gateway.protocol.names import resolve_action, resolve_service, resolve_topic
 from gateway.protocol.operations import (
     ClientOperation,
@@ -105,9 +105,8 @@ def _need(operation: ClientOperation, longest: int) -> _Need | None:
             return _Need("subscribe", (topic,), "subscribing to", absent)
         case topics.Publish() | topics.Advertise():
             topic = resolve_topic(operation.topic, longest)
-            absent = f"topic {topic} is not known: name its type by `type`, or advertise it"
             makes = operation.type is not None
-            return _Need("publish", (topic,), "publishing on", absent, makes)
+            return _Need("publish", (topic,), "publishing on", unknown_topic(topic), makes)
         case services.CallService():
             service = resolve_service(operation.service, longest)
             return _Need("call", (service,), "calling", f"service {service} does not exist")

@@ -43,7 +43,7 @@ from gateway.server.end import (
 from gateway.server.http import new_protocol
 from gateway.server.inbound import READ_CHUNK_BYTES, Inbound
 from gateway.server.inbound_text import receive_text
-from gateway.server.keep_alive import Abort, Close, KeepAlive, Ping, Sending
+from gateway.server.keep_alive import Abort, Close, KeepAlive, Sending, SendPing
 from gateway.server.message_assembly import MessageAssembly
 from gateway.server.pacing import Pacing
 from gateway.server.picture_streams import Viewer
@@ -417,7 +417,7 @@ class Connection(asyncio.BufferedProtocol):
         sending = Sending(session.outbox, self._pacing.taken_bytes, self.is_paused)
         is_read = self._viewer is None and not self._inbound.is_paused  # a viewer says nothing
         match self._keep_alive.check(now_s, sending, is_read=is_read):
-            case Ping():
+            case SendPing():
                 self._protocol.send_ping(b"")
                 self._write_protocol_output()
             case Close(code, reason):

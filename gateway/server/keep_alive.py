@@ -22,7 +22,7 @@ class Sending:
 
 
 @dataclass(frozen=True, slots=True)
-class Ping:
+class SendPing:
     """A verdict: ask the client whether it is there."""
 
 
@@ -41,8 +41,8 @@ class Abort:
     reason: str
 
 
-Verdict = Ping | Close | Abort
-PING: Final = Ping()
+Verdict = SendPing | Close | Abort
+PING: Final = SendPing()
 
 
 class KeepAlive:

@@ -27,7 +27,7 @@ SWEEP_NS: Final = 1_000_000_000
 _MAX_ANSWERS: Final = 512
 
 
-class Found(NamedTuple):
+class FoundTransform(NamedTuple):
     """The transform of a frame in another, and its time."""
 
     stamp_ns: int  # 0 if it never changes and no time was asked for
@@ -60,7 +60,7 @@ class Buffer:
         self._frames: dict[str, History | _Fixed] = {}
         self._known: set[str] = set()  # every frame named, as a child or a parent
         self._sweep_due_ns = 0
-        self._answers: dict[tuple[str, str], Found] = {}  # of one revision
+        self._answers: dict[tuple[str, str], FoundTransform] = {}  # of one revision
         self._answered = 0  # that revision
         self.revision = 0
 
@@ -113,7 +113,7 @@ class Buffer:
         """Forget all."""
         self._keep(lambda frame: False)
 
-    def lookup(self, target: str, source: str, stamp_ns: int | None = None) -> Found:
+    def lookup(self, target: str, source: str, stamp_ns: int | None = None) -> FoundTransform:
         """Return the transform that takes points from *source* into *target*.
 
         Without a time, use the newest time at which all frames between them are known.
@@ -133,7 +133,7 @@ class Buffer:
             self._answers[target, source] = found
         return found
 
-    def _found(self, target: str, source: str, stamp_ns: int | None) -> Found:
+    def _found(self, target: str, source: str, stamp_ns: int | None) -> FoundTransform:
         self._check_known(target)
         self._check_known(source)
         up, down = self._paths(target, source, stamp_ns)
@@ -144,7 +144,7 @@ class Buffer:
             up, down = self._paths(target, source, stamp_ns)
         in_common = self._composed(up, stamp_ns)
         transform = self._composed(down, stamp_ns).inverse().after(in_common) if down else in_common
-        return Found(stamp_ns, transform)
+        return FoundTransform(stamp_ns, transform)
 
     def _paths(self, target: str, source: str, stamp_ns: int | None) -> tuple[list[str], list[str]]:
         """Return the frames from *source* and *target* up to, without, their common ancestor."""

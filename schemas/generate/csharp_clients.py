@@ -9,12 +9,12 @@ from schemas.generate.catalogue import Catalogue, by_package
 from schemas.generate.csharp_assembly import assembly_definition, registration
 from schemas.generate.csharp_messages import file_of, namespace_of
 from schemas.generate.csharp_text import head, namespace
-from schemas.generate.request import ClientCodeError, Request
+from schemas.generate.request import ClientCodeError, GenerateRequest
 
 _SHOWN: Final = 3  # of types in a sentence
 
 
-def files(request: Request) -> dict[str, str]:
+def files(request: GenerateRequest) -> dict[str, str]:
     """Return a file for each package, and those that make an assembly of them if one is named.
 
     Raises:
@@ -31,7 +31,7 @@ def files(request: Request) -> dict[str, str]:
     return classes | assembly_definition(request.asmdef) | registration(names, top)
 
 
-def text(request: Request) -> str:
+def text(request: GenerateRequest) -> str:
     """Return all classes in one text.
 
     Raises:
@@ -46,7 +46,7 @@ def differing(catalogue: Catalogue) -> list[str]:
     return sorted(name for name, own in known.items() if own not in {None, catalogue.hashes[name]})
 
 
-def notes(request: Request) -> tuple[str, ...]:
+def notes(request: GenerateRequest) -> tuple[str, ...]:
     """Return a sentence for each type whose class in the package lacks fields of the definition."""
     found = [] if request.complete else differing(request.catalogue)
     return tuple(
@@ -56,7 +56,7 @@ def notes(request: Request) -> tuple[str, ...]:
     )
 
 
-def _wanted(request: Request) -> list[Definition]:
+def _wanted(request: GenerateRequest) -> list[Definition]:
     wanted = request.catalogue.messages()
     if request.complete:
         return wanted
@@ -64,7 +64,7 @@ def _wanted(request: Request) -> list[Definition]:
     return [one for one in wanted if checked_in_hash(one.name) is None]
 
 
-def _namespaces(request: Request) -> dict[str, str]:
+def _namespaces(request: GenerateRequest) -> dict[str, str]:
     purposes = request.catalogue.purposes()
     wanted = _wanted(request)
     if not wanted:

@@ -13,7 +13,7 @@ from schemas.generate import (
     python_clients,
     typescript_clients,
 )
-from schemas.generate.request import Request
+from schemas.generate.request import GenerateRequest
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,10 +24,10 @@ class Language:
     returns what people should know of the files.
     """
 
-    files: Callable[[Request], Mapping[str, str]]
-    text: Callable[[Request], str]
+    files: Callable[[GenerateRequest], Mapping[str, str]]
+    text: Callable[[GenerateRequest], str]
     optional: tuple[str, ...] = ()
-    notes: Callable[[Request], tuple[str, ...]] = lambda _: ()
+    notes: Callable[[GenerateRequest], tuple[str, ...]] = lambda _: ()
 
 
 LANGUAGES: Final[Mapping[str, Language]] = MappingProxyType(

@@ -12,14 +12,14 @@ from typing import Final
 from schemas.definition import Definition
 from schemas.generate.catalogue import by_package
 from schemas.generate.python_models import class_sources, module_of, prefixed
-from schemas.generate.request import ClientCodeError, Request
+from schemas.generate.request import ClientCodeError, GenerateRequest
 from schemas.naming import class_name, module_name
 
 INIT: Final = "__init__.py"
 _NEEDS: Final = "They need the Python package ros2-json-gateway, without ROS."
 
 
-def files(request: Request) -> dict[str, str]:
+def files(request: GenerateRequest) -> dict[str, str]:
     """Return a module for each package, and the ``__init__`` of the package around them.
 
     Raises:
@@ -38,7 +38,7 @@ def files(request: Request) -> dict[str, str]:
     }
 
 
-def text(request: Request) -> str:
+def text(request: GenerateRequest) -> str:
     """Return one module with all models, nested ones first."""
     catalogue = request.catalogue
     docstring = f'"""Models of ROS types. {_NEEDS}"""'

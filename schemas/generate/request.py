@@ -18,7 +18,7 @@ class ClientCodeError(ValueError):
 
 
 @dataclass(frozen=True, slots=True)
-class Request:
+class GenerateRequest:
     """The types that somebody asks for.
 
     ``names`` are their full names, sorted; ``catalogue`` has these and all nested types;
@@ -34,7 +34,7 @@ class Request:
     complete: bool = False
     asmdef: str | None = None
 
-    def made_by(self, language: str, types: Iterable[str]) -> "Request":
+    def made_by(self, language: str, types: Iterable[str]) -> "GenerateRequest":
         """Return it with the command that asks for it: *types* are as somebody has named them."""
         options = [
             *(["--wire", self.wire] if self.wire != "json" else []),

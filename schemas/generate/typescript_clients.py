@@ -11,7 +11,7 @@ from typing import Final
 
 from schemas.definition import Constant, Definition, Field
 from schemas.generate.catalogue import by_package
-from schemas.generate.request import Request, Wire
+from schemas.generate.request import GenerateRequest, Wire
 from schemas.generate.typescript_text import documentation, identifier, literal, remark, type_of
 
 _ABOUT: Final[Mapping[Wire, str]] = {
@@ -20,7 +20,7 @@ _ABOUT: Final[Mapping[Wire, str]] = {
 }
 
 
-def files(request: Request) -> dict[str, str]:
+def files(request: GenerateRequest) -> dict[str, str]:
     """Return a module for each package."""
     return {
         f"{identifier(package)}.ts": "\n".join(
@@ -30,7 +30,7 @@ def files(request: Request) -> dict[str, str]:
     }
 
 
-def text(request: Request) -> str:
+def text(request: GenerateRequest) -> str:
     """Return one module with a name space for each package."""
     lines = [_top(request)]
     for package, own in by_package(request.catalogue.messages()).items():
@@ -39,7 +39,7 @@ def text(request: Request) -> str:
     return "\n".join(lines)
 
 
-def _top(request: Request) -> str:
+def _top(request: GenerateRequest) -> str:
     return f"// {request.generated}\n// {_ABOUT[request.wire]}\n/* eslint-disable */\n"
 
 
@@ -51,7 +51,7 @@ def _imports(definitions: Iterable[Definition]) -> list[str]:
     return [*lines, ""] if lines else []
 
 
-def _body(request: Request, definitions: Iterable[Definition]) -> list[str]:
+def _body(request: GenerateRequest, definitions: Iterable[Definition]) -> list[str]:
     purposes = request.catalogue.purposes()
     lines: list[str] = []
     for one in definitions:

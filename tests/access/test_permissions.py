@@ -4,6 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gateway.access.permissions import ACTIONS, MAX_REMEMBERED, Permissions, Policy
+from gateway.cli import arguments
 from gateway.config.access import ROLES, AccessConfig, OperatorConfig, RoleConfig, ViewerConfig
 from tests.access.test_globs import GLOBS, NAMES, takes
 
@@ -85,3 +86,7 @@ def test_each_role_has_the_rules_that_are_configured_for_it():
     for role, name in zip(ROLES, ("/a", "/b", "/c"), strict=True):
         assert viewer.roles_that_may("subscribe", name) == [role]
         assert policy.of(role).may("subscribe", name)
+
+
+def test_the_command_line_offers_every_role():
+    assert arguments.ROLES == ROLES

@@ -5,11 +5,13 @@ import json
 import shlex
 import subprocess
 import sys
+from typing import get_args
 
 import pytest
 
 from gateway.cli.arguments import argument_parser
 from gateway.cli.type_arguments import LANGUAGES
+from gateway.protocol.operations.gateway import Generate
 from schemas.generate import languages
 from schemas.generate.request import MARK
 from tests.cli.test_main import ROOT, TIMEOUT_S, refusal, ros2_gateway
@@ -54,6 +56,7 @@ def test_the_examples_are_commands(text):
 
 def test_the_languages_are_those_that_are_written():
     assert tuple(languages.LANGUAGES) == LANGUAGES
+    assert get_args(Generate.model_fields["language"].annotation) == LANGUAGES
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from gateway.codec import json_tokens
 from gateway.codec.errors import JsonError
-from gateway.codec.json import LARGE_BYTES, MAX_TOKENS, loads
+from gateway.codec.json import LARGE_TEXT_BYTES, MAX_TOKENS, loads
 from gateway.codec.json_bounds import MAX_CONTAINERS
 
 TOKENS = {"NaN": math.nan, "Infinity": math.inf, "-Infinity": -math.inf}
@@ -123,7 +123,7 @@ def test_the_bounds_hold_beside_tokens():
 
 
 def test_a_long_text_with_tokens_is_refused_with_what_to_write_instead():
-    text = "[NaN," + " " * (LARGE_BYTES - 7) + "1]"
+    text = "[NaN," + " " * (LARGE_TEXT_BYTES - 7) + "1]"
     assert loads(text)
     with pytest.raises(JsonError, match=r"at most 256 KiB with NaN or Infinity; write them as str"):
         loads(" " + text)

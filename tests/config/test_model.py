@@ -2,12 +2,14 @@
 """The model of the configuration and its reference page."""
 
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from pydantic import ValidationError
 
-from gateway.config.model import TAKEN_PATHS, Config
+from gateway.config.model import TAKEN_PATHS, Config, ImagesConfig
 from gateway.config.settings import reference, settings
+from gateway.protocol.operations.topics import IMAGE_FORMATS
 from gateway.server import health, picture_requests
 
 ROOT = Path(__file__).parents[2]
@@ -46,3 +48,7 @@ def test_the_reference_page_has_the_table_of_the_model():
 
 def test_the_paths_that_are_taken_are_those_that_the_server_answers_itself():
     assert set(TAKEN_PATHS) == {*health.PATHS, *picture_requests.PATHS, "/metrics"}
+
+
+def test_any_format_of_images_may_be_that_of_those_who_ask_for_none():
+    assert get_args(ImagesConfig.model_fields["default_format"].annotation) == IMAGE_FORMATS

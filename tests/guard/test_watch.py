@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-from gateway.guard.watch import UNHEARD_NS, ZEROS, Watch
+from gateway.guard.watch import UNHEARD_NS, ZEROS, CommandWatch
 
 MS = 1_000_000
 SILENCE_NS = 575 * MS
 T = "/cmd_vel"
 
 
-def watch() -> Watch:
-    watch = Watch(SILENCE_NS)
+def watch() -> CommandWatch:
+    watch = CommandWatch(SILENCE_NS)
     watch.open(T)
     return watch
 
 
-def zeros(watch: Watch, now_ns: int, until_ns: int, heard_from_ns: int = 0) -> list[int]:
+def zeros(watch: CommandWatch, now_ns: int, until_ns: int, heard_from_ns: int = 0) -> list[int]:
     """Return the times of the zeros that go out, at each due time."""
     sent = []
     while (due := watch.due_ns) is not None and due <= until_ns:
@@ -84,7 +84,7 @@ def test_zeros_that_nobody_hears_do_not_count_for_a_while():
 
 
 def test_a_topic_that_is_not_open_is_not_watched():
-    guard = Watch(SILENCE_NS)
+    guard = CommandWatch(SILENCE_NS)
     guard.moving(T, 0)
     assert guard.due_ns is None
     guard.open(T)

@@ -12,7 +12,7 @@ from gateway.protocol.outbox import Outbox, Queue
 
 LENGTH = 100
 ROOM = 256 * 1024
-LARGE_BYTES = 4096
+LARGE_FRAME_BYTES = 4096
 LARGE_SHARE = 0.2
 FRESH_BYTES = 2000  # what a link of 50 kB/s drains of small messages in 50 ms
 
@@ -74,7 +74,7 @@ def test_large_topics_have_a_fifth_of_a_link_that_small_ones_would_fill():
 
 
 def test_many_small_topics_leave_the_large_one_its_share():
-    topics = Topics(*[LARGE_BYTES] * 20, LARGE_BYTES + 1)
+    topics = Topics(*[LARGE_FRAME_BYTES] * 20, LARGE_FRAME_BYTES + 1)
     topics.send(1_000_000)
     assert abs(topics.got[20] / 1_000_000 - LARGE_SHARE) < 0.02
 

@@ -16,7 +16,7 @@ from rclpy.node import Node
 from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.ports import MAX_TAKES_PER_TURN, Qos, Sample
 from gateway.ros.interfaces import message_class
-from gateway.ros.large_takes import LARGE_BYTES
+from gateway.ros.large_takes import LARGE_SAMPLE_BYTES
 from gateway.ros.profile import to_profile
 from gateway.ros.qos import adopt
 from gateway.ros.ready_events import EventfdReadyEvents
@@ -269,7 +269,7 @@ async def test_what_follows_a_large_sample_is_taken_while_the_loop_serves_others
     publisher = outside.add_publisher("/cloud", STRING, qos)
     reader = samples.read(TEXT, "/cloud", to_profile(adopt(qos, ())), received.extend)
     await eventually(lambda: reader.publishers == publisher.subscribers == 1)
-    sent = [text(LARGE_BYTES + index, b"abcdef"[index : index + 1]) for index in range(6)]
+    sent = [text(LARGE_SAMPLE_BYTES + index, b"abcdef"[index : index + 1]) for index in range(6)]
     publisher.publish(sent[0])  # on the loop: nobody knows yet
     await eventually(lambda: len(received) == 1)
     for cdr in sent[1:]:
@@ -297,7 +297,7 @@ async def test_the_first_sample_of_a_latched_topic_does_not_hold_the_loop(
 ) -> None:
     held = HeldTakes(samples)
     latched = Qos(durability="transient_local", depth=1)
-    outside.add_publisher("/map", STRING, latched).publish(text(2 * LARGE_BYTES, b"m"))
+    outside.add_publisher("/map", STRING, latched).publish(text(2 * LARGE_SAMPLE_BYTES, b"m"))
     received: list[Sample] = []
     reader = samples.read(TEXT, "/map", to_profile(adopt(latched, ())), received.extend)
     await held.has_begun()

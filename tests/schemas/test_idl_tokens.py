@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from schemas.idl_tokens import PlaceError, Token, items, number, string, tokens
+from schemas.idl_tokens import IdlToken, PlaceError, items, number, string, tokens
 
 
 def words(text):
@@ -44,7 +44,7 @@ def test_each_word_knows_where_it_begins():
 )  # fmt: skip
 def test_numbers_are_read_as_the_standard_says(text, value):
     ((_, word),) = words(text)
-    found = number(Token("number", word, 0))
+    found = number(IdlToken("number", word, 0))
     assert (found, type(found)) == (value, type(value))
 
 
@@ -52,7 +52,7 @@ def test_numbers_are_read_as_the_standard_says(text, value):
 def test_other_numbers_are_refused(text):
     ((_, word),) = words(text)
     with pytest.raises(PlaceError, match="expected a number such as 12"):
-        number(Token("number", word, 0))
+        number(IdlToken("number", word, 0))
 
 
 @pytest.mark.filterwarnings("ignore:.*invalid escape sequence:DeprecationWarning")  # \\?
@@ -74,14 +74,14 @@ def test_a_string_is_read_as_rosidl_reads_it(inner, is_wide):
 
 
 def test_surrogates_in_a_wide_string_are_joined():
-    assert string(Token("string", r'L"\ud83e\udd16"', 0)) == "\U0001f916"
+    assert string(IdlToken("string", r'L"\ud83e\udd16"', 0)) == "\U0001f916"
 
 
 @given(st.lists(st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text()))
 def test_a_default_of_an_array_is_read_as_python_wrote_it(values):
     text = repr(tuple(values))
     try:
-        found = items(Token("string", "", 0), text)
+        found = items(IdlToken("string", "", 0), text)
     except PlaceError:
         texts = [value for value in values if isinstance(value, str)]
         assert any("\0" in each or any("\ud800" <= c <= "\udfff" for c in each) for each in texts)

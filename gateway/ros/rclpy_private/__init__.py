@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The one place that uses rclpy and rcl beyond their documented API, beside that of made types.
+"""The one place that uses rclpy and rcl beyond their documented API.
 
 A change of rclpy that breaks the gateway most likely breaks something in this list.
 ``tests/ros/test_rclpy_private.py`` checks each item against the rclpy that is installed and runs
@@ -60,6 +60,13 @@ no ``RosOptions(taking="wait_set")``.
 
 ``rclpy.experimental.events_executor.EventsExecutor``
     Since Jazzy. Without it: ``SingleThreadedExecutor``, which looks at every entity at each turn.
+
+What lies below rclpy, rmw and the middleware, is used by five modules beside this package, each
+for what its name says. Their docstrings list what they rely on: `gateway.ros.fast_dds` (functions
+of rcutils and rmw), `gateway.ros.type_supports` (structures of rosidl), `gateway.ros.fast_cdr`
+(functions of Fast CDR), `gateway.ros.raw_messages` and `gateway.ros.made_types` (these three put
+together). Without them: no types that are not installed. Another process tries them at the start
+(`gateway.ros.made_types_check`), as a difference in C may end it.
 """
 
 from gateway.ros.rclpy_private.c_functions import MissingFunctionError

@@ -12,7 +12,7 @@ from gateway.drive.effects import Rules
 from gateway.drive.twist_cdr import COMMAND_TYPES
 from gateway.metrics.state import ClientPublication, DriveState
 from gateway.ports import Ros, RosError
-from gateway.protocol.errors import ProtocolError
+from gateway.protocol.errors import ProtocolError, unknown_topic
 from gateway.protocol.names import TopicName, resolve_topic
 from gateway.protocol.operations.commands import AcquireControl, Control, ReleaseControl, Stop
 from gateway.protocol.operations.topics import Advertise, Publish, Unadvertise
@@ -236,9 +236,7 @@ class Commands:
             return topic
         message_type = self._types.on_topic(name, requested)
         if message_type is None:
-            raise ProtocolError(
-                "not_found", f"topic {name} is not known: name its type by `type`, or advertise it"
-            )
+            raise ProtocolError("not_found", unknown_topic(name))
         if message_type.name not in COMMAND_TYPES:
             raise ProtocolError(
                 "type_conflict",

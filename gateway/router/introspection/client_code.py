@@ -14,7 +14,7 @@ from gateway.protocol.session import Session
 from schemas.definition import DefinitionError
 from schemas.generate.catalogue import Catalogue
 from schemas.generate.languages import LANGUAGES
-from schemas.generate.request import MARK, ClientCodeError, Request
+from schemas.generate.request import MARK, ClientCodeError, GenerateRequest
 from schemas.installed import InstalledDefinitions, UnknownTypeError
 
 # A quarter of what the Unity client reads in one message, where JSON may double it. All of
@@ -98,7 +98,9 @@ def _written(
 ) -> tuple[dict[str, str], list[str]]:
     names = tuple(sorted(set(request.types)))
     language = LANGUAGES[request.language]
-    asked = Request(names, Catalogue.of_types(names, definitions), MARK, asmdef=request.asmdef)
+    asked = GenerateRequest(
+        names, Catalogue.of_types(names, definitions), MARK, asmdef=request.asmdef
+    )
     # the head of each file: 200 names in 200 files would be more than the code
     head = names if len(names) <= MAX_NAMED else [f"of {len(names)} types"]
     asked = asked.made_by(request.language, head)

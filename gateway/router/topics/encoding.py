@@ -28,8 +28,8 @@ from gateway.protocol import messages
 from gateway.protocol.outbox import NOT_READY, NOTHING, Frame, NoFrame
 from gateway.protocol.websocket_frames import Meta, PerClient, publish_frames
 from gateway.router.topics.large_samples import (
-    LARGE_BYTES,
     LARGE_ELEMENTS_BYTES,
+    LARGE_SAMPLE_BYTES,
     EncodedTopic,
     EncodeInSlices,
     EncodingResources,
@@ -60,7 +60,7 @@ class Encoding:
         encode: Encode,
         on_error: Callable[[CodecError], None],
         large: LargeSamples | None = None,
-        most_at_once: int = LARGE_BYTES,
+        most_at_once: int = LARGE_SAMPLE_BYTES,
     ) -> None:
         """Samples of more bytes than *most_at_once* are large."""
         self.subscriptions: list[Subscription] = []
@@ -278,7 +278,7 @@ def make_encoding(
     if key.image is None and key.compression != "png":
         large = LargeSamples(in_slices, on_error, topic, resources)
         has_elements = message_type.holds_elements and key.compression != "cbor-raw"
-        most_at_once = LARGE_ELEMENTS_BYTES if has_elements else LARGE_BYTES
+        most_at_once = LARGE_ELEMENTS_BYTES if has_elements else LARGE_SAMPLE_BYTES
         return Encoding(key, encode, on_error, large, most_at_once)
     return WorkerEncoding(
         key,
@@ -378,7 +378,7 @@ def _to_png(message_type: MessageType, key: EncodingKey) -> Encode:
         yield messages.PUBLISH_SUFFIX
 
     def encode_any(cdr: Cdr) -> bytes:
-        if len(cdr) <= LARGE_BYTES:
+        if len(cdr) <= LARGE_SAMPLE_BYTES:
             return encode(cdr)
         return large_text_as_png(in_slices(cdr), _let_others_run)
 

@@ -22,7 +22,7 @@ from gateway.router.topics.slices import Slices
 logger = logging.getLogger(__name__)
 
 # Encoding so many takes 1.5 ms as int8 in JSON. Of larger samples a queue keeps one by default.
-LARGE_BYTES: Final = 256 * 1024
+LARGE_SAMPLE_BYTES: Final = 256 * 1024
 # The same for types with arrays of messages or texts: 400 poses, which take 2 ms or more.
 LARGE_ELEMENTS_BYTES: Final = 32 * 1024
 # Smaller pieces are joined: to write thousands takes longer than copying them.

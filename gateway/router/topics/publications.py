@@ -9,7 +9,7 @@ from gateway.codec.errors import CodecError
 from gateway.codec.types import MessageType
 from gateway.metrics.state import ClientPublication
 from gateway.ports import Publisher, Ros, RosError, TopicEvent
-from gateway.protocol.errors import ProtocolError
+from gateway.protocol.errors import ProtocolError, unknown_topic
 from gateway.protocol.names import TopicName, resolve_topic
 from gateway.protocol.operations.topics import Advertise, Publish, Unadvertise
 from gateway.protocol.session import Session
@@ -180,9 +180,7 @@ class Publications:
         session.check_share()
         message_type = self._types.on_topic(topic, request.type)
         if message_type is None:
-            raise ProtocolError(
-                "not_found", f"topic {topic} is not known: name its type by `type`, or advertise it"
-            )
+            raise ProtocolError("not_found", unknown_topic(topic))
         if isinstance(request, Publish):
             request = Advertise(topic=request.topic, type=message_type.name, latch=request.latch)
         if request.has_pictures:

@@ -6,11 +6,11 @@ from typing import Any
 from gateway.codec.error_text import truncate
 from gateway.protocol import messages
 from gateway.protocol.errors import ProtocolError
-from gateway.tf.buffer import Found
+from gateway.tf.buffer import FoundTransform
 from gateway.tf.errors import ExtrapolationError, TransformError
 
 
-def transform_stamped(target: str, source: str, found: Found) -> dict[str, Any]:
+def transform_stamped(target: str, source: str, found: FoundTransform) -> dict[str, Any]:
     """Return geometry_msgs/msg/TransformStamped: *source* in *target*, by these names."""
     x, y, z, qx, qy, qz, qw = found.transform
     return {

@@ -13,9 +13,9 @@ from gateway.protocol.operations.transforms import CancelTransform, LookupTransf
 from gateway.protocol.outbox import Queue
 from gateway.protocol.session import Session
 from gateway.router.transforms.answers import refusal, transform_stamped
-from gateway.router.transforms.pace import Pace
+from gateway.router.transforms.rate_limiter import RateLimiter
 from gateway.router.transforms.tf_listener import RETRY_S, TfListener
-from gateway.tf.buffer import Buffer, Found
+from gateway.tf.buffer import Buffer, FoundTransform
 from gateway.tf.errors import ExtrapolationError, TransformError
 
 DEFAULT_TIMEOUT_S: Final = 1.0  # a first lookup has to discover the publishers
@@ -175,9 +175,9 @@ class _SharedLookup:
         self._pair = pair
         self._buffer = buffer
         self._lookups: list[_PeriodicLookup] = []
-        self._sent: Found | None = None
+        self._sent: FoundTransform | None = None
         self._body = b""  # of the last frame sent, as JSON
-        self._pace = Pace(pair.rate, self._turn)
+        self._limiter = RateLimiter(pair.rate, self._turn)
 
     def join(self, periodic: _PeriodicLookup) -> None:
         """Add a lookup, and send it the current transform at once."""
@@ -192,18 +192,18 @@ class _SharedLookup:
         self._lookups.remove(periodic)
         periodic.stop_waiting()
         if not self._lookups:
-            self._pace.stop()
+            self._limiter.stop()
         return not self._lookups
 
     def wake(self) -> None:
         """Look again when the rate allows it: the buffer has changed."""
-        self._pace.wake()
+        self._limiter.wake()
 
     def _turn(self) -> None:
         try:
             found = self._buffer.lookup(self._pair.target, self._pair.source)
         except TransformError:
-            self._pace.hasten(RETRY_S)  # nothing is sent, so this is not too often
+            self._limiter.hasten(RETRY_S)  # nothing is sent, so this is not too often
             self._sent = None
             for periodic in self._lookups:
                 self._miss(periodic)

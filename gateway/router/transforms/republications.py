@@ -14,7 +14,7 @@ from gateway.protocol.outbox import NOTHING, Frame, Queue
 from gateway.protocol.republish_requests import RepublishRequest
 from gateway.protocol.session import Session
 from gateway.router.transforms.answers import refusal, transform_stamped
-from gateway.router.transforms.pace import Pace
+from gateway.router.transforms.rate_limiter import RateLimiter
 from gateway.router.transforms.tf_listener import TfListener
 from gateway.tf.buffer import Buffer
 from gateway.tf.errors import TransformError
@@ -224,15 +224,15 @@ class _SharedArray:
         self._moved: dict[str, bytes] = {}  # so far, in this turn
         self._left: Iterator[str] = iter(())  # to be looked up in this turn
         self._next_slice: asyncio.Handle | None = None
-        self._pace = Pace(key.rate_hz, self._turn)
+        self._limiter = RateLimiter(key.rate_hz, self._turn)
 
     def wake(self) -> None:
         """Look again when the rate allows it: the buffer has changed."""
-        self._pace.wake()
+        self._limiter.wake()
 
     def stop(self) -> None:
         """Look no more."""
-        self._pace.stop()
+        self._limiter.stop()
         if self._next_slice is not None:
             self._next_slice.cancel()
 
@@ -256,7 +256,7 @@ class _SharedArray:
 
     def _turn(self) -> None:
         if self._next_slice is not None:  # of the turn before
-            self._pace.wake()
+            self._limiter.wake()
             return
         self._left = iter(self._key.sources)
         self._moved = {}
@@ -301,7 +301,7 @@ class _SharedArray:
             for member in self.members:
                 member.offer(self._moved)
         elif not self._sent:
-            self._pace.hasten(RETRY_S)
+            self._limiter.hasten(RETRY_S)
 
     def _has_moved(self, source: str, transform: Rigid) -> bool:
         sent = self._sent.get(source)

@@ -9,7 +9,7 @@ from dataclasses import replace
 from schemas.definition import Constant, Definition, DefinitionError, Field, parse_definition
 from schemas.generate import csharp_clients, python_clients, typescript_clients
 from schemas.generate.catalogue import Catalogue
-from schemas.generate.request import MARK, Request
+from schemas.generate.request import MARK, GenerateRequest
 from tests.fuzz.choices import Choices
 from tests.fuzz.target import Target, check
 from tests.schemas.generate.client_code import TEXTS
@@ -53,12 +53,12 @@ def run(data: bytes) -> None:
         )
 
 
-def request_of(definition: Definition) -> Request:
+def request_of(definition: Definition) -> GenerateRequest:
     nested = {name: Definition(name, ()) for name in definition.nested()}
     definitions = {**nested, NAME: definition}
     hashes = dict.fromkeys(definitions, "")
     catalogue = Catalogue((), (), definitions, {}, hashes)
-    return Request((NAME,), catalogue, f"{MARK}a; do not edit.", complete=True)
+    return GenerateRequest((NAME,), catalogue, f"{MARK}a; do not edit.", complete=True)
 
 
 def mute(definition: Definition) -> Definition:
@@ -111,7 +111,7 @@ def _texts_alone(match: re.Match[str]) -> str:
 
 
 Skeleton = Callable[[str], object]
-LANGUAGES: tuple[tuple[Callable[[Request], str], Skeleton], ...] = (
+LANGUAGES: tuple[tuple[Callable[[GenerateRequest], str], Skeleton], ...] = (
     (python_clients.text, python_skeleton),
     (csharp_clients.text, csharp_skeleton),
     (typescript_clients.text, typescript_skeleton),

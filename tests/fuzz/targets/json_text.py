@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from gateway.codec.errors import CodecError
-from gateway.codec.json import LARGE_BYTES, MAX_DEPTH, ascii_only, loads
+from gateway.codec.json import LARGE_TEXT_BYTES, MAX_DEPTH, ascii_only, loads
 from gateway.codec.json_bounds import MAX_CONTAINERS, MAX_ITEMS
 from gateway.codec.nonfinite import writer
 from tests.fuzz import seeds
@@ -45,7 +45,7 @@ def is_plain(data: bytes) -> bool:
         return False
     commas = data.count(b",") + data.count(b"[") + data.count(b"{")
     # the library reads what is no JSON: a byte order mark
-    is_short = len(data) <= LARGE_BYTES  # with NaN and the like
+    is_short = len(data) <= LARGE_TEXT_BYTES  # with NaN and the like
     return (
         is_shallow
         and is_short

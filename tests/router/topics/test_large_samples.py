@@ -19,8 +19,8 @@ from gateway.router.topics import encoding as encoding_module
 from gateway.router.topics import slices
 from gateway.router.topics.encoding import Encoding, SharedFrame
 from gateway.router.topics.large_samples import (
-    LARGE_BYTES,
     LARGE_ELEMENTS_BYTES,
+    LARGE_SAMPLE_BYTES,
     PIECE_BYTES,
     EncodedTopic,
     EncodingResources,
@@ -121,9 +121,9 @@ async def test_others_have_their_turn_while_a_large_message_is_encoded(bench: Be
 async def test_what_is_small_enough_is_encoded_at_once(bench: Bench, encoded: Counter[str]):
     bench.ros.add_publisher("/t", GRID)
     client = await subscribed(bench)
-    assert LARGE_BYTES == 262_144
+    assert LARGE_SAMPLE_BYTES == 262_144
     overhead = len(grid(bench, []))
-    for size in (LARGE_BYTES - overhead, LARGE_BYTES - overhead + 1):
+    for size in (LARGE_SAMPLE_BYTES - overhead, LARGE_SAMPLE_BYTES - overhead + 1):
         bench.ros.publish("/t", grid(bench, [0] * size))
         await eventually(lambda: len(client.messages) == 1)
         client.frames.clear()
@@ -189,7 +189,7 @@ async def test_one_large_sample_of_an_encoding_is_encoded_at_a_time():
         lambda cdr: iter([cdr] * 3), lambda error: None, topic, EncodingResources(workers)
     )
     encoding = Encoding(key, bytes, lambda error: None, large)
-    cdr = bytes(LARGE_BYTES + 1)
+    cdr = bytes(LARGE_SAMPLE_BYTES + 1)
     one, other = (SharedFrame(encoding, Sample(cdr, 0), seq) for seq in (1, 2))
     assert [each.frame() for each in (one, other, one, other)] == [NOT_READY] * 4
     assert [one.is_being_encoded, other.is_being_encoded] == [True, False]

@@ -7,7 +7,7 @@ import pytest
 
 from gateway.ports import Qos
 from gateway.tf import TF_MESSAGE
-from gateway.tf.buffer import Buffer, Found
+from gateway.tf.buffer import Buffer, FoundTransform
 from tests.ros.fake import FakePublisher
 from tests.router.conftest import Bench, Socketless
 
@@ -61,7 +61,9 @@ def looks(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, str]]:
     looks = []
     lookup = Buffer.lookup
 
-    def noted(buffer: Buffer, target: str, source: str, stamp_ns: int | None = None) -> Found:
+    def noted(
+        buffer: Buffer, target: str, source: str, stamp_ns: int | None = None
+    ) -> FoundTransform:
         looks.append((target, source))
         return lookup(buffer, target, source, stamp_ns)
 

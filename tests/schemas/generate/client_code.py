@@ -2,7 +2,7 @@
 """Requests for clients' code, as the command line makes them, and awkward definitions."""
 
 from schemas.generate.catalogue import Catalogue
-from schemas.generate.request import MARK, Request
+from schemas.generate.request import MARK, GenerateRequest
 from schemas.installed import InstalledDefinitions, installed_prefixes
 from tests.schemas.test_installed import write_definition
 
@@ -78,7 +78,7 @@ def awkward_definitions(prefix):
 def request_of(*names, definitions=None, **options):
     known = InstalledDefinitions() if definitions is None else definitions
     catalogue = Catalogue.of_types(names, known)
-    return Request(tuple(sorted(names)), catalogue, GENERATED, **options)
+    return GenerateRequest(tuple(sorted(names)), catalogue, GENERATED, **options)
 
 
 def request_of_everything(definitions, **options):

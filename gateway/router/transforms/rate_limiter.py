@@ -5,7 +5,7 @@ import asyncio
 from collections.abc import Callable
 
 
-class Pace:
+class RateLimiter:
     """Calls *turn* after it was woken, at most at a rate."""
 
     def __init__(self, rate_hz: float, turn: Callable[[], None]) -> None:
