@@ -52,7 +52,7 @@ class AnyAction:
     """An action type; what is written leaves out the fields that its definition here lacks."""
 
     form: ActionForm
-    read_goal: Decoder  # raises a ValueError for what is no CDR of the type
+    read_goal: Decoder  # raises a ValueError for bytes that are not CDR of the type
     write_result: Callable[[Mapping[str, Any]], bytes]
     write_feedback: Callable[[Mapping[str, Any]], bytes]
 

@@ -21,8 +21,12 @@ RULES = (
         'say what happens, such as "unknown ids are ignored" or "returns None if"',
     ),
     (
-        re.compile(r"\b[Tt]ell\s+the\b|\b[Tt]ells\b"),
+        re.compile(r"\b[Tt]ell\s+(?:the|of)\b|\b[Tt]ells\b|\btold\s+of\b"),
         'write "report", "send", "answer" or "say"',
+    ),
+    (
+        re.compile(r"\b(?:[Ww]hat|[Ww]ho)\s+(?:is|are)\s+no\b(?!\s+longer)"),
+        'name the thing, such as "bytes that are not a request"',
     ),
 )
 
@@ -62,6 +66,8 @@ def test_docstrings_are_in_plain_english(name):
         ("Close one; unknown ones are none.", "unknown ones are none"),
         ("Tell the clocks.", "Tell the"),
         ("The id tells them apart.", "tells"),
+        ("Nodes of another version are told of.", "told of"),
+        ("Answer what is no request.", "what is no"),
     ],
 )
 def test_a_fault_is_reported_with_its_place_and_words(text, words):

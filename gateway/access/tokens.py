@@ -20,7 +20,7 @@ from gateway.config.access import Role
 
 PREFIX: Final = "r2g_"  # so that people, and scanners of logs and repositories, recognise one
 _RANDOM_BYTES: Final = 32
-MAX_TOKEN_CHARACTERS: Final = 256  # whatever is longer is none of ours, and not worth hashing
+MAX_TOKEN_CHARACTERS: Final = 256  # no token of this gateway is longer, so none is hashed
 MAX_TOKENS: Final = 1000  # each is compared: 0.3 ms in all
 NAME_PATTERN: Final = r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}"
 

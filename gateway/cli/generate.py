@@ -159,7 +159,7 @@ def _check_assembly(folder: Path, name: str) -> None:
 
 
 def _notes_of_old(folder: Path, texts: Mapping[str, str]) -> Iterator[str]:
-    """Tell of classes of an earlier run: with an assembly, those of the last run are registered."""
+    """Warn of classes of an earlier run: with an assembly, only the last run registers its own."""
     old = [p.name for p in made_files(folder, "*.cs", MARK) if p.name not in texts]
     if old and "MessageRegistration.cs" in {*old, *texts}:
         yield (

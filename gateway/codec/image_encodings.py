@@ -222,7 +222,7 @@ def _with_full_chroma(image: RawImage) -> MatLike:
 
 
 def as_colours(pixels: MatLike, image: RawImage, layout: Layout, *, has_8_bits: bool) -> MatLike:
-    """Turn what is no depth into grey, BGR or BGRA; what has 16 bits keeps them unless told."""
+    """Turn pixels that are not depth into grey, BGR or BGRA, of 8 bits if *has_8_bits*."""
     if not layout.has_colours:
         pixels = _stretched(pixels)
     elif has_8_bits and layout.dtype == "u2":
@@ -241,7 +241,7 @@ def as_colours(pixels: MatLike, image: RawImage, layout: Layout, *, has_8_bits: 
 
 
 def _stretched(numbers: MatLike) -> MatLike:
-    """Map the least to black and the greatest to white; what is no number is black."""
+    """Map the least to black and the greatest to white; NaN is black."""
     known = numbers[np.isfinite(numbers)]
     if not known.size:
         return np.zeros(numbers.shape, np.uint8)

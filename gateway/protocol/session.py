@@ -78,7 +78,7 @@ class Session:
         self.numbers = itertools.count(1)  # of the calls and goals passed on to this client
         # raises ProtocolError if the client may not have one more ROS entity
         self.check_share: Callable[[], None] = lambda: None
-        # told of whatever the client's role forbids
+        # called with whatever the client's role forbids
         self.on_forbidden: Callable[[ProtocolError, Operation], None] = lambda *_: None
         self.image_format: ImageFormat = "jpeg"  # of pictures for which it asks for none
         self.is_behind = False  # its time budget is spent, and what it has sent waits

@@ -28,9 +28,9 @@ async def open_ros(
 ) -> AsyncIterator[Ros]:
     """Take part in ROS on the running loop, until the context ends, however it ends.
 
-    With *definitions*, publishers and subscribers that have another definition of a type are told
-    of, and servers that have one are not called. If it *makes_types*, types that are defined and
-    not installed can be used at once, see `gateway.ports.Ros.make_types`.
+    With *definitions*, publishers and subscribers that have another definition of a type are
+    reported, and servers that have one are not called. If it *makes_types*, types that are defined
+    and not installed can be used at once, see `gateway.ports.Ros.make_types`.
 
     Several at once and one after another are fine. Starting blocks the loop for some tenths of a
     second, ending for some hundredths: DDS opens and closes its sockets and threads.

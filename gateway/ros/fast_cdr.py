@@ -44,7 +44,7 @@ class FastCdr:
             buffer = f"{_BUFFER}C1EPcm"
             self._buffer = _function(library, buffer, None, _Pointer, ctypes.c_size_t)
             #: Write *octets*, *count* bytes, where *cdr* is, and go behind them. It must have the
-            #: room, as it has where rmw was told of the size.
+            #: room, as it has where rmw knows the size.
             self.write = _write(library)
             cdr = f"{_CDR}C1ERNS0_10FastBufferENS1_10EndiannessENS0_10CdrVersionE"
             self._cdr = _function(library, cdr, None, _Pointer, ctypes.c_int, ctypes.c_int)

@@ -44,7 +44,7 @@ class EventSource(Protocol):
         """Let others take what is there: *on_ready* may stay out until `resume`."""
 
     def resume(self) -> None:
-        """End a pause; what has arrived meanwhile was told of, or is now."""
+        """End a pause; what has arrived meanwhile was reported, or is now."""
 
     def count_take(self) -> bool:
         """Count one take of any outcome; return whether a message is known to have been there.
@@ -171,7 +171,7 @@ class EventfdSource:
         os.eventfd_write(self._fd, 1)
 
     def pause(self) -> None:
-        """Do nothing: what is told of once is not told of again."""
+        """Do nothing: each arrival is reported once."""
 
     def resume(self) -> None:
         """Do nothing."""

@@ -186,7 +186,7 @@ class Reader:
         if large is None or not large.result.done():  # closed or flushed meanwhile
             return
         self._large = None
-        # before the result, which may be an error: what has arrived meanwhile is told of once
+        # before the result, which may be an error: what has arrived meanwhile is reported once
         if self._asks_again:
             self._source.notify_again()
         else:

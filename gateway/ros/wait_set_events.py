@@ -166,7 +166,7 @@ class WaitSetSource:
         """Do nothing: what has arrived is not counted."""
 
     def count_take(self) -> bool:
-        """Return false: what follows a message that cannot be read is ready, and told of again."""
+        """Return false: what follows a message that cannot be read is ready, and reported again."""
         return False
 
     def close(self) -> None:

@@ -62,7 +62,7 @@ class InterfaceTypes:
         return None
 
     def meant(self, requested: str | int) -> str | None:
-        """Guess the service or action type that a name means which is no message type's either."""
+        """Guess which service or action type a name means, if it does not mean a message type."""
         definitions = self._types.definitions
         if not isinstance(requested, str) or definitions.meant(requested) is not None:
             return None

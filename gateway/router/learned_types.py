@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Types that are not installed here, whose definitions the robot's nodes tell.
+"""Types that are not installed here: the robot's nodes have their definitions.
 
 A node has a service for that, ``~/get_type_description``, since Iron. Topics with such types are
 looked at as the graph changes, so that their types are mostly known before a client asks for one.
@@ -120,7 +120,7 @@ class LearnedTypes:
     def _is_in_use(self, type_name: str, known: str, holders: Sequence[TypeHolder]) -> bool:
         """Return whether a node has the definition that is known, on this topic or any other.
 
-        The first of two that are in use stays: who has the other one is told of that.
+        The first of two that are in use stays: nodes with the other one are reported.
         """
         if known in {each.type_hash for each in holders}:
             return True

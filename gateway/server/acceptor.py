@@ -40,7 +40,7 @@ class Acceptor(Protocol):
         """
 
     def malformed(self, start: bytes) -> bytes:
-        """Return the response to what is no HTTP request, and begins like this."""
+        """Return the response to bytes that begin like this and are not an HTTP request."""
 
     def enter(self, connection: Connection, request: Request) -> Session | None:
         """Open the session of a client after its handshake; ``None`` if it was turned away."""

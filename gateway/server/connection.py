@@ -168,7 +168,7 @@ class Connection(asyncio.BufferedProtocol):
 
     @property
     def is_leaving(self) -> bool:
-        """True of who is no client, and will not become one."""
+        """True of a connection that is not a client, and will not become one."""
         return self._session is None and (
             self._closing_s is not None or self._protocol.close_expected()
         )

@@ -145,7 +145,7 @@ def ended_elsewhere(
     """
     if protocol.close_rcvd is not None:
         return Why("client", "closed", protocol.close_rcvd.reason, protocol.close_rcvd.code)
-    if protocol.close_sent is not None:  # `websockets` has found a frame that is none
+    if protocol.close_sent is not None:  # `websockets` has found bytes that are not a frame
         return closed_by_gateway(protocol.close_sent.code, protocol.close_sent.reason)
     text = ((error.strerror if isinstance(error, OSError) else None) or str(error)).lower()
     if was_open:

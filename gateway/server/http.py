@@ -140,7 +140,7 @@ class HttpFront:
             return protocol.reject(400, "this request contradicts itself\n")
 
     def malformed(self, start: bytes) -> bytes:
-        """Return the response to what is no request that `websockets` understands.
+        """Return the response to a request that `websockets` does not understand.
 
         It understands none with a body, so the method decides.
         """
@@ -180,7 +180,7 @@ class HttpFront:
         if path != self._path:
             return protocol.reject(404, f"nothing here; the WebSocket is at {self._path}\n")
         check_target(request.path)
-        image_format(request.path)  # refuses what is none while there is a response to do it by
+        image_format(request.path)  # refuses an unknown one while there is a response for it
         token_in(
             request.headers.get_all("Authorization"), offered_subprotocols(request.headers)
         )  # refuses contradictions while there is a response to do it by

@@ -42,7 +42,7 @@ class ProtocolOutput:
             else:
                 with contextlib.suppress(OSError):  # the peer closed first
                     self._transport.write_eof()
-        if may_be_large:  # a page, which is no flood
+        if may_be_large:  # a page, which is not a flood
             return False
         grown = self._transport.get_write_buffer_size() - before
         is_paused = self._pacing.is_paused  # perhaps by what was written just now

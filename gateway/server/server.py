@@ -300,7 +300,7 @@ class Server:
         return self._http.respond(protocol, request, connection)
 
     def malformed(self, start: bytes) -> bytes:
-        """Return the response to what is no HTTP request."""
+        """Return the response to bytes that are not an HTTP request."""
         return self._http.malformed(start)
 
     def _room_for(self, entrant: Entrant) -> str | None:

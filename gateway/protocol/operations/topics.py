@@ -148,7 +148,7 @@ class Subscribe(Operation):
     image: ImageRequest | None = None
     meta: bool = False
     nonfinite: NonFinite | None = None
-    # below, an ordinary hiccup of WiFi or of a busy robot would be told of
+    # below, an ordinary hiccup of WiFi or of a busy robot would be reported
     stale_after_ms: Annotated[float, Field(ge=100, le=3_600_000)] | None = None
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Readiness of entities: functions of C that are told of it, and wait sets."""
+"""Readiness of entities: functions of C that are called for it, and wait sets."""
 
 import contextlib
 import ctypes
