@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """The gateway's side of the guard process, with stand-ins for the process."""
 
-import asyncio
 import contextlib
+import errno
 import os
 import signal
+import subprocess
 import sys
-import time
 from collections.abc import AsyncIterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -16,6 +17,7 @@ from gateway.drive.effects import GuardState
 from gateway.guard import MARGIN_S, REPEAT_S, supervisor
 from gateway.guard.supervisor import GuardProcess
 from tests.client import eventually
+from tests.server.timers import Timers
 
 TOPIC, TWIST = "/cmd_vel", "geometry_msgs/msg/Twist"
 
@@ -42,6 +44,26 @@ A_LINE_OF_NONSENSE = OBEDIENT.format(then='if verb == "moving": print("x", flush
 NONSENSE = OBEDIENT.format(then='if verb == "moving": print("x" * 9000, end="", flush=True)')
 
 
+class Clock:
+    """The supervisor's clock, in the test's hand."""
+
+    def __init__(self) -> None:
+        self.now_s = 1000.0
+
+    def monotonic(self) -> float:
+        return self.now_s
+
+    def monotonic_ns(self) -> int:
+        return round(self.now_s * 1e9)
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    clock = Clock()
+    monkeypatch.setattr(supervisor, "time", clock)
+    return clock
+
+
 @contextlib.asynccontextmanager
 async def supervised(source: str) -> AsyncIterator[tuple[GuardProcess, list[GuardState]]]:
     """Run a stand-in; yield its supervisor and the states of one topic."""
@@ -65,12 +87,14 @@ async def test_a_topic_that_was_opened_before_the_guard_was_ready_is_opened_then
     assert not is_running(pid)
 
 
-async def test_what_is_said_reaches_the_guard_and_repetitions_within_20_ms_do_not(capfd):
+async def test_what_is_said_reaches_the_guard_and_repetitions_within_20_ms_do_not(
+    capfd, clock: Clock
+):
     async with supervised(ANSWERS) as (guard, states):
         await eventually(lambda: states == ["ready"])
         for _ in range(3):
             guard.moving(TOPIC, 5, "base")
-        await asyncio.sleep(2 * REPEAT_S)
+            clock.now_s += 0.009
         guard.moving(TOPIC, 5, "base")
         guard.rest(TOPIC)
         guard.close(TOPIC)
@@ -93,44 +117,55 @@ async def test_a_guard_that_is_lost_is_replaced(source: str):
         await eventually(lambda: not is_running(first))
 
 
-async def test_a_guard_that_answers_nothing_while_something_moves_is_lost(monkeypatch):
-    monkeypatch.setattr(supervisor, "UNANSWERED_S", 0.2)
+async def test_a_guard_that_answers_nothing_for_a_second_while_something_moves_is_lost(
+    clock: Clock,
+):
     async with supervised(SILENT) as (guard, states):
         await eventually(lambda: states == ["ready"])
-        started_s = time.monotonic()
-        while "lost" not in states:
+        for number in range(100):
             guard.moving(TOPIC, 0, "")
-            await asyncio.sleep(REPEAT_S)
-        assert time.monotonic() - started_s >= 0.2
+            assert ("lost" in states) == (number > 40)
+            clock.now_s += 0.025
 
 
-async def test_a_guard_that_is_not_spoken_to_owes_no_answer(monkeypatch):
-    monkeypatch.setattr(supervisor, "UNANSWERED_S", 0.1)
+async def test_a_guard_that_is_not_spoken_to_owes_no_answer(clock: Clock):
     async with supervised(SILENT) as (guard, states):
         await eventually(lambda: states == ["ready"])
         for _ in range(3):
             guard.moving(TOPIC, 0, "")
-            await asyncio.sleep(0.15)
+            clock.now_s += 10
         assert states == ["ready"]
 
 
-async def test_a_guard_that_cannot_be_started_is_tried_less_and_less_often(monkeypatch):
-    monkeypatch.setattr(supervisor, "RESTART_S", 0.01)
-    starts: list[float] = []
+async def test_a_guard_that_cannot_be_started_is_tried_again():
     async with GuardProcess("_guard", "/", None, deadline_s=0.5) as guard:
         guard._restart_s = 0.01
         guard.command = ("/nowhere/python",)
-        original = guard.start
-
-        def start() -> None:
-            starts.append(time.monotonic())
-            original()
-
-        guard.start = start  # type: ignore[method-assign]
         guard.start()
-        await eventually(lambda: len(starts) == 5)
-        assert starts[4] - starts[0] >= 0.01 + 0.02 + 0.04 + 0.08
+        await eventually(lambda: guard.losses >= 3)
         assert guard.pid is None
+
+
+def test_a_guard_that_ran_for_a_minute_is_replaced_at_once_and_another_after_30_s_at_most(
+    monkeypatch,
+):
+    timers = Timers(monkeypatch, supervisor)
+    ran_s = 0.0
+
+    def lost_after_a_while(*_: object, **__: object) -> None:
+        timers.take(ran_s)
+        raise OSError(errno.ENOENT, "no such file")
+
+    pipes = SimpleNamespace(Popen=lost_after_a_while, PIPE=subprocess.PIPE)
+    monkeypatch.setattr(supervisor, "subprocess", pipes)
+    GuardProcess("_guard", "/", None, deadline_s=0.5).start()
+    assert [timers.next_turn() for _ in range(8)] == [0.5, 1, 2, 4, 8, 16, 30, 30]
+    ran_s = 55.0  # not long enough, from now on
+    timers.next_turn()
+    assert timers.next_turn() == 30
+    ran_s = 61.0
+    timers.next_turn()
+    assert timers.next_turn() == 0.5
 
 
 async def test_a_guard_that_does_not_end_is_killed(monkeypatch):
@@ -163,11 +198,12 @@ async def test_a_lost_guard_is_a_fault_until_another_is_ready():
         assert guard.faults() == ()
 
 
-async def test_a_guard_that_does_not_become_ready_is_a_fault(monkeypatch):
-    monkeypatch.setattr(supervisor, "SLOW_START_S", 0.1)
+async def test_a_guard_that_does_not_become_ready_is_a_fault(clock: Clock):
     async with GuardProcess("_guard", "/", None, deadline_s=0.5) as guard:
         guard.command = (sys.executable, "-c", "input()")
         assert guard.faults() == ()  # it is not started
         guard.start()
-        await eventually(lambda: bool(guard.faults()))
-        assert "the guard process has not become ready within" in guard.faults()[0].text
+        clock.now_s += 19
+        assert guard.faults() == ()
+        clock.now_s += 2
+        assert "the guard process has not become ready within 21 s" in guard.faults()[0].text

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Operations on command topics, down to what ROS, the guard and the client get."""
 
-import asyncio
 import json
 import math
 import time
@@ -13,8 +12,15 @@ from gateway.config.access import AccessConfig, OperatorConfig
 from gateway.ports import Qos
 from gateway.router.commands.command_topic import COMMAND_QOS
 from tests.client import eventually
+from tests.clock import StoppedClock
 from tests.router.commands.conftest import STAMPED, TWIST, Build, Scene, push, speeds
 from tests.router.conftest import Socketless
+
+
+def is_tripped(client: Socketless) -> bool:
+    """Ask whether commands to move are refused until the robot is told anew."""
+    client.send(op="control", topic="/cmd_vel")
+    return bool(client.of("control")[-1]["tripped"])
 
 
 async def test_a_command_reaches_the_robot_and_its_end_stops_it(scene: Scene):
@@ -168,7 +174,7 @@ async def test_a_speed_beyond_the_limit_is_clamped_and_the_client_told(build: Bu
     assert client.statuses == [("invalid_value", "topic /cmd_vel: clamped to 0.5 m/s and 10 rad/s")]
     watcher.send(op="acquire_control", topic="/cmd_vel")
     watcher.send(op="publish", topic="/cmd_vel", msg={})
-    await asyncio.sleep(0.3)  # the latch wants quiet
+    await eventually(lambda: not is_tripped(watcher))
     push(watcher, 7)
     assert watcher.of("control")[-1]["clamped"] is True
 
@@ -209,7 +215,7 @@ async def test_what_was_stopped_stays_so_for_a_client_that_comes_back(scene: Sce
     push(again, id=1)
     assert again.statuses[0][0] == "tripped"
     again.send(op="publish", topic="/cmd_vel", msg={})
-    await asyncio.sleep(0.3)  # the latch wants quiet
+    await eventually(lambda: not is_tripped(again))
     push(again, 0.1)
     await eventually(lambda: speeds(heard)[-1] == 0.1)
 
@@ -281,6 +287,25 @@ async def test_a_watcher_gets_the_changes_and_no_more_after_it_has_ended_it(scen
     await eventually(lambda: len(heard) == 12)
     assert len(watcher.of("control")) == count
     assert driver.frames == []
+
+
+async def test_a_watcher_gets_one_notice_of_what_changes_within_50_ms(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+):
+    scene.listen()
+    client, watcher = scene.client(), scene.client()
+    watcher.send(op="control", watch=True)
+    await scene.settle()
+    clock = StoppedClock(monkeypatch)
+    watcher.frames.clear()
+    for _ in range(8):
+        client.send(op="acquire_control")
+        client.send(op="release_control")
+        await clock.advance(0.005)
+    await clock.advance(0.009)
+    assert watcher.of("control") == []
+    await clock.advance(0.002)
+    assert [frame["holder"] for frame in watcher.of("control")] == [None]
 
 
 async def test_the_only_command_topic_need_not_be_named_but_one_of_several(build: Build):

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The loop of the guard process, with a pipe, a clock and a ROS of the test's own."""
+
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+import orjson
+import pytest
+
+from gateway.drive.twist_cdr import TWIST
+from gateway.guard import MARGIN_S, supervisor
+from gateway.guard import __main__ as guard_module
+from gateway.guard.__main__ import Guard
+from gateway.guard.watch import ZEROS
+
+TOPIC = "/cmd_vel"
+ANSWERS = 7  # a descriptor
+S = 1_000_000_000
+
+
+class Publisher:
+    """Notes its zeros; it has the readers that *readers* says."""
+
+    def __init__(self, readers: Callable[[], int]) -> None:
+        self._readers = readers
+        self.zeros = 0
+
+    @property
+    def readers(self) -> int:
+        return self._readers()
+
+    def publish(self, cdr: bytes) -> None:
+        self.zeros += 1
+
+
+class Pipe:
+    """What the gateway writes and when, and what the guard answers; time passes in `poll` alone."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.began_ns = self._now_ns = 10 * S
+        self.written: list[tuple[float, list[object]]] = []  # and after how many seconds
+        self.end_s = 0.0
+        self.answers: list[tuple[float, list[str]]] = []
+        self.polls = 0
+        self.flushes: list[float] = []
+        self.has_readers_after_s = float("inf")
+        self.publisher = Publisher(lambda: int(self.now_s >= self.has_readers_after_s))
+        clock = SimpleNamespace(monotonic_ns=lambda: self._now_ns, sleep=self._pass_s)
+        poll = SimpleNamespace(register=lambda *_: None, poll=self._poll)
+        monkeypatch.setattr(guard_module, "time", clock)
+        monkeypatch.setattr(guard_module, "select", SimpleNamespace(poll=lambda: poll, POLLIN=1))
+        monkeypatch.setattr(guard_module, "os", SimpleNamespace(read=self._read, write=self._write))
+
+    @property
+    def now_s(self) -> float:
+        return (self._now_ns - self.began_ns) / S
+
+    def run(self) -> None:
+        """Run a guard until the pipe has ended, and everything stands."""
+        ros = SimpleNamespace(advertise=lambda *_: self.publisher, flush=self.flushes.append)
+        Guard(ros, round((0.5 + MARGIN_S) * S), ANSWERS).run()  # type: ignore[arg-type]
+
+    def answered(self, verb: str) -> list[float]:
+        """Return the times of one kind of answer."""
+        return [seconds for seconds, answer in self.answers if answer[0] == verb]
+
+    def _due_s(self) -> float:
+        return self.written[0][0] if self.written else self.end_s
+
+    def _pass_s(self, seconds: float) -> None:
+        self._now_ns += round(seconds * S)
+
+    def _poll(self, timeout_ms: float | None) -> list[int]:
+        self.polls += 1
+        due_s = max(0.0, self._due_s() - self.now_s)
+        wait_s = due_s if timeout_ms is None else min(due_s, timeout_ms / 1000)
+        self._pass_s(wait_s)
+        return [0] if wait_s == due_s else []
+
+    def _read(self, descriptor: int, size: int) -> bytes:
+        assert descriptor == 0
+        return orjson.dumps(self.written.pop(0)[1]) + b"\n" if self.written else b""
+
+    def _write(self, descriptor: int, data: bytes) -> None:
+        assert descriptor == ANSWERS
+        self.answers.append((self.now_s, orjson.loads(data)))
+
+
+@pytest.fixture
+def pipe(monkeypatch: pytest.MonkeyPatch) -> Pipe:
+    return Pipe(monkeypatch)
+
+
+def opening(readers: int) -> tuple[float, list[Any]]:
+    return (0.0, ["open", TOPIC, TWIST, readers])
+
+
+def test_a_guard_that_is_spoken_to_all_the_time_answers_ten_times_a_second(pipe: Pipe) -> None:
+    pipe.written = [(turn * 0.02, ["rest", TOPIC]) for turn in range(500)]
+    pipe.end_s = 10.0
+    pipe.run()
+    assert len(pipe.answered("heard")) == 100
+
+
+def test_a_topic_that_its_readers_do_not_discover_is_open_after_4_s(pipe: Pipe) -> None:
+    pipe.written = [opening(1)]
+    pipe.end_s = 60.0
+    pipe.run()
+    # an announcement that is lost is repeated after 3 s
+    assert pipe.answered("opened") == [pytest.approx(4.0, abs=0.021)]
+
+
+def test_whether_readers_have_come_is_looked_at_50_times_a_second(pipe: Pipe) -> None:
+    pipe.written = [opening(1)]
+    pipe.end_s = 60.0
+    pipe.has_readers_after_s = 2.0
+    pipe.run()
+    (opened_s,) = pipe.answered("opened")
+    assert opened_s - 2.0 <= 0.021
+    assert 90 <= pipe.polls <= 105
+
+
+def test_the_last_zero_is_waited_for_within_the_time_that_the_gateway_has(pipe: Pipe) -> None:
+    pipe.written = [opening(1), (0.1, ["moving", TOPIC, 0, ""])]
+    pipe.end_s = pipe.has_readers_after_s = 0.2
+    pipe.run()
+    assert pipe.publisher.zeros == ZEROS
+    assert pipe.flushes == [0.5]
+    assert pipe.flushes[0] < supervisor.END_S
