@@ -12,7 +12,7 @@ from gateway.router import learned_types
 from schemas.definition import parse_definition
 from schemas.installed import InstalledDefinitions
 from schemas.type_hash import computed_type_hash, type_description
-from tests.client import eventually
+from tests.client import TIMEOUT_S, eventually
 from tests.router.conftest import Bench
 
 SERVICE_TYPE = "type_description_interfaces/srv/GetTypeDescription"
@@ -70,11 +70,17 @@ def impatient(monkeypatch):
 
 
 async def changes(bench: Bench) -> None:
-    """Let the graph change, and wait until all has been looked at."""
+    """Let the graph change, and wait until all has been looked at, and who is to be is asked."""
     publisher = bench.ros.add_publisher("/change", "std_msgs/msg/Empty")
-    await asyncio.sleep(0.1)
+    await looked(bench)
     publisher.close()
-    await asyncio.sleep(0.1)
+    await looked(bench)
+
+
+async def looked(bench: Bench) -> None:
+    learned = bench.router._learned
+    await eventually(lambda: not bench.ros._is_changing and learned._looking is None)
+    await bench.settle()
 
 
 async def test_a_node_is_asked_as_soon_as_its_topic_appears(bench: Bench):
@@ -185,6 +191,18 @@ async def test_another_node_is_asked_if_one_does_not_know(bench: Bench):
     await second.is_asked()
     second.respond()
     await eventually(lambda: LAMP in bench.types.definitions.told)
+
+
+async def test_of_many_nodes_with_a_type_three_are_asked(bench: Bench, monkeypatch):
+    monkeypatch.setattr(learned_types, "LOOK_S", TIMEOUT_S)
+    nodes = [Node(bench, f"/node{number}") for number in range(5)]
+    for node in nodes:
+        node.publish("/lamp", LAMP)
+    for node in nodes[:3]:
+        await node.is_asked()
+        node.respond(REFUSAL)
+    await eventually(lambda: bool(nodes[3].requests) or not bench.router._learned._asking)
+    assert [len(node.requests) for node in nodes] == [1, 1, 1, 0, 0]
 
 
 async def test_a_node_that_has_not_answered_yet_is_named_so(bench: Bench):
