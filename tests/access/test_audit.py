@@ -5,15 +5,18 @@ import logging
 import os
 import stat
 import threading
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gateway import app
 from gateway.access import audit_file
 from gateway.access.audit import MAX_FACT_CHARACTERS, MAX_LINES, WINDOW_NS, Audit
 from gateway.access.audit_file import MAX_WAITING, AuditFile
 from gateway.errors import ConfigError
+from gateway.guard import supervisor
 from tests.client import TIMEOUT_S
 
 
@@ -184,6 +187,17 @@ def test_a_disk_that_hangs_holds_up_nobody_and_a_bounded_number_of_lines_wait(
     close(file)
     assert len((tmp_path / "audit.jsonl").read_text().splitlines()) == 1 + MAX_WAITING
     assert "50 lines are missing" in caplog.text
+
+
+def test_a_disk_that_hangs_leaves_the_shutdown_its_time(tmp_path, monkeypatch):
+    file = AuditFile(tmp_path / "audit.jsonl", 1000)
+    close(file)
+    waits_s: list[float] = []
+    file._lines = SimpleNamespace(put=lambda line, timeout: waits_s.append(timeout))
+    monkeypatch.setattr(file._thread, "join", waits_s.append)
+    file.close()
+    assert waits_s == [0.3, 0.3]  # for room, and for what is written
+    assert sum(waits_s) + supervisor.END_S < app.SHUTDOWN_S
 
 
 def test_a_full_disk_is_said_once_and_when_it_is_over(tmp_path, monkeypatch, caplog):

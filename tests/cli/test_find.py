@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Finding gateways from outside: a real gateway, and the real command."""
 
+import itertools
 import json
 import os
 import socket
@@ -14,6 +15,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
+from gateway.cli import find
 from gateway.cli.find import gateways, line
 from gateway.protocol.lan_discovery import FoundGateway, answer
 from tests.cli.test_main import ros2_gateway
@@ -50,6 +52,12 @@ def test_gateways_are_sorted_by_name_and_named_once(answering: socket.socket) ->
     other = replace(GATEWAY, id="5a", name="arm")
     found = answered(answering, answer(GATEWAY), b"garbage", answer(other), answer(GATEWAY))
     assert found == [("127.0.0.1", other), ("127.0.0.1", GATEWAY)]
+
+
+def test_no_more_than_256_gateways_are_listed(monkeypatch: pytest.MonkeyPatch) -> None:
+    endless = (("10.0.0.7", replace(GATEWAY, id=str(number))) for number in itertools.count())
+    monkeypatch.setattr(find, "_answers", lambda *_: endless)
+    assert len(gateways(1.0)) == 256
 
 
 def test_a_line_says_how_to_connect() -> None:

@@ -123,6 +123,14 @@ def test_a_picture_that_is_too_large_is_never_followed_by_a_larger_step(
             assert STEPS.index(adaptation.step) > before or before == len(STEPS) - 1
 
 
+def test_a_dark_picture_after_a_change_does_not_keep_the_next_ones_small():
+    camera = Camera()
+    camera.send(250e3)
+    assert camera.adaptation.step is not STEPS[0]
+    camera.send(250e3, whole=100)  # of which the step seems to have left next to nothing
+    assert camera.send(10 * WHOLE / MAX_HOLD_S / ROOM, 1000) == WHOLE
+
+
 def test_frames_of_the_step_before_are_not_judged():
     camera = Camera()
     camera.send(250e3)

@@ -59,12 +59,32 @@ async def test_what_many_clients_hear_of_comes_once_to_a_watcher(bench: Bench):
     assert len(watcher.of("event")) == 2
 
 
-async def test_a_flood_of_events_is_bounded_and_counted(
-    bench: Bench, monkeypatch: pytest.MonkeyPatch
-):
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
     clock = SimpleNamespace(now_ns=time.monotonic_ns())
     clock.monotonic_ns = lambda: clock.now_ns
     monkeypatch.setattr("gateway.router.topic_events.time", clock)
+    return clock
+
+
+async def test_what_happens_again_after_a_second_is_told_again(
+    bench: Bench, clock: SimpleNamespace
+):
+    watcher = bench.client()
+    watcher.send(op="events")
+    for depth in (1, 2):
+        bench.client().send(op="subscribe", topic="/t", type=STRING, qos={"depth": depth})
+    first, second = bench.ros.subscriptions
+    first.on_event(TopicEvent("messages_lost", "topic /t: one"))
+    clock.now_ns += 900_000_000
+    second.on_event(TopicEvent("messages_lost", "topic /t: one"))
+    assert len(watcher.of("event")) == 1
+    clock.now_ns += 100_000_000
+    first.on_event(TopicEvent("messages_lost", "topic /t: one"))
+    assert len(watcher.of("event")) == 2
+
+
+async def test_a_flood_of_events_is_bounded_and_counted(bench: Bench, clock: SimpleNamespace):
     watcher, listener = bench.client(), bench.client()
     watcher.send(op="events")
     listener.send(op="subscribe", topic="/t", type=STRING)

@@ -377,6 +377,27 @@ def test_what_comes_behind_a_pause_may_be_as_old_as_the_pause(wire: Wire):
     assert read() == 0
 
 
+def test_what_is_read_up_to_three_turns_behind_a_pause_may_have_waited(wire: Wire):
+    session = wire.connection.session
+    assert session is not None
+    waited_s: list[float] = []
+    wire.acceptor._pass_time = lambda cost_s: (
+        wire.take(cost_s),
+        waited_s.append(session.waited_s()),
+    )
+    for turns in range(5):
+        wire.acceptor.cost_s = 0.3
+        wire.receive(pings(1))
+        wire.until_read()
+        # the reader may run behind us, and TLS takes a turn to go on and one to read
+        for _ in range(turns):
+            wire.next_turn()
+        wire.acceptor.cost_s = 0.0
+        wire.receive(pings(2))
+        assert (waited_s[-1] > 0) == (turns < 4)
+        wire.run(10)
+
+
 def test_reading_alone_is_paid_for(wire: Wire, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(inbound_module, "READ_COST_S", 0.1)
     chunk = masked(Opcode.TEXT, b"x" * 100_000)[: 16 * 1024]

@@ -3,6 +3,7 @@
 
 import asyncio
 import math
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -258,6 +259,16 @@ async def test_frames_that_are_missing_are_told_once_and_waited_for(
     await stage.step(10)
     assert xs(transforms(client)).count({"lens": 7.0}) == 2
     assert len(client.statuses) == 2
+
+
+async def test_of_many_frames_that_were_not_sent_eight_are_looked_at_for_the_reason():
+    looks: list[str] = []
+    buffer = SimpleNamespace(lookup=lambda target, source: looks.append(source))
+    key = republications.ArrayKey("odom", tuple(map(str, range(1000))), 1.0, 0.0, 0.0)
+    array = republications._SharedArray(key, buffer)  # type: ignore[arg-type]
+    assert array.reason(array.missing()) is None  # each has come meanwhile
+    assert looks == list("01234567")
+    array.stop()
 
 
 async def test_when_time_jumps_back_a_frame_is_sent_once_it_is_known_again(
