@@ -230,6 +230,42 @@ namespace Ros2Gateway.Unity.Tests
             Assert.AreEqual(map.info.height * map.info.resolution, MeshOf(display).bounds.size.x, 0.001f);
         }
 
+        [UnityTest]
+        [Category("Gateway")]
+        public IEnumerator AMapThatCameBeforeItsDisplayWasEnabledIsDrawn()
+        {
+            _scene.Connect();
+            OccupancyGridDisplay display = _scene.Display<OccupancyGridDisplay>(
+                "/map", OccupancyGridMsg.Type, made => made.enabled = false);
+            TopicSubscriber subscriber = display.GetComponent<TopicSubscriber>();
+            yield return _scene.Until(() => subscriber.Last != null, "for the map");
+            float cameAt = subscriber.LastTime;
+            yield return null;
+            Assert.IsNull(display.Texture);
+            display.enabled = true;
+            yield return null;
+            yield return null;
+            Assert.AreEqual(cameAt, subscriber.LastTime, "the map is published once");
+            Assert.IsNotNull(display.Texture);
+            Assert.AreEqual(Time.unscaledTime - cameAt, display.AgeSeconds, 1e-3f);
+        }
+
+        [UnityTest]
+        [Category("Gateway")]
+        public IEnumerator WhatIsShownByHandIsNotReplacedByWhatCameBefore()
+        {
+            _scene.Connect();
+            OccupancyGridDisplay display = _scene.Display<OccupancyGridDisplay>(
+                "/map", OccupancyGridMsg.Type, made => made.enabled = false);
+            TopicSubscriber subscriber = display.GetComponent<TopicSubscriber>();
+            yield return _scene.Until(() => subscriber.Last != null, "for the map");
+            display.enabled = true;
+            display.Show(Grid(1, 1, 0));
+            yield return null;
+            yield return null;
+            Assert.AreEqual(1, display.Texture.width);
+        }
+
         private static OccupancyGridMsg Grid(uint width, uint height, params sbyte[] cells)
         {
             OccupancyGridMsg grid = new OccupancyGridMsg { data = cells };

@@ -246,6 +246,36 @@ namespace Ros2Gateway.Unity.Tests
             Assert.IsFalse(display.transform.GetChild(2).gameObject.activeSelf);
         }
 
+        [UnityTest]
+        [Category("Gateway")]
+        public IEnumerator EnabledAgainItBeginsWithTheLastMessage()
+        {
+            GatewayClient client = _scene.Connect().Client;
+            MarkerArrayDisplay display = _scene.Display<MarkerArrayDisplay>("/markers_of_before", MarkerArrayMsg.Type);
+            Publisher<MarkerArrayMsg> markers = client.Advertise<MarkerArrayMsg>("/markers_of_before");
+            MarkerArrayMsg pair = new MarkerArrayMsg { markers = new[] { Marker("a", 1), Marker("a", 2) } };
+            yield return _scene.Until(() => client.IsConnected, "to be connected");
+            yield return _scene.Until(
+                () => display.Count == 2, "for the markers", () => markers.Publish(pair, evenLate: true));
+            display.enabled = false;
+            yield return null;
+            Assert.AreEqual(0, display.Count);
+            markers.Dispose();
+            yield return _scene.Until(() => Time.unscaledTime - display.Subscriber.LastTime > 0.5f, "for silence");
+            display.enabled = true;
+            yield return null;
+            yield return null;
+            Assert.AreEqual(2, display.Count);
+            Assert.Greater(display.AgeSeconds, 0.5f);
+            display.enabled = false;
+            display.gameObject.SetActive(false);
+            display.gameObject.SetActive(true);
+            display.enabled = true;
+            yield return null;
+            yield return null;
+            Assert.AreEqual(0, display.Count, "the message is not of this subscription");
+        }
+
         private void Show(params MarkerMsg[] markers)
         {
             _display.Show(new MarkerArrayMsg { markers = markers });

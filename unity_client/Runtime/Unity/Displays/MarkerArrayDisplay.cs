@@ -11,7 +11,11 @@ namespace Ros2Gateway.Unity
     /// Draws the markers of a MarkerArray, each in its own frame if there is a Fixed Frame above; else the Transform is
     /// the frame of all.
     /// </summary>
-    /// <remarks>A message may add to what others have added, so each is shown when it comes.</remarks>
+    /// <remarks>
+    /// A message may add to what others have added, so each is shown when it comes. While this is disabled there are no
+    /// markers, as nobody would take away those that are deleted meanwhile; enabled again, it begins with the
+    /// subscriber's last message.
+    /// </remarks>
     [AddComponentMenu("ROS 2 Gateway/Marker Array Display")]
     public sealed class MarkerArrayDisplay : TypedDisplay<MarkerArrayMsg>
     {

@@ -19,6 +19,8 @@ namespace Ros2Gateway.Unity
         [System.NonSerialized] // else the editor makes an empty message of none when it reloads scripts
         private T _newest;
         private float _newestTime;
+        private IMessage _earlier; // came before this was enabled, and waits for Update
+        private float _earlierTime;
         private float _drawnTime = float.NegativeInfinity;
 
         /// <summary>Whose messages are shown.</summary>
@@ -54,6 +56,7 @@ namespace Ros2Gateway.Unity
         /// </summary>
         public virtual void Show(T message)
         {
+            ReceiveEarlier(null); // first
             if (DrawsEvery)
             {
                 // not kept until Update: where messages are filled anew, the next one may be on its way into this
@@ -96,16 +99,22 @@ namespace Ros2Gateway.Unity
             _drawnTime = Time.unscaledTime - ageSeconds;
         }
 
-        /// <summary>Begins to listen; overriders call it.</summary>
+        /// <summary>
+        /// Begins to listen; overriders call it. What the subscriber has received already, such as a map, which is sent
+        /// once, comes in Update.
+        /// </summary>
         protected virtual void OnEnable()
         {
             Subscriber = GetComponent<TopicSubscriber>();
             Subscriber.MessageReceived += ReceiveAny;
+            _earlier = Subscriber.Kept;
+            _earlierTime = Subscriber.LastTime;
         }
 
         /// <summary>Draws what has come; overriders call it.</summary>
         protected virtual void Update()
         {
+            ReceiveEarlier(null);
             T message = _newest;
             if (message != null)
             {
@@ -119,6 +128,7 @@ namespace Ros2Gateway.Unity
         {
             Subscriber.MessageReceived -= ReceiveAny;
             _newest = null;
+            _earlier = null;
         }
 
         /// <summary>Logs what is wrong with a message, the same only once.</summary>
@@ -133,6 +143,7 @@ namespace Ros2Gateway.Unity
 
         private void ReceiveAny(IMessage message)
         {
+            ReceiveEarlier(message);
             T shown = Converted(message);
             if (shown != null)
             {
@@ -143,6 +154,21 @@ namespace Ros2Gateway.Unity
                 "shows " + typeof(T).Name + ", but " + Subscriber.Topic + " carries "
                 + (message.RosType.Length > 0 ? message.RosType : "a message without a class")
                 + ": set the subscriber's type");
+        }
+
+        /// <summary>Receives what came before this was enabled, as old as it is.</summary>
+        /// <param name="next">What comes now, and may be the same message; or null.</param>
+        private void ReceiveEarlier(IMessage next)
+        {
+            IMessage earlier = _earlier;
+            _earlier = null;
+            T shown = earlier == null || earlier == next ? null : Converted(earlier);
+            if (shown != null)
+            {
+                Receive(shown);
+                _newestTime = _earlierTime;
+                _drawnTime = Mathf.Min(_drawnTime, _earlierTime); // if it was drawn at once
+            }
         }
     }
 }

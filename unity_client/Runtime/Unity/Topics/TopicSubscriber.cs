@@ -188,6 +188,15 @@ namespace Ros2Gateway.Unity
         /// <summary>When it came, as Time.unscaledTime; negative before the first.</summary>
         public float LastTime { get; private set; }
 
+        /// <summary>
+        /// The newest message of this subscription, for what is enabled later; null before the first, and where
+        /// messages are filled anew: the next one may be on its way into it.
+        /// </summary>
+        internal IMessage Kept
+        {
+            get { return _subscription != null && LastTime >= 0 && !_reuse ? Last : null; }
+        }
+
         /// <summary>How many messages came in the last second.</summary>
         public float RateHz { get; private set; }
 
