@@ -20,7 +20,7 @@ namespace Ros2Gateway.Unity
         private GatewayConnection _connection;
 
         private GatewayConnection _bound;
-        private string _gateway; // the address of the last that was used; null before the first
+        private string _gateway = ""; // the address of the last that was used; empty before the first
         private bool _isListening;
 
         /// <summary>
@@ -37,7 +37,7 @@ namespace Ros2Gateway.Unity
             set
             {
                 _connection = value;
-                _gateway = null; // who sets it knows which robot is meant
+                _gateway = ""; // who sets it knows which robot is meant
                 Choose();
             }
         }
@@ -53,6 +53,12 @@ namespace Ros2Gateway.Unity
 
         /// <summary>Whether there is a connection, made or not; from Bind to Unbind.</summary>
         protected bool IsBound { get; private set; }
+
+        // a reload of scripts in Play makes an empty text of null
+        private string OnlyGateway
+        {
+            get { return MovesRobots && _gateway.Length > 0 ? _gateway : null; }
+        }
 
         /// <summary>
         /// Begins to use a connection: the moment to subscribe and to advertise. Each is followed by one
@@ -97,7 +103,7 @@ namespace Ros2Gateway.Unity
             {
                 _gateway = _bound.Gateway;
             }
-            GatewayConnection best = LiveConnections.Best(this, _connection, _bound, MovesRobots ? _gateway : null);
+            GatewayConnection best = LiveConnections.Best(this, _connection, _bound, OnlyGateway);
             if (IsBound && best == _bound && best != null)
             {
                 return;
@@ -147,7 +153,7 @@ namespace Ros2Gateway.Unity
             yield return new WaitForSecondsRealtime(WarnSeconds);
             if (_isListening && !IsBound)
             {
-                string only = LiveConnections.Only(_connection, null, MovesRobots ? _gateway : null);
+                string only = LiveConnections.Only(_connection, null, OnlyGateway);
                 Debug.LogWarning(
                     GetType().Name + " on " + name + " finds no Gateway Connection" + (only == null
                         ? ", and waits for one: add one to the scene"

@@ -57,6 +57,7 @@ namespace Ros2Gateway.Unity
         /// <summary>Takes what the camera says of itself; another subscriber's On Message may call it.</summary>
         public void SetCamera(IMessage message)
         {
+            _points = _points ?? new DepthPoints(_horizontalView * Mathf.Deg2Rad); // not enabled yet
             CameraInfoMsg info = message as CameraInfoMsg;
             string problem = info == null ? "a camera is described by a sensor_msgs/msg/CameraInfo" : _points.View(info);
             if (problem != null)
@@ -65,10 +66,12 @@ namespace Ros2Gateway.Unity
             }
         }
 
-        private void Awake()
+        /// <inheritdoc/>
+        protected override void OnEnable()
         {
-            _mesh = new PointMesh(this);
-            _points = new DepthPoints(_horizontalView * Mathf.Deg2Rad);
+            base.OnEnable();
+            _mesh = _mesh ?? new PointMesh(this);
+            _points = _points ?? new DepthPoints(_horizontalView * Mathf.Deg2Rad);
         }
 
         private void OnDestroy()
@@ -76,6 +79,7 @@ namespace Ros2Gateway.Unity
             if (_mesh != null)
             {
                 _mesh.Destroy();
+                _mesh = null;
             }
         }
 

@@ -82,9 +82,11 @@ namespace Ros2Gateway.Unity
         /// <summary>How many beams of the newest scan hit something within the limits.</summary>
         public int Hits { get; private set; }
 
-        private void Awake()
+        /// <inheritdoc/>
+        protected override void OnEnable()
         {
-            _mesh = new PointMesh(this);
+            base.OnEnable();
+            _mesh = _mesh ?? new PointMesh(this);
         }
 
         private void OnDestroy()
@@ -92,6 +94,7 @@ namespace Ros2Gateway.Unity
             if (_mesh != null)
             {
                 _mesh.Destroy();
+                _mesh = null;
             }
         }
 

@@ -66,12 +66,21 @@ namespace Ros2Gateway.Unity
         {
             Count = 0;
             _first = 0;
-            _mesh.Clear();
+            if (_mesh != null)
+            {
+                _mesh.Clear();
+            }
         }
 
-        private void Awake()
+        /// <inheritdoc/>
+        protected override void OnEnable()
         {
-            _mesh = new PointMesh(this);
+            base.OnEnable();
+            if (_mesh == null)
+            {
+                _mesh = new PointMesh(this);
+                Upload(); // when scripts were reloaded the points are still there
+            }
         }
 
         private void OnDestroy()
@@ -79,6 +88,7 @@ namespace Ros2Gateway.Unity
             if (_mesh != null)
             {
                 _mesh.Destroy();
+                _mesh = null;
             }
         }
 
@@ -130,6 +140,10 @@ namespace Ros2Gateway.Unity
 
         private void Upload()
         {
+            if (Count == 0)
+            {
+                return;
+            }
             _mesh.Reserve(_points.Length, 2 * _points.Length);
             for (int i = 0; i < Count; i++)
             {

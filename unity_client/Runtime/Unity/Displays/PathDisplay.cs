@@ -27,9 +27,11 @@ namespace Ros2Gateway.Unity
         /// <summary>How many poses of the newest path are drawn.</summary>
         public int Drawn { get; private set; }
 
-        private void Awake()
+        /// <inheritdoc/>
+        protected override void OnEnable()
         {
-            _mesh = new PointMesh(this);
+            base.OnEnable();
+            _mesh = _mesh ?? new PointMesh(this);
         }
 
         private void OnDestroy()
@@ -37,6 +39,7 @@ namespace Ros2Gateway.Unity
             if (_mesh != null)
             {
                 _mesh.Destroy();
+                _mesh = null;
             }
         }
 

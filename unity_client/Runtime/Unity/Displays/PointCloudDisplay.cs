@@ -40,9 +40,11 @@ namespace Ros2Gateway.Unity
         /// <summary>How many points of the newest cloud are drawn.</summary>
         public int Drawn { get; private set; }
 
-        private void Awake()
+        /// <inheritdoc/>
+        protected override void OnEnable()
         {
-            _mesh = new PointMesh(this);
+            base.OnEnable();
+            _mesh = _mesh ?? new PointMesh(this);
         }
 
         private void OnDestroy()
@@ -50,6 +52,7 @@ namespace Ros2Gateway.Unity
             if (_mesh != null)
             {
                 _mesh.Destroy();
+                _mesh = null;
             }
         }
 

@@ -5,7 +5,10 @@ using UnityEngine.Rendering;
 
 namespace Ros2Gateway.Unity
 {
-    /// <summary>Coloured points, lines or triangles as a mesh.</summary>
+    /// <summary>
+    /// Coloured points, lines or triangles as a mesh. Made when a display is enabled: it does not survive a reload of
+    /// scripts in Play, after which Unity calls no Awake.
+    /// </summary>
     internal sealed class PointMesh
     {
         // in the order of MeshKind

@@ -35,9 +35,11 @@ namespace Ros2Gateway.Unity
         /// <summary>How many poses of the newest message are drawn.</summary>
         public int Drawn { get; private set; }
 
-        private void Awake()
+        /// <inheritdoc/>
+        protected override void OnEnable()
         {
-            _arrows = new PoseArrows(this);
+            base.OnEnable();
+            _arrows = _arrows ?? new PoseArrows(this);
         }
 
         private void OnDestroy()
@@ -45,6 +47,7 @@ namespace Ros2Gateway.Unity
             if (_arrows != null)
             {
                 _arrows.Destroy();
+                _arrows = null;
             }
         }
 

@@ -32,9 +32,11 @@ namespace Ros2Gateway.Unity
             set { _length = value; }
         }
 
-        private void Awake()
+        /// <inheritdoc/>
+        protected override void OnEnable()
         {
-            _arrows = new PoseArrows(this);
+            base.OnEnable();
+            _arrows = _arrows ?? new PoseArrows(this);
         }
 
         private void OnDestroy()
@@ -42,6 +44,7 @@ namespace Ros2Gateway.Unity
             if (_arrows != null)
             {
                 _arrows.Destroy();
+                _arrows = null;
             }
         }
 

@@ -44,7 +44,7 @@ namespace Ros2Gateway.Unity
         private Material _material;
 
         private readonly Dictionary<string, Transform> _links = new Dictionary<string, Transform>();
-        private readonly List<GameObject> _made = new List<GameObject>();
+        private List<GameObject> _made = new List<GameObject>(); // not readonly, as only so it survives a reload of scripts
         private readonly List<PointMesh> _meshes = new List<PointMesh>();
         private readonly MeshBuffer _shapes = new MeshBuffer();
         private readonly MeshStaging _staging = new MeshStaging();

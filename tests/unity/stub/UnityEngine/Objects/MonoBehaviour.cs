@@ -79,6 +79,17 @@ namespace UnityEngine
             }
         }
 
+        /// <summary>Scripts are about to be reloaded.</summary>
+        internal void BeginReload()
+        {
+            if (_isOn)
+            {
+                _isOn = false;
+                Messages.Send(Messages.OnDisable);
+            }
+            StopAllCoroutines();
+        }
+
         /// <summary>The end of a Play that is followed by another without a new scene.</summary>
         internal void EndPlay()
         {

@@ -155,6 +155,26 @@ namespace UnityEngine.Stage
             }
         }
 
+        /// <summary>Reloads scripts in Play, as the editor does by default when they were compiled anew: OnDisable, then
+        /// OnEnable, without Awake and Start, with what Unity can serialize; static state and coroutines are gone.</summary>
+        public static void ReloadScripts()
+        {
+            MonoBehaviour[] all = Scene.Behaviours.ToArray();
+            foreach (MonoBehaviour behaviour in all)
+            {
+                behaviour.BeginReload();
+            }
+            BeginPlay(); // clears static state
+            foreach (MonoBehaviour behaviour in all)
+            {
+                ScriptReload.Forget(behaviour);
+            }
+            foreach (MonoBehaviour behaviour in all)
+            {
+                behaviour.ActivityChanged();
+            }
+        }
+
         internal static void Add(Coroutine coroutine)
         {
             Coroutines.Add(coroutine);
