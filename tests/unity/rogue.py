@@ -87,6 +87,7 @@ class Rogue:
             "/slow": self._slow,
             "/mute": self._mute,
             "/refuses": self._refuses,
+            "/token": self._token,
             "/full": self._full,
             "/stops-reading": self._stops_reading,
             "/refuses-commands": self._refuses_commands,
@@ -142,6 +143,12 @@ class Rogue:
 
     async def _refuses(self, client: ServerConnection) -> None:
         await client.close(4401, "the token is wrong")
+
+    async def _token(self, client: ServerConnection) -> None:
+        """Say which token the client sends, and refuse it."""
+        frame = json.loads(await client.recv())
+        token = frame["token"] if frame["op"] == "auth" else "none"
+        await client.close(4401, f"the token is {token}")
 
     async def _full(self, client: ServerConnection) -> None:
         reason = "at most 32 clients"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Play after Play in an editor that reloads nothing in between, and scripts that it reloads in Play."""
+"""Play after Play in an editor that reloads nothing in between, and scripts reloaded in Play."""
 
 from functools import cache
 from pathlib import Path

@@ -69,6 +69,29 @@ namespace Ros2Gateway.Unity.Tests
 
         [UnityTest]
         [Category("Gateway")]
+        public IEnumerator ATokenOfCodeGoesBeforeThatOfTheSettings()
+        {
+            LogAssert.ignoreFailingMessages = true; // of refusals
+            GatewayConnection connection = _scene.Connect(made =>
+            {
+                made.Address = Environment.GetEnvironmentVariable("ROS2GATEWAY_ROGUE_URL") + "/token";
+                made.Client.Token = "of the client";
+            });
+            yield return UntilRefused(connection, "the token is of the client");
+            connection.Settings.Token = "of the settings";
+            yield return UntilRefused(connection, "the token is of the settings");
+            connection.Token = "of code";
+            Assert.AreEqual("of code", connection.Options().Token);
+            yield return UntilRefused(connection, "the token is of code");
+            connection.Token = null;
+            connection.Settings.Token = "";
+            yield return UntilRefused(connection, "the token is none");
+            connection.Client.Token = "of the client again";
+            yield return UntilRefused(connection, "the token is of the client again");
+        }
+
+        [UnityTest]
+        [Category("Gateway")]
         public IEnumerator MessagesStopAndComeAgainWithTheConnection()
         {
             GatewayConnection connection = _scene.Connect();
@@ -218,6 +241,14 @@ namespace Ros2Gateway.Unity.Tests
         }
 
         /// <summary>Frames until a message has come that was not there before.</summary>
+        private IEnumerator UntilRefused(GatewayConnection connection, string reason)
+        {
+            connection.enabled = false;
+            _scene.Logged.Clear();
+            connection.enabled = true;
+            return _scene.Until(() => _scene.HasLogged(reason + " ("), reason);
+        }
+
         private IEnumerator UntilFresh(DigitalTwin twin)
         {
             IMessage last = twin.Subscriber.Last;

@@ -51,6 +51,8 @@ namespace Ros2Gateway.Unity
         private readonly Listeners<GatewayConnection> _leaving;
         private readonly Listeners<bool> _inspector; // the lists of the Inspector
         private GatewayClient _client;
+        private string _token = ""; // from code, and so in no scene
+        private string _givenToken = ""; // what the client has from here; it may have got another since
         private float _pumpMilliseconds = 4;
         private bool _wasConnected;
         private bool _isLeaving;
@@ -139,6 +141,15 @@ namespace Ros2Gateway.Unity
             set { _address = value ?? ""; }
         }
 
+        /// <summary>
+        /// What the gateway asks for, if it does: from code, for what is to be in no asset and no build. It goes before that
+        /// of the settings unless it is empty; like <see cref="Address"/>.
+        /// </summary>
+        public string Token
+        {
+            set { _token = value ?? ""; }
+        }
+
         /// <summary>What several scenes share; like <see cref="Address"/>.</summary>
         public GatewaySettings Settings
         {
@@ -171,6 +182,7 @@ namespace Ros2Gateway.Unity
         {
             GatewayOptions options = _settings != null ? _settings.Options() : new GatewayOptions();
             options.Address = _address.Length > 0 ? _address : options.Address;
+            options.Token = _token.Length > 0 ? _token : options.Token ?? "";
             return options;
         }
 
@@ -204,9 +216,9 @@ namespace Ros2Gateway.Unity
             _isPaused = false;
             GatewayOptions options = Options();
             Client.Address = options.Address;
-            if (_settings != null)
+            if (options.Token != _givenToken) // else one that code gave to the client stays
             {
-                Client.Token = options.Token;
+                Client.Token = _givenToken = options.Token;
             }
             Client.Connect();
             LiveConnections.Add(this);
@@ -294,6 +306,7 @@ namespace Ros2Gateway.Unity
         private GatewayClient NewClient()
         {
             GatewayOptions options = Options();
+            _givenToken = options.Token;
             _pumpMilliseconds = _settings != null ? _settings.PumpMilliseconds : _pumpMilliseconds;
 #if UNITY_WEBGL && !UNITY_EDITOR
             options.Transport = chosen => new WebGlTransport(chosen.MaxMessageBytes);
