@@ -51,18 +51,16 @@ _DRIVE_STAMPED: Final = """\
 "msg":{"twist":{"linear":{"x":0.2}}}}"""
 
 
+_interrupted: Final = threading.Event()  # by a signal; the exception may have been lost
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run ``ros2-gateway`` with *argv* (default: this process's) and return its exit code."""
-    interrupted = threading.Event()
-
-    def interrupt(*_: object) -> NoReturn:
-        interrupted.set()
-        raise KeyboardInterrupt
-
+    _interrupted.clear()
     # Until a subcommand handles signals itself, they must end the process just as quietly; and a
     # shell that starts us in the background has set SIGINT to be ignored.
     for signal_number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(signal_number, interrupt)
+        signal.signal(signal_number, _interrupt)
     arguments = argparse.Namespace(debug=False, log_format=None)
     try:
         argument_parser().parse_args(argv, arguments)
@@ -75,12 +73,17 @@ def main(argv: Sequence[str] | None = None) -> int:
         return EXIT_OK
     except Exception as error:  # noqa: BLE001  # the outermost frame reports every error
         # An extension module that is interrupted while it loads may raise anything.
-        if interrupted.is_set() and not isinstance(error, RobotDiedError):
+        if _interrupted.is_set() and not isinstance(error, RobotDiedError):
             return EXIT_OK
         if arguments.log_format is None:  # the configuration is not read
             arguments.log_format = _wanted_format(sys.argv[1:] if argv is None else argv)
         return report(error, arguments)
     return code
+
+
+def _interrupt(*_: object) -> NoReturn:
+    _interrupted.set()
+    raise KeyboardInterrupt
 
 
 def _wanted_format(argv: Sequence[str]) -> str:
@@ -213,6 +216,8 @@ def _run_gateway(
 
             browser.open_page(announcement.own_page(listening))
 
+    if _interrupted.is_set():  # and an import has lost it: raised in a destructor, it is printed
+        return EXIT_OK
     return app.run(
         _with_certificate(loaded.config),
         announce=announce,

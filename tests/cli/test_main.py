@@ -11,11 +11,12 @@ import sys
 import tomllib
 import urllib.request
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
 
 import pytest
 
+from gateway import app
 from gateway.cli import demo
 from gateway.cli import main as cli
 from gateway.errors import _BIND_REASONS
@@ -534,6 +535,20 @@ def test_an_extension_module_that_hides_an_interrupt_behind_another_error_change
     monkeypatch.setattr(cli, "_given", load)
     assert cli.main(["serve"]) == 0
     assert capsys.readouterr() == ("", "")
+
+
+@pytest.mark.usefixtures("restored_signals")
+def test_an_interrupt_that_an_import_has_lost_still_ends_the_start(monkeypatch):
+    def load(_: object) -> Sequence[object]:
+        with suppress(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGTERM)
+        return []
+
+    monkeypatch.setattr(cli, "_given", load)
+    monkeypatch.setattr(cli, "use_ros", lambda _: None)
+    monkeypatch.setattr(cli, "_log_output", lambda _: nullcontext())
+    monkeypatch.setattr(app, "run", lambda *_, **__: pytest.fail("started"))
+    assert cli.main(["serve"]) == 0
 
 
 def test_demo_shows_lines_to_paste_and_ctrl_c_ends_it_with_0():
