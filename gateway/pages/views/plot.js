@@ -94,7 +94,7 @@ export class PlotView {
     // a plot that goes on has the last 30 s, whatever is chosen
     const whilePaused = (_plot, _target, handler) => (event) => this.card.isPaused && handler(event);
     const axis = { stroke: token("quiet"), grid: { stroke: token("line"), width: 1 }, ticks: { stroke: token("line"), width: 1 } };
-    const seconds = (plot, marks, _axis, _room, step) => marks.map((each) => `${this.#since(each).toFixed(step < 1 ? 1 : 0)} s`);
+    const seconds = (plot, marks, _axis, _room, step) => marks.map((each) => `${inSeconds(this.#since(each), step < 1 ? 1 : 0)} s`);
     const series = this.card.fields.map((label, index, { length }) => ({
       label,
       stroke: token(COLOURS[index % COLOURS.length]),
@@ -113,6 +113,12 @@ export class PlotView {
       legend: { live: false },
     }, this.#columns, this.element);
   }
+}
+
+/** Return seconds as text; none is 0, a little before and after. */
+function inSeconds(value, digits) {
+  const text = value.toFixed(digits);
+  return Number(text) === 0 ? "0" : text;
 }
 
 /** Return a value as it stands beside a name: short, and as wide as the one before. */
