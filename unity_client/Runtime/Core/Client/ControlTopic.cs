@@ -89,7 +89,7 @@ namespace Ros2Gateway
                 }
                 _isPosted = true;
             }
-            _mailbox.Post(Tell);
+            _mailbox.Post("who drives", Tell);
         }
 
         private void Tell()

@@ -56,7 +56,7 @@ namespace Ros2Gateway
             bool isHeard = _reason.Length > 0 || !_listeners.IsEmpty;
             if (isHeard && Interlocked.Exchange(ref _isPosted, 1) == 0)
             {
-                _mailbox.Post(_tell);
+                _mailbox.Post("DroppedChanged", _tell);
             }
         }
 

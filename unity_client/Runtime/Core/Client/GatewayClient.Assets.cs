@@ -36,7 +36,7 @@ namespace Ros2Gateway
             {
                 if (fetch.Cancel())
                 {
-                    _mailbox.Post(awaited.Cancel);
+                    _mailbox.Post("a cancellation", awaited.Cancel);
                 }
             });
             return awaited.Task;

@@ -41,8 +41,8 @@ namespace Ros2Gateway
             {
                 _connecting.Add(awaited);
             }
-            _mailbox.Post(TellConnecting); // it may be connected, or refused, already
-            awaited.OnCancelled(() => _mailbox.Post(() =>
+            _mailbox.Post("ConnectAsync", TellConnecting); // it may be connected, or refused, already
+            awaited.OnCancelled(() => _mailbox.Post("ConnectAsync", () =>
             {
                 if (StopsConnecting(awaited) && hasBegun)
                 {
@@ -154,7 +154,7 @@ namespace Ros2Gateway
             {
                 if (_requests.Forget(id)) // else the answer waits for the pump already
                 {
-                    _mailbox.Post(awaited.Cancel);
+                    _mailbox.Post("a cancellation", awaited.Cancel);
                 }
             });
             return awaited.Task;
@@ -163,7 +163,7 @@ namespace Ros2Gateway
         private void Greeted()
         {
             _isGreeted = true;
-            _mailbox.Post(TellConnecting);
+            _mailbox.Post("ConnectAsync", TellConnecting);
         }
 
         // By the pump, with each change of state, and when somebody begins to wait.

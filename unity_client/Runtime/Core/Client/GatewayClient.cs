@@ -173,7 +173,7 @@ namespace Ros2Gateway
                 _outbox.WaitUntilEmpty(GoodbyeMilliseconds);
             }
             _link.Disconnect();
-            _mailbox.Post(TellConnecting); // where it was suspended before, no change of state tells them
+            _mailbox.Post("ConnectAsync", TellConnecting); // where it was suspended before, no change of state tells them
         }
 
         /// <summary>
@@ -437,7 +437,7 @@ namespace Ros2Gateway
         {
             if (Interlocked.Exchange(ref _isStatePosted, 1) == 0)
             {
-                _mailbox.Post(TellState);
+                _mailbox.Post("StateChanged", TellState);
             }
         }
 

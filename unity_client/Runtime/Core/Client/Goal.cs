@@ -37,6 +37,8 @@ namespace Ros2Gateway
             _goals = goals;
             Id = id;
             Action = action;
+            ResultName = "the result of " + action;
+            FeedbackName = "the feedback of " + action;
             Status = GoalStatus.Executing;
         }
 
@@ -53,6 +55,12 @@ namespace Ros2Gateway
         }
 
         internal string Id { get; private set; }
+
+        /// <summary>What a handler of its result handles, for people.</summary>
+        internal string ResultName { get; private set; }
+
+        /// <summary>What a handler of its feedback handles, for people.</summary>
+        internal string FeedbackName { get; private set; }
 
         /// <summary>Asks for it to be cancelled; whether it was, its result tells.</summary>
         public void Cancel()

@@ -93,7 +93,7 @@ namespace Ros2Gateway
             Action tell = goal == null ? null : goal.ReadFeedback(reader);
             if (tell != null)
             {
-                _mailbox.Post(tell);
+                _mailbox.Post(goal.FeedbackName, tell);
             }
         }
 
@@ -106,7 +106,7 @@ namespace Ros2Gateway
             }
             try
             {
-                _mailbox.Post(goal.ReadResult(status, reader));
+                _mailbox.Post(goal.ResultName, goal.ReadResult(status, reader));
             }
             catch (Exception error)
             {
@@ -141,7 +141,7 @@ namespace Ros2Gateway
         private void Fail(Goal goal, string errorText)
         {
             _reports.Error("send_action_goal " + goal.Action, errorText);
-            _mailbox.Post(goal.Failed(errorText));
+            _mailbox.Post(goal.ResultName, goal.Failed(errorText));
         }
 
         private Goal Find(string id, bool isLast)

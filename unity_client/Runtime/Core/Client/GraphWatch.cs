@@ -107,7 +107,7 @@ namespace Ros2Gateway
                 }
                 _isPosted = true;
             }
-            _mailbox.Post(Tell);
+            _mailbox.Post("the graph", Tell);
         }
 
         private void Tell()

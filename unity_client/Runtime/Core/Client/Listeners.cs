@@ -3,20 +3,18 @@ using System;
 
 namespace Ros2Gateway
 {
-    /// <summary>Takes note of an exception of a handler of the application's, and how many it has thrown by now.</summary>
-    internal delegate void FaultReport(string where, Exception error, long times);
-
     /// <summary>
     /// Those who listen to something, called one after the other. One that throws harms no other, and is told
     /// once, and again at its 10th, 100th ... time, with the count.
     /// </summary>
-    /// <remarks>Added and removed on any thread, called on the application's own. Calling allocates nothing.</remarks>
+    /// <remarks>Added and removed on any thread, called on one at a time. Calling allocates nothing.</remarks>
     internal sealed class Listeners<T>
     {
         private readonly object _gate = new object();
         private readonly FaultReport _report;
         private readonly string _what;
         private volatile Listener[] _all = new Listener[0]; // replaced, never changed
+        private Listener _last; // null without one
 
         /// <param name="what">What they are, for people: "listener of events".</param>
         internal Listeners(FaultReport report, string what)
@@ -25,6 +23,7 @@ namespace Ros2Gateway
             _what = what;
         }
 
+        /// <summary>Whether nothing was added.</summary>
         internal bool IsEmpty
         {
             get { return _all.Length == 0; }
@@ -33,26 +32,28 @@ namespace Ros2Gateway
         /// <summary>Adds one; returns whether it is the first.</summary>
         internal bool Add(Action<T> listener)
         {
-            if (listener == null)
-            {
-                return false;
-            }
-            lock (_gate)
-            {
-                Listener[] after = new Listener[_all.Length + 1];
-                _all.CopyTo(after, 0);
-                after[_all.Length] = new Listener(listener);
-                _all = after;
-                return after.Length == 1;
-            }
+            return listener != null && Add(new Listener(_what, listener, listener));
+        }
+
+        /// <summary>Adds one that only wants to know when; returns whether it is the first.</summary>
+        internal bool Add(Action listener)
+        {
+            return listener != null && Add(new Listener(_what, listener, value => listener()));
+        }
+
+        /// <summary>Sets what is called after all that are added: the list of the Inspector.</summary>
+        /// <param name="what">What it is, for people: "listener of On Message".</param>
+        internal void SetLast(string what, Action<T> listener)
+        {
+            _last = new Listener(what, listener, listener);
         }
 
         /// <summary>Removes one, the last of several that are equal; returns whether it was the only one.</summary>
-        internal bool Remove(Action<T> listener)
+        internal bool Remove(Delegate listener)
         {
             lock (_gate)
             {
-                int at = Array.FindLastIndex(_all, one => one.Call == listener);
+                int at = Array.FindLastIndex(_all, one => one.Added == listener);
                 if (at < 0)
                 {
                     return false;
@@ -70,25 +71,50 @@ namespace Ros2Gateway
             Listener[] all = _all;
             for (int i = 0; i < all.Length; i++)
             {
-                try
-                {
-                    all[i].Call(value);
-                }
-                catch (Exception error)
-                {
-                    all[i].Faults++;
-                    _report(_what, error, all[i].Faults);
-                }
+                Call(all[i], value);
+            }
+            if (_last != null)
+            {
+                Call(_last, value);
+            }
+        }
+
+        private bool Add(Listener listener)
+        {
+            lock (_gate)
+            {
+                Listener[] after = new Listener[_all.Length + 1];
+                _all.CopyTo(after, 0);
+                after[_all.Length] = listener;
+                _all = after;
+                return after.Length == 1;
+            }
+        }
+
+        private void Call(Listener listener, T value)
+        {
+            try
+            {
+                listener.Call(value);
+            }
+            catch (Exception error)
+            {
+                listener.Faults++;
+                _report(listener.What, error, listener.Faults);
             }
         }
 
         private sealed class Listener
         {
+            internal readonly string What;
+            internal readonly Delegate Added;
             internal readonly Action<T> Call;
             internal long Faults;
 
-            internal Listener(Action<T> call)
+            internal Listener(string what, Delegate added, Action<T> call)
             {
+                What = what;
+                Added = added;
                 Call = call;
             }
         }

@@ -11,10 +11,14 @@ namespace Ros2Gateway
         // Screenfuls of log; more than this between two frames of the application is one fault repeated.
         private const int MaxEvents = 256;
 
+        // More names of actions that throw than this are forgotten together, and counted anew: one fault repeated.
+        private const int MaxFaulty = 256;
+
         private readonly object _gate = new object();
-        private readonly Queue<Action> _actions = new Queue<Action>(); // bounded by what was asked for
+        private readonly Queue<Posted> _actions = new Queue<Posted>(); // bounded by what was asked for
         private readonly Queue<GatewayEvent> _events = new Queue<GatewayEvent>();
         private readonly Queue<Subscription> _ready = new Queue<Subscription>();
+        private readonly Dictionary<string, long> _faults = new Dictionary<string, long>(); // of actions, by name
         private readonly Stopwatch _watch = new Stopwatch();
         private int _droppedEvents;
         private bool _isPumping;
@@ -35,13 +39,15 @@ namespace Ros2Gateway
             get { return _frame; }
         }
 
-        internal void Post(Action action)
+        /// <summary>Has an action done by the next pump.</summary>
+        /// <param name="what">What it handles, for people: "call_service /reset".</param>
+        internal void Post(string what, Action action)
         {
             lock (_gate)
             {
                 if (!_isClosed)
                 {
-                    _actions.Enqueue(action);
+                    _actions.Enqueue(new Posted(what, action));
                 }
             }
         }
@@ -69,9 +75,10 @@ namespace Ros2Gateway
         /// <param name="where">The handler, for people: "handler of /odom".</param>
         internal void ReportFault(string where, Exception error, long times)
         {
-            if (IsPowerOfTen(times))
+            GatewayEvent fault = Faults.Event(where, error, times);
+            if (fault != null)
             {
-                Report(Fault(where, error, times == 1 ? "" : ", " + times + " times by now"));
+                Report(fault);
             }
         }
 
@@ -177,24 +184,35 @@ namespace Ros2Gateway
 
         private void Act()
         {
-            Action action;
+            Posted posted;
             lock (_gate)
             {
                 if (_actions.Count == 0)
                 {
                     return; // a handler has closed everything
                 }
-                action = _actions.Dequeue();
+                posted = _actions.Dequeue();
             }
             try
             {
-                action();
+                posted.Action();
             }
             catch (Exception error)
             {
                 // A fault of one handler of the application must not keep the others from their messages.
-                Report(Fault("handler", error, ""));
+                ReportFault("handler of " + posted.What, error, CountFault(posted.What));
             }
+        }
+
+        private long CountFault(string what)
+        {
+            long before;
+            if (!_faults.TryGetValue(what, out before) && _faults.Count >= MaxFaulty)
+            {
+                _faults.Clear();
+            }
+            _faults[what] = before + 1;
+            return before + 1;
         }
 
         private void HearOne()
@@ -218,19 +236,17 @@ namespace Ros2Gateway
             Heard.Call(happened);
         }
 
-        private static GatewayEvent Fault(string where, Exception error, string often)
+        /// <summary>An action that waits, and what it handles.</summary>
+        private struct Posted
         {
-            string text = where + " threw " + error.GetType().Name + often + ": " + error.Message;
-            return new GatewayEvent(EventLevel.Error, text, "client", "", error);
-        }
+            internal readonly string What;
+            internal readonly Action Action;
 
-        private static bool IsPowerOfTen(long number)
-        {
-            while (number >= 10 && number % 10 == 0)
+            internal Posted(string what, Action action)
             {
-                number /= 10;
+                What = what;
+                Action = action;
             }
-            return number == 1;
         }
     }
 }

@@ -108,7 +108,7 @@ namespace Ros2Gateway
             }
             try
             {
-                _mailbox.Post(request.Read(reader));
+                _mailbox.Post(request.What, request.Read(reader));
             }
             catch (Exception error)
             {
@@ -182,7 +182,7 @@ namespace Ros2Gateway
         private void Fail(Request request, string errorText)
         {
             _reports.Error(request.What, errorText);
-            _mailbox.Post(request.Failed(errorText));
+            _mailbox.Post(request.What, request.Failed(errorText));
         }
 
         private abstract class Request

@@ -100,7 +100,7 @@ namespace Ros2Gateway
                 Refuse(service, id, "request cannot be read: " + error.Message);
                 return;
             }
-            _mailbox.Post(() => Run(provider, connection, id, answer));
+            _mailbox.Post("service " + service, () => Run(provider, connection, id, answer));
         }
 
         internal void Answer(ServiceProvider provider, string id, IMessage response)

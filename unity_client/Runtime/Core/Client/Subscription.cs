@@ -104,6 +104,7 @@ namespace Ros2Gateway
         private readonly Queue<Waiter> _waiting;
         private readonly QueueBound _bound;
         private readonly Stack<T> _free; // null unless messages are used again
+        private long _prepareFaults;
         private T _handedOut; // the last, until the next one
         private bool _hasHandedOut;
         private bool _isReady; // stands in the mailbox's queue
@@ -180,10 +181,7 @@ namespace Ros2Gateway
             int begin = reader.Position;
             message.Read(reader);
             int bytes = reader.Position - begin;
-            if (_prepare != null)
-            {
-                _prepare(message);
-            }
+            Prepare(message);
             bool becameReady;
             lock (_waiting)
             {
@@ -222,6 +220,24 @@ namespace Ros2Gateway
             }
             _handler(message);
             return true;
+        }
+
+        private void Prepare(T message)
+        {
+            if (_prepare == null)
+            {
+                return;
+            }
+            try
+            {
+                _prepare(message);
+            }
+            catch (Exception error)
+            {
+                // The message was read, and is the handler's all the same.
+                _prepareFaults++;
+                _mailbox.ReportFault("prepare of " + Topic, error, _prepareFaults);
+            }
         }
 
         private T Rent()
