@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 using System.Collections;
+using System.Collections.Generic;
 using NUnit.Framework;
 using Ros2Gateway.Drive;
+using Ros2Gateway.Messages.GeometryMsgs;
 using UnityEngine;
 using UnityEngine.TestTools;
 
@@ -205,6 +207,54 @@ namespace Ros2Gateway.Unity.Tests
         }
 
         [UnityTest]
+        public IEnumerator StopIsHeardInAFrameInWhichAListenerOfTheStatusThrows()
+        {
+            LogAssert.ignoreFailingMessages = true; // that it is told is the point
+            _scene = new DrivingScene(Topic);
+            Driver();
+            yield return Hold();
+            List<string> heard = new List<string>();
+            List<string> listed = new List<string>();
+            HeldKeys stop = new HeldKeys { StopPressed = true };
+            TeleopDriver other = _scene.New("other").AddComponent<TeleopDriver>();
+            other.Topic = Topic;
+            other.Input = stop;
+            other.StatusChanged += status =>
+            {
+                other.enabled = false;
+                throw new System.InvalidOperationException("by code");
+            };
+            other.StatusChanged += heard.Add;
+            other.OnStatus.AddListener(listed.Add);
+            other.gameObject.SetActive(true);
+            yield return null;
+            yield return null; // its first Update, in which the status is told for the first time
+            Assert.IsFalse(other.enabled);
+            stop.StopPressed = false;
+            yield return _scene.UntilHeard(0, 0);
+            Assert.Greater(heard.Count, 0);
+            CollectionAssert.AreEqual(heard, listed);
+        }
+
+        [UnityTest]
+        public IEnumerator KeysThatThrowKeepNoDriverFromStanding()
+        {
+            LogAssert.ignoreFailingMessages = true; // Unity tells of what escapes from its messages
+            _scene = new DrivingScene(Topic);
+            TeleopDriver driver = Driver();
+            yield return Hold();
+            Publisher<TwistMsg> publisher = _scene.Connection.Client.Advertise<TwistMsg>(Topic);
+            TwistMsg mark = new TwistMsg();
+            mark.linear.x = Ahead / 2;
+            driver.Input = new BrokenKeys();
+            driver.SendMessage("OnApplicationFocus", false);
+            // At once: what stops a robot whose application freezes comes later.
+            yield return _scene.Until(() => _scene.HasHeard(Ahead / 2, 0), "for the mark", () => publisher.Publish(mark));
+            int at = _scene.Heard.FindIndex(heard => heard.linear < Ahead * 0.75 && heard.linear > 0);
+            Assert.AreEqual(DriveCommand.Zero, _scene.Heard[at - 1]);
+        }
+
+        [UnityTest]
         public IEnumerator ANewConnectionBeginsWithZeroAndResumesNothing(
             [Values(false, true)] bool isFrozen)
         {
@@ -249,6 +299,20 @@ namespace Ros2Gateway.Unity.Tests
             driver.SendMessage("OnApplicationFocus", false);
             yield return null;
             Object.DestroyImmediate(holder);
+        }
+
+        /// <summary>Keys of an application's own, at fault.</summary>
+        private sealed class BrokenKeys : IDriveInput
+        {
+            public DriveKeys Held
+            {
+                get { throw new System.InvalidOperationException("not mine"); }
+            }
+
+            public bool StopPressed
+            {
+                get { return false; }
+            }
         }
 
         private TeleopDriver Driver()

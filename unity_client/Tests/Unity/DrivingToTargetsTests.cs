@@ -84,6 +84,70 @@ namespace Ros2Gateway.Unity.Tests
         }
 
         [UnityTest]
+        public IEnumerator AListenerThatThrowsKeepsNoDriverFromStandingAndLettingGo(
+            [Values("disable", "destroy", "connection")] string kind)
+        {
+            LogAssert.ignoreFailingMessages = true; // that it is told is the point
+            TargetDriver driver = DriverOfStandingRobot("", null, made => made.Failed += reason => Throw());
+            string bound = "";
+            int listed = 0;
+            yield return Drive(driver);
+            driver.Failed += reason => bound = driver.CommandType + "";
+            driver.OnFailed.AddListener(reason => listed++);
+            driver.OnFailed.AddListener(reason => Throw());
+            bound = "not told";
+            switch (kind)
+            {
+                case "disable":
+                    driver.enabled = false;
+                    break;
+                case "destroy":
+                    UnityEngine.Object.DestroyImmediate(driver);
+                    break;
+                default:
+                    UnityEngine.Object.DestroyImmediate(_scene.Connection.gameObject);
+                    break;
+            }
+            Assert.IsNotEmpty(_failure);
+            Assert.AreEqual(1, listed);
+            Assert.AreEqual("", bound, "it is told before the driver has let go");
+            Assert.IsNull(driver.CommandType);
+            Assert.IsNull(driver.Control);
+            Assert.IsFalse(driver.SetTarget(Vector3.left));
+            yield return _scene.UntilHeard(0, 0);
+        }
+
+        [UnityTest]
+        public IEnumerator AListenerThatThrowsWhenATargetIsReachedHarmsNoOther()
+        {
+            LogAssert.ignoreFailingMessages = true; // that it is told is the point
+            int listed = 0;
+            TargetDriver driver = DriverOfStandingRobot("", null, made => made.Reached += Throw);
+            driver.OnReached.AddListener(() => listed++);
+            yield return Drive(driver);
+            Assert.IsTrue(driver.SetTarget(Vector3.zero));
+            yield return _scene.Until(() => _isReached, "to be there");
+            Assert.AreEqual(1, listed);
+            yield return _scene.UntilHeard(0, 0);
+            driver.Reached -= Throw;
+        }
+
+        [UnityTest]
+        public IEnumerator WhoIsToldThatTheConnectionIsGoneMayDisableTheDriver()
+        {
+            LogAssert.ignoreFailingMessages = true;
+            TargetDriver driver = DriverOfStandingRobot("");
+            yield return Drive(driver);
+            GatewayConnection other = _scene.New("another connection").AddComponent<GatewayConnection>();
+            other.Settings = _scene.Connection.Settings;
+            other.gameObject.SetActive(true);
+            driver.Failed += reason => driver.enabled = false;
+            UnityEngine.Object.DestroyImmediate(_scene.Connection.gameObject);
+            Assert.IsFalse(driver.enabled);
+            Assert.IsNull(driver.Control, "it is bound to the other");
+        }
+
+        [UnityTest]
         public IEnumerator WithoutAConnectionThereIsNoTarget()
         {
             TargetDriver driver = DriverOfStandingRobot("");
@@ -171,6 +235,11 @@ namespace Ros2Gateway.Unity.Tests
             }
         }
 
+        private static void Throw()
+        {
+            throw new InvalidOperationException("not mine");
+        }
+
         private static bool IsNear(OdometryMsg odometry, double x, double y)
         {
             double missX = odometry.pose.pose.position.x - x, missY = odometry.pose.pose.position.y - y;
@@ -178,7 +247,8 @@ namespace Ros2Gateway.Unity.Tests
         }
 
         /// <summary>A robot that says where it stands, and obeys nothing.</summary>
-        private TargetDriver DriverOfStandingRobot(string path, Transform marker = null)
+        private TargetDriver DriverOfStandingRobot(
+            string path, Transform marker = null, Action<TargetDriver> setUp = null)
         {
             _scene = new DrivingScene(Topic, path);
             Publisher<OdometryMsg> odometry = _scene.Observer.Advertise<OdometryMsg>(OdometryTopic);
@@ -190,10 +260,11 @@ namespace Ros2Gateway.Unity.Tests
                     odometry.Publish(origin);
                 }
             };
-            return Driver(Topic, OdometryTopic, null, marker);
+            return Driver(Topic, OdometryTopic, null, marker, setUp);
         }
 
-        private TargetDriver Driver(string topic, string odometry, Transform origin, Transform marker = null)
+        private TargetDriver Driver(
+            string topic, string odometry, Transform origin, Transform marker = null, Action<TargetDriver> setUp = null)
         {
             GameObject holder = _scene.New("driver");
             TargetDriver driver = holder.AddComponent<TargetDriver>();
@@ -201,6 +272,10 @@ namespace Ros2Gateway.Unity.Tests
             driver.OdometryTopic = odometry;
             driver.Origin = origin;
             driver.Marker = marker;
+            if (setUp != null)
+            {
+                setUp(driver);
+            }
             driver.Failed += reason => _failure = reason;
             driver.Reached += () => _isReached = true;
             holder.SetActive(true);

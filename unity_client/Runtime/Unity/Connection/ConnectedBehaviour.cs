@@ -110,6 +110,10 @@ namespace Ros2Gateway.Unity
             }
             bool wasBound = IsBound;
             LetGo();
+            if (!_isListening || IsBound)
+            {
+                return; // by who was told of that
+            }
             if (best != null)
             {
                 _bound = best;
@@ -129,11 +133,11 @@ namespace Ros2Gateway.Unity
         {
             if (IsBound)
             {
-                _bound.Client.ReportFault(where + " of " + GetType().Name + " on " + name, error, times);
+                _bound.Client.ReportFault(where + " of " + FaultLog.Name(this), error, times);
             }
             else
             {
-                Debug.LogException(error, this);
+                FaultLog.Write(this, where, error, times);
             }
         }
 

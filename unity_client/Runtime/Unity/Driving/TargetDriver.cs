@@ -67,6 +67,9 @@ namespace Ros2Gateway.Unity
         [SerializeField]
         private ReasonEvent _onStatus = new ReasonEvent();
 
+        private readonly Listeners<TargetDriver> _reached;
+        private readonly Listeners<string> _failed;
+        private readonly Listeners<string> _statusChanged;
         private readonly DriveStatus _status = new DriveStatus();
         private DriveOutput _output;
         private DriveToTarget _drive;
@@ -78,14 +81,37 @@ namespace Ros2Gateway.Unity
         private int _changes; // of the connection, when the target was set
         private Vector3 _place; // of the target, in the world
 
+        /// <summary>A component of the scene; made by Unity.</summary>
+        public TargetDriver()
+        {
+            _reached = new Listeners<TargetDriver>(ReportFault, "listener of Reached");
+            _reached.SetLast("listener of On Reached", driver => _onReached.Invoke());
+            _failed = new Listeners<string>(ReportFault, "listener of Failed");
+            _failed.SetLast("listener of On Failed", reason => _onFailed.Invoke(reason));
+            _statusChanged = new Listeners<string>(ReportFault, "listener of StatusChanged");
+            _statusChanged.SetLast("listener of On Status", text => _onStatus.Invoke(text));
+        }
+
         /// <summary>The target was reached, and the robot told to stand.</summary>
-        public event Action Reached;
+        public event Action Reached
+        {
+            add { _reached.Add(value); }
+            remove { _reached.Remove(value); }
+        }
 
         /// <summary>The target was given up, and why: also by <see cref="Stop"/> with its reason.</summary>
-        public event Action<string> Failed;
+        public event Action<string> Failed
+        {
+            add { _failed.Add(value); }
+            remove { _failed.Remove(value); }
+        }
 
         /// <summary><see cref="Status"/> is another.</summary>
-        public event Action<string> StatusChanged;
+        public event Action<string> StatusChanged
+        {
+            add { _statusChanged.Add(value); }
+            remove { _statusChanged.Remove(value); }
+        }
 
         /// <summary>Called with <see cref="Status"/> when it is another, from the Inspector's list.</summary>
         public ReasonEvent OnStatus
@@ -303,10 +329,7 @@ namespace Ros2Gateway.Unity
         {
             if (_output == null)
             {
-                if (_status.Take(IsBound ? "" : DriveStatus.NoConnection))
-                {
-                    TellStatus();
-                }
+                TellStatus(IsBound ? "" : DriveStatus.NoConnection);
                 return;
             }
             _output.Tick();
@@ -314,9 +337,9 @@ namespace Ros2Gateway.Unity
             {
                 GiveUp(_output.Missing ?? "connection lost");
             }
-            if (_output != null && _status.Take(_output.Status)) // who is told may disable this
+            if (_output != null) // who is told may disable this
             {
-                TellStatus();
+                TellStatus(_output.Status);
             }
             if (_output == null)
             {
@@ -360,18 +383,19 @@ namespace Ros2Gateway.Unity
         /// <inheritdoc/>
         protected override void OnDisable()
         {
-            GiveUp("the Target Driver was disabled");
+            bool isGivenUp = Stand("the Target Driver was disabled");
             base.OnDisable();
-            if (_status.Take(""))
+            if (isGivenUp)
             {
-                TellStatus();
+                End();
             }
+            TellStatus("");
         }
 
         /// <inheritdoc/>
         protected override void Unbind(GatewayConnection connection)
         {
-            GiveUp("its connection is gone");
+            bool isGivenUp = Stand("its connection is gone");
             if (_odometry != null)
             {
                 _odometry.MessageReceived -= TakeAny;
@@ -386,6 +410,10 @@ namespace Ros2Gateway.Unity
                 connection.Halted -= GiveUp;
                 _output.Dispose();
                 _output = null;
+            }
+            if (isGivenUp)
+            {
+                End(); // last, for who is told may do anything
             }
         }
 
@@ -417,14 +445,12 @@ namespace Ros2Gateway.Unity
             return false;
         }
 
-        private void TellStatus()
+        private void TellStatus(string text)
         {
-            string text = _status.Text;
-            if (StatusChanged != null)
+            if (_status.Take(text))
             {
-                StatusChanged(text);
+                _statusChanged.Call(text);
             }
-            _onStatus.Invoke(text);
         }
 
         private void Step(double now)
@@ -443,33 +469,36 @@ namespace Ros2Gateway.Unity
 
         private void GiveUp(string reason)
         {
+            if (Stand(reason))
+            {
+                End();
+            }
+        }
+
+        /// <summary>The robot stands, without a target; returns whether it had one, whose end is to be told.</summary>
+        private bool Stand(string reason)
+        {
             if (_drive == null || !_drive.IsActive)
             {
-                return;
+                return false;
             }
             _drive.Stop(reason);
             _output.Stand();
-            End();
+            return true;
         }
 
+        /// <summary>Tells how the target ended.</summary>
         private void End()
         {
             ShowMarker();
             if (_drive.State == DriveState.Done)
             {
-                if (Reached != null)
-                {
-                    Reached();
-                }
-                _onReached.Invoke();
-                return;
+                _reached.Call(this);
             }
-            string reason = _drive.Reason;
-            if (Failed != null)
+            else
             {
-                Failed(reason);
+                _failed.Call(_drive.Reason);
             }
-            _onFailed.Invoke(reason);
         }
 
         private void ShowMarker()

@@ -36,6 +36,7 @@ namespace Ros2Gateway.Unity
         [SerializeField]
         private ReasonEvent _onStatus = new ReasonEvent();
 
+        private readonly Listeners<string> _statusChanged;
         private readonly DriveStatus _status = new DriveStatus();
         private DriveOutput _output;
         private KeyDrive _keys;
@@ -45,8 +46,19 @@ namespace Ros2Gateway.Unity
         private bool _mayDrive; // as long as a key is held
         private int _changes; // of the connection, when keys were let go of last
 
+        /// <summary>A component of the scene; made by Unity.</summary>
+        public TeleopDriver()
+        {
+            _statusChanged = new Listeners<string>(ReportFault, "listener of StatusChanged");
+            _statusChanged.SetLast("listener of On Status", text => _onStatus.Invoke(text));
+        }
+
         /// <summary><see cref="Status"/> is another.</summary>
-        public event Action<string> StatusChanged;
+        public event Action<string> StatusChanged
+        {
+            add { _statusChanged.Add(value); }
+            remove { _statusChanged.Remove(value); }
+        }
 
         /// <summary>Called with <see cref="Status"/> when it is another, from the Inspector's list.</summary>
         public ReasonEvent OnStatus
@@ -149,18 +161,19 @@ namespace Ros2Gateway.Unity
         {
             if (_output == null)
             {
-                if (_status.Take(IsBound ? "" : DriveStatus.NoConnection))
-                {
-                    TellStatus();
-                }
+                TellStatus(IsBound ? "" : DriveStatus.NoConnection);
                 return;
             }
             _output.Tick();
-            if (_status.Take(_output.Status))
+            if (Input.StopPressed) // before anybody is told anything, and whatever is known of the robot
             {
-                TellStatus();
+                Stop();
             }
-            if (_output == null || !_output.IsConnected) // who is told may disable this
+            if (_output != null) // a listener of another driver that gives up may disable this
+            {
+                TellStatus(_output.Status);
+            }
+            if (_output == null || !_output.IsConnected) // so may who is told
             {
                 return;
             }
@@ -168,14 +181,6 @@ namespace Ros2Gateway.Unity
             {
                 _changes = _output.Changes;
                 LetGo();
-            }
-            if (Input.StopPressed)
-            {
-                Stop();
-                if (_output == null) // so may a listener of another driver that gives up
-                {
-                    return;
-                }
             }
             DriveCommand command = DriveCommand.Zero;
             bool isDue = !_isUnfocused && !_isPaused
@@ -216,10 +221,7 @@ namespace Ros2Gateway.Unity
         protected override void OnDisable()
         {
             base.OnDisable();
-            if (_status.Take(""))
-            {
-                TellStatus();
-            }
+            TellStatus("");
         }
 
         /// <inheritdoc/>
@@ -233,14 +235,12 @@ namespace Ros2Gateway.Unity
             }
         }
 
-        private void TellStatus()
+        private void TellStatus(string text)
         {
-            string text = _status.Text;
-            if (StatusChanged != null)
+            if (_status.Take(text))
             {
-                StatusChanged(text);
+                _statusChanged.Call(text);
             }
-            _onStatus.Invoke(text);
         }
 
         private void Halt(string reason)
@@ -255,13 +255,13 @@ namespace Ros2Gateway.Unity
             {
                 return;
             }
+            _output.Stand(); // first, for the input may be a class of the application's, which may throw anything
             double now = Time.unscaledTimeAsDouble;
             DriveKeys held = Input.Held;
             DriveCommand ignored;
             _keys.Step(held, now, out ignored);
             _keys.Release();
             _keys.Step(held, now, out ignored);
-            _output.Stand();
         }
     }
 }
