@@ -85,6 +85,22 @@ namespace Ros2Gateway.Unity.Tests
             Assert.AreEqual(2, _alarms);
         }
 
+        [UnityTest]
+        public IEnumerator AListenerThatThrowsKeepsNothingFromBeingShown()
+        {
+            LogAssert.ignoreFailingMessages = true; // that it is told is the point
+            _display.Output.OnChanged.AddListener(text => { throw new System.InvalidOperationException("by text"); });
+            _display.OnLow.AddListener(() => { throw new System.InvalidOperationException("by low"); });
+            yield return Show(0.5f, 12);
+            yield return Show(0.1f, 12);
+            Assert.AreEqual("10 %, 12.0 V", _text.text);
+            Assert.AreEqual(Color.red, _text.color);
+            Assert.AreEqual(0.1f, _display.Bar.localScale.x);
+            Assert.Less(_display.AgeSeconds, float.PositiveInfinity);
+            Assert.AreEqual(1, Told("listener of On Changed of BatteryDisplay on BatteryDisplay threw InvalidOperationException: by text"));
+            Assert.AreEqual(1, Told("listener of On Low of BatteryDisplay on BatteryDisplay threw InvalidOperationException: by low"));
+        }
+
 #if ROS2GATEWAY_UGUI
         [UnityTest]
         public IEnumerator AnImageIsFilled()
@@ -96,6 +112,11 @@ namespace Ros2Gateway.Unity.Tests
             Assert.AreEqual(1, _display.Bar.localScale.x);
         }
 #endif
+
+        private int Told(string words)
+        {
+            return _scene.Logged.FindAll(text => text.Contains(words)).Count;
+        }
 
         private IEnumerator Show(float percentage, float voltage, byte status = 0)
         {

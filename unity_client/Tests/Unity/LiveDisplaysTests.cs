@@ -54,6 +54,30 @@ namespace Ros2Gateway.Unity.Tests
         }
 
         [UnityTest]
+        public IEnumerator ListenersThatThrowKeepNoPictureFromTheScreen()
+        {
+            LogAssert.ignoreFailingMessages = true; // that they are told is the point
+            int arrived = 0;
+            int received = 0;
+            ImageScreen screen = _scene.Display<ImageScreen>("/camera/image_raw/compressed", "8", made =>
+            {
+                DisplayScene.OnRenderer(made);
+                made.OnStale.AddListener(isStale => { throw new System.InvalidOperationException("by stale"); });
+                TopicSubscriber subscriber = made.GetComponent<TopicSubscriber>();
+                subscriber.MessageArriving += message => { throw new System.InvalidOperationException("by arrival"); };
+                subscriber.MessageArriving += message => System.Threading.Interlocked.Increment(ref arrived);
+                subscriber.MessageReceived += message => received++;
+            });
+            yield return _scene.Until(() => !screen.IsStale && received >= 10, "for pictures");
+            Assert.GreaterOrEqual(arrived, 10);
+            const string Arriving = "listener of MessageArriving of TopicSubscriber on ImageScreen threw InvalidOperationException";
+            yield return _scene.Until(() => _scene.HasLogged(Arriving + ", 10 times by now: by arrival"), "for the count");
+            Assert.AreEqual(1, _scene.Logged.FindAll(text => text.Contains(Arriving + ": by arrival")).Count);
+            Assert.IsTrue(_scene.HasLogged("listener of On Stale of ImageScreen on ImageScreen threw"));
+            Assert.IsFalse(_scene.HasLogged("cannot be read"));
+        }
+
+        [UnityTest]
         public IEnumerator PicturesComeAsLargeAsTheCameraSeesThem()
         {
             ImageScreen screen = _scene.Display<ImageScreen>(

@@ -37,6 +37,15 @@ namespace Ros2Gateway.Unity
         [SerializeField]
         private TextOutput _text = new TextOutput();
 
+        private readonly Listeners<BatteryDisplay> _gotLow;
+
+        /// <summary>A component of the scene; made by Unity.</summary>
+        public BatteryDisplay()
+        {
+            _gotLow = new Listeners<BatteryDisplay>(ReportFault, "listener of On Low");
+            _gotLow.Add(display => _onLow.Invoke());
+        }
+
         /// <summary>The charge as a share of the whole, 0 to 1; NaN if it is not known.</summary>
         public float Charge { get; private set; }
 
@@ -93,7 +102,7 @@ namespace Ros2Gateway.Unity
             DrawBar();
             if (IsLow && !wasLow)
             {
-                _onLow.Invoke();
+                _gotLow.Call(this);
             }
             return true;
         }

@@ -64,11 +64,19 @@ namespace Ros2Gateway.Unity
         private static readonly CompressedImageMsg NoPicture = new CompressedImageMsg();
 
         private readonly BackgroundDecoder _decoder = new BackgroundDecoder();
+        private readonly Listeners<bool> _staleChanged;
         private PictureSurface _surface;
         private Texture2D _texture;
         private bool _isStale;
         private int _statusSeconds;
         private float _nextLook;
+
+        /// <summary>A component of the scene; made by Unity.</summary>
+        public ImageScreen()
+        {
+            _staleChanged = new Listeners<bool>(ReportFault, "listener of On Stale");
+            _staleChanged.Add(isStale => _onStale.Invoke(isStale));
+        }
 
         /// <summary>The picture; null before the first. This component uses it again.</summary>
         public Texture2D Texture
@@ -128,11 +136,11 @@ namespace Ros2Gateway.Unity
                 Warn("finds no Renderer and no RawImage beside it");
             }
             _status.Find(this, false);
-            SetStale(true);
             if (HasThreads)
             {
                 Subscriber.MessageArriving += Decode;
             }
+            SetStale(true); // last, for who is told may disable this
         }
 
         /// <inheritdoc/>
@@ -328,7 +336,7 @@ namespace Ros2Gateway.Unity
             {
                 _status.Show("");
             }
-            _onStale.Invoke(isStale);
+            _staleChanged.Call(isStale);
         }
 
         private void TellAge()

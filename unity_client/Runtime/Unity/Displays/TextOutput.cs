@@ -27,8 +27,18 @@ namespace Ros2Gateway.Unity
         [Tooltip("Other places for the text, such as a method of a component of yours")]
         private TextEvent _onChanged = new TextEvent();
 
+        private readonly Listeners<string> _changed;
+        private Component _display; // whose it is
         private Action<string> _write; // into all texts that were found; null without one
         private Action<Color> _paint;
+
+        /// <summary>A part of a display; made by Unity, too.</summary>
+        public TextOutput()
+        {
+            _changed = new Listeners<string>(
+                (where, error, times) => FaultLog.Write(_display, where, error, times), "listener of On Changed");
+            _changed.Add(text => _onChanged.Invoke(text));
+        }
 
         /// <summary>What is shown.</summary>
         public string Text { get; private set; }
@@ -43,6 +53,7 @@ namespace Ros2Gateway.Unity
         /// <param name="isRich">Whether tags such as &lt;color&gt; are obeyed.</param>
         internal bool Find(Component display, bool isRich)
         {
+            _display = display;
             _write = null;
             _paint = null;
             TextMesh mesh = display.GetComponentInChildren<TextMesh>();
@@ -93,7 +104,7 @@ namespace Ros2Gateway.Unity
             {
                 _write(text);
             }
-            _onChanged.Invoke(text);
+            _changed.Call(text);
         }
 
         internal void Paint(Color color)

@@ -141,6 +141,12 @@ namespace Ros2Gateway.Unity
             }
         }
 
+        /// <summary>Tells that a listener of this component has thrown, which is to harm no other.</summary>
+        internal void ReportFault(string where, System.Exception error, long times)
+        {
+            FaultLog.Write(this, where, error, times);
+        }
+
         private void ReceiveAny(IMessage message)
         {
             ReceiveEarlier(message);

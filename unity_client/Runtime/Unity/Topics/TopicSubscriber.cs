@@ -76,10 +76,11 @@ namespace Ros2Gateway.Unity
         private MessageEvent _onMessage = new MessageEvent();
 
         private readonly Listeners<IMessage> _messageReceived;
+        private readonly Listeners<IMessage> _messageArriving;
+        private volatile FaultReport _arrivalFault;
         private Subscription<IMessage> _subscription;
         private bool _isPicture; // an Image, of which the gateway makes one
         private int _shownSide;
-        private long _faults; // of the Inspector's list
         private float _rateSince;
         private int _rateCount;
 
@@ -87,6 +88,9 @@ namespace Ros2Gateway.Unity
         public TopicSubscriber()
         {
             _messageReceived = new Listeners<IMessage>(ReportFault, "listener of MessageReceived");
+            _messageReceived.SetLast("listener of On Message", message => _onMessage.Invoke(message));
+            _messageArriving = new Listeners<IMessage>(
+                (where, error, times) => _arrivalFault(where, error, times), "listener of MessageArriving");
         }
 
         /// <summary>A message has come; called in Update.</summary>
@@ -101,7 +105,11 @@ namespace Ros2Gateway.Unity
         /// Called on the thread that reads frames, where nothing of Unity may be used and all topics wait:
         /// for handing work to other threads early.
         /// </summary>
-        public event Action<IMessage> MessageArriving;
+        public event Action<IMessage> MessageArriving
+        {
+            add { _messageArriving.Add(value); }
+            remove { _messageArriving.Remove(value); }
+        }
 
         /// <summary>The topic; a change takes effect when the component is enabled the next time.</summary>
         public string Topic
@@ -241,7 +249,11 @@ namespace Ros2Gateway.Unity
                 options.Image = new ImageOptions { Format = "png" }; // on its way; read, it is the map's cells
                 create = () => new OccupancyGridMsg();
             }
-            _subscription = connection.Client.Subscribe(_topic, type, create, Receive, options, Arrive, _reuse);
+            GatewayClient client = connection.Client;
+            string name = FaultLog.Name(this); // on the thread that reads frames Unity tells none
+            _arrivalFault = (where, error, times) => client.ReportFault(where + " of " + name, error, times);
+            _subscription = client.Subscribe(
+                _topic, type, create, Receive, options, _messageArriving.Call, _reuse);
         }
 
         private void Update()
@@ -294,30 +306,12 @@ namespace Ros2Gateway.Unity
             return () => new CompressedImageMsg();
         }
 
-        private void Arrive(IMessage message)
-        {
-            Action<IMessage> arriving = MessageArriving;
-            if (arriving != null)
-            {
-                arriving(message);
-            }
-        }
-
         private void Receive(IMessage message)
         {
             Last = message;
             LastTime = Time.unscaledTime;
             _rateCount++;
             _messageReceived.Call(message);
-            try
-            {
-                _onMessage.Invoke(message);
-            }
-            catch (Exception error)
-            {
-                _faults++;
-                ReportFault("listener of On Message", error, _faults);
-            }
         }
     }
 }
