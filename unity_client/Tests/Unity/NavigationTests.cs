@@ -99,6 +99,31 @@ namespace Ros2Gateway.Unity.Tests
         }
 
         [UnityTest]
+        public IEnumerator AListenerThatThrowsHarmsNoOtherAndNotWhoSends()
+        {
+            LogAssert.ignoreFailingMessages = true; // that it is told is the point
+            NavigateToPose navigation = Navigation();
+            List<string> heard = new List<string>();
+            navigation.StatusChanged += status => { throw new System.InvalidOperationException("by code"); };
+            navigation.StatusChanged += heard.Add;
+            int ended = 0;
+            navigation.OnEnded.AddListener(() => ended++);
+            navigation.OnEnded.AddListener(() => { throw new System.InvalidOperationException("by list"); });
+            navigation.Action = "/navigate_nowhere";
+            yield return _scene.Until(() => _scene.Connection.Client.IsConnected, "to be connected");
+            navigation.Send();
+            Assert.AreEqual("on its way", string.Join(" ", heard));
+            yield return _scene.Until(() => ended == 1, "for the refusal");
+            Assert.AreEqual(2, heard.Count);
+            yield return _scene.Until(() => _scene.HasLogged(
+                "listener of On Reached or On Ended of NavigateToPose on navigation threw InvalidOperationException: by list"), "for words");
+            Assert.AreEqual(1, _scene.Logged.FindAll(text => text.Contains("listener of StatusChanged")).Count);
+            navigation.enabled = false;
+            Assert.DoesNotThrow(navigation.Send);
+            StringAssert.Contains("disabled", heard[2]);
+        }
+
+        [UnityTest]
         public IEnumerator WhereANewGoalIsRefusedTheFormerIsPursuedAndCanBeCalledOff(
             [Values("cancel", "disable")] string how)
         {

@@ -45,10 +45,25 @@ namespace Ros2Gateway.Unity
         // Until its result has come a goal may be pursued: one that was sent later may be refused. The client knows
         // of each of them as long.
         private readonly List<Goal> _open = new List<Goal>();
+        private readonly Listeners<string> _statusChanged;
+        private readonly Listeners<bool> _ended; // whether it was reached; the lists of the Inspector
         private Goal _goal; // whose news is told
 
+        /// <summary>A component of the scene; made by Unity.</summary>
+        public NavigateToPose()
+        {
+            _statusChanged = new Listeners<string>(ReportFault, "listener of StatusChanged");
+            _statusChanged.SetLast("listener of On Status", status => _onStatus.Invoke(status));
+            _ended = new Listeners<bool>(ReportFault, "listener of On Reached or On Ended");
+            _ended.Add(isReached => (isReached ? _onReached : _onEnded).Invoke());
+        }
+
         /// <summary>The text for people has changed.</summary>
-        public event Action<string> StatusChanged;
+        public event Action<string> StatusChanged
+        {
+            add { _statusChanged.Add(value); }
+            remove { _statusChanged.Remove(value); }
+        }
 
         /// <summary>The action; a change counts for the next goal.</summary>
         public string Action
@@ -193,14 +208,8 @@ namespace Ros2Gateway.Unity
             {
                 _goal = _open[_open.Count - 1]; // refused, so it has replaced nothing
             }
-            if (result.Succeeded)
-            {
-                Tell("reached");
-                _onReached.Invoke();
-                return;
-            }
-            Tell(Reason(result));
-            _onEnded.Invoke();
+            Tell(result.Succeeded ? "reached" : Reason(result));
+            _ended.Call(result.Succeeded);
         }
 
         private static string Reason(GoalResult<NavigateToPoseResult> result)
@@ -225,11 +234,7 @@ namespace Ros2Gateway.Unity
                 return;
             }
             Status = status;
-            _onStatus.Invoke(status);
-            if (StatusChanged != null)
-            {
-                StatusChanged(status);
-            }
+            _statusChanged.Call(status);
         }
     }
 }
