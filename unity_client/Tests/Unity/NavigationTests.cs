@@ -173,6 +173,19 @@ namespace Ros2Gateway.Unity.Tests
         }
 
         [UnityTest]
+        public IEnumerator AGoalPoseThatCannotBePublishedIsAWarning()
+        {
+            GoalPosePublisher publisher = Below("goal", Vector3.zero).AddComponent<GoalPosePublisher>();
+            publisher.Publish();
+            Assert.IsTrue(_scene.HasLogged("Goal Pose Publisher on goal: no goal is sent: this component is disabled"));
+            Object.DestroyImmediate(_scene.Connection.gameObject);
+            publisher.gameObject.SetActive(true);
+            publisher.Publish();
+            Assert.IsTrue(_scene.HasLogged("Goal Pose Publisher on goal: no goal is sent: no Gateway Connection"));
+            yield return null;
+        }
+
+        [UnityTest]
         public IEnumerator WithoutAFixedFrameTheScenesOriginCounts()
         {
             PoseStampedMsg heard = null;

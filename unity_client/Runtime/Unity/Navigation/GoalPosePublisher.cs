@@ -52,11 +52,17 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>Makes a place the goal; its forward is the heading, height and tilt do not count.</summary>
-        /// <returns>Whether it was sent; if not, the connection's events say why.</returns>
+        /// <returns>Whether it was sent; if not, the console or the connection's events say why.</returns>
         public bool Publish(Transform place)
         {
-            return _publisher != null && _publisher.Publish(GoalPoses.Of(
-                place, FixedFrame.For(this, _fixedFrame), _frame));
+            if (_publisher == null)
+            {
+                Debug.LogWarning(
+                    "Goal Pose Publisher on " + name + ": no goal is sent: "
+                    + (isActiveAndEnabled ? "no Gateway Connection" : "this component is disabled"), this);
+                return false;
+            }
+            return _publisher.Publish(GoalPoses.Of(place, FixedFrame.For(this, _fixedFrame), _frame));
         }
 
         /// <inheritdoc/>
