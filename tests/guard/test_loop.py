@@ -128,3 +128,12 @@ def test_the_last_zero_is_waited_for_within_the_time_that_the_gateway_has(pipe: 
     assert pipe.publisher.zeros == ZEROS
     assert pipe.flushes == [0.5]
     assert pipe.flushes[0] < supervisor.END_S
+
+
+def test_a_line_has_4096_bytes_at_most(pipe: Pipe) -> None:
+    longest = ["moving", f"/{'t' * 249}", -(2**63), "\0" * 256]  # a \\u0000 each
+    assert len(orjson.dumps(longest)) < 4096
+    guard = Guard(SimpleNamespace(), S, ANSWERS)  # type: ignore[arg-type]
+    guard._take(b"x" * 4096)
+    with pytest.raises(SystemExit):
+        guard._take(b"x")

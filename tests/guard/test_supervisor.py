@@ -124,8 +124,8 @@ async def test_a_guard_that_answers_nothing_for_a_second_while_something_moves_i
         await eventually(lambda: states == ["ready"])
         for number in range(100):
             guard.moving(TOPIC, 0, "")
-            assert ("lost" in states) == (number > 40)
-            clock.now_s += 0.025
+            assert ("lost" in states) == (number > 33)
+            clock.now_s += 0.03
 
 
 async def test_a_guard_that_is_not_spoken_to_owes_no_answer(clock: Clock):
