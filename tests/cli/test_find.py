@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Finding gateways from outside: a real gateway, and the real command."""
 
+import contextlib
 import itertools
 import json
 import os
@@ -11,6 +12,7 @@ import threading
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from urllib.parse import urlsplit
 
 import pytest
@@ -110,3 +112,41 @@ async def test_a_gateway_on_all_networks_is_found_unless_it_hides(
             await eventually(is_found)
         else:
             assert not is_found()
+
+
+class Network:
+    """A socket that gets some datagrams and nothing more; time passes while it waits."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, *datagrams: bytes) -> None:
+        self.now_s = 0.0
+        self.asked_s: list[float] = []
+        self._datagrams = list(datagrams)
+        self._timeout_s = 0.0
+        monkeypatch.setattr(find.socket, "socket", lambda *_: contextlib.nullcontext(self))
+        monkeypatch.setattr(find, "time", SimpleNamespace(monotonic=lambda: self.now_s))
+
+    def setsockopt(self, *_: int) -> None: ...
+
+    def settimeout(self, seconds: float) -> None:
+        self._timeout_s = seconds
+
+    def sendto(self, *_: object) -> None:
+        self.asked_s.append(self.now_s)
+
+    def recvfrom(self, size: int) -> tuple[bytes, tuple[str, int]]:
+        if self._datagrams:
+            return self._datagrams.pop(0)[:size], ("10.0.0.7", 9090)
+        self.now_s += self._timeout_s
+        raise TimeoutError
+
+
+def test_who_has_not_answered_is_asked_again_every_400_ms(monkeypatch: pytest.MonkeyPatch) -> None:
+    network = Network(monkeypatch)
+    assert gateways(2.0, ("10.0.0.255",)) == []
+    assert network.asked_s == pytest.approx([0.0, 0.4, 0.8, 1.2, 1.6])
+
+
+def test_an_answer_that_is_larger_than_a_packet_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    other = replace(GATEWAY, id="5a", name="arm")
+    Network(monkeypatch, answer(GATEWAY).rjust(1401), answer(other).rjust(1400))
+    assert gateways(2.0, ("10.0.0.255",)) == [("10.0.0.7", other)]

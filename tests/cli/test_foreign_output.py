@@ -10,7 +10,9 @@ import textwrap
 import time
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
+from gateway.cli import foreign_output
 from tests.client import TIMEOUT_S
 
 _START = """
@@ -182,3 +184,17 @@ def until(is_true: Callable[[], bool]) -> None:
     while not is_true():
         assert time.monotonic() < deadline_s
         time.sleep(0.01)
+
+
+def test_what_is_in_the_pipes_at_the_end_has_half_a_second(monkeypatch):
+    deadlines_s: list[float] = []
+    output = SimpleNamespace(
+        own=sys.stdout, redirect=lambda: None, restore=lambda: None, drain=deadlines_s.append
+    )
+    relay = SimpleNamespace(stdin=None, kill=lambda: None, wait=lambda: None)
+    monkeypatch.setattr(foreign_output, "_Output", lambda *_: output)
+    monkeypatch.setattr(foreign_output, "_start_relay", lambda _: relay)
+    monkeypatch.setattr(foreign_output, "time", SimpleNamespace(monotonic=lambda: 100.0))
+    with foreign_output.foreign_output_logged():
+        pass
+    assert deadlines_s == [100.5, 100.5]

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from gateway.cli import ros_environment
 from tests.cli.test_main import TIMEOUT_S, refusal, ros2_gateway, running
 from tests.namespaces import needs_namespaces
 
@@ -98,3 +99,16 @@ def test_a_default_middleware_that_is_missing_is_told_of_with_what_to_do(monkeyp
     # first, it may tidy up after killed programs
     assert f"ros2-gateway: rclpy cannot be imported ({middleware}" in finished.stderr
     assert "source /opt/ros/jazzy/setup.bash" in finished.stderr
+
+
+def test_middleware_that_loads_for_a_minute_keeps_no_gateway_from_starting(monkeypatch):
+    waits_s: list[float] = []
+
+    def load(command: list[str], *, timeout: float, **_: object) -> None:
+        waits_s.append(timeout)
+        raise subprocess.TimeoutExpired(command, timeout)
+
+    monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_slow_cpp")
+    monkeypatch.setattr(subprocess, "run", load)
+    assert list(ros_environment._missing_middleware()) == []
+    assert waits_s == [60]
