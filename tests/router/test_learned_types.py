@@ -9,10 +9,12 @@ import pytest
 
 from gateway.ports import Request, TypeHolder
 from gateway.router import learned_types
+from gateway.router.learned_types import LOOK_S
 from schemas.definition import parse_definition
 from schemas.installed import InstalledDefinitions
 from schemas.type_hash import computed_type_hash, type_description
 from tests.client import TIMEOUT_S, eventually
+from tests.clock import StoppedClock
 from tests.router.conftest import Bench
 
 SERVICE_TYPE = "type_description_interfaces/srv/GetTypeDescription"
@@ -304,3 +306,49 @@ async def test_nothing_is_left_of_what_was_under_way(bench: Bench, monkeypatch):
     assert asyncio.all_tasks() <= before
     assert bench.ros.entity_count() == 0
     assert told == []
+
+
+async def test_the_topics_are_looked_at_once_a_second_while_the_graph_changes(
+    bench: Bench, monkeypatch
+):
+    monkeypatch.setattr(learned_types, "LOOK_S", LOOK_S)
+    clock = StoppedClock(monkeypatch)
+    looks: list[None] = []
+    topics = bench.ros.topics
+    monkeypatch.setattr(bench.ros, "topics", lambda: looks.append(None) or topics())
+    for _ in range(100):
+        bench.router._learned.on_graph_change()
+        await clock.advance(0.101)
+    assert len(looks) == pytest.approx(10, abs=1)
+
+
+async def test_a_node_that_said_no_is_asked_again_after_30_s(bench: Bench, monkeypatch):
+    node = Node(bench)
+    clock = StoppedClock(monkeypatch)
+    node.publish("/lamp", LAMP)
+    await clock.advance(0)
+    node.respond({"successful": False, "failure_reason": "x" * 10_000})
+    await clock.advance(0)
+    client = bench.client()
+    client.send(op="subscribe", topic="/lamp")
+    assert client.statuses[0][1].count("x") == 200  # of its words
+    for _ in range(29):
+        bench.router._learned.on_graph_change()
+        await clock.advance(1)
+    assert len(node.requests) == 1
+    await clock.advance(2)
+    await clock.advance(0)
+    assert len(node.requests) == 2
+
+
+async def test_a_node_without_the_service_is_looked_at_again_after_2_s(bench: Bench, monkeypatch):
+    node = Node(bench, has_service=False)
+    clock = StoppedClock(monkeypatch)
+    node.publish("/lamp", LAMP)
+    await clock.advance(0)
+    node.serve()
+    await clock.advance(1.9)
+    assert node.requests == []
+    await clock.advance(0.2)
+    await clock.advance(0)
+    assert len(node.requests) == 1

@@ -6,6 +6,7 @@ import threading
 import pytest
 
 from gateway.router.introspection import assets
+from tests.clock import StoppedClock
 from tests.router.conftest import Bench
 
 MESH = bytes(range(256)) * 300  # 76.8 kB, three chunks
@@ -217,3 +218,26 @@ async def test_a_disk_that_does_not_answer_is_waited_for_no_longer_than_a_client
         goes_on.set()
     assert code == "timeout"
     assert "the disk or others' assets" in text
+
+
+async def test_a_client_hears_within_8_s_of_a_disk_that_does_not_answer(
+    bench: Bench, share, monkeypatch
+):
+    goes_on = threading.Event()
+    monkeypatch.setattr(assets, "read", lambda *_: goes_on.wait())
+    client = bench.client()
+    clock = StoppedClock(monkeypatch)
+    client.send(op="fetch_asset", uri=UPPER)
+    await clock.advance(0)
+    await clock.advance(7.9)
+    assert client.statuses == []
+    await clock.advance(0.2)
+    goes_on.set()
+    assert [code for code, _ in client.statuses] == ["timeout"]
+
+
+async def test_an_address_has_as_many_characters_as_a_path_at_most(bench: Bench, share):
+    code, _ = await refused(bench, uri=UPPER.ljust(4096, "x"))
+    assert code == "bad_name"
+    code, _ = await refused(bench, uri=UPPER.ljust(4097, "x"))
+    assert code == "bad_request"

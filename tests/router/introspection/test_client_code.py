@@ -9,6 +9,7 @@ from gateway.router.introspection import client_code
 from schemas.generate.request import ClientCodeError
 from schemas.installed import InstalledDefinitions
 from tests.cli.test_main import ros2_gateway
+from tests.clock import StoppedClock
 from tests.router.conftest import Bench
 
 GOAL = "nav2_msgs/action/NavigateToPose"
@@ -146,3 +147,29 @@ async def test_many_types_are_counted_in_each_file_and_not_named(bench: Bench):
     (answer,) = await client.sees(1, "generate")
     head = f"ros2-gateway generate json-schema of {len(types)} types; do not edit."
     assert all(head in text for text in answer["files"].values())
+
+
+async def test_twenty_types_are_named_in_each_file(bench: Bench):
+    client = bench.client()
+    types = [name for name in InstalledDefinitions().names() if name.startswith("std_msgs/msg/")]
+    client.send(op="generate", language="json-schema", types=types[:20])
+    (answer,) = await client.sees(1, "generate")
+    assert all(types[19] in text.partition("do not edit")[0] for text in answer["files"].values())
+    client.send(op="generate", language="json-schema", types=types[:21])
+    *_, answer = await client.sees(2, "generate")
+    assert all("of 21 types; do not edit" in text for text in answer["files"].values())
+
+
+async def test_a_client_waits_8_s_for_others_that_ask_for_code(bench: Bench, monkeypatch):
+    go_on = threading.Event()
+    monkeypatch.setattr(client_code, "_written", lambda *_: (go_on.wait(), ({}, []))[1])
+    clients = [bench.client(), bench.client()]
+    clock = StoppedClock(monkeypatch)
+    for client in clients:
+        client.send(op="generate", language="csharp", types=[LIMIT])
+        await clock.advance(0)
+    await clock.advance(7.9)
+    assert clients[1].statuses == []
+    await clock.advance(0.2)
+    go_on.set()
+    assert [code for code, _ in clients[1].statuses] == ["limit_exceeded"]

@@ -9,7 +9,10 @@ import pytest
 
 from gateway.ports import Qos
 from gateway.router.topics import silence_watch
+from gateway.router.topics.silence_watch import TICK_S
+from gateway.router.topics.subscription import Subscription
 from tests.client import Frame
+from tests.clock import StoppedClock
 from tests.router.conftest import Bench, Socketless
 
 STRING = "std_msgs/msg/String"
@@ -189,3 +192,27 @@ async def test_each_reason_of_a_publisher_that_does_not_match_has_its_code(bench
     bench.ros.add_publisher("/t", INT32)
     await client.sees(2, "status")
     assert [code for code, _ in client.statuses] == ["qos_incompatible", "type_conflict"]
+
+
+async def test_a_report_comes_within_100_ms(bench: Bench, clock: Clock, monkeypatch):
+    monkeypatch.setattr(silence_watch, "TICK_S", TICK_S)
+    loop_clock = StoppedClock(monkeypatch)
+    client = bench.client()
+    client.send(op="subscribe", topic="/t", type=STRING, stale_after_ms=200)
+    looks = 0
+    heard_ns = bench.router._subscriptions._silence_watch._heard_ns
+
+    def look(subscription: Subscription) -> int:
+        nonlocal looks
+        looks += 1
+        return heard_ns(subscription)
+
+    bench.router._subscriptions._silence_watch._heard_ns = look
+    for _ in range(30):
+        assert codes(client) == []
+        clock.now_ns += SECOND // 100
+        await loop_clock.advance(0.01)
+        if codes(client):
+            break
+    assert codes(client) == ["stale"]
+    assert looks <= 7

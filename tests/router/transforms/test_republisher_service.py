@@ -2,6 +2,7 @@
 """The service of tf2_web_republisher, as roslibpy's TFClient calls it, and its topics."""
 
 import itertools
+import re
 from typing import Any
 
 import pytest
@@ -222,3 +223,12 @@ async def test_no_two_topics_have_the_same_name(
     monkeypatch.undo()
     first, second = (call(client)["values"]["topic_name"] for _ in range(2))
     assert first != second
+
+
+async def test_nobody_guesses_the_topic_of_another_client(
+    robot: Robot, client: Socketless, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.undo()
+    names = {call(client)["values"]["topic_name"] for _ in range(2)}
+    assert len(names) == 2
+    assert all(re.fullmatch(r"/tf2_web_republisher/tf_repub_[0-9a-f]{16}", name) for name in names)
