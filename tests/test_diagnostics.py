@@ -13,6 +13,7 @@ from gateway.metrics.state import Summary
 from gateway.ports import Qos, RosError, Sample
 from schemas.installed import InstalledDefinitions
 from tests.client import eventually
+from tests.clock import StoppedClock
 from tests.metrics.states import summary
 from tests.ros.fake import FakePublisher, FakeRos
 
@@ -117,3 +118,14 @@ async def test_what_ros_refuses_is_logged_once(
     assert [each.getMessage() for each in errors(caplog)] == [
         "/diagnostics is not published: no room"
     ]
+
+
+async def test_components_are_published_once_a_second(monkeypatch: pytest.MonkeyPatch):
+    bench = Bench(FakeRos())
+    clock = StoppedClock(monkeypatch)
+    with bench.publishing():
+        await clock.advance(0)
+        assert bench.asked == 0
+        for _ in range(100):
+            await clock.advance(0.101)
+    assert bench.asked == pytest.approx(10, abs=1)

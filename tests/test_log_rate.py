@@ -38,10 +38,24 @@ def log() -> Log:
 
 
 def test_of_one_address_and_kind_a_few_pass_at_once_and_then_one_each_10_s(log: Log):
-    assert log.flood(1000, client="10.0.0.5#1") == BURST
+    assert log.flood(1000, client="10.0.0.5#1") == 32
     for _ in range(3):
-        log.now_s += EVERY_S + 0.1
+        log.now_s += 9.8
+        assert log.flood(1000, client="10.0.0.5#1") == 0
+        log.now_s += 0.3
         assert log.flood(1000, client="10.0.0.5#1") == 1
+
+
+def test_of_one_kind_a_hundred_pass_at_once_and_then_one_each_second(log: Log):
+    def flood() -> int:
+        return sum(log.write(client=f"10.{log.now_s}.{number}#1") for number in range(300))
+
+    assert flood() == 128
+    for _ in range(3):
+        log.now_s += 0.95
+        assert flood() == 0
+        log.now_s += 0.06
+        assert flood() == 1
 
 
 def test_a_long_silence_saves_up_no_more_than_a_few(log: Log):

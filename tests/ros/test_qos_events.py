@@ -7,6 +7,7 @@ import subprocess
 import sys
 from collections.abc import AsyncIterator, Iterator
 from contextlib import closing
+from types import SimpleNamespace
 
 import pytest
 from rclpy.duration import Duration
@@ -235,3 +236,12 @@ async def test_a_callback_may_close_what_reports_to_it():
     watch = QosWatch(QosEvents(asyncio.get_running_loop()), on_event, counts)
     watch.look(0)
     assert len(told) == 1
+
+
+def test_counts_are_looked_at_twice_a_second():
+    delays_s: list[float] = []
+    loop = SimpleNamespace(call_later=lambda delay_s, _: delays_s.append(delay_s))
+    events = QosEvents(loop)  # type: ignore[arg-type]
+    events._watch(print, [])
+    events._look()
+    assert delays_s == [0.5, 0.5]

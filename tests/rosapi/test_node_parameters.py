@@ -2,6 +2,7 @@
 import asyncio
 import base64
 import json
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ import pytest
 from gateway.codec.json import dumps
 from gateway.ports import Request, Ros
 from gateway.protocol.errors import ProtocolError
-from gateway.rosapi import Parameters, SetResult
+from gateway.rosapi import Parameters, SetResult, node_parameters
 from tests.client import TIMEOUT_S, eventually
 from tests.clock import StoppedClock
 from tests.ros.fake_services import FakeClient
@@ -473,3 +474,22 @@ async def test_a_node_that_answers_some_questions_is_not_taken_for_dead(
     with pytest.raises(ProtocolError, match="has not answered"):
         await parameters.get("/robot", timeout_s=0.2)
     assert await parameters.list_names("/robot", timeout_s=0.2) == ["speed"]
+
+
+async def test_what_changes_nothing_is_asked_again_after_1200_ms_and_then_twice_as_long(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    clock = StoppedClock(monkeypatch)
+    asked: list[None] = []
+
+    async def ask() -> dict[str, Any]:
+        asked.append(None)
+        return await asyncio.Future()
+
+    asking = asyncio.ensure_future(node_parameters._asked_again(ask))
+    for seconds, count in ((0, 1), (1.19, 1), (0.02, 2), (2.38, 2), (0.03, 3)):
+        await clock.advance(seconds)
+        await clock.advance(0)
+        assert len(asked) == count
+    asking.cancel()
+    await asyncio.gather(asking, return_exceptions=True)

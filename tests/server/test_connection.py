@@ -18,6 +18,7 @@ from gateway.server import inbound as inbound_module
 from gateway.server import time_budget as time_budget_module
 from gateway.server.connection import Connection
 from gateway.server.end import End
+from gateway.server.inbound import READ_COST_S
 from gateway.server.server import Server
 from tests.ros.fake import FakeRos
 from tests.server.conftest import Serve
@@ -405,6 +406,16 @@ def test_reading_alone_is_paid_for(wire: Wire, monkeypatch: pytest.MonkeyPatch):
         assert wire.transport.is_read
         wire.receive(chunk)
     assert not wire.transport.is_read
+
+
+def test_a_read_costs_15_us(wire: Wire, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(inbound_module, "READ_COST_S", READ_COST_S)
+    frame = masked(Opcode.TEXT, b"x" * 100_000)
+    reads = 0
+    while wire.transport.is_read:
+        wire.receive(frame[reads : reads + 1])
+        reads += 1
+    assert reads == pytest.approx(0.25 / 15e-6, rel=0.01)  # what may be spent at once
 
 
 def test_time_that_is_spent_elsewhere_is_paid_for_too(wire: Wire):

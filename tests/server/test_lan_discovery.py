@@ -3,6 +3,7 @@ import asyncio
 import logging
 import socket
 from collections.abc import AsyncIterator, Iterator
+from types import SimpleNamespace
 
 import pytest
 
@@ -115,3 +116,18 @@ async def test_a_port_that_another_program_has_is_told_and_no_obstacle(
     assert caplog.messages == [
         f"clients cannot find this gateway by themselves: UDP port {port}, address already in use"
     ]
+
+
+async def test_after_a_turn_it_listens_again_in_100_ms_and_little_waits(
+    discovery: LanDiscovery,
+) -> None:
+    delays_s: list[float] = []
+    discovery._loop = SimpleNamespace(  # type: ignore[assignment]
+        remove_reader=lambda _: None,
+        call_later=lambda delay_s, _: delays_s.append(delay_s) or SimpleNamespace(cancel=int),
+    )
+    discovery._read()
+    assert delays_s == [0.1]
+    kept = discovery._socket.getsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF)
+    assert kept == 2 * 32 * 1024  # the kernel takes twice as much, for what it notes itself
+    discovery._loop = asyncio.get_running_loop()

@@ -487,3 +487,24 @@ def test_a_request_becomes_the_subscription_that_it_asks_for():
     assert (asked.image.max_width, asked.image.max_fps) == (320, 2.5)
     with pytest.raises(PictureRequestError):
         picture_request("/snapshot?fps=1")
+
+
+def test_a_request_has_16_parameters_at_most():
+    assert picture_request(f"/snapshot?{'&'.join(['topic=/a'] * 16)}").topic == "/a"
+    with pytest.raises(PictureRequestError, match="at most 16 parameters"):
+        picture_request(f"/snapshot?{'&'.join(['topic=/a'] * 17)}")
+
+
+async def test_a_first_picture_is_waited_for_5_s(serve: Serve):
+    async with serve() as served:
+        camera(served)
+        async with view(served, f"/snapshot?topic={CAMERA}"):
+            await eventually(lambda: viewers(served) == 1)
+            (asked,) = served.server._pictures._viewers.values()
+            refused: list[tuple[int, str]] = []
+            asked._refuse = lambda status, text: refused.append((status, text))
+            for seconds in (4.9, 5.1):
+                asked.tick(asked._opened_s + seconds)
+            assert [status for status, _ in refused] == [504]
+            assert "within 5 s" in refused[0][1]
+        await eventually(lambda: viewers(served) == 0)

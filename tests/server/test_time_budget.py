@@ -36,6 +36,14 @@ def test_what_is_not_spent_for_a_second_may_be_spent_at_once_and_no_more():
     assert budget.is_full(201.5)
 
 
+def test_a_debt_of_less_than_a_microsecond_is_none():
+    budget = TimeBudget(0.25, 100)
+    budget.spend(0.25 + 0.5e-6, 100)
+    assert budget.wait_s(100) == 0
+    budget.spend(1e-6, 100)
+    assert budget.wait_s(100) > 0
+
+
 def test_the_whole_time_is_no_limit():
     budget = TimeBudget(1, 100)
     assert budget.spend(1000, 100) > 0
