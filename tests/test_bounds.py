@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every bound and rate has a test that fails without it: a mutant names each of them.
+
+A bound is a number with a unit, or with ``MAX`` or the like, in its name. A mutant names what is in
+the line that it breaks.
+"""
+
+import ast
+import re
+from collections.abc import Iterator
+from typing import Final, NamedTuple
+
+import pytest
+
+from tools.mutants.mutant import ROOT, Mutant, load
+
+UNITS: Final = ("S", "MS", "NS", "BYTES", "HZ", "PER_S")
+EXTREMES: Final = ("MAX", "MOST", "MIN", "LEAST")
+BOUND: Final = re.compile(rf"_?(?:(?:{'|'.join(EXTREMES)})_\w+|\w*_(?:{'|'.join(UNITS)})|PER_S)")
+
+
+class Bound(NamedTuple):
+    """A constant at the top of a file."""
+
+    file: str
+    name: str
+
+    def __str__(self) -> str:
+        return f"{self.file}: {self.name}"
+
+
+# What has such a name and bounds nothing, and why.
+NO_BOUNDS: Final = {
+    Bound("gateway/codec/cdr/rows.py", "_FLOAT32_BYTES"): "a size of CDR",
+    Bound("gateway/ros/action_forms.py", "_STATUS_BYTES"): "a size of CDR",
+    Bound("gateway/ros/realignment.py", "_COUNT_BYTES"): "a size of CDR",
+    Bound("gateway/codec/compressed_images.py", "_PNG_CHECKSUM_BYTES"): "a size of PNG",
+    Bound("gateway/server/link.py", "_NS_PER_S"): "a unit in another",
+    Bound("gateway/ros/rclpy_private/handles.py", "SPIN_S"): "stands for no time-out at all",
+}
+
+
+def bounds_of(file: str, source: str) -> Iterator[Bound]:
+    """Yield the bounds at the top of a module; what another one defines is that one's."""
+    for node in ast.parse(source).body:
+        match node:
+            case ast.AnnAssign(ast.Name(name), annotation, value) if (
+                BOUND.fullmatch(name) and is_final(annotation) and is_number(value)
+            ):
+                yield Bound(file, name)
+
+
+def is_final(annotation: ast.expr) -> bool:
+    return ast.unparse(annotation).partition("[")[0] == "Final"
+
+
+def is_number(value: ast.expr | None) -> bool:
+    """Return whether it is a number, or computed of one; a mere name is another's number."""
+    match value:
+        case ast.Constant(int() | float()):
+            return True
+        case ast.UnaryOp(_, operand):
+            return is_number(operand)
+        case ast.BinOp(left, _, right):
+            return is_number(left) or is_number(right)
+        case ast.Call(ast.Name("round" | "int" | "float"), arguments):
+            return any(map(is_number, arguments))
+        case _:
+            return False
+
+
+def named_by_mutant(mutant: Mutant) -> set[Bound]:
+    return {Bound(mutant.file, name) for name in re.findall(r"\w+", mutant.old)}
+
+
+@pytest.fixture(scope="module")
+def bounds() -> set[Bound]:
+    paths = sorted((ROOT / "gateway").rglob("*.py"))
+    files = ((path.relative_to(ROOT).as_posix(), path.read_text()) for path in paths)
+    return {bound for file in files for bound in bounds_of(*file)}
+
+
+@pytest.fixture(scope="module")
+def named() -> set[Bound]:
+    """All that a mutant names, whatever it is."""
+    return {bound for mutant in load() for bound in named_by_mutant(mutant)}
+
+
+def test_every_bound_is_named_by_a_mutant(bounds: set[Bound], named: set[Bound]):
+    missing = sorted(bounds - named - NO_BOUNDS.keys())
+    advice = "write a test that fails without each, and an entry in tools/mutants/"
+    assert not missing, "\n".join([advice, *map(str, missing)])
+
+
+def test_what_bounds_nothing_is_there_and_no_mutant_names_it(bounds: set[Bound], named: set[Bound]):
+    assert NO_BOUNDS.keys() <= bounds, "gone, or with another name: take it out of the list"
+    assert not NO_BOUNDS.keys() & named
+
+
+@pytest.mark.parametrize(
+    ("line", "names"),
+    [
+        ("MAX_CLIENTS: Final = 64", ["MAX_CLIENTS"]),
+        ("_LEAST_FREE: Final[float] = 0.5", ["_LEAST_FREE"]),
+        ("PER_S: Final = 20.0", ["PER_S"]),
+        ("SEND_BYTES: Final = 16 * 1024", ["SEND_BYTES"]),
+        ("REST_NS: Final = -1", ["REST_NS"]),
+        ("DUE_NS: Final = round(0.1 * SECOND)", ["DUE_NS"]),
+        ("LARGE_BYTES: Final = HANDED_OVER_BYTES", []),
+        ("KEPT_BYTES: Final = b'none'", []),
+        ("PINGS: Final = 3", []),
+        ("S: Final = 3", []),
+        ("MAX_CLIENTS = 64", []),
+    ],
+)
+def test_a_bound_is_known_by_its_name(line: str, names: list[str]):
+    assert [bound.name for bound in bounds_of("x.py", line)] == names
+
+
+def test_a_mutant_names_what_its_line_has():
+    mutant = Mutant("gateway/x.py", "it ends", "now_s > LIMIT_S:", "False:", ("tests/test_x.py",))
+    assert Bound("gateway/x.py", "LIMIT_S") in named_by_mutant(mutant)
