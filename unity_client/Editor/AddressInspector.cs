@@ -20,8 +20,8 @@ namespace Ros2Gateway.Editor
         /// <summary>What a connection is made with, as things are set.</summary>
         protected abstract GatewayOptions Options();
 
-        /// <summary>Sets the address; it can be undone.</summary>
-        protected abstract void SetAddress(string address);
+        /// <summary>The name of the field that is the address.</summary>
+        protected abstract string AddressField { get; }
 
         /// <summary>Draws what can be set, the buttons and what came of them.</summary>
         public override void OnInspectorGUI()
@@ -81,9 +81,9 @@ namespace Ros2Gateway.Editor
             {
                 return false;
             }
-            Undo.RecordObject(target, "Choose a gateway");
-            SetAddress(address);
-            EditorUtility.SetDirty(target);
+            serializedObject.Update();
+            serializedObject.FindProperty(AddressField).stringValue = address;
+            serializedObject.ApplyModifiedProperties(); // an instance of a prefab keeps it, and it can be undone
             return true;
         }
 

@@ -9,15 +9,15 @@ namespace Ros2Gateway.Editor
     public sealed class GatewayConnectionInspector : AddressInspector
     {
         /// <inheritdoc/>
-        protected override GatewayOptions Options()
+        protected override string AddressField
         {
-            return ((GatewayConnection)target).Options();
+            get { return "_address"; }
         }
 
         /// <inheritdoc/>
-        protected override void SetAddress(string address)
+        protected override GatewayOptions Options()
         {
-            ((GatewayConnection)target).Address = address;
+            return ((GatewayConnection)target).Options();
         }
     }
 }

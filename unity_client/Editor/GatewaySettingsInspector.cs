@@ -9,15 +9,15 @@ namespace Ros2Gateway.Editor
     public sealed class GatewaySettingsInspector : AddressInspector
     {
         /// <inheritdoc/>
-        protected override GatewayOptions Options()
+        protected override string AddressField
         {
-            return ((GatewaySettings)target).Options();
+            get { return nameof(GatewaySettings.Address); }
         }
 
         /// <inheritdoc/>
-        protected override void SetAddress(string address)
+        protected override GatewayOptions Options()
         {
-            ((GatewaySettings)target).Address = address;
+            return ((GatewaySettings)target).Options();
         }
     }
 }

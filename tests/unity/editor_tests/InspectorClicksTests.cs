@@ -224,8 +224,10 @@ namespace Ros2Gateway.Editor.Tests
             StringAssert.StartsWith("nobody answers yet", Inspector.Words[0]);
             string address = "ws://127.0.0.1:" + port + "/";
             yield return Until(() => Inspector.Buttons.Any(text => text.EndsWith("  " + address)));
+            Inspector.Applied.Clear();
             Look(Inspector.Buttons.Single(text => text.EndsWith("  " + address)));
             Assert.AreEqual(address, chosen());
+            Assert.AreEqual(1, Inspector.Applied.Count, "an instance of a prefab keeps it");
             Look();
             Assert.IsEmpty(Inspector.Words);
             Assert.IsNull(EditorApplication.update);

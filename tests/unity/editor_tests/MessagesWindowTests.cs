@@ -33,7 +33,9 @@ namespace Ros2Gateway.Editor.Tests
             _settings = ScriptableObject.CreateInstance<GatewaySettings>();
             _settings.Address = Environment.GetEnvironmentVariable("ROS2GATEWAY_TEST_URL") ?? "ws://127.0.0.1:9";
             _window = EditorWindow.GetWindow<MessagesWindow>("messages");
-            new SerializedObject(_window).FindProperty("_settings").objectReferenceValue = _settings;
+            SerializedObject window = new SerializedObject(_window);
+            window.FindProperty("_settings").objectReferenceValue = _settings;
+            window.ApplyModifiedProperties();
             Inspector.Write("Folder", _folder);
             Inspector.Write("Find a type", "");
             Inspector.Write("Assembly", "Robot.Messages");

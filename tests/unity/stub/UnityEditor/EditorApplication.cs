@@ -91,11 +91,4 @@ namespace UnityEditor
         {
         }
     }
-
-    public sealed class EditorUtility
-    {
-        public static void SetDirty(Object target)
-        {
-        }
-    }
 }

@@ -187,10 +187,6 @@ namespace UnityEditor
 
     public sealed class Undo
     {
-        public static void RecordObject(Object objectToUndo, string name)
-        {
-        }
-
         public static void RegisterCreatedObjectUndo(Object objectToUndo, string name)
         {
         }

@@ -6,12 +6,13 @@ using Object = UnityEngine.Object;
 
 namespace UnityEditor
 {
-    /// <summary>An object's fields by name, read and written at once.</summary>
+    /// <summary>An object's fields by name, read at once and written when the changes are applied.</summary>
     public class SerializedObject : IDisposable
     {
         private readonly Object _target;
         private readonly Dictionary<string, SerializedProperty> _properties =
             new Dictionary<string, SerializedProperty>();
+        private readonly List<Action> _changes = new List<Action>();
 
         public SerializedObject(Object obj)
         {
@@ -34,7 +35,13 @@ namespace UnityEditor
 
         public bool ApplyModifiedProperties()
         {
-            return true;
+            bool isChanged = _changes.Count > 0;
+            foreach (Action change in _changes)
+            {
+                change();
+            }
+            _changes.Clear();
+            return isChanged;
         }
 
         public SerializedProperty FindProperty(string propertyPath)
@@ -51,12 +58,19 @@ namespace UnityEditor
         public void Dispose()
         {
         }
+
+        internal void Change(Action change)
+        {
+            _changes.Add(change);
+        }
     }
 
     public class SerializedProperty
     {
         private readonly object _owner;
         private readonly FieldInfo _field;
+        private object _changed;
+        private bool _isChanged;
 
         private SerializedProperty(SerializedObject root, object owner, FieldInfo field, string path)
         {
@@ -82,49 +96,74 @@ namespace UnityEditor
 
         public string stringValue
         {
-            get { return (string)_field.GetValue(_owner); }
-            set { _field.SetValue(_owner, value); }
+            get { return (string)Value; }
+            set { Value = value; }
         }
 
         public int intValue
         {
-            get { return Convert.ToInt32(_field.GetValue(_owner)); }
-            set { _field.SetValue(_owner, value); }
+            get { return Convert.ToInt32(Value); }
+            set { Value = value; }
         }
 
         public float floatValue
         {
-            get { return Convert.ToSingle(_field.GetValue(_owner)); }
-            set { _field.SetValue(_owner, value); }
+            get { return Convert.ToSingle(Value); }
+            set { Value = value; }
         }
 
         public bool boolValue
         {
-            get { return (bool)_field.GetValue(_owner); }
-            set { _field.SetValue(_owner, value); }
+            get { return (bool)Value; }
+            set { Value = value; }
         }
 
         public int enumValueIndex
         {
-            get { return Array.IndexOf(Enum.GetValues(_field.FieldType), _field.GetValue(_owner)); }
-            set { _field.SetValue(_owner, Enum.GetValues(_field.FieldType).GetValue(value)); }
+            get { return Array.IndexOf(Enum.GetValues(_field.FieldType), Value); }
+            set { Value = Enum.GetValues(_field.FieldType).GetValue(value); }
         }
 
         public object managedReferenceValue
         {
-            get { return _field.GetValue(_owner); }
-            set { _field.SetValue(_owner, value); }
+            get { return Value; }
+            set { Value = value; }
         }
 
         public Object objectReferenceValue
         {
-            get { return (Object)_field.GetValue(_owner); }
-            set { _field.SetValue(_owner, value); }
+            get { return (Object)Value; }
+            set { Value = value; }
+        }
+
+        private object Value
+        {
+            get
+            {
+                return _isChanged ? _changed : _field.GetValue(_owner);
+            }
+
+            set
+            {
+                _changed = value;
+                _isChanged = true;
+                serializedObject.Change(Apply);
+            }
         }
 
         public SerializedProperty FindPropertyRelative(string relativePropertyPath)
         {
-            return Of(serializedObject, _field.GetValue(_owner), relativePropertyPath);
+            return Of(serializedObject, Value, relativePropertyPath);
+        }
+
+        private void Apply()
+        {
+            if (_isChanged)
+            {
+                _field.SetValue(_owner, _changed);
+                _isChanged = false;
+                UnityEngine.Stage.Inspector.Applied.Add(propertyPath);
+            }
         }
 
         internal static SerializedProperty Of(SerializedObject root, object owner, string path)

@@ -20,6 +20,10 @@ namespace UnityEngine.Stage
         /// <summary>The toggles since the last call of <see cref="Look"/>, and whether each is on.</summary>
         public static readonly Dictionary<string, bool> Toggles = new Dictionary<string, bool>();
 
+        /// <summary>The properties that were changed by way of a SerializedObject: an instance of a prefab keeps such
+        /// changes, and loses what is written into its fields.</summary>
+        public static readonly List<string> Applied = new List<string>();
+
         private static readonly Dictionary<string, string> Typed = new Dictionary<string, string>();
         private static string _clicked;
 
