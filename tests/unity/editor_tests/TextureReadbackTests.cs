@@ -2,6 +2,7 @@
 using System;
 using System.Collections;
 using System.Diagnostics;
+using System.Text.RegularExpressions;
 using NUnit.Framework;
 using Ros2Gateway.Messages.SensorMsgs;
 using Ros2Gateway.Unity;
@@ -67,12 +68,22 @@ namespace Ros2Gateway.Editor.Tests
             yield return Until(Publishes);
             Assert.IsFalse(_publisher.PublishTexture(_texture), "one is under way");
             Gpu.Fails = true;
+            LogAssert.Expect(LogType.Warning, new Regex("/read_back: the GPU did not give a picture back"));
             yield return Until(Publishes);
-            yield return null;
-            yield return null;
+            yield return Until(() => _publisher.Dropped == 1);
             Gpu.Fails = false;
             _picture = null;
             yield return Until(() => Publishes() && _picture != null);
+        }
+
+        [UnityTest]
+        public IEnumerator After_failures_in_a_row_the_main_thread_reads_the_picture()
+        {
+            LogAssert.Expect(LogType.Warning, new Regex("which is dropped$"));
+            LogAssert.Expect(LogType.Warning, new Regex("from now on the main thread waits for it"));
+            Gpu.Fails = true;
+            yield return Until(() => Publishes() && _picture != null);
+            Assert.AreEqual(5, _publisher.Dropped);
         }
 
         private bool Publishes()

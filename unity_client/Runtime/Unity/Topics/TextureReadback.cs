@@ -16,6 +16,7 @@ namespace Ros2Gateway.Unity
     internal sealed class TextureReadback
     {
         private const int BytesPerPixel = 4; // RGBA
+        private const int MaxFailures = 5; // in a row: a device that is lost for a moment fails once or twice
 
         private readonly Action<AsyncGPUReadbackRequest> _onPixels;
         private readonly WaitCallback _encode;
@@ -25,6 +26,7 @@ namespace Ros2Gateway.Unity
         private int _width;
         private int _height;
         private int _quality;
+        private int _failures; // in a row
         private Action<byte[]> _done;
 
         internal TextureReadback()
@@ -39,6 +41,12 @@ namespace Ros2Gateway.Unity
             get { return SystemInfo.supportsAsyncGPUReadback; }
         }
 
+        /// <summary>Whether it has failed so often in a row that it should be tried no more.</summary>
+        internal bool HasFailed
+        {
+            get { return _failures >= MaxFailures; }
+        }
+
         /// <summary>Whether a picture is under way, so that no other can be begun.</summary>
         internal bool IsBusy
         {
@@ -46,8 +54,8 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>Begins with a texture, scaled to a size; nothing may be under way.</summary>
-        /// <param name="done">Gets the JPEG, on another thread, some frames later; not called if the GPU fails.
-        /// </param>
+        /// <param name="done">Gets the JPEG, on another thread, some frames later; null, on the main thread, if the GPU
+        /// fails.</param>
         internal void Begin(Texture texture, int width, int height, int quality, Action<byte[]> done)
         {
             Volatile.Write(ref _isBusy, 1);
@@ -73,9 +81,12 @@ namespace Ros2Gateway.Unity
         {
             if (request.hasError)
             {
+                _failures++;
                 Volatile.Write(ref _isBusy, 0); // the texture is gone, or the device: the next one is tried anew
+                _done(null);
                 return;
             }
+            _failures = 0;
             // valid in this frame alone
             NativeArray<byte> pixels = request.GetData<byte>();
             if (_pixels.Length != pixels.Length)

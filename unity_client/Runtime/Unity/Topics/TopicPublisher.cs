@@ -70,6 +70,7 @@ namespace Ros2Gateway.Unity
         private DynamicMessage _parsed;
         private string _parsedFrom;
         private float _next;
+        private bool _isFailureTold;
 
         /// <summary>The topic; a change takes effect when the component is enabled the next time.</summary>
         public string Topic
@@ -130,6 +131,14 @@ namespace Ros2Gateway.Unity
             set { _imageMaxHeight = value; }
         }
 
+        /// <summary>
+        /// How many messages were dropped here before they had left, pictures that the GPU did not give back among them.
+        /// </summary>
+        public long Dropped
+        {
+            get { return _publisher == null ? 0 : _publisher.Dropped; }
+        }
+
         /// <summary>Publishes a message; false, and an event says why, if it does not go.</summary>
         public bool Publish(IMessage message)
         {
@@ -149,7 +158,8 @@ namespace Ros2Gateway.Unity
         /// Publishes a picture as JPEG, if <see cref="Rate"/> allows it now; the type must be
         /// sensor_msgs/msg/CompressedImage. Where the GPU can be read without waiting for it, the picture follows
         /// some frames later, with the time of this call, and is encoded on another thread; a call until then
-        /// returns false. Elsewhere (WebGL, OpenGL ES of old phones) this waits for the GPU, and encodes.
+        /// returns false. Elsewhere (WebGL, OpenGL ES of old phones), and once five pictures in a row could not be read
+        /// so, this waits for the GPU, and encodes.
         /// </summary>
         /// <returns>Whether the picture was published, or is under way.</returns>
         public bool PublishTexture(Texture texture, string frameId = "")
@@ -171,7 +181,7 @@ namespace Ros2Gateway.Unity
             CompressedImageMsg picture = new CompressedImageMsg { format = "jpeg" };
             picture.header.frame_id = frameId;
             Stamp(picture.header.stamp);
-            if (!TextureReadback.IsSupported)
+            if (!TextureReadback.IsSupported || _readback.HasFailed)
             {
                 picture.data = _encoder.Encode(texture, _imageMaxWidth, _imageMaxHeight, _imageQuality);
                 return Publish(picture);
@@ -182,11 +192,18 @@ namespace Ros2Gateway.Unity
             Publisher publisher = _publisher; // that of now: the component may be disabled and enabled meanwhile
             _readback.Begin(texture, width, height, _imageQuality, jpeg =>
             {
-                if (!publisher.IsDisposed)
+                if (publisher.IsDisposed)
                 {
-                    picture.data = jpeg;
-                    publisher.Publish(picture);
+                    return;
                 }
+                if (jpeg == null)
+                {
+                    publisher.Drop();
+                    WarnOfReadback();
+                    return;
+                }
+                picture.data = jpeg;
+                publisher.Publish(picture);
             });
             return true;
         }
@@ -240,6 +257,17 @@ namespace Ros2Gateway.Unity
         {
             _encoder.Destroy();
             _readback.Destroy();
+        }
+
+        private void WarnOfReadback()
+        {
+            if (!_isFailureTold || _readback.HasFailed)
+            {
+                _isFailureTold = true;
+                Debug.LogWarning(
+                    "Topic Publisher of " + _topic + ": the GPU did not give a picture back, which is dropped"
+                    + (_readback.HasFailed ? ", like others before: from now on the main thread waits for it" : ""), this);
+            }
         }
 
         private DynamicMessage Parsed()
