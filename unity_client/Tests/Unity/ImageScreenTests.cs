@@ -272,8 +272,14 @@ namespace Ros2Gateway.Unity.Tests
 
         [UnityTest]
         public IEnumerator UnitysDefaultMaterialGivesWayToOneThatNoLightDarkens(
-            [Values("Default-Material", "mine")] string name)
+            [Values("Default-Material", "Lit", "mine")] string name)
         {
+            Shader lit = name == "Lit" ? Shader.Find("Universal Render Pipeline/Lit") : null;
+            if (name == "Lit" && lit == null)
+            {
+                Assert.Ignore("needs URP");
+            }
+            _original.shader = lit != null ? lit : _original.shader;
             _original.name = name;
             _original.color = Color.yellow;
             ImageScreen screen = Screen();
@@ -281,6 +287,17 @@ namespace Ros2Gateway.Unity.Tests
             yield return Shown(screen, 64);
             bool isKept = _renderer.sharedMaterial.color == Color.yellow;
             Assert.AreEqual(name == "mine", isKept);
+        }
+
+        [UnityTest]
+        public IEnumerator AMaterialOfTheProjectWithTheNameOfUrpsIsKept()
+        {
+            _original.name = "Lit";
+            _original.color = Color.yellow;
+            ImageScreen screen = Screen();
+            screen.Show(Jpeg(64, 48));
+            yield return Shown(screen, 64);
+            Assert.AreEqual(Color.yellow, _renderer.sharedMaterial.color);
         }
 
         private ImageScreen Screen(System.Action<ImageScreen> setUp = null)

@@ -12,6 +12,10 @@ namespace Ros2Gateway.Unity
         // What a Quad of the built-in pipeline has: lit, as no picture should be, and pink in URP.
         private const string DefaultMaterial = "Default-Material";
 
+        // The same of URP, by its shader, too, as the name is a common one. A build cannot ask the pipeline for it.
+        private const string DefaultMaterialOfUrp = "Lit";
+        private const string LitShaderOfUrp = "Universal Render Pipeline/Lit";
+
         private readonly Renderer _renderer;
         private readonly Material _original;
         private readonly Material _material; // a copy: the original may be an asset that others use
@@ -179,9 +183,14 @@ namespace Ros2Gateway.Unity
 
         private static Material CopyOf(Material original)
         {
-            bool isChosen = original != null && original.name != DefaultMaterial;
-            Material unlit = isChosen ? null : DisplayMaterials.Flat();
+            Material unlit = IsChosen(original) ? null : DisplayMaterials.Flat();
             return unlit != null || original == null ? unlit : new Material(original);
+        }
+
+        private static bool IsChosen(Material material)
+        {
+            return material != null && material.name != DefaultMaterial
+                && !(material.name == DefaultMaterialOfUrp && material.shader.name == LitShaderOfUrp);
         }
     }
 }

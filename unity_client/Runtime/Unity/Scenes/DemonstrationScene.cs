@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+using System.Collections.Generic;
 using UnityEngine;
 
 namespace Ros2Gateway.Unity
@@ -37,6 +38,7 @@ namespace Ros2Gateway.Unity
 #pragma warning restore 0169
 
         private GatewaySettings _settings;
+        private List<Material> _colored = new List<Material>(); // not readonly, as only so it survives a reload of scripts
 
         /// <summary>Where the gateway is; before the scene is active.</summary>
         public string Address
@@ -67,6 +69,10 @@ namespace Ros2Gateway.Unity
             {
                 Destroy(_settings);
             }
+            foreach (Material material in _colored)
+            {
+                Destroy(material); // Unity destroys none that Renderer.material has made
+            }
         }
 
         /// <summary>Moves the scene's camera, or a new one, to an object, so high and tilted down so far.</summary>
@@ -87,8 +93,8 @@ namespace Ros2Gateway.Unity
         /// <summary>Makes a screen with the camera's pictures.</summary>
         protected void BuildImageScreen(Vector3 position)
         {
-            GameObject picture = Part(
-                PrimitiveType.Quad, "Image Screen", transform, position, new Vector3(1.6f, 1.2f, 1), Color.white);
+            GameObject picture = Shape(
+                PrimitiveType.Quad, "Image Screen", transform, position, new Vector3(1.6f, 1.2f, 1));
             picture.SetActive(false);
             SceneParts.Subscribe(picture, _imageTopic, "sensor_msgs/msg/Image", 15).AddComponent<ImageScreen>();
             picture.SetActive(true);
@@ -123,17 +129,24 @@ namespace Ros2Gateway.Unity
         protected GameObject Part(
             PrimitiveType shape, string name, Transform parent, Vector3 position, Vector3 scale, Color color)
         {
+            GameObject part = Shape(shape, name, parent, position, scale);
+            Material material = part.GetComponent<Renderer>().material; // a copy, for this part
+            material.color = color;
+            _colored.Add(material);
+            return part;
+        }
+
+        private GameObject Shape(PrimitiveType shape, string name, Transform parent, Vector3 position, Vector3 scale)
+        {
             GameObject part = GameObject.CreatePrimitive(shape);
             part.name = name;
             part.transform.SetParent(parent, false);
             part.transform.localPosition = position;
             part.transform.localScale = scale;
-            Renderer renderer = part.GetComponent<Renderer>();
             if (_material != null)
             {
-                renderer.sharedMaterial = _material;
+                part.GetComponent<Renderer>().sharedMaterial = _material;
             }
-            renderer.material.color = color;
             return part;
         }
 
