@@ -32,7 +32,7 @@ namespace Ros2Gateway.Editor
         public static void OccupancyGridDisplay(MenuCommand command)
         {
             GameObject made = new GameObject("Map");
-            GatewayMenu.Subscribing(made, "/map", "nav_msgs/msg/OccupancyGrid");
+            SceneParts.Subscribe(made, "/map", "nav_msgs/msg/OccupancyGrid");
             GatewayMenu.Finish(made.AddComponent<OccupancyGridDisplay>(), command);
         }
 
@@ -41,7 +41,7 @@ namespace Ros2Gateway.Editor
         public static void PathDisplay(MenuCommand command)
         {
             GameObject made = new GameObject("Path");
-            GatewayMenu.Subscribing(made, "/plan", "nav_msgs/msg/Path");
+            SceneParts.Subscribe(made, "/plan", "nav_msgs/msg/Path");
             GatewayMenu.Finish(made.AddComponent<PathDisplay>(), command);
         }
 
@@ -50,7 +50,7 @@ namespace Ros2Gateway.Editor
         public static void PoseDisplay(MenuCommand command)
         {
             GameObject made = new GameObject("Pose");
-            GatewayMenu.Subscribing(made, "/goal_pose", "geometry_msgs/msg/PoseStamped");
+            SceneParts.Subscribe(made, "/goal_pose", "geometry_msgs/msg/PoseStamped");
             GatewayMenu.Finish(made.AddComponent<PoseDisplay>(), command);
         }
 
@@ -59,7 +59,7 @@ namespace Ros2Gateway.Editor
         public static void PoseArrayDisplay(MenuCommand command)
         {
             GameObject made = new GameObject("Pose Array");
-            GatewayMenu.Subscribing(made, "/particle_cloud", "geometry_msgs/msg/PoseArray");
+            SceneParts.Subscribe(made, "/particle_cloud", "geometry_msgs/msg/PoseArray");
             GatewayMenu.Finish(made.AddComponent<PoseArrayDisplay>(), command);
         }
 
@@ -68,7 +68,7 @@ namespace Ros2Gateway.Editor
         public static void OdometryTrail(MenuCommand command)
         {
             GameObject made = new GameObject("Odometry Trail");
-            GatewayMenu.Subscribing(made, "/odom", "nav_msgs/msg/Odometry");
+            SceneParts.Subscribe(made, "/odom", "nav_msgs/msg/Odometry");
             GatewayMenu.Finish(made.AddComponent<OdometryTrail>(), command);
         }
 
@@ -77,7 +77,8 @@ namespace Ros2Gateway.Editor
         public static void MarkerArrayDisplay(MenuCommand command)
         {
             GameObject made = new GameObject("Markers");
-            GatewayMenu.Subscribing(made, "/markers", "visualization_msgs/msg/MarkerArray").Queue = MarkerQueue;
+            SceneParts.Subscribe(made, "/markers", "visualization_msgs/msg/MarkerArray")
+                .GetComponent<TopicSubscriber>().Queue = MarkerQueue;
             GatewayMenu.Finish(made.AddComponent<MarkerArrayDisplay>(), command);
         }
 
@@ -86,11 +87,11 @@ namespace Ros2Gateway.Editor
         public static void RobotDescriptionDisplay(MenuCommand command)
         {
             GameObject robot = new GameObject("Robot");
-            GatewayMenu.Subscribing(robot, "/robot_description", "std_msgs/msg/String");
+            SceneParts.Subscribe(robot, "/robot_description", "std_msgs/msg/String");
             robot.AddComponent<RobotDescriptionDisplay>();
             GameObject joints = new GameObject("Joint States");
             joints.transform.SetParent(robot.transform, false);
-            GatewayMenu.Subscribing(joints, "/joint_states", "sensor_msgs/msg/JointState");
+            SceneParts.Subscribe(joints, "/joint_states", "sensor_msgs/msg/JointState");
             joints.AddComponent<JointStateDisplay>();
             GatewayMenu.Finish(robot.transform, command);
         }
@@ -100,8 +101,8 @@ namespace Ros2Gateway.Editor
         public static void DepthDisplay(MenuCommand command)
         {
             GameObject made = new GameObject("Depth");
-            TopicSubscriber subscriber = GatewayMenu.Subscribing(
-                made, "/camera/depth/image_raw", "sensor_msgs/msg/Image");
+            TopicSubscriber subscriber = SceneParts.Subscribe(
+                made, "/camera/depth/image_raw", "sensor_msgs/msg/Image").GetComponent<TopicSubscriber>();
             subscriber.ImageFormat = "png";
             subscriber.MaxRate = DepthRate;
             GatewayMenu.Finish(made.AddComponent<DepthDisplay>(), command);

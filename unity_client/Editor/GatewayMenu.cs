@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-using Ros2Gateway.Messages.SensorMsgs;
 using Ros2Gateway.Unity;
 using UnityEditor;
 using UnityEngine;
@@ -38,10 +37,7 @@ namespace Ros2Gateway.Editor
         public static void Texture(MenuCommand command)
         {
             GameObject camera = new GameObject("Texture Publisher", typeof(Camera), typeof(TopicPublisher));
-            TopicPublisher publisher = camera.GetComponent<TopicPublisher>();
-            publisher.Topic = "/unity/image/compressed"; // as TexturePublisher.Reset, which only the Editor calls
-            publisher.Type = CompressedImageMsg.Type;
-            publisher.Rate = 10;
+            SceneParts.PublishPictures(camera.GetComponent<TopicPublisher>());
             TexturePublisher texture = camera.AddComponent<TexturePublisher>();
             texture.Camera = camera.GetComponent<Camera>();
             Finish(texture, command);
@@ -137,14 +133,6 @@ namespace Ros2Gateway.Editor
             GameObject made = new GameObject(name);
             SceneParts.AddText(made);
             return made;
-        }
-
-        internal static TopicSubscriber Subscribing(GameObject made, string topic, string type)
-        {
-            TopicSubscriber subscriber = made.AddComponent<TopicSubscriber>();
-            subscriber.Topic = topic;
-            subscriber.Type = type;
-            return subscriber;
         }
 
         internal static void Finish(Component on, MenuCommand command)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+using Ros2Gateway.Messages.SensorMsgs;
 using UnityEngine;
 
 namespace Ros2Gateway.Unity
@@ -35,6 +36,14 @@ namespace Ros2Gateway.Unity
             subscriber.Type = type;
             subscriber.MaxRate = maxRate;
             return holder;
+        }
+
+        /// <summary>Makes a publisher suit pictures, such as those of a Texture Publisher.</summary>
+        public static void PublishPictures(TopicPublisher publisher)
+        {
+            publisher.Topic = "/unity/image/compressed";
+            publisher.Type = CompressedImageMsg.Type;
+            publisher.Rate = 10; // Hz
         }
     }
 }

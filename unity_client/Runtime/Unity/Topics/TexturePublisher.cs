@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-using Ros2Gateway.Messages.SensorMsgs;
 using UnityEngine;
 
 namespace Ros2Gateway.Unity
@@ -62,10 +61,7 @@ namespace Ros2Gateway.Unity
         // In the editor, when the component is added: a publisher that suits pictures.
         private void Reset()
         {
-            TopicPublisher publisher = GetComponent<TopicPublisher>();
-            publisher.Topic = "/unity/image/compressed";
-            publisher.Type = CompressedImageMsg.Type;
-            publisher.Rate = 10;
+            SceneParts.PublishPictures(GetComponent<TopicPublisher>());
         }
 
         private void OnEnable()
