@@ -86,6 +86,47 @@ namespace Ros2Gateway.Editor.Tests
             Assert.AreEqual(5, _publisher.Dropped);
         }
 
+        [UnityTest]
+        public IEnumerator A_camera_is_rendered_when_a_picture_is_due()
+        {
+            Camera camera = _holder.AddComponent<Camera>();
+            _publisher.Rate = 2;
+            TexturePublisher seen = Sees(camera, true);
+            int before = Gpu.Rendered;
+            Assert.IsFalse(camera.enabled);
+            yield return Until(() => _picture != null);
+            Assert.AreEqual(before + 1, Gpu.Rendered);
+            _picture = null;
+            yield return Until(() => _picture != null);
+            Assert.AreEqual(before + 2, Gpu.Rendered);
+            seen.enabled = false;
+            Assert.IsTrue(camera.enabled);
+            Assert.IsNull(camera.targetTexture);
+        }
+
+        [UnityTest]
+        public IEnumerator A_camera_that_others_show_or_that_is_to_render_in_each_frame_stays_enabled(
+            [Values(true, false)] bool isShown)
+        {
+            Camera camera = _holder.AddComponent<Camera>();
+            camera.targetTexture = isShown ? (RenderTexture)_texture : null;
+            int before = Gpu.Rendered;
+            Sees(camera, isShown);
+            yield return Until(() => _picture != null);
+            Assert.IsTrue(camera.enabled);
+            Assert.AreEqual(before, Gpu.Rendered);
+        }
+
+        private TexturePublisher Sees(Camera camera, bool rendersOnDemand)
+        {
+            _holder.SetActive(false);
+            TexturePublisher seen = _holder.AddComponent<TexturePublisher>();
+            seen.Camera = camera;
+            seen.RendersOnDemand = rendersOnDemand;
+            _holder.SetActive(true);
+            return seen;
+        }
+
         private bool Publishes()
         {
             return _publisher.PublishTexture(_texture);

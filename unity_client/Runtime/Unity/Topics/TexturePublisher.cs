@@ -29,8 +29,14 @@ namespace Ros2Gateway.Unity
         [Tooltip("What the camera renders, in pixels, unless it has a target texture")]
         private Vector2 _cameraSize = new Vector2(640, 480);
 
+        [SerializeField]
+        [Tooltip("Render the camera only when a picture is due, not in each frame; unless it has a target texture, which "
+            + "others may show. Switch it off where Camera.Render does not do what the camera does when it is enabled")]
+        private bool _rendersOnDemand = true;
+
         private TopicPublisher _publisher;
         private RenderTexture _rendered;
+        private bool _isOnDemand; // the camera is disabled by this
 
         bool INewestOnly.IsNewestOnly
         {
@@ -49,6 +55,16 @@ namespace Ros2Gateway.Unity
         {
             get { return _source; }
             set { _source = value; }
+        }
+
+        /// <summary>
+        /// Whether the camera is rendered only when a picture is due, if it has no target texture of its own; before the
+        /// component is enabled.
+        /// </summary>
+        public bool RendersOnDemand
+        {
+            get { return _rendersOnDemand; }
+            set { _rendersOnDemand = value; }
         }
 
         /// <summary>The header's frame.</summary>
@@ -73,12 +89,18 @@ namespace Ros2Gateway.Unity
                 int height = Mathf.Max(1, Mathf.RoundToInt(_cameraSize.y));
                 _rendered = new RenderTexture(width, height, DepthBits);
                 _camera.targetTexture = _rendered;
+                _isOnDemand = _rendersOnDemand && _camera.enabled;
+                _camera.enabled = _camera.enabled && !_isOnDemand;
             }
         }
 
         private void LateUpdate()
         {
-            // the camera's picture is that of the frame before
+            if (_isOnDemand && _camera != null && _publisher.IsTextureDue)
+            {
+                _camera.Render();
+            }
+            // that of an enabled camera is of the frame before
             Texture texture = _camera != null ? _camera.targetTexture : _source;
             if (texture != null)
             {
@@ -96,6 +118,11 @@ namespace Ros2Gateway.Unity
             {
                 _camera.targetTexture = null;
             }
+            if (_camera != null && _isOnDemand)
+            {
+                _camera.enabled = true;
+            }
+            _isOnDemand = false;
             _rendered.Release();
             Destroy(_rendered);
             _rendered = null;

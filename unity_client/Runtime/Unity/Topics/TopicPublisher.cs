@@ -208,6 +208,16 @@ namespace Ros2Gateway.Unity
             return true;
         }
 
+        /// <summary>Whether <see cref="PublishTexture"/> would take a picture now.</summary>
+        internal bool IsTextureDue
+        {
+            get
+            {
+                return Time.unscaledTime >= _next && _publisher != null && Connection.Client.IsConnected && !_readback.IsBusy
+                    && _fullType == CompressedImageMsg.Type;
+            }
+        }
+
         /// <inheritdoc/>
         protected internal override bool MovesRobots
         {

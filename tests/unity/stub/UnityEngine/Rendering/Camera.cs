@@ -41,6 +41,8 @@ namespace UnityEngine
 
         public void Render()
         {
+            Stage.MainThread.Check("Render");
+            Stage.Gpu.Rendered++;
         }
 
         /// <summary>A ray through a pixel of a square screen with a side of Screen.height.</summary>

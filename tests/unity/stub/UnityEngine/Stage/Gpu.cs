@@ -9,5 +9,8 @@ namespace UnityEngine.Stage
 
         /// <summary>Whether reading it fails.</summary>
         public static bool Fails;
+
+        /// <summary>How often Camera.Render was called.</summary>
+        public static int Rendered;
     }
 }
