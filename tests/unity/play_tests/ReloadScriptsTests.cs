@@ -155,6 +155,39 @@ namespace Ros2Gateway.Play.Tests
             Assert.AreSame(connection, late.Connection, "it was never to another address");
         }
 
+        [UnityTest]
+        [Category("Gateway")]
+        public IEnumerator No_component_throws()
+        {
+            _holder.SetActive(false);
+            GatewayConnection connection = _holder.AddComponent<GatewayConnection>();
+            connection.Address = Environment.GetEnvironmentVariable("ROS2GATEWAY_TEST_URL");
+            _holder.SetActive(true);
+            foreach (Type type in typeof(GatewayConnection).Assembly.GetTypes())
+            {
+                if (typeof(MonoBehaviour).IsAssignableFrom(type) && !type.IsAbstract && type != typeof(GatewayConnection))
+                {
+                    new GameObject(type.Name, typeof(TextMesh), typeof(MeshRenderer), type)
+                        .transform.SetParent(_holder.transform);
+                }
+            }
+            string thrown = "";
+            Application.LogCallback listen = (text, stack, kind) => thrown += kind == LogType.Exception ? text + stack : "";
+            LogAssert.ignoreFailingMessages = true; // of topics of other types
+            Application.logMessageReceived += listen;
+            for (int i = 0; i < 3; i++)
+            {
+                yield return Until(() => connection.Client.IsConnected, "to be connected");
+                for (int frames = 0; frames < 20; frames++)
+                {
+                    yield return null;
+                }
+                PlayerLoop.ReloadScripts();
+            }
+            Application.logMessageReceived -= listen;
+            Assert.IsEmpty(thrown);
+        }
+
         private IEnumerator IsDrawnOn<TDisplay, TMessage>(TMessage message)
             where TDisplay : TopicDisplay<TMessage>
             where TMessage : class, IMessage
