@@ -146,13 +146,13 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>Sends what was latched, on a new connection.</summary>
         /// <summary>Counts a message that was taken over, and then could not be made; any thread.</summary>
         internal void Drop()
         {
             _drops.Add();
         }
 
+        /// <summary>Sends what was latched, on a new connection.</summary>
         internal void Restore()
         {
             if (_latched != null && !MovesARobot) // what moved it once must not move it again
