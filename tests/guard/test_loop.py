@@ -11,7 +11,7 @@ import pytest
 from gateway.drive.twist_cdr import TWIST
 from gateway.guard import MARGIN_S, supervisor
 from gateway.guard import __main__ as guard_module
-from gateway.guard.__main__ import Guard
+from gateway.guard.__main__ import GuardLoop
 from gateway.guard.watch import ZEROS
 
 TOPIC = "/cmd_vel"
@@ -59,7 +59,7 @@ class Pipe:
     def run(self) -> None:
         """Run a guard until the pipe has ended, and everything stands."""
         ros = SimpleNamespace(advertise=lambda *_: self.publisher, flush=self.flushes.append)
-        Guard(ros, round((0.5 + MARGIN_S) * S), ANSWERS).run()  # type: ignore[arg-type]
+        GuardLoop(ros, round((0.5 + MARGIN_S) * S), ANSWERS).run()  # type: ignore[arg-type]
 
     def answered(self, verb: str) -> list[float]:
         """Return the times of one kind of answer."""
@@ -133,7 +133,7 @@ def test_the_last_zero_is_waited_for_within_the_time_that_the_gateway_has(pipe: 
 def test_a_line_has_4096_bytes_at_most(pipe: Pipe) -> None:
     longest = ["moving", f"/{'t' * 249}", -(2**63), "\0" * 256]  # a \\u0000 each
     assert len(orjson.dumps(longest)) < 4096
-    guard = Guard(SimpleNamespace(), S, ANSWERS)  # type: ignore[arg-type]
+    guard = GuardLoop(SimpleNamespace(), S, ANSWERS)  # type: ignore[arg-type]
     guard._take(b"x" * 4096)
     with pytest.raises(SystemExit):
         guard._take(b"x")
