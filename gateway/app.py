@@ -82,12 +82,14 @@ def run(
     announce: Announce,
     load: Callable[[], Config],
     streams: Sequence[int] = STANDARD_STREAMS,
+    was_interrupted: Callable[[], bool] = lambda: False,
 ) -> int:
     """Serve until SIGINT or SIGTERM; return the exit code.
 
     Once clients can connect, *announce* gets what people need for it. On SIGHUP, *load* returns the
     configuration anew, and its tokens and permissions take effect; unless one of the descriptors
-    *streams* was a terminal that is closed now, which ends the gateway.
+    *streams* was a terminal that is closed now, which ends the gateway. It does not begin if it
+    *was_interrupted*: raised in a destructor, a KeyboardInterrupt is printed, and nothing else.
 
     Raises:
         BindError: the address or port cannot be listened on.
@@ -95,17 +97,23 @@ def run(
         RosMissingError: there is no rclpy.
     """
     with asyncio.Runner(loop_factory=_loop_factory()) as runner:
-        return runner.run(_serve(config, announce, load, streams))
+        return runner.run(_serve(config, announce, load, streams, was_interrupted))
 
 
 async def _serve(
-    config: Config, announce: Announce, load: Callable[[], Config], streams: Sequence[int]
+    config: Config,
+    announce: Announce,
+    load: Callable[[], Config],
+    streams: Sequence[int],
+    was_interrupted: Callable[[], bool],
 ) -> int:
     keep_large_blocks()
     confine_to_calling_thread()
     asyncio.get_running_loop().set_exception_handler(_LoopErrors())
     stop, hung_up = asyncio.Event(), asyncio.Event()
     _handle_signals(stop, hung_up, streams)
+    if was_interrupted():
+        return 0
     async with AsyncExitStack() as stack:
         end_by_force = stack.enter_context(_forced_end())
         security = stack.enter_context(open_security(config))

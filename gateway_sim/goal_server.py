@@ -27,7 +27,7 @@ MAX_WAITING: Final = 16  # requests for one goal's result
 _SERVICE_DEPTH: Final = 2 * MAX_WAITING  # the results of one goal are sent in one burst
 _REQUESTS_A_TURN: Final = 10  # of each service, so that the robot's own work goes on
 _FEEDBACK_DEPTH: Final = 10  # of rcl_action
-_LAST_STATUS: Final = Duration(seconds=1)  # for clients that are frozen; others need a millisecond
+_LAST_STATUS: Final = Duration(seconds=1)  # for readers that are frozen; others need a millisecond
 _NO_ID: Final = bytes(16)
 
 Values = Mapping[str, Any]
@@ -141,7 +141,7 @@ class GoalServer:
             reply(goal.response)
 
     def close(self) -> None:
-        """Take the action off the graph, once its clients have heard how the goals ended."""
+        """Take the action off the graph, once readers of its status know how the goals ended."""
         self._status.wait_for_all_acked(_LAST_STATUS)
         self._node.destroy_node()
 

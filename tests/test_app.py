@@ -198,6 +198,6 @@ async def test_sigterm_ends_the_process_in_time_whatever_clients_do():
     assert not [line for line in gateway.log if "Traceback" in line or "by force" in line]
 
 
-def test_what_a_shutdown_waits_for_has_room_in_its_time():
+def test_what_a_shutdown_waits_for_of_clients_guard_and_ros_has_room_in_its_time():
     waits_s = (server.MAX_GOODBYE_S, supervisor.END_S, deferred_destruction.SHUTDOWN_S)
     assert sum(waits_s) < app.SHUTDOWN_S < 2

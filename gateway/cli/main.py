@@ -51,7 +51,7 @@ _DRIVE_STAMPED: Final = """\
 "msg":{"twist":{"linear":{"x":0.2}}}}"""
 
 
-_interrupted: Final = threading.Event()  # by a signal; the exception may have been lost
+_interrupted: Final = threading.Event()  # by a signal; an import may have lost the exception
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -216,12 +216,11 @@ def _run_gateway(
 
             browser.open_page(announcement.own_page(listening))
 
-    if _interrupted.is_set():  # and an import has lost it: raised in a destructor, it is printed
-        return EXIT_OK
     return app.run(
         _with_certificate(loaded.config),
         announce=announce,
         load=lambda: _with_certificate(_configuration(arguments).config),
+        was_interrupted=_interrupted.is_set,
         streams=app.STANDARD_STREAMS if own is None else own.streams,
     )
 

@@ -56,7 +56,7 @@ class GuardLoop:
         self._rest = b""
 
     def run(self) -> None:
-        """CommandWatch until the gateway's end of the pipe is closed and everything stands."""
+        """Watch until the gateway's end of the pipe is closed and everything stands."""
         self._say("ready")
         poll = select.poll()
         poll.register(0, select.POLLIN)

@@ -42,11 +42,11 @@ class CommandWatch:
         return any(each.zeros_left for each in self._topics.values())
 
     def open(self, topic: str) -> None:
-        """CommandWatch a topic; nothing moves yet."""
+        """Watch a topic; nothing moves yet."""
         self._topics.setdefault(topic, _Watched())
 
     def close(self, topic: str) -> None:
-        """CommandWatch a topic no longer."""
+        """Watch a topic no longer."""
         self._topics.pop(topic, None)
 
     def moving(self, topic: str, now_ns: int) -> None:

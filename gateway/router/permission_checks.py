@@ -123,4 +123,4 @@ def _need(operation: ClientOperation, longest: int) -> _Need | None:
             absent = f"frame {operation.target_frame!r} is unknown"
             return _Need("subscribe", _TRANSFORMS, "subscribing to", absent)
         case _:
-            raise ProtocolError("forbidden", f"{operation.op} is allowed to no role")
+            raise ProtocolError("forbidden", f"{operation.op} takes a role without bounds")

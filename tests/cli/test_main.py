@@ -547,7 +547,7 @@ def test_an_interrupt_that_an_import_has_lost_still_ends_the_start(monkeypatch):
     monkeypatch.setattr(cli, "_given", load)
     monkeypatch.setattr(cli, "use_ros", lambda _: None)
     monkeypatch.setattr(cli, "_log_output", lambda _: nullcontext())
-    monkeypatch.setattr(app, "run", lambda *_, **__: pytest.fail("started"))
+    monkeypatch.setattr(app, "open_security", lambda _: pytest.fail("started"))
     assert cli.main(["serve"]) == 0
 
 

@@ -355,6 +355,17 @@ async def test_what_is_forbidden_is_recorded_without_the_payload(bench: Bench, c
     assert "payload" not in record.getMessage()
 
 
+def test_these_operations_are_for_everybody_alone_or_checked_later():
+    assert {model.op for model in get_args(ClientOperation) if not model.needs_permission} == {
+        *("unsubscribe", "unadvertise", "unadvertise_service", "service_response"),
+        *("cancel_action_goal", "unadvertise_action", "action_feedback", "action_result"),
+        *("cancel_transform", "stop", "acquire_control", "release_control", "control"),
+        *("list_parameters", "get_parameters", "set_parameters", "describe_parameters"),
+        *("ping", "hello", "help", "describe", "generate", "fetch_asset", "graph", "events"),
+        *("set_level", "auth"),
+    }
+
+
 @pytest.mark.parametrize("model", get_args(ClientOperation), ids=lambda model: model.op)
 async def test_of_every_operation_it_is_known_what_it_needs(bench: Bench, model: Any) -> None:
     names = dict.fromkeys(("topic", "service", "action", "target_frame"), "x")
@@ -367,5 +378,5 @@ async def test_an_operation_of_which_nobody_says_what_it_needs_is_forbidden(benc
         op = "new"
 
     new: Any = New()
-    with pytest.raises(ProtocolError, match="new is allowed to no role"):
+    with pytest.raises(ProtocolError, match="new takes a role without bounds"):
         may_carry_out(viewer(bench).session, new)

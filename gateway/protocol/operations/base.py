@@ -55,6 +55,6 @@ class Operation(OperationPart):
 
     op: ClassVar[str]
     # False for what a client has anyway, or what is checked later; of all others the router's
-    # `permission_checks` knows the permission, or refuses them to whoever has a role
+    # `permission_checks` knows the permission, or refuses them to roles that have bounds
     needs_permission: ClassVar[bool] = True
     id: Id | None = None

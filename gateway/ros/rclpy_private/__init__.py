@@ -61,11 +61,11 @@ no ``RosOptions(taking="wait_set")``.
 ``rclpy.experimental.events_executor.EventsExecutor``
     Since Jazzy. Without it: ``SingleThreadedExecutor``, which looks at every entity at each turn.
 
-What lies below rclpy, rmw and the middleware, is used by five modules beside this package, each
-for what its name says. Their docstrings list what they rely on: `gateway.ros.fast_dds` (functions
-of rcutils and rmw), `gateway.ros.type_supports` (structures of rosidl), `gateway.ros.fast_cdr`
-(functions of Fast CDR), `gateway.ros.raw_messages` and `gateway.ros.made_types` (these three put
-together). Without them: no types that are not installed. Another process tries them at the start
+Five modules beside this package use what lies below rclpy (rmw, rosidl and the middleware). Their
+docstrings list what they rely on: `gateway.ros.fast_dds` (functions of rcutils and rmw),
+`gateway.ros.type_supports` (structures of rosidl), `gateway.ros.fast_cdr` (functions of Fast CDR),
+and `gateway.ros.raw_messages` and `gateway.ros.made_types`, which use these three. Without them: no
+types that are not installed. Another process tries them at the start
 (`gateway.ros.made_types_check`), as a difference in C may end it.
 """
 

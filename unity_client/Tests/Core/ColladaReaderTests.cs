@@ -229,6 +229,28 @@ namespace Ros2Gateway.Tests
         }
 
         [Test]
+        public void OneGeometryHasAMillionTrianglesAtMostHoweverFewCornersTheyTake()
+        {
+            Refuses(File(Geometry("<tristrips>" + Input + "<p>" + Times("0 ", 1000003) + "</p></tristrips>"), Shown),
+                "more than 1000000 triangles");
+        }
+
+        [Test]
+        public void AFileOfMoreThan32MiBIsRefused()
+        {
+            byte[] file = new byte[(32 << 20) + 1];
+            Assert.AreEqual("the COLLADA file has 33554433 bytes, at most 33554432",
+                Assert.Throws<MeshException>(() => ColladaReader.Read(file)).Message);
+        }
+
+        [Test]
+        public void PlacementsAreShort()
+        {
+            string node = "<node><translate>1 2 3" + Times(" ", 1000) + "</translate>" + Shown + "</node>";
+            Refuses(File(Geometry(Triangle), node), "<translate> has more than 1000 characters");
+        }
+
+        [Test]
         public void NodesThatShowEachOtherEnd()
         {
             const string Circle = "<library_nodes><node id='a'><instance_node url='#a'/></node></library_nodes>";
@@ -238,13 +260,15 @@ namespace Ros2Gateway.Tests
             {
                 twice.AppendFormat("<node id='a{0}'><instance_node url='#a{1}'/><instance_node url='#a{1}'/></node>", i, i - 1);
             }
-            Refuses(File(Geometry(Triangle), "<node><instance_node url='#a39'/></node>", twice + "</library_nodes>"), "more than 100000 nodes");
+            Refuses(
+                File(Geometry(Triangle), "<node><instance_node url='#a39'/></node>", twice + "</library_nodes>"), "more than 100000 nodes and parts of nodes");
         }
 
         [Test]
         public void ATreeThatIsTooLargeOrTooDeepIsRefused()
         {
-            Refuses(Root(Times("<a b='c' d='e' f='g' h='i'/>", 200000)), "more than 1000000 elements and attributes");
+            Refuses(Root(Times("<a b='c' d='e' f='g' h='i'/>", 200000)), "more than 1000000 elements, attributes and texts");
+            Refuses(Root("<a>" + Times("x<![CDATA[y]]>", 500001) + "</a>"), "more than 1000000 elements, attributes and texts");
             Refuses(Root(Times("<a>", 101) + Times("</a>", 101)), "more than 100 elements deep");
         }
 

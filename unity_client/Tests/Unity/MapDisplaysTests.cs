@@ -266,6 +266,40 @@ namespace Ros2Gateway.Unity.Tests
             Assert.AreEqual(1, display.Texture.width);
         }
 
+        [UnityTest]
+        [Category("Gateway")]
+        public IEnumerator NorIsWhatIsShownByHandWhileTheDisplayIsDisabled()
+        {
+            _scene.Connect();
+            OccupancyGridDisplay display = _scene.Display<OccupancyGridDisplay>(
+                "/map", OccupancyGridMsg.Type, made => made.enabled = false);
+            TopicSubscriber subscriber = display.GetComponent<TopicSubscriber>();
+            yield return _scene.Until(() => subscriber.Last != null, "for the map");
+            display.Show(Grid(1, 1, 0));
+            display.enabled = true;
+            yield return null;
+            yield return null;
+            Assert.AreEqual(1, display.Texture.width);
+        }
+
+        [UnityTest]
+        [Category("Gateway")]
+        public IEnumerator WhatAnotherGatewaySentIsNotShown()
+        {
+            _scene.Connect();
+            OccupancyGridDisplay display = _scene.Display<OccupancyGridDisplay>(
+                "/map", OccupancyGridMsg.Type, made => made.enabled = false);
+            TopicSubscriber subscriber = display.GetComponent<TopicSubscriber>();
+            yield return _scene.Until(() => subscriber.Last != null, "for the map");
+            string silent = System.Environment.GetEnvironmentVariable("ROS2GATEWAY_ROGUE_URL") + "/assets";
+            _scene.Connect(made => made.Address = silent);
+            subscriber.Connection = _scene.Connection;
+            display.enabled = true;
+            yield return null;
+            yield return null;
+            Assert.IsNull(display.Texture);
+        }
+
         private static OccupancyGridMsg Grid(uint width, uint height, params sbyte[] cells)
         {
             OccupancyGridMsg grid = new OccupancyGridMsg { data = cells };

@@ -200,7 +200,7 @@ namespace Ros2Gateway
             catch (Exception error)
             {
                 // A fault of one handler of the application must not keep the others from their messages.
-                ReportFault("handler of " + posted.What, error, CountFault(posted.What));
+                ReportFault("handler of " + posted.What, error, CountFault(posted.What + error.GetType().Name));
             }
         }
 

@@ -107,7 +107,8 @@ namespace Ros2Gateway.Robots
                     {
                         if (length > corners.Count - at)
                         {
-                            throw new MeshException("the COLLADA file's <polylist> has more corners in its <vcount> than in its <p>");
+                            throw new MeshException(
+                                "the COLLADA file's <polylist> has more corners in its <vcount> than in its <p>");
                         }
                         AddFan(faces, corners, at, length);
                         at += length;
@@ -129,6 +130,10 @@ namespace Ros2Gateway.Robots
 
         private static void Add(List<int> faces, int a, int b, int c)
         {
+            if (faces.Count == 3 * TriangleMesh.MaxTriangles)
+            {
+                throw ColladaReader.TooManyTriangles();
+            }
             faces.Add(a);
             faces.Add(b);
             faces.Add(c);

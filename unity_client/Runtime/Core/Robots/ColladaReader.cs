@@ -17,14 +17,19 @@ namespace Ros2Gateway.Robots
     /// </remarks>
     public sealed class ColladaReader
     {
-        private const int MaxParts = 1000000; // elements and attributes; of a file of 30 MB 20,000. They take some 100 bytes
+        /// <summary>Larger files are refused: as a tree, and as lists of numbers, they take several times as much.</summary>
+        private const int MaxBytes = 32 << 20;
+
+        private const int MaxParts = 1000000; // elements, attributes, texts, of some 100 bytes; a file of 30 MB has 20,000
         private const int MaxDepth = 100; // of elements, and of nodes in nodes: each is a call
-        private const int MaxNodes = 100000; // with those that are shown several times
+        private const int MaxNodes = 100000; // and other parts of nodes, with those that are shown several times
+        private const int MaxPlacement = 1000; // characters; a matrix of 16 numbers has some 200
 
         private readonly Dictionary<string, XmlElement> _byId = new Dictionary<string, XmlElement>();
         private readonly Dictionary<XmlElement, ColladaGeometry> _geometries
             = new Dictionary<XmlElement, ColladaGeometry>();
 
+        private readonly ColladaMaterials _materials;
         private readonly List<float> _corners = new List<float>();
         private readonly List<Rgba?> _colors = new List<Rgba?>();
         private bool _hasColors;
@@ -32,6 +37,7 @@ namespace Ros2Gateway.Robots
 
         private ColladaReader()
         {
+            _materials = new ColladaMaterials(_byId, Referred);
         }
 
         /// <summary>Reads a file.</summary>
@@ -42,11 +48,18 @@ namespace Ros2Gateway.Robots
             {
                 throw new MeshException("the COLLADA file is empty");
             }
+            if (collada.Length > MaxBytes)
+            {
+                throw new MeshException("the COLLADA file has " + collada.Length + " bytes, at most " + MaxBytes);
+            }
             XmlElement root;
             try
             {
                 CheckSize(collada);
-                root = XmlTree.Root(Reader(collada));
+                using (XmlReader reader = Reader(collada))
+                {
+                    root = XmlTree.Root(reader);
+                }
             }
             catch (XmlException error)
             {
@@ -58,6 +71,11 @@ namespace Ros2Gateway.Robots
                     "the COLLADA file begins with <" + root.Name + ">, must begin with <COLLADA>");
             }
             return new ColladaReader().ReadRoot(root);
+        }
+
+        internal static MeshException TooManyTriangles()
+        {
+            return new MeshException("the COLLADA file has more than " + TriangleMesh.MaxTriangles + " triangles");
         }
 
         private static XmlReader Reader(byte[] collada)
@@ -73,11 +91,11 @@ namespace Ros2Gateway.Robots
             {
                 while (reader.Read())
                 {
-                    parts += reader.NodeType == XmlNodeType.Element ? 1 + reader.AttributeCount : 0;
+                    parts += reader.NodeType == XmlNodeType.EndElement ? 0 : 1 + reader.AttributeCount;
                     if (parts > MaxParts)
                     {
                         throw new MeshException(
-                            "the COLLADA file has more than " + MaxParts + " elements and attributes");
+                            "the COLLADA file has more than " + MaxParts + " elements, attributes and texts");
                     }
                     if (reader.Depth > MaxDepth)
                     {
@@ -161,14 +179,17 @@ namespace Ros2Gateway.Robots
         /// <summary>Shows what a scene or a node has, which it may place.</summary>
         private void ShowAll(XmlElement node, Affine placed, int depth)
         {
-            if (++_nodes > MaxNodes || depth > MaxDepth)
+            if (depth > MaxDepth)
             {
-                throw new MeshException(depth > MaxDepth
-                    ? "the COLLADA file's nodes are more than " + MaxDepth + " deep, or show themselves"
-                    : "the COLLADA file shows more than " + MaxNodes + " nodes");
+                throw new MeshException(
+                    "the COLLADA file's nodes are more than " + MaxDepth + " deep, or show themselves");
             }
             foreach (XmlElement child in XmlTree.Children(node))
             {
+                if (++_nodes > MaxNodes)
+                {
+                    throw new MeshException("the COLLADA file shows more than " + MaxNodes + " nodes and parts of nodes");
+                }
                 switch (child.Name)
                 {
                     case "matrix":
@@ -197,8 +218,14 @@ namespace Ros2Gateway.Robots
         private static Affine Placement(XmlElement element)
         {
             string name = element.Name;
+            if (element.InnerText.Length > MaxPlacement)
+            {
+                throw new MeshException(
+                    "the COLLADA file's <" + name + "> has more than " + MaxPlacement + " characters");
+            }
             int count = name == "matrix" ? 16 : name == "rotate" ? 4 : 3;
-            double[] n = Array.ConvertAll(ColladaNumbers.Floats(element.InnerText, count, "<" + name + ">"), one => (double)one);
+            float[] floats = ColladaNumbers.Floats(element.InnerText, count, "<" + name + ">");
+            double[] n = Array.ConvertAll(floats, one => (double)one);
             switch (name)
             {
                 case "matrix":
@@ -224,12 +251,11 @@ namespace Ros2Gateway.Robots
             bool isMirroring = placed.IsMirroring;
             foreach (ColladaFaces faces in geometry.Faces)
             {
-                Rgba? color = Color(faces.Material, instance);
+                Rgba? color = _materials.Color(faces.Material, instance);
                 _hasColors |= color.HasValue;
                 if (_colors.Count + faces.Corners.Count / 3 > TriangleMesh.MaxTriangles)
                 {
-                    throw new MeshException(
-                        "the COLLADA file has more than " + TriangleMesh.MaxTriangles + " triangles");
+                    throw TooManyTriangles();
                 }
                 for (int i = 0; i < faces.Corners.Count; i += 3)
                 {
@@ -245,60 +271,12 @@ namespace Ros2Gateway.Robots
         {
             if (!(Math.Abs(corner.x) + Math.Abs(corner.y) + Math.Abs(corner.z) <= float.MaxValue))
             {
-                throw new MeshException("a corner of the COLLADA file is at " + corner + ", farther away than float32 goes");
+                throw new MeshException(
+                    "a corner of the COLLADA file is at " + corner + ", farther away than float32 goes");
             }
             _corners.Add((float)corner.x);
             _corners.Add((float)corner.y);
             _corners.Add((float)corner.z);
-        }
-
-        /// <summary>The colour of a material in diffuse light; null if it has none, or a texture.</summary>
-        private Rgba? Color(string material, XmlElement instance)
-        {
-            XmlElement found = Bound(material, instance);
-            XmlElement effect = found == null ? null : XmlTree.Child(found, "instance_effect");
-            XmlElement at = effect == null ? null : Referred(effect, "url");
-            foreach (string name in new[] { "profile_COMMON", "technique", null, "diffuse", "color" })
-            {
-                at = at == null ? null : name == null ? Shading(at) : XmlTree.Child(at, name);
-            }
-            if (at == null)
-            {
-                return null;
-            }
-            float[] parts = ColladaNumbers.Floats(at.InnerText, 3, "<color>");
-            return Rgba.Of(parts[0], parts[1], parts[2], 1);
-        }
-
-        /// <summary>The material that an instance binds to the name; else the one with that id; or null.</summary>
-        private XmlElement Bound(string material, XmlElement instance)
-        {
-            XmlElement bind = instance == null ? null : XmlTree.Child(instance, "bind_material");
-            XmlElement technique = bind == null ? null : XmlTree.Child(bind, "technique_common");
-            if (technique != null)
-            {
-                foreach (XmlElement binding in XmlTree.Children(technique, "instance_material"))
-                {
-                    if (binding.GetAttribute("symbol") == material)
-                    {
-                        return Referred(binding, "target");
-                    }
-                }
-            }
-            XmlElement found;
-            return _byId.TryGetValue(material, out found) ? found : null;
-        }
-
-        private static XmlElement Shading(XmlElement technique)
-        {
-            foreach (XmlElement child in XmlTree.Children(technique))
-            {
-                if (XmlTree.Child(child, "diffuse") != null)
-                {
-                    return child; // phong, lambert or blinn
-                }
-            }
-            return null;
         }
 
         private XmlElement Referred(XmlElement reference, string attribute)

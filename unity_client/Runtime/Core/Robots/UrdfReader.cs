@@ -59,7 +59,10 @@ namespace Ros2Gateway.Robots
             XmlElement root;
             try
             {
-                root = XmlTree.Root(XmlReader.Create(new StringReader(urdf), XmlTree.Settings));
+                using (XmlReader reader = XmlReader.Create(new StringReader(urdf), XmlTree.Settings))
+                {
+                    root = XmlTree.Root(reader);
+                }
             }
             catch (XmlException error)
             {

@@ -18,6 +18,7 @@ namespace Ros2Gateway.Robots
                     XmlResolver = null,
                     IgnoreComments = true,
                     IgnoreProcessingInstructions = true,
+                    IgnoreWhitespace = true,
                 };
             }
         }

@@ -101,13 +101,13 @@ namespace Ros2Gateway.Unity
 
         /// <summary>
         /// Begins to listen; overriders call it. What the subscriber has received already, such as a map, which is sent
-        /// once, comes in Update.
+        /// once, comes in Update; an Image Screen waits for the next picture.
         /// </summary>
         protected virtual void OnEnable()
         {
             Subscriber = GetComponent<TopicSubscriber>();
             Subscriber.MessageReceived += ReceiveAny;
-            _earlier = Subscriber.Kept;
+            _earlier = _newest == null ? Subscriber.Kept : null; // else something was shown by hand
             _earlierTime = Subscriber.LastTime;
         }
 

@@ -12,13 +12,14 @@ namespace Ros2Gateway.Unity
     /// <remarks>
     /// One file is fetched at a time, and the one before it read and drawn meanwhile: on a thread of the pool, where
     /// there are threads, but for the upload, of a part in each frame. A connection that is lost, or comes late, is
-    /// waited for; what the gateway refuses is asked for again after the others, as it may have had too much to do.
+    /// waited for; what the gateway refuses is asked for again after the others, as it may have had too much to do. Both
+    /// end after three attempts for a file.
     /// </remarks>
     internal sealed class ServedMeshes : IDisposable
     {
         private const int PartVertices = 3 << 16; // more take longer to upload than a frame has
         private const int MaxAttempts = 3; // of a file with which connections end, or which is refused
-        private const double RetrySeconds = 2; // so soon that the client does not repeat why
+        private const double RetrySeconds = 2;
 
 #if UNITY_WEBGL && !UNITY_EDITOR
         private static readonly bool HasThreads = false;
@@ -140,7 +141,7 @@ namespace Ros2Gateway.Unity
         {
             _fetch = null;
             ServedMesh mesh = _unfetched.Peek();
-            bool isLast = mesh.Attempts == MaxAttempts;
+            bool isLast = mesh.Attempts >= MaxAttempts;
             if (!reply.Ok && !isLast && !_client.IsConnected)
             {
                 return; // asked for again when there is a connection

@@ -100,7 +100,7 @@ namespace Ros2Gateway.Unity
             {
                 _camera.Render();
             }
-            // that of an enabled camera is of the frame before
+            // an enabled camera's picture is that of the frame before
             Texture texture = _camera != null ? _camera.targetTexture : _source;
             if (texture != null)
             {

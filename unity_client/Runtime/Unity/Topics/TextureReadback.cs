@@ -47,6 +47,12 @@ namespace Ros2Gateway.Unity
             get { return _failures >= MaxFailures; }
         }
 
+        /// <summary>Lets it be tried again: the GPU may be back.</summary>
+        internal void Retry()
+        {
+            _failures = 0;
+        }
+
         /// <summary>Whether a picture is under way, so that no other can be begun.</summary>
         internal bool IsBusy
         {

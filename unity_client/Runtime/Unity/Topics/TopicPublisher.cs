@@ -227,6 +227,7 @@ namespace Ros2Gateway.Unity
         /// <inheritdoc/>
         protected override void Bind(GatewayConnection connection)
         {
+            _readback.Retry();
             _fullType = MessageCatalogue.Resolve(_type) ?? _type;
             _parsedFrom = null; // it may be of another type now
             AdvertiseOptions options = new AdvertiseOptions

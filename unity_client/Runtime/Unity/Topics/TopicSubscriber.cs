@@ -215,15 +215,9 @@ namespace Ros2Gateway.Unity
         }
 
         /// <inheritdoc/>
-        protected override void OnEnable()
-        {
-            LastTime = -1;
-            base.OnEnable();
-        }
-
-        /// <inheritdoc/>
         protected override void Bind(GatewayConnection connection)
         {
+            LastTime = -1; // what came by another connection may be of another robot
             SubscribeOptions options = new SubscribeOptions
             {
                 Queue = _queue > 0 ? _queue : QueueDefault.Beside(this, SubscribeOptions.DefaultQueue),
