@@ -200,6 +200,28 @@ async def test_the_focus_goes_to_a_new_card_and_from_a_closed_one_to_the_next(
             assert await page.evaluate(focus) == after
 
 
+async def test_on_a_phone_a_new_card_stays_in_view_when_it_grows(demo, open_page):
+    topic, rows = "/grows", 40
+    async with client(demo.url) as publisher:
+        await publisher.send(op="advertise", topic=topic, type="std_msgs/msg/Float64MultiArray")
+        cards = "#card=tree+0+/odom&card=tree+0+/scan"
+        async with open_page(page_address(demo) + cards, PHONE) as page:
+            for above in ("/odom", "/scan"):
+                await page.wait_for_selector(f"{card(above)} .row")
+            await page.focus(f"#topics button:has-text('{topic}')")
+            await page.keyboard.press("Enter")
+            place = "topic => document.querySelector(topic).getBoundingClientRect().top"
+            await until(page, f"topic => ({place})(topic) < innerHeight / 2", card(topic))
+            before = await page.evaluate(place, card(topic))
+            message = {"data": [0.5] * rows}
+            await publisher.send(op="publish", topic=topic, msg=message)
+            await page.wait_for_selector(f"{card(topic)} .row")
+            await page.evaluate(
+                "() => new Promise(done => setTimeout(done, 200))"
+            )  # it is laid out
+            assert await page.evaluate(place, card(topic)) == before
+
+
 async def test_the_list_stays_in_view_while_the_cards_scroll(demo, open_page):
     cards = "#" + "&".join(f"card=tree+0+/{name}" for name in ("odom", "imu", "scan") * 5)
     async with open_page(page_address(demo) + cards) as page:
