@@ -216,9 +216,8 @@ async def test_on_a_phone_a_new_card_stays_in_view_when_it_grows(demo, open_page
             message = {"data": [0.5] * rows}
             await publisher.send(op="publish", topic=topic, msg=message)
             await page.wait_for_selector(f"{card(topic)} .row")
-            await page.evaluate(
-                "() => new Promise(done => setTimeout(done, 200))"
-            )  # it is laid out
+            frame = "requestAnimationFrame"  # by the second one it has been laid out
+            await page.evaluate(f"() => new Promise(done => {frame}(() => {frame}(done)))")
             assert await page.evaluate(place, card(topic)) == before
 
 
