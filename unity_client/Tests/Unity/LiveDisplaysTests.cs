@@ -122,7 +122,13 @@ namespace Ros2Gateway.Unity.Tests
             yield return _scene.Until(
                 () => Quaternion.Angle(before, twin.transform.localRotation) > 5,
                 "to turn",
-                () => driver.Publish(turn));
+                () =>
+                {
+                    if (!driver.Publish(turn))
+                    {
+                        driver.Publish(new TwistMsg()); // this stood still for so long that the robot was stopped
+                    }
+                });
             driver.Publish(new TwistMsg());
         }
 
