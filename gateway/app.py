@@ -88,10 +88,10 @@ def run(
 
     Once clients can connect, *announce* gets what people need for it. On SIGHUP, *load* returns the
     configuration anew, and its tokens and permissions take effect; unless one of the descriptors
-    *streams* was a terminal that is closed now, which ends the gateway. It does not begin if it
-    *was_interrupted*: raised in a destructor, a KeyboardInterrupt is printed, and nothing else.
+    *streams* was a terminal that is closed now, which ends the gateway.
 
     Raises:
+        KeyboardInterrupt: it *was_interrupted* before it took over the signals.
         BindError: the address or port cannot be listened on.
         ConfigError: ROS refuses its part of the configuration.
         RosMissingError: there is no rclpy.
@@ -111,9 +111,7 @@ async def _serve(
     confine_to_calling_thread()
     asyncio.get_running_loop().set_exception_handler(_LoopErrors())
     stop, hung_up = asyncio.Event(), asyncio.Event()
-    _handle_signals(stop, hung_up, streams)
-    if was_interrupted():
-        return 0
+    _handle_signals(stop, hung_up, streams, was_interrupted)
     async with AsyncExitStack() as stack:
         end_by_force = stack.enter_context(_forced_end())
         security = stack.enter_context(open_security(config))
@@ -230,7 +228,12 @@ def _guard(config: Config) -> GuardProcess:
     )
 
 
-def _handle_signals(stop: asyncio.Event, hung_up: asyncio.Event, streams: Sequence[int]) -> None:
+def _handle_signals(
+    stop: asyncio.Event,
+    hung_up: asyncio.Event,
+    streams: Sequence[int],
+    was_interrupted: Callable[[], bool],
+) -> None:
     """Set *stop* when the process shall end, and *hung_up* when it shall reload."""
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
@@ -244,6 +247,8 @@ def _handle_signals(stop: asyncio.Event, hung_up: asyncio.Event, streams: Sequen
         (stop if gone else hung_up).set()
 
     loop.add_signal_handler(signal.SIGHUP, hang_up)
+    if was_interrupted():  # and nobody noticed: what is raised in a destructor is only printed
+        raise KeyboardInterrupt
 
 
 def _is_terminal(descriptor: int) -> bool:
