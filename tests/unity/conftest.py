@@ -20,17 +20,18 @@ from tests.unity import csharp, mono
 from tests.unity.background import in_background
 from tests.unity.bases import CHANGING, STAMPED, Base
 from tests.unity.csharp import CSharpTest
-from tests.unity.rogue import deaf, rogue
+from tests.unity.rogue import RED_DAE, deaf, rogue
 
 
 @pytest.fixture(scope="package")  # other tests in this domain want to be alone with their robot
 def gateway(tmp_path_factory: pytest.TempPathFactory) -> Iterator[GatewayProcess]:
-    """``ros2-gateway demo`` on a free port, whose machine has a package with a mesh more."""
+    """``ros2-gateway demo`` on a free port, whose machine has a package with two meshes more."""
     prefix = tmp_path_factory.mktemp("prefix")
     meshes = prefix / "share/gateway_tests/meshes"
     meshes.mkdir(parents=True)
     (meshes.parent / "package.xml").write_text("<package/>")
     (meshes / "strip.stl").write_bytes(_strip(2000))
+    (meshes / "red.dae").write_text(RED_DAE)
     prefixes = os.pathsep.join(filter(None, [os.environ.get("AMENT_PREFIX_PATH"), str(prefix)]))
     with in_background(demonstration(before=("env", f"AMENT_PREFIX_PATH={prefixes}"))) as process:
         yield process

@@ -62,7 +62,7 @@ BAD_FRAMES: Final = (
 )
 
 
-_RED: Final = """<COLLADA>
+RED_DAE: Final = """<COLLADA>
 <library_effects><effect id="e"><profile_COMMON><technique><lambert><diffuse>
 <color>1 0 0 1</color></diffuse></lambert></technique></profile_COMMON></effect></library_effects>
 <library_materials><material id="m"><instance_effect url="#e"/></material></library_materials>
@@ -247,7 +247,7 @@ def _refused(frame: dict[str, Any]) -> dict[str, Any]:
 
 def _asset(frame: dict[str, Any], name: str, fetches: int) -> dict[str, Any]:
     if name == "red.dae":
-        return _chunk(frame, _RED.encode())
+        return _chunk(frame, RED_DAE.encode())
     number = re.fullmatch(r"(\d+)\.stl", name, re.IGNORECASE)
     count = int(number[1]) if number else 1
     corners = (0, 0, fetches), (1, 0, fetches), (0, 2, fetches)

@@ -22,6 +22,15 @@ namespace Ros2Gateway.Tests
             }
         }
 
+        [Test]
+        public void AColladaFileIsReadAsItIsServed()
+        {
+            const string Uri = "package://gateway_tests/meshes/red.dae";
+            TriangleMesh mesh = MeshReader.Read(Uri, Fetched(Uri).OrThrow());
+            CollectionAssert.AreEqual(new float[] { 0, 0, 1, 1, 0, 1, 0, 2, 1 }, mesh.Corners);
+            Assert.AreEqual("#ff0000ff", mesh.Colors[0].ToString());
+        }
+
         [TestCase("package://gateway_tests/meshes/none.stl", "no such file")]
         [TestCase("package://nobody/meshes/strip.stl", "no package nobody")]
         [TestCase("package://gateway_tests/../../strip.stl", "lead out of the package")]
