@@ -27,7 +27,7 @@ MAX_WAITING: Final = 16  # requests for one goal's result
 _SERVICE_DEPTH: Final = 2 * MAX_WAITING  # the results of one goal are sent in one burst
 _REQUESTS_A_TURN: Final = 10  # of each service, so that the robot's own work goes on
 _FEEDBACK_DEPTH: Final = 10  # of rcl_action
-_LAST_STATUS: Final = Duration(seconds=1)  # for readers that are frozen; others need a millisecond
+_LAST_STATUS: Final = Duration(seconds=1)  # a reader may be frozen
 _NO_ID: Final = bytes(16)
 
 Values = Mapping[str, Any]
