@@ -169,16 +169,14 @@ class Connection(asyncio.BufferedProtocol):
     @property
     def is_leaving(self) -> bool:
         """True of a connection that is not a client, and will not become one."""
-        return self._session is None and (
-            self._closing_s is not None or self._protocol.close_expected()
-        )
+        is_closing = self._closing_s is not None or self._protocol.close_expected()
+        return self._session is None and is_closing
 
     @property
     def awaits_page(self) -> bool:
         """True until it has taken the page that it gets later."""
-        return self._gets_page and (
-            not self._protocol.eof_sent or self._transport.get_write_buffer_size() > 0
-        )
+        has_taken = self._protocol.eof_sent and not self._transport.get_write_buffer_size()
+        return self._gets_page and not has_taken
 
     def flush(self) -> None:
         """Send from the outbox, as far as the socket takes it."""
@@ -371,7 +369,7 @@ class Connection(asyncio.BufferedProtocol):
     def _write_directly(self, entry: Entry) -> int:
         """Send an entry that need not wait; see `gateway.protocol.outbox.WriteDirectly`."""
         pacing = self._pacing
-        if self._flushing or pacing.is_paused or self._protocol.state is not OPEN:
+        if self._flushing or pacing.is_paused:
             return 0
         try:
             frame = entry.frame()
@@ -398,6 +396,8 @@ class Connection(asyncio.BufferedProtocol):
             session.outbox.drains(bytes_per_s)
 
     def _write_protocol_output(self, *, may_be_large: bool = False) -> None:
+        if self._session is not None and self._protocol.state is not OPEN:
+            self._session.outbox.write_directly = None  # a close frame must be the last one
         if self._output.write(may_be_large=may_be_large):
             self.abort(Why("gateway", "abuse", "it sends pings and reads nothing"))
 
@@ -414,7 +414,7 @@ class Connection(asyncio.BufferedProtocol):
         return replace(end, messages_in=session.received, frames_out=session.outbox.sent)
 
     def _check(self, now_s: float, session: Session) -> None:
-        sending = Sending(session.outbox, self._pacing.taken_bytes, self.is_paused)
+        sending = Sending(session.outbox, self._pacing.taken_bytes)
         is_read = self._viewer is None and not self._inbound.is_paused  # a viewer says nothing
         match self._keep_alive.check(now_s, sending, is_read=is_read):
             case SendPing():

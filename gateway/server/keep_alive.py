@@ -17,8 +17,7 @@ class Sending:
     """The way out of a connection, as it is now."""
 
     outbox: Outbox
-    taken_bytes: int  # grows as the client takes what it is sent
-    is_paused: bool  # the socket or the link is full
+    taken_bytes: int | None  # while socket or link are full: grows as the client takes something
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,10 +73,13 @@ class KeepAlive:
         )
 
     def _check_progress(self, now_s: float, sending: Sending) -> Verdict | None:
-        taken_bytes, self._taken_bytes = self._taken_bytes, sending.taken_bytes
-        if not sending.is_paused or sending.taken_bytes > taken_bytes:
+        if sending.taken_bytes is None:
             self._progress_s = now_s
-            if sending.is_paused and self._pinged_s is not None:
+            return None
+        taken_bytes, self._taken_bytes = self._taken_bytes, sending.taken_bytes
+        if sending.taken_bytes > taken_bytes:
+            self._progress_s = now_s
+            if self._pinged_s is not None:
                 self._pinged_s = now_s  # our ping is still behind the bytes being taken
         elif now_s - self._progress_s > self._limits.send_deadline_s:
             return Abort(f"took nothing for {self._limits.send_deadline_s:g} s")
@@ -87,7 +89,7 @@ class KeepAlive:
         outbox = sending.outbox
         if outbox.overflowed:
             return Close(SLOW_CONSUMER, "slow consumer: answers alone exceed the send queue")
-        if not sending.is_paused or outbox.excess <= outbox.max_bytes // 2:
+        if sending.taken_bytes is None or outbox.excess <= outbox.max_bytes // 2:
             # While the socket takes bytes, the queue waits for us: a picture being encoded, say.
             self._crowded_s = None
         elif self._crowded_s is None:

@@ -49,8 +49,10 @@ class Pacing:
         return max(1, self.unseen_bytes)
 
     @property
-    def taken_bytes(self) -> int:
-        """A number that grows as the peer takes what it is sent."""
+    def taken_bytes(self) -> int | None:
+        """While it is paused, a number that grows as the peer takes what it is sent."""
+        if not self.is_paused:
+            return None  # nobody waits for the peer, and to read it takes time
         reading = read_tcp_info(self._socket)
         if reading is None:
             return -self._transport.get_write_buffer_size()

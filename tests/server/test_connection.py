@@ -107,6 +107,17 @@ class Acceptor:
         self._server.left(connection, session, end)
 
 
+class Ready:
+    """An entry whose turn has come."""
+
+    size = 1
+    is_being_encoded = False
+    arrived_ns = 0
+
+    def frame(self) -> bytes:
+        return b"ready"
+
+
 class Wire(Timers):
     """A connection, what it is connected to, and the time."""
 
@@ -186,6 +197,24 @@ def test_little_waits_in_the_kernel_and_not_for_long(wire: Wire):
         (socket.IPPROTO_TCP, socket.TCP_KEEPIDLE): 15,
         (socket.IPPROTO_TCP, socket.TCP_KEEPINTVL): 5,
     }
+
+
+@pytest.mark.parametrize("closed_by", ["peer", "gateway"])
+def test_nothing_goes_behind_a_close_frame(wire: Wire, closed_by: str):
+    assert wire.connection.session is not None
+    queue = wire.connection.session.outbox.open_queue(1, None)
+    queue.put(Ready())
+    assert wire.transport.unsent == b"ready"
+    if closed_by == "peer":
+        wire.receive(masked(Opcode.CLOSE, (1000).to_bytes(2, "big")))
+    else:
+        wire.connection.close(1000, "enough")
+    assert wire.connection.session is not None
+    until_closed = wire.transport.unsent
+    assert len(until_closed) > len(b"ready")
+    queue.put(Ready())
+    wire.connection.flush()
+    assert wire.transport.unsent == until_closed
 
 
 def test_a_message_of_10_mib_is_taken_and_a_larger_one_ends_the_connection(wire: Wire):

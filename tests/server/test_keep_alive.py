@@ -38,7 +38,7 @@ class Judged:
         self.unsent_bytes -= taken
         if heard:
             self.keep_alive.heard(self.now_s)
-        sending = Sending(self.outbox, -self.unsent_bytes, self.is_paused)
+        sending = Sending(self.outbox, -self.unsent_bytes if self.is_paused else None)
         return self.keep_alive.check(self.now_s, sending, is_read=self.is_read)
 
 

@@ -20,7 +20,7 @@ from gateway.router.topics import late_join
 from gateway.router.topics import topic as topic_module
 from gateway.router.topics.large_samples import EncodingResources
 from gateway.router.topics.subscription import EncodingKey, Source, Subscription, TopicKey
-from gateway.router.topics.topic import Topic
+from gateway.router.topics.topic import TIMED_AT_ONCE, TIMING_PERIOD_NS, Topic
 from schemas.installed import InstalledDefinitions
 from tests.client import eventually
 from tests.ros.fake import FakeRos
@@ -343,3 +343,21 @@ def test_what_goes_at_once_is_timed_ten_times_a_second(
         now_ns += SECOND // 100
     assert sum(one.session.latency.observed().counts) == 10
     assert sum(busy.session.latency.observed().counts) == 0
+
+
+def test_some_of_many_clients_are_timed_at_once_and_all_of_them_in_turn(
+    topic: Topic, monkeypatch: pytest.MonkeyPatch
+):
+    now_ns = SECOND
+    monkeypatch.setattr(topic_module.time, "monotonic_ns", lambda: now_ns)
+    many = [subscription() for _ in range(2 * TIMED_AT_ONCE + 1)]
+    for each in many:
+        each.session.outbox.write_directly = lambda entry: len(entry.frame())
+        topic.add(each, PLAIN)
+    timed = []
+    for _ in range(3):
+        topic._on_samples([sample("x")._replace(received_ns=1)])
+        now_ns += TIMING_PERIOD_NS
+        timed.append(sum(sum(each.session.latency.observed().counts) for each in many))
+    assert timed == [TIMED_AT_ONCE, 2 * TIMED_AT_ONCE, 3 * TIMED_AT_ONCE]
+    assert all(sum(each.session.latency.observed().counts) for each in many)
