@@ -9,13 +9,7 @@ It moves the robot only while its holder commands it to, in time:
 - A stop is `ZEROS` commands of zero, then silence.
 - After a stop that the client did not ask for, the `TripLatch` refuses commands to move.
 - Many commands at once after a silence are a backlog, a few wait to be explained (`Crowd`).
-
-A person who types commands by hand sends a single one and knows that the robot moves for one
-deadline. Such a motion, of one command, ends with a latch that allows a single command: it waits
-for `HOLD_NS`, and goes out unless more come crowded, as those of a backlog do: a segment of TCP
-holds several. Those that come one by one meanwhile replace it. A single late command cannot be told
-from a timely one without the client's clock; clients that send their time have no use for this
-rule, and do not get it.
+- What was pushed while another client drove has to be let go of first (`TurnedAway`).
 """
 
 from collections.abc import Hashable
@@ -41,9 +35,10 @@ from gateway.drive.held import Held
 from gateway.drive.lease import Lease
 from gateway.drive.stop import ZERO_PERIOD_NS, ZEROS
 from gateway.drive.trip_latch import QUIET_NS, TripLatch
+from gateway.drive.turned_away import TurnedAway
 from gateway.drive.velocity import ZERO
 
-HOLD_NS: Final = QUIET_NS
+HOLD_NS: Final = QUIET_NS  # see `Held`
 CROWD_GAP_NS: Final = 3_000_000  # XR's 120 Hz are 8 ms apart
 
 
@@ -60,6 +55,7 @@ class Drive:
         self._guard: GuardState = guard
         self._latch = TripLatch()
         self._lease: Lease | None = None
+        self._turned_away = TurnedAway()
         self._cause: Cause | None = None
         self._is_over = False  # the gateway shuts down
         # the motion
@@ -120,8 +116,7 @@ class Drive:
         """Take a command of a client."""
         out = self._advance(now_ns)
         silence_ns = self._rules.deadline_ns if self._moves else QUIET_NS
-        refused = self._check(command, now_ns)
-        if refused is not None:
+        if (refused := self._check(command, now_ns)) is not None:
             is_stop = command.velocity.is_zero and self._is_held_by(command)
             if self._moves and is_stop:  # late, but never too late
                 self._stop("zero", now_ns, out, is_asked=True)
@@ -207,6 +202,7 @@ class Drive:
         """Give control to a client; what another one has moved is stopped first."""
         if self._held and self._held.command.client != client:
             self._held = None
+        self._turned_away.forget(client)
         out = self._advance(now_ns)
         if self._lease and self._lease.holder != client:
             if self._moves:
@@ -251,7 +247,10 @@ class Drive:
 
     def _check(self, command: Command, now_ns: int) -> Refused | None:
         if self._lease and not self._lease.admits(command, now_ns, self._rules):
+            self._turned_away.refuse(command, now_ns)
             return refusals.not_holder(command, self._topic, self._rules)
+        if self._turned_away.still_pushes(command, now_ns, self._rules.deadline_ns):
+            return refusals.still_pushes(command, self._topic, self._rules)
         if command.age == "stale":
             return refusals.stale(command, self._topic)
         return None
@@ -376,6 +375,7 @@ class Drive:
 
     def _end_lease(self, client: Hashable, cause: Cause, now_ns: int, **how: bool) -> Effects:
         self._take_back(client)
+        self._turned_away.forget(client)
         out = self._advance(now_ns)
         if self._lease and self._lease.holder == client:
             if self._moves:

@@ -30,9 +30,18 @@ _GUARD_TEXTS: Final[dict[GuardState, str]] = {
 def not_holder(command: Command, topic: str, rules: Rules) -> Refused:
     """Refuse a client while another one drives."""
     reason = (
-        f"another client drives {topic}; wait until it has been silent for"
+        f"another client drives {topic}; let go and wait until it has been silent for"
         f' {rules.lease_ns / 1e9:g} s, take over by {{"op":"acquire_control","topic":"{topic}"}},'
         ' or stop the robot by {"op":"stop"}'
+    )
+    return Refused(command, "not_lease_holder", reason)
+
+
+def still_pushes(command: Command, topic: str, rules: Rules) -> Refused:
+    """Refuse a client whose commands began while another one drove."""
+    reason = (
+        f"topic {topic}: your commands began while another client drove; let go first: publish a"
+        f' command of zero ("msg":{{}}), or nothing for {rules.deadline_ns / 1e9:g} s'
     )
     return Refused(command, "not_lease_holder", reason)
 

@@ -640,6 +640,44 @@ def test_a_client_that_drives_keeps_others_out_until_it_is_silent_for_the_lease(
     assert bench.sent() == [AHEAD]
 
 
+@pytest.mark.parametrize("how", ["zero", "silence", "leaves", "acquires"])
+def test_a_stick_that_was_held_before_the_lease_ended_does_not_move_the_robot(
+    bench: Bench, how: str
+):
+    bench.stream()
+    bench.command(ZERO)
+    for _ in range(30):  # its hand is on the stick, and stays there
+        bench.command(client="b")
+        bench.wait(100)
+    assert bench.drive.status.holder is None
+    bench.wait(399)
+    bench.command(client="b")
+    assert bench.refusals() == ["not_lease_holder"] * 31
+    bench.out = []
+    match how:
+        case "zero":
+            bench.command(ZERO, client="b")
+        case "silence":
+            bench.wait(500)
+        case "leaves":
+            bench.take(bench.drive.leave("b", bench.now))
+        case "acquires":
+            bench.take(bench.drive.acquire("b", bench.now))
+    bench.command(client="b")
+    assert bench.refusals() == []
+    assert bench.sent()[-1] == AHEAD
+
+
+def test_a_client_that_lets_go_while_another_drives_may_push_when_its_lease_is_over(bench: Bench):
+    bench.stream()
+    bench.command(client="b")
+    bench.command(ZERO, client="b")
+    bench.take(bench.drive.release("a", bench.now))
+    bench.out = []
+    bench.command(client="b")
+    assert bench.sent() == [AHEAD]
+
+
 def test_a_client_that_only_sends_zeros_keeps_nobody_out_who_drives(bench: Bench):
     bench.stream(30, ZERO)
     bench.sent()

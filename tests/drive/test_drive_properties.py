@@ -158,12 +158,24 @@ class Driving(RuleBasedStateMachine):
         assert not [e for e in self.history[index:] if e == Event(e.at_ns, "gone", command.client)]
         assert command.velocity.clamped(1, 2) == velocity
         assert command.age != "stale"
+        assert self.has_let_go(command), (self.history, self.now)
         # in time: one that waited has done so for twice the hold at most
         assert self.now - command.at_ns < max(RULES.deadline_ns, 2 * HOLD_NS + 1)
         # armed
         trips = [number for number, e in enumerate(self.history) if e.kind == "trip"]
         if trips:
             self.judge_reset(trips[-1], index, command)
+
+    def has_let_go(self, command: Event) -> bool:
+        """Return whether nobody else drove when its client began to push."""
+        own = [e for e in self.history if e.client == command.client]
+        newest = own.index(command)
+        for event, later in itertools.pairwise(reversed(own[: newest + 1])):
+            if event.kind == "gone" or event.velocity.is_zero:
+                return True
+            if later.kind == "refused" and later.velocity != ZERO:
+                return event.at_ns - later.at_ns >= RULES.deadline_ns
+        return True
 
     def newest_command(self) -> tuple[int, Event]:
         """Return the newest command to move that the holder has sent and that was not stale."""
@@ -223,6 +235,7 @@ class Driving(RuleBasedStateMachine):
     def it_knows_no_more_than_a_command_and_a_lease(self) -> None:
         assert not any(isinstance(v, list | dict | set) for v in vars(self.drive).values())
         assert sys.getsizeof(self.drive.__dict__) < 10_000
+        assert len(self.drive._turned_away) <= len("abc")
 
     @invariant()
     def a_robot_that_moves_has_a_holder_a_guard_and_a_deadline(self) -> None:
