@@ -21,7 +21,7 @@ from gateway.protocol.session import Session
 from gateway.server import health
 from gateway.server.health import Health
 from gateway.server.picture_requests import PATHS as PICTURE_PATHS
-from gateway.server.static_files import INDEX, StaticFiles, is_browser, response_of
+from gateway.server.static_files import INDEX, StaticFiles, is_browser, moved, response_of
 from gateway.server.url_options import UrlOptionError, image_format
 
 if TYPE_CHECKING:  # it imports this
@@ -202,6 +202,8 @@ class HttpFront:
                 return page(protocol, request, _WELCOME.format(address=address).encode())
             path = INDEX
         file = self._files.find(path) or self._files.find(f"{path}.html")
+        if file is None and self._files.find(f"{path.rstrip('/')}.html"):
+            return moved(protocol, request, path.rstrip("/"))  # its relative addresses would fail
         return response_of(protocol, request, file) if file else None
 
     def _log_foreign(self, host: str) -> None:

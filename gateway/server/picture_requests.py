@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The parameters of `/snapshot` and `/stream`, as the subscription that they ask for."""
 
+import contextlib
 import difflib
+import re
 from collections.abc import Callable
 from typing import Final, Literal, NamedTuple
 from urllib.parse import parse_qs, urlsplit
@@ -30,6 +32,7 @@ class _Number(NamedTuple):
     most: float
 
 
+_NUMBER: Final = re.compile(r"[0-9.eE+-]{1,32}")
 # a browser takes an address that it has seen for one picture: a page changes this one
 _IGNORED: Final = "t"
 _NUMBERS: Final = {
@@ -60,13 +63,15 @@ def picture_request(target: str) -> Subscribe:
             near = difflib.get_close_matches(name, known, n=1)
             hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(known)}"
             raise PictureRequestError(f"{truncate(name)}: unknown; {hint}")
-    topic = query.get("topic", [""])[-1]
+        if len(query[name]) > 1 and name != _IGNORED:
+            raise PictureRequestError(f"{name}: given {len(query[name])} times; give it once")
+    topic = query.get("topic", [""])[0]
     if not topic:
         raise PictureRequestError(
             f"topic: missing; name a topic of pictures: {address.path}?topic=/camera/image_raw"
         )
     image = {
-        number.member: _value(name, query[name][-1], number)
+        number.member: _value(name, query[name][0], number)
         for name, number in _NUMBERS.items()
         if name in query
     }
@@ -75,10 +80,10 @@ def picture_request(target: str) -> Subscribe:
 
 
 def _value(name: str, text: str, number: _Number) -> float:
-    try:
-        value = number.read(text)
-    except ValueError:
-        value = float("nan")
+    value = float("nan")
+    if _NUMBER.fullmatch(text):  # Python reads 1_0, blanks and other scripts' digits, too
+        with contextlib.suppress(ValueError):
+            value = number.read(text)
     if number.least <= value <= number.most:
         return value
     kind = "a whole number" if number.read is int else "a number"

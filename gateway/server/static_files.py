@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from http import HTTPStatus
 from pathlib import Path
 from typing import Final
+from urllib.parse import urlsplit
 
 from websockets.http11 import Request, Response
 from websockets.server import ServerProtocol
@@ -105,6 +106,14 @@ def response_of(protocol: ServerProtocol, request: Request, file: StaticFile) ->
     headers["Content-Length"] = str(len(body))
     if request.method != "HEAD":
         response.body = body
+    return response
+
+
+def moved(protocol: ServerProtocol, request: Request, path: str) -> Response:
+    """Return where a file is that was asked for by another path."""
+    query = urlsplit(request.path).query
+    response = protocol.reject(HTTPStatus.PERMANENT_REDIRECT, f"it is at {path}\n")
+    response.headers["Location"] = f"{path}?{query}" if query else path
     return response
 
 

@@ -314,6 +314,11 @@ async def test_viewers_are_neither_half_open_nor_do_they_take_the_pages_of_metri
         ("/stream?topic=/a//b", 400, ""),
         (f"/stream?topic={CAMERA}&quality=0", 400, "quality: got '0', expected a whole number"),
         (f"/stream?topic={CAMERA}&width=wide", 400, "width: got 'wide', expected a whole number"),
+        (f"/stream?topic={CAMERA}&width=1_0_0", 400, "width: got '1_0_0', expected a whole"),
+        (f"/stream?topic={CAMERA}&width=%20100", 400, "width: got ' 100', expected a whole"),
+        (f"/stream?topic={CAMERA}&width=%D9%A1%D9%A0", 400, "expected a whole number from 1 to"),
+        (f"/stream?topic={CAMERA}&width=1e2", 400, "width: got '1e2', expected a whole number"),
+        (f"/stream?topic={CAMERA}&topic=/odom", 400, "topic: given 2 times; give it once"),
         (f"/stream?topic={CAMERA}&fps=nan", 400, "fps: got 'nan', expected a number from 0.001"),
         (f"/stream?topic={CAMERA}&qualty=3", 400, "qualty: unknown; did you mean quality?"),
         (f"/snapshot?topic={CAMERA}&fps=3", 400, "fps: unknown; known are topic, quality"),
@@ -490,9 +495,9 @@ def test_a_request_becomes_the_subscription_that_it_asks_for():
 
 
 def test_a_request_has_16_parameters_at_most():
-    assert picture_request(f"/snapshot?{'&'.join(['topic=/a'] * 16)}").topic == "/a"
+    assert picture_request(f"/snapshot?topic=/a{'&t=1' * 15}").topic == "/a"
     with pytest.raises(PictureRequestError, match="at most 16 parameters"):
-        picture_request(f"/snapshot?{'&'.join(['topic=/a'] * 17)}")
+        picture_request(f"/snapshot?topic=/a{'&t=1' * 16}")
 
 
 async def test_a_first_picture_is_waited_for_5_s(serve: Serve):

@@ -60,6 +60,14 @@ async def test_a_page_is_named_without_its_ending(serve, files):
         assert b"<title>Drive" in page.body
 
 
+@pytest.mark.parametrize(("path", "to"), [("/drive/", "/drive"), ("/lab/?map=/m", "/lab?map=/m")])
+async def test_a_page_that_is_named_as_a_folder_is_moved(serve, files, path: str, to: str):
+    async with serve(files=files) as served:
+        answer = await get(served.port, path, HTML)
+        assert (answer.status, answer.headers["location"]) == (308, to)
+        assert (await get(served.port, "/nothing/", HTML)).status == 404
+
+
 async def test_without_pages_a_browser_gets_the_text(serve):
     async with serve() as served:
         page = await get(served.port, "/", HTML)
