@@ -2,7 +2,7 @@
 // The viewer without a headset: WASD walk, dragging looks around, a click or Enter points at the floor.
 
 import { Group, PerspectiveCamera, Raycaster, Vector2 } from "../vendor/three.js";
-import { watchKeys } from "./keys.js";
+import { watchKeys } from "../shared/keys.js";
 
 const EYES_M = 1.6;
 const WALK_M_S = 2;
