@@ -105,13 +105,8 @@ gateway.on("graph", () => {
 });
 gateway.subscribe("/rosout", {}, (line) => motion.log(line, command.name), () => {}); // without it the page knows less, and drives
 
-addEventListener("keydown", (event) => {
-  if (event.code !== "Space" || event.target instanceof HTMLButtonElement) return; // a button takes it itself
-  event.preventDefault();
-  find("stop").click();
-});
-// Before anything else: what is still held would drive on, as the gateway takes this page's STOP for a stop of its own.
-find("stop").addEventListener("click", letGo, { capture: true });
+bar.stopBySpace();
+gateway.on("stopping", letGo);
 find("take").onclick = async () => {
   try {
     await command.acquire();

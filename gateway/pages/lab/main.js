@@ -225,8 +225,7 @@ gateway.on("graph", () => {
 });
 
 find("topic").onchange = () => read(find("topic").value);
-// Before anything else: what is still held would drive on, as the gateway takes this page's STOP for a stop of its own.
-find("stop").addEventListener("click", () => letGoOfAll("STOP was pressed"), { capture: true });
+gateway.on("stopping", () => letGoOfAll("STOP was pressed"));
 find("take").onclick = async () => {
   try {
     await command.acquire();
@@ -235,11 +234,7 @@ find("take").onclick = async () => {
     bar.tell(error.message);
   }
 };
-addEventListener("keydown", (event) => {
-  if (event.code !== "Space" || (event.target instanceof Element && event.target.matches("button, select, input"))) return; // they take it themselves
-  event.preventDefault();
-  pressStop();
-});
+bar.stopBySpace();
 addEventListener("blur", () => letGoOfAll("the window lost the focus"));
 addEventListener("pagehide", () => letGoOfAll("the page was left"));
 document.addEventListener("visibilitychange", () => document.hidden && letGoOfAll("the page is hidden"));

@@ -3,6 +3,11 @@
 
 import { refusal } from "./control_words.js";
 import { element, find } from "./dom.js";
+import { tell } from "./notice.js";
+import { stopButton } from "./stop.js";
+
+export { tell, untell } from "./notice.js";
+export { stopBySpace } from "./stop.js";
 
 const PAGES = { Debug: "/", Drive: "/drive", Lab: "/lab" };
 const WORDS = {
@@ -12,27 +17,6 @@ const WORDS = {
   token: () => "a token is needed",
 };
 
-/** Show a sentence to everybody, or nothing. */
-export function tell(text) {
-  find("notice").textContent = text;
-  find("notice").hidden = !text;
-}
-
-/** Show a sentence no longer, if it is still what is shown. */
-export function untell(text) {
-  if (find("notice").textContent === text) tell("");
-}
-
-/** Stop the robot, whoever drives it. */
-async function stop(gateway) {
-  try {
-    const { topics } = await gateway.ask({ op: "stop" });
-    tell(topics.length ? `STOP went to ${topics.join(", ")}.` : "nothing moves: no command topic is in use");
-  } catch (error) {
-    tell(`STOP was not carried out: ${error.message}`);
-  }
-}
-
 /**
  * Put the bar at the top of a page and connect it with its gateway.
  * @param {import("./gateway.js").Gateway} gateway
@@ -40,7 +24,7 @@ async function stop(gateway) {
  * @param {...Node} more what the page has between the connection and STOP
  */
 export function connect(gateway, here, ...more) {
-  document.body.prepend(header(here, more), element("p", { id: "notice", className: "notice", role: "alert", hidden: true }));
+  document.body.prepend(header(gateway, here, more), element("p", { id: "notice", className: "notice", role: "alert", hidden: true }));
   document.body.append(tokenDialog(gateway));
   const top = document.querySelector(".bar");
   new ResizeObserver(() => document.documentElement.style.setProperty("--bar", `${top.getBoundingClientRect().height}px`)).observe(top);
@@ -56,10 +40,9 @@ export function connect(gateway, here, ...more) {
     }
   });
   gateway.on("status", (frame) => tell(refusal(frame)));
-  find("stop").onclick = () => stop(gateway);
 }
 
-function header(here, more) {
+function header(gateway, here, more) {
   const links = Object.entries(PAGES).map(([name, path]) => (
     element("a", { href: path, aria: name === here ? { current: "page" } : {} }, name)
   ));
@@ -69,7 +52,7 @@ function header(here, more) {
     element("nav", { className: "pages", aria: { label: "Pages" } }, ...links),
     element("p", { id: "state", className: "state", role: "status" }, "connecting"),
     ...more,
-    element("button", { id: "stop", className: "stop", type: "button", title: "Stop the robot, whoever drives it" }, "STOP"),
+    stopButton(gateway),
   );
 }
 

@@ -36,8 +36,8 @@ export function address() {
  * @property {boolean} isRefused whether the gateway does not have it
  */
 
-/** Events: `state`, with `open`, `connecting`, `closed` or `token` as detail; the names of operations, such as `graph`, `status`
- * and `control`, with a frame that answers nothing as detail. */
+/** Events: `state`, with `open`, `connecting`, `closed` or `token` as detail; `stopping`, before this page's STOP goes out; the names of
+ * operations, such as `graph`, `status` and `control`, with a frame that answers nothing as detail. */
 export class Gateway extends EventTarget {
   #socket = null;
   #subscriptions = new Map();
@@ -116,6 +116,15 @@ export class Gateway extends EventTarget {
       this.#pending.set(id, { resolve, reject });
       if (!this.send({ ...operation, id }, json)) this.#settle(id, null, "not connected");
     });
+  }
+
+  /**
+   * Stop the robot, whoever drives it. What is held here is let go of before: the gateway takes this page's STOP for a stop of its own,
+   * and what is still held would drive on.
+   */
+  stop() {
+    this.dispatchEvent(new CustomEvent("stopping"));
+    return this.ask({ op: "stop" });
   }
 
   /**

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as bar from "../../shared/bar.js";
 import { CommandTopic } from "../../shared/command_topic.js";
-import { element, find } from "../../shared/dom.js";
+import { element } from "../../shared/dom.js";
 import { Driver } from "../../shared/driver.js";
 import { watch } from "../../shared/held.js";
 import { Card } from "./card.js";
@@ -15,7 +15,7 @@ export class DriveCard extends Card {
   #take;
   #command;
   #held;
-  #ignore;
+  #forgets;
 
   constructor(gateway, shown, actions) {
     const title = `Drive ${shown.topic}`;
@@ -27,15 +27,9 @@ export class DriveCard extends Card {
     this.#command = new CommandTopic(gateway, () => this.#write(), this.topic);
     const driver = new Driver(({ linear, angular }) => this.#command.publish(linear * MOST_M_S, angular * MOST_RAD_S));
     this.#take.onclick = () => this.#takeOver(driver);
-    stick.addEventListener("keydown", (event) => {
-      if (event.code !== "Space") return; // STOP, as on the drive page
-      event.preventDefault();
-      find("stop").click();
-    });
+    bar.stopBySpace(stick);
     this.#held = watch(stick, knob, (linear, angular) => driver.hold(linear, angular), stick);
-    this.#ignore = gateway.on("state", this.#held.letGo); // what was held before belongs to another connection
-    // Before the button's own work: the gateway takes this page's STOP for a stop of its own, and what is held would drive on.
-    find("stop").addEventListener("click", this.#held.letGo, { capture: true });
+    this.#forgets = ["state", "stopping"].map((each) => gateway.on(each, this.#held.letGo)); // what was held before belongs to another connection
     this.body.append(this.#words, this.#take, stick);
     this.footer.textContent = `at most ${MOST_M_S} m/s and ${MOST_RAD_S} rad/s; the Drive page has more`;
     this.#write();
@@ -43,8 +37,7 @@ export class DriveCard extends Card {
 
   close() {
     this.#held.end();
-    find("stop").removeEventListener("click", this.#held.letGo, { capture: true });
-    this.#ignore();
+    for (const forget of this.#forgets) forget();
     this.#command.close();
     super.close();
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { element, find } from "../../shared/dom.js";
+import { element } from "../../shared/dom.js";
 import { Form } from "../forms/form.js";
 import { FormCard } from "./form_card.js";
 
@@ -13,9 +13,8 @@ export class PublishCard extends FormCard {
   #refused = 0; // of these, by the gateway
   #rates = element("select", { title: "so many messages a second" });
   #repeat = element("button", { type: "button", aria: { pressed: "false" } }, "Repeat");
-  #ignore = () => {};
+  #forgets = [];
   #end = () => this.#stop();
-  #halt = () => this.#obeyStop();
 
   constructor(gateway, shown, actions) {
     super(gateway, shown, actions, { verb: "Publish", title: `Publish ${shown.topic}`, type: gateway.graph.typeOf(shown.topic) });
@@ -26,10 +25,8 @@ export class PublishCard extends FormCard {
     this.#repeat.onclick = () => (this.#timer ? this.#stop() : this.#start());
     this.#rates.onchange = () => this.#timer && this.#start();
     this.buttons.append(this.#repeat, this.#rates);
-    this.#ignore = gateway.on("state", this.#end);
+    this.#forgets = [gateway.on("state", this.#end), gateway.on("stopping", () => this.#obeyStop())];
     document.addEventListener("visibilitychange", this.#end);
-    // Before the button's own work: a message after the gateway's stop would drive on.
-    find("stop").addEventListener("click", this.#halt, { capture: true });
   }
 
   formOf(described) {
@@ -48,9 +45,8 @@ export class PublishCard extends FormCard {
   close() {
     this.#stop();
     this.#listener.end();
-    this.#ignore();
+    for (const forget of this.#forgets) forget();
     document.removeEventListener("visibilitychange", this.#end);
-    find("stop").removeEventListener("click", this.#halt, { capture: true });
     super.close();
   }
 

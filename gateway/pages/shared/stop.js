@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// STOP: the button, its key, and what became of it in words.
+
+import { element, find } from "./dom.js";
+import { isTaken } from "./keys.js";
+import { tell } from "./notice.js";
+
+const SOON_MS = 500; // the gateway's deadline: by then it has stopped what this page drove, if the link is dead
+
+/**
+ * Return the button that stops the robot, whoever drives it.
+ * @param {import("./gateway.js").Gateway} gateway
+ */
+export function stopButton(gateway) {
+  const button = element("button", { id: "stop", className: "stop", type: "button", title: "Stop the robot, whoever drives it" }, "STOP");
+  let isPressed = false; // by a pointer, which may have a click to come
+  button.onpointerdown = () => { // a second finger makes no click
+    isPressed = true;
+    stop(gateway);
+  };
+  button.onclick = ({ detail }) => {
+    if (detail === 0 || !isPressed) stop(gateway); // a key, or a screen reader
+    isPressed = false;
+  };
+  button.onkeydown = (event) => {
+    if (event.repeat) event.preventDefault();
+  };
+  return button;
+}
+
+/** Press STOP by the space bar, unless that is for what has the focus. */
+export function stopBySpace(where = window) {
+  where.addEventListener("keydown", (event) => {
+    if (event.code !== "Space" || event.target instanceof HTMLButtonElement || isTaken(event)) return;
+    event.preventDefault();
+    if (!event.repeat) find("stop").click();
+  });
+}
+
+async function stop(gateway) {
+  const late = setTimeout(() => tell("STOP is not confirmed: the gateway has not answered yet."), SOON_MS);
+  try {
+    const { topics } = await gateway.stop();
+    tell(topics.length ? `STOP went to ${topics.join(", ")}.` : "nothing moves: no command topic is in use");
+  } catch (error) {
+    tell(`STOP was not carried out: ${error.message}`);
+  } finally {
+    clearTimeout(late);
+  }
+}

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: Apache-2.0
+"""STOP, at the top of every page."""
+
+import pytest
+
+from tests.pages.conftest import page_address
+from tests.pages.test_cards import NOTE_SENT
+from tests.pages.test_debug_page import PHONE
+from tests.pages.test_drive_page import Watched, drive, until_it_drives, watched
+
+__all__ = ["drive", "watched"]  # fixtures
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+FINGER_PX = 44
+THUMBS = {"viewport": PHONE, "has_touch": True, "is_mobile": True}
+STOPPED = "() => notice.textContent === 'STOP went to /cmd_vel.'"
+STOPS = "() => sent.filter((each) => JSON.parse(each).op === 'stop').length"
+
+
+async def middle_of(page, selector: str) -> dict[str, float]:
+    box = await page.locator(selector).bounding_box()
+    return {"x": box["x"] + box["width"] / 2, "y": box["y"] + box["height"] / 2}
+
+
+async def fingers(page):
+    """Return a function that says where fingers are now."""
+    session = await page.context.new_cdp_session(page)
+
+    async def touch(kind: str, *points: dict[str, float]) -> None:
+        numbered = [point | {"id": number} for number, point in enumerate(points)]
+        event = {"type": kind, "touchPoints": numbered}
+        await session.send("Input.dispatchTouchEvent", event)
+
+    return touch
+
+
+@pytest.mark.parametrize("name", ["", "drive", "lab"])
+async def test_a_second_finger_stops_while_another_rests_on_the_screen(demo, open_page, name):
+    async with open_page(page_address(demo) + name, **THUMBS) as page:
+        await page.wait_for_selector(".state[data-state=open]")
+        touch = await fingers(page)
+        stop = await middle_of(page, "#stop")
+        elsewhere = {"x": 20.0, "y": 600.0}
+        await touch("touchStart", elsewhere)
+        await touch("touchStart", elsewhere, stop)
+        await page.wait_for_function(STOPPED)
+        await touch("touchEnd")
+        assert (await page.locator("#stop").bounding_box())["height"] >= FINGER_PX
+
+
+async def test_a_second_finger_stops_what_the_first_one_drives(demo, open_page, watched: Watched):
+    async with open_page(f"{page_address(demo)}drive", **THUMBS) as page:
+        await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
+        touch = await fingers(page)
+        thumb: dict[str, float] = {}
+
+        async def hold() -> None:
+            await page.locator("#stick").scroll_into_view_if_needed()
+            thumb.update(await middle_of(page, "#stick"))
+            thumb["y"] -= 40
+            await touch("touchStart", thumb)
+
+        await until_it_drives(page, hold, lambda: touch("touchEnd"))
+        await watched.until(state="moving")
+        await touch("touchStart", thumb, await middle_of(page, "#stop"))
+        await watched.until(state="stopped")
+        assert await page.evaluate("() => knob.style.transform") == "translate(0rem, 0rem)"
+        await touch("touchEnd")
+
+
+async def test_each_way_to_press_it_stops_once(demo, open_page):
+    async with open_page(f"{page_address(demo)}drive", script=NOTE_SENT, **THUMBS) as page:
+        await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
+
+        async def hold(key: str) -> None:
+            for _ in range(3):
+                await page.keyboard.down(key)  # which repeats it
+            await page.keyboard.up(key)
+
+        ways = [
+            lambda: page.tap("#stop"),
+            lambda: page.click("#stop"),
+            lambda: page.evaluate("() => document.activeElement.blur()"),
+            lambda: hold("Space"),
+            lambda: page.focus("#stop"),
+            lambda: hold("Enter"),
+            lambda: hold("Space"),
+        ]
+        counts = []
+        for way in ways:
+            await way()
+            counts.append(await page.evaluate(STOPS))
+        assert counts == [1, 2, 2, 3, 3, 4, 5]
