@@ -3,6 +3,10 @@
 
 import pytest
 
+from tests.client import client
+from tests.gateway_process import gateway_process
+from tests.pages.conftest import page_address
+from tests.pages.test_cards import NOTE_SENT
 from tests.pages.test_drive_page import Watched, drive, drive_by, watched
 
 __all__ = ["drive", "watched"]  # fixtures
@@ -10,6 +14,12 @@ __all__ = ["drive", "watched"]  # fixtures
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 
 AT_REST = "() => ['', 'translate(0rem, 0rem)'].includes(knob.style.transform)"
+GOES_ON_MS = 300  # in which what is held would go on, several times over
+DRIVE_CARD = "#card=drive+0+/cmd_vel"
+# how many commands to move this page has sent
+MOTIONS = """() => sent.map((each) => JSON.parse(each)).filter(
+    ({ op, msg }) => op === "publish" && (msg.linear.x || msg.angular.z)).length"""
+TWIST = "geometry_msgs/msg/Twist"
 
 
 async def push_the_stick(page) -> tuple[float, float]:
@@ -82,3 +92,64 @@ async def test_a_thumb_that_rests_on_the_stick_opens_no_menu_and_goes_on(drive):
         assert not await page.evaluate(open_menu)
         assert not await page.evaluate(AT_REST)
         await page.mouse.up()
+
+
+async def assert_it_sends_nothing_that_moves(page) -> None:
+    before = await page.evaluate(MOTIONS)
+    await page.wait_for_timeout(GOES_ON_MS)
+    assert await page.evaluate(MOTIONS) == before
+
+
+@pytest.mark.parametrize("when", ["from the start", "later"])
+@pytest.mark.parametrize("name", ["drive", DRIVE_CARD, "lab"])
+async def test_what_is_held_while_another_client_drives_moves_nothing_when_that_ends(
+    demo, open_page, watched: Watched, name, when
+):
+    said = "document.querySelector('.control')?.textContent"
+    address = page_address(demo) + name
+    async with client(demo.url) as other, open_page(address, script=NOTE_SENT) as page:
+        if name == "lab":
+            await page.evaluate("() => control.classList.add('control')")  # for `drive_by`
+        await page.wait_for_function(f"() => {said}?.startsWith('Stopped')")
+        if name == DRIVE_CARD:
+            await page.focus(".stick")
+        if when == "later":
+            await drive_by(page, "ArrowLeft")
+            await watched.until(state="moving")
+        await other.send(op="acquire_control", topic="/cmd_vel")
+        await page.wait_for_function(f"() => {said} === 'Another client drives.'")
+        if when != "later":
+            await page.keyboard.down("ArrowLeft")
+        await page.wait_for_function("() => notice.textContent.includes('drives /cmd_vel')")
+        await other.send(op="release_control", topic="/cmd_vel")
+        await page.wait_for_function(f"() => {said}.startsWith('Stopped')")
+        await assert_it_sends_nothing_that_moves(page)
+        await page.keyboard.up("ArrowLeft")
+        await drive_by(page, "ArrowLeft")
+        await watched.until(state="moving")
+        await page.keyboard.up("ArrowLeft")
+        await watched.until(state="stopped")
+
+
+async def test_what_is_held_while_a_robot_leaves_moves_nothing_when_it_comes_back(
+    open_page, nowhere
+):
+    says = "() => control.textContent.startsWith"
+    async with (
+        gateway_process("serve", *nowhere) as gateway,
+        gateway_process("serve", *nowhere) as robot,
+        client(robot.url) as motor,
+        open_page(f"{page_address(gateway)}drive", script=NOTE_SENT) as page,
+    ):
+        await page.wait_for_selector(".state[data-state=open]")
+        await page.keyboard.down("ArrowLeft")
+        for _ in range(2):
+            await motor.send(op="subscribe", topic="/cmd_vel", type=TWIST)
+            await page.wait_for_function(f"{says}('Stopped')")
+            await assert_it_sends_nothing_that_moves(page)
+            await page.keyboard.up("ArrowLeft")
+            await drive_by(page, "ArrowLeft")
+            await page.wait_for_function(f"{says}('Commands go out')")  # no odometry comes
+            await motor.send(op="unsubscribe", topic="/cmd_vel")
+            await page.wait_for_function(f"{says}('Nobody listens on /cmd_vel')")
+        await page.keyboard.up("ArrowLeft")

@@ -96,6 +96,7 @@ function told() {
   tick();
   find("take").hidden = command.state?.holder !== "other";
   if (command.isDriving) bar.tell(""); // what was refused before
+  if (!command.isFree) letGo(); // it has to be pressed anew
 }
 
 gateway.on("graph", () => {

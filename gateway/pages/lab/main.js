@@ -179,6 +179,7 @@ function publish(linear, angular) {
 function told() {
   find("take").hidden = command.state?.holder !== "other";
   if (command.isDriving) bar.tell(""); // what was refused or stopped before
+  if (!command.isFree) letGo();
   pilot.told(command.state);
   showState();
 }

@@ -4,37 +4,38 @@ import { sentence } from "./control_words.js";
 const STAMPED = "geometry_msgs/msg/TwistStamped";
 export const COMMAND_TYPES = ["geometry_msgs/msg/Twist", STAMPED];
 
+const LOST = {
+  closed: "Not connected: the gateway stops what you drove.",
+};
+
 /** The topic that moves the robot, as the gateway guards it. */
 export class CommandTopic {
-  /** Its state by the gateway, or null if nobody listens on it or there is no connection. */
+  /** Its state by the gateway, or null if nobody listens on it or there is no connection. @type {any} */
   state = null;
-  /** What a person who drives reads. */
-  words = "";
   #gateway;
   #wanted;
   #topic = "";
   #type = ""; // while somebody listens
   #told;
   #forgets;
+  #problem = ""; // why there is no state
+  #attempt; // what hears that a command was refused because of another client
 
   /**
    * @param {import("./gateway.js").Gateway} gateway
-   * @param {() => void} told is called when the state has changed
+   * @param {() => void} told is called when the state has changed, and when something is held in vain: unless it `isFree`, whoever
+   *   holds something lets go of it
    * @param {string} [wanted] its name; by default the one that the gateway names first
    */
   constructor(gateway, told, wanted) {
     this.#gateway = gateway;
     this.#told = told;
     this.#wanted = wanted;
-    const changed = ({ state }) => {
-      this.#type = "";
-      this.state = null;
-      if (state === "closed") this.words = "Not connected: the gateway stops what you drove.";
-      told();
-    };
+    this.#attempt = gateway.listen((frame) => this.#refused(frame));
     this.#forgets = [
-      gateway.on("state", changed),
-      gateway.on("graph", () => this.#watch()),
+      this.#attempt.end,
+      gateway.on("state", ({ state }) => this.#lose(LOST[state] ?? this.#problem)),
+      gateway.on("graph", () => this.#look()),
       gateway.on("control", (state) => this.#take(state)),
     ];
     if (gateway.isOpen) this.#watch();
@@ -50,12 +51,27 @@ export class CommandTopic {
     return this.state?.holder === "you" && this.state.state === "moving";
   }
 
+  /** Whether this page may drive: somebody listens, and no other client drives. */
+  get isFree() {
+    return this.state !== null && this.state.holder !== "other";
+  }
+
+  /** What a person who drives reads. */
+  get words() {
+    return this.state ? sentence(this.state) : this.#problem;
+  }
+
   /** Publish a speed in m/s and rad/s; return whether it was sent. */
   publish(linear, angular) {
-    if (!this.#type) return false;
+    if (!this.#type) {
+      if (linear || angular) this.#told();
+      return false;
+    }
     const twist = { linear: { x: linear }, angular: { z: angular } };
     const msg = this.#type === STAMPED ? { twist } : twist;
-    return this.#gateway.send({ op: "publish", topic: this.#topic, type: this.#type, msg, monotonic_ms: Math.round(performance.now()) });
+    // Each refusal of a command with an id is answered. Another client that only sends zeros is not in the way.
+    const id = this.state.holder === "other" ? { id: this.#attempt.id } : {};
+    return this.#gateway.send({ op: "publish", ...id, topic: this.#topic, type: this.#type, msg, monotonic_ms: Math.round(performance.now()) });
   }
 
   /** The name of the topic, "" before it is known. */
@@ -70,22 +86,46 @@ export class CommandTopic {
 
   /** Ask for the state, once somebody listens; its changes follow. */
   async #watch() {
-    if (this.#type) return;
     try {
       this.#take(await this.#gateway.ask({ op: "control", topic: this.#wanted, watch: true }));
     } catch (error) {
-      this.words = error.message;
-      this.#told();
+      this.#lose(error.message);
     }
+  }
+
+  /** Look whether somebody listens; a robot that has left, and comes back, begins anew. */
+  #look() {
+    if (!this.#type) this.#watch();
+    else if (!this.#isHeard) this.#lose(this.#unheard);
   }
 
   #take(state) {
     if (this.#wanted && state.topic !== this.#wanted) return; // of another card
     const type = this.#gateway.graph.typeOf(state.topic);
     this.#topic = state.topic;
-    this.#type = COMMAND_TYPES.includes(type) ? type : "";
-    this.state = this.#type ? state : null;
-    this.words = this.#type ? sentence(state) : `Nobody listens on ${state.topic}: there is nothing to drive.`;
+    if (!COMMAND_TYPES.includes(type) || !this.#isHeard) return this.#lose(this.#unheard);
+    this.#type = type;
+    this.state = state;
     this.#told();
+  }
+
+  #lose(problem) {
+    this.#type = "";
+    this.state = null;
+    this.#problem = problem;
+    this.#told();
+  }
+
+  #refused(frame) {
+    this.#gateway.dispatchEvent(new CustomEvent("status", { detail: frame }));
+    if (frame.level === "error") this.#told();
+  }
+
+  get #isHeard() {
+    return (this.#gateway.graph.topics.get(this.#topic)?.subscribers ?? []).length > 0;
+  }
+
+  get #unheard() {
+    return `Nobody listens on ${this.#topic}: there is nothing to drive.`;
   }
 }

@@ -36,9 +36,9 @@ export class Driver {
 
   #repeat() {
     clearTimeout(this.#timer);
-    this.#send(this.#wish);
-    if (isZero(this.#wish) && --this.#zeros <= 0) return;
-    this.#timer = setTimeout(() => this.#repeat(), REPEAT_MS);
+    const isLast = isZero(this.#wish) && --this.#zeros <= 0;
+    if (!isLast) this.#timer = setTimeout(() => this.#repeat(), REPEAT_MS);
+    this.#send(this.#wish); // at last: where it is refused, what is held may be let go of within
   }
 }
 
