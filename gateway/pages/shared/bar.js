@@ -13,6 +13,7 @@ const PAGES = { Debug: "/", Drive: "/drive", Lab: "/lab" };
 const WORDS = {
   open: () => "connected",
   connecting: () => "connecting",
+  silent: (seconds) => `no answer for ${seconds} s`,
   closed: (reason) => `not connected${reason ? `: ${reason}` : ""}; trying again`,
   token: () => "a token is needed",
 };
@@ -28,16 +29,21 @@ export function connect(gateway, here, ...more) {
   document.body.append(tokenDialog(gateway));
   const top = document.querySelector(".bar");
   new ResizeObserver(() => document.documentElement.style.setProperty("--bar", `${top.getBoundingClientRect().height}px`)).observe(top);
-  gateway.on("state", ({ state, reason }) => {
-    const before = find("state").dataset.state;
-    find("state").textContent = WORDS[state](reason);
+  let before = "";
+  const say = (state, detail) => {
+    find("state").textContent = WORDS[state](detail);
     find("state").dataset.state = state;
+  };
+  gateway.on("silence", (seconds) => (seconds ? say("silent", seconds) : say(before, "")));
+  gateway.on("state", ({ state, reason }) => {
+    say(state, reason);
     // what was said belongs to the connection before; but what is said without one stays while others are tried
     if (state === "open" || (state === "closed" && before === "open")) tell("");
     if (state === "token") {
       find("token-problem").textContent = reason;
       find("token").showModal();
     }
+    before = state;
   });
   gateway.on("status", (frame) => tell(refusal(frame)));
 }

@@ -19,6 +19,7 @@ export class CommandTopic {
   #told;
   #forgets;
   #problem = ""; // why there is no state
+  #silentS = 0;
   #attempt; // what hears that a command was refused because of another client
 
   /**
@@ -35,6 +36,7 @@ export class CommandTopic {
     this.#forgets = [
       this.#attempt.end,
       gateway.on("state", ({ state }) => this.#lose(LOST[state] ?? this.#problem)),
+      gateway.on("silence", (seconds) => this.#hush(seconds)),
       gateway.on("graph", () => this.#look()),
       gateway.on("control", (state) => this.#take(state)),
     ];
@@ -51,20 +53,22 @@ export class CommandTopic {
     return this.state?.holder === "you" && this.state.state === "moving";
   }
 
-  /** Whether this page may drive: somebody listens, and no other client drives. */
+  /** Whether this page may drive: somebody listens, no other client drives, and the gateway answers. */
   get isFree() {
-    return this.state !== null && this.state.holder !== "other";
+    return this.state !== null && this.state.holder !== "other" && !this.#silentS;
   }
 
   /** What a person who drives reads. */
   get words() {
+    if (this.#silentS) return `The gateway has not answered for ${this.#silentS} s: it stops what you drove.`;
     return this.state ? sentence(this.state) : this.#problem;
   }
 
   /** Publish a speed in m/s and rad/s; return whether it was sent. */
   publish(linear, angular) {
-    if (!this.#type) {
-      if (linear || angular) this.#told();
+    const isMotion = linear !== 0 || angular !== 0;
+    if (!this.#type || (isMotion && this.#silentS)) {
+      if (isMotion) this.#told();
       return false;
     }
     const twist = { linear: { x: linear }, angular: { z: angular } };
@@ -89,7 +93,7 @@ export class CommandTopic {
     try {
       this.#take(await this.#gateway.ask({ op: "control", topic: this.#wanted, watch: true }));
     } catch (error) {
-      this.#lose(error.message);
+      if (!error.isLost) this.#lose(error.message); // or else it has been said
     }
   }
 
@@ -112,7 +116,13 @@ export class CommandTopic {
   #lose(problem) {
     this.#type = "";
     this.state = null;
+    this.#silentS = 0;
     this.#problem = problem;
+    this.#told();
+  }
+
+  #hush(seconds) {
+    this.#silentS = seconds;
     this.#told();
   }
 

@@ -5,8 +5,8 @@ import { Arrivals } from "./arrivals.js";
 import { decode } from "./cbor.js";
 import { Drops } from "./drops.js";
 import { Graph } from "./graph.js";
+import { Pulse } from "./pulse.js";
 
-const PING_MS = 2000;
 const FIRST_RETRY_MS = 500;
 const LAST_RETRY_MS = 8000;
 const WRONG_TOKEN = 4401;
@@ -36,8 +36,9 @@ export function address() {
  * @property {boolean} isRefused whether the gateway does not have it
  */
 
-/** Events: `state`, with `open`, `connecting`, `closed` or `token` as detail; `stopping`, before this page's STOP goes out; the names of
- * operations, such as `graph`, `status` and `control`, with a frame that answers nothing as detail. */
+/** Events: `state`, with `open`, `connecting`, `closed` or `token` as detail; `silence`, with the seconds for which nothing has come though
+ * an answer is due, and with 0 when it is over; `stopping`, before this page's STOP goes out; the names of operations, such as `graph`,
+ * `status` and `control`, with a frame that answers nothing as detail. */
 export class Gateway extends EventTarget {
   #socket = null;
   #subscriptions = new Map();
@@ -47,7 +48,7 @@ export class Gateway extends EventTarget {
   #nextId = 1;
   #retryMs = FIRST_RETRY_MS;
   #token = takeToken();
-  #pinging = 0;
+  #pulse = new Pulse(() => this.#ping(), (seconds) => this.#tellOfSilence(seconds), (seconds) => this.#giveUp(seconds));
   #throttles = new Map(); // topic -> milliseconds
   #drops = new Map(); // topic -> Drops
   #settling = new Set(); // topics without a throttle, which the gateway may not have read yet
@@ -79,9 +80,11 @@ export class Gateway extends EventTarget {
     const socket = new WebSocket(address(), protocols);
     this.#socket = socket;
     socket.binaryType = "arraybuffer";
-    socket.onopen = () => this.#open();
-    socket.onmessage = (event) => this.#receive(event.data);
-    socket.onclose = (event) => this.#close(socket, event);
+    const ifCurrent = (action) => (event) => socket === this.#socket && action(event);
+    socket.onopen = ifCurrent(() => this.#open());
+    socket.onmessage = ifCurrent(({ data }) => this.#receive(data));
+    socket.onclose = ifCurrent((event) => this.#close(event));
+    this.#pulse.begin();
   }
 
   /** Whether operations can be sent. */
@@ -210,8 +213,7 @@ export class Gateway extends EventTarget {
     this.send({ op: "graph", watch: true });
     for (const subscription of this.#subscriptions.values()) this.#send(subscription);
     for (const { request } of this.#lookups.values()) this.send(request);
-    this.#pinging = setInterval(() => this.#ping(), PING_MS);
-    this.#ping();
+    this.#pulse.ask();
   }
 
   async #ping() {
@@ -224,7 +226,19 @@ export class Gateway extends EventTarget {
     }
   }
 
+  #tellOfSilence(seconds) {
+    this.dispatchEvent(new CustomEvent("silence", { detail: seconds }));
+  }
+
+  /** Connect anew instead of a connection that is silent: its orderly end would wait for the other side, too. */
+  #giveUp(seconds) {
+    const socket = this.#socket;
+    this.#close({ code: 0, reason: `no answer for ${seconds} s` });
+    socket.close();
+  }
+
   #receive(data) {
+    this.#pulse.heard();
     const isText = typeof data === "string";
     const size = isText ? data.length : data.byteLength;
     this.counts.frames += 1;
@@ -302,20 +316,20 @@ export class Gateway extends EventTarget {
     }
   }
 
-  #settle(id, frame, problem, code) {
+  #settle(id, frame, problem, code, isLost = false) {
     const asked = this.#pending.get(id);
     if (!asked) return false;
     this.#pending.delete(id);
     if (frame) asked.resolve(frame);
-    else asked.reject(Object.assign(new Error(problem), { code }));
+    else asked.reject(Object.assign(new Error(problem), { code, isLost }));
     return true;
   }
 
-  #close(socket, event) {
-    if (socket !== this.#socket) return;
-    clearInterval(this.#pinging);
+  #close(event) {
+    this.#socket = null;
+    this.#pulse.end();
     this.counts.roundTripMs = null;
-    for (const id of [...this.#pending.keys()]) this.#settle(id, null, "the connection was lost");
+    for (const id of [...this.#pending.keys()]) this.#settle(id, null, "the connection was lost", "", true);
     if (event.code === WRONG_TOKEN) this.#refuse("this token is not known here, or was revoked");
     if (this.#isRefused) return;
     this.#announce("closed", event.reason);
@@ -327,7 +341,7 @@ export class Gateway extends EventTarget {
     if (this.#isRefused) return;
     this.#isRefused = true; // whoever has no token is not let in by trying again
     keepToken(null);
-    this.#socket.close();
+    this.#socket?.close();
     this.#announce("token", reason);
   }
 

@@ -43,7 +43,7 @@ async function stop(gateway) {
     const { topics } = await gateway.stop();
     tell(topics.length ? `STOP went to ${topics.join(", ")}.` : "nothing moves: no command topic is in use");
   } catch (error) {
-    tell(`STOP was not carried out: ${error.message}`);
+    tell(`STOP ${error.isLost ? "is not confirmed" : "was not carried out"}: ${error.message}`);
   } finally {
     clearTimeout(late);
   }

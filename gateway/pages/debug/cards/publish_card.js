@@ -25,7 +25,8 @@ export class PublishCard extends FormCard {
     this.#repeat.onclick = () => (this.#timer ? this.#stop() : this.#start());
     this.#rates.onchange = () => this.#timer && this.#start();
     this.buttons.append(this.#repeat, this.#rates);
-    this.#forgets = [gateway.on("state", this.#end), gateway.on("stopping", () => this.#obeyStop())];
+    // what is sent into a silent connection would arrive when nobody expects it any more
+    this.#forgets = [gateway.on("state", this.#end), gateway.on("silence", this.#end), gateway.on("stopping", () => this.#obeyStop())];
     document.addEventListener("visibilitychange", this.#end);
   }
 
