@@ -14,6 +14,8 @@ from tests.gateway_process import gateway_process
 from tests.pages.conftest import page_address
 from tests.pages.test_debug_page import new_token
 
+NOT_CONNECTED = "Not connected: the gateway asks for a token."
+
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 
 
@@ -65,3 +67,5 @@ async def test_a_page_whose_token_is_revoked_asks_for_another(open_page, tmp_pat
         gateway.process.send_signal(signal.SIGHUP)
         await page.wait_for_function(asks)
         assert "revoked" in await page.inner_text("#token-problem")
+        if name == "drive":  # and not that it drives
+            assert await page.inner_text("#control") == NOT_CONNECTED

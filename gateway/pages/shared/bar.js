@@ -37,12 +37,10 @@ export function connect(gateway, here, ...more) {
   gateway.on("silence", (seconds) => (seconds ? say("silent", seconds) : say(before, "")));
   gateway.on("state", ({ state, reason }) => {
     say(state, reason);
+    find("ask-token").hidden = state !== "token";
     // what was said belongs to the connection before; but what is said without one stays while others are tried
     if (state === "open" || (state === "closed" && before === "open")) tell("");
-    if (state === "token") {
-      find("token-problem").textContent = reason;
-      find("token").showModal();
-    }
+    if (state === "token") ask(reason);
     before = state;
   });
   gateway.on("status", (frame) => tell(refusal(frame)));
@@ -57,9 +55,16 @@ function header(gateway, here, more) {
     element("h1", {}, "ROS 2 gateway"),
     element("nav", { className: "pages", aria: { label: "Pages" } }, ...links),
     element("p", { id: "state", className: "state", role: "status" }, "connecting"),
+    element("button", { id: "ask-token", type: "button", hidden: true, onclick: () => ask("") }, "Enter a token"),
     ...more,
     stopButton(gateway),
   );
+}
+
+function ask(problem) {
+  find("token-problem").textContent = problem;
+  find("token").returnValue = ""; // of Escape, too
+  find("token").showModal();
 }
 
 function tokenDialog(gateway) {
@@ -72,9 +77,9 @@ function tokenDialog(gateway) {
       element("p", {}, element("code", {}, "ros2-gateway token create NAME"), " makes one. It is kept until this tab is closed."),
       element("label", {}, "Token ", token),
       element("p", { id: "token-problem", role: "alert" }),
-      element("button", { type: "submit" }, "Connect"),
+      element("button", { type: "submit", value: "connect" }, "Connect"),
     ),
   );
-  dialog.onclose = () => gateway.useToken(token.value.trim());
+  dialog.onclose = () => dialog.returnValue && gateway.useToken(token.value);
   return dialog;
 }

@@ -6,6 +6,7 @@ export const COMMAND_TYPES = ["geometry_msgs/msg/Twist", STAMPED];
 
 const LOST = {
   closed: "Not connected: the gateway stops what you drove.",
+  token: "Not connected: the gateway asks for a token.",
 };
 
 /** The topic that moves the robot, as the gateway guards it. */

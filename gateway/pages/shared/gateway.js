@@ -6,6 +6,7 @@ import { decode } from "./cbor.js";
 import { Drops } from "./drops.js";
 import { Graph } from "./graph.js";
 import { Pulse } from "./pulse.js";
+import * as tokens from "./token.js";
 
 const FIRST_RETRY_MS = 500;
 const LAST_RETRY_MS = 8000;
@@ -14,7 +15,6 @@ const WRONG_TOKEN = 4401;
 const OF_TOPIC = [
   "type_conflict", "qos_incompatible", "deadline_missed", "liveliness_lost", "messages_lost", "publisher_gone", "not_found", "stale", "fresh",
 ];
-const TOKEN_KEY = "ros2-gateway.token";
 
 /**
  * Return the address of the WebSocket of the gateway that served this page.
@@ -47,7 +47,7 @@ export class Gateway extends EventTarget {
   #pending = new Map();
   #nextId = 1;
   #retryMs = FIRST_RETRY_MS;
-  #token = takeToken();
+  #token = tokens.take();
   #pulse = new Pulse(() => this.#ping(), (seconds) => this.#tellOfSilence(seconds), (seconds) => this.#giveUp(seconds));
   #throttles = new Map(); // topic -> milliseconds
   #drops = new Map(); // topic -> Drops
@@ -75,6 +75,10 @@ export class Gateway extends EventTarget {
   }
 
   connect() {
+    if (this.#token && !tokens.isToken(this.#token)) {
+      this.#refuse("this is no token: one has letters, digits and _, and no space");
+      return;
+    }
     this.#announce("connecting");
     const protocols = this.#token ? ["ros2-gateway", `bearer.${this.#token}`] : [];
     const socket = new WebSocket(address(), protocols);
@@ -94,8 +98,7 @@ export class Gateway extends EventTarget {
 
   /** Connect with a token from now on. */
   useToken(token) {
-    this.#token = token;
-    keepToken(token);
+    this.#token = tokens.cleaned(token);
     this.#isRefused = false;
     this.connect();
   }
@@ -207,6 +210,7 @@ export class Gateway extends EventTarget {
       if (error.code === "forbidden") this.#refuse();
       return;
     }
+    tokens.keep(this.#token);
     this.#retryMs = FIRST_RETRY_MS;
     for (const drops of this.#drops.values()) drops.restart();
     this.#announce("open");
@@ -340,7 +344,7 @@ export class Gateway extends EventTarget {
   #refuse(reason = "") {
     if (this.#isRefused) return;
     this.#isRefused = true; // whoever has no token is not let in by trying again
-    keepToken(null);
+    tokens.keep(null);
     this.#socket?.close();
     this.#announce("token", reason);
   }
@@ -356,19 +360,3 @@ export class Gateway extends EventTarget {
 
 /** Return whether a status is about a repeated lookup: that its frame is not known yet, or that there is none to cancel. */
 const isLookup = ({ request }) => request === "lookup_transform" || request === "cancel_transform";
-
-/** Return the token: that behind # in the address, as a QR code has it, or the one kept for this tab. */
-function takeToken() {
-  const kept = new URLSearchParams(location.hash.slice(1));
-  const given = kept.get("token");
-  if (!given) return sessionStorage.getItem(TOKEN_KEY);
-  keepToken(given);
-  kept.delete("token"); // nobody should copy it with the address
-  history.replaceState(null, "", `${location.pathname}#${kept}`);
-  return given;
-}
-
-function keepToken(token) {
-  if (token) sessionStorage.setItem(TOKEN_KEY, token);
-  else sessionStorage.removeItem(TOKEN_KEY);
-}
