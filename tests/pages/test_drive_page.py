@@ -403,6 +403,16 @@ async def test_a_command_after_a_stop_is_refused_in_words_for_whoever_drives(dem
         assert "msg" not in words
 
 
+async def test_a_command_that_came_late_is_told_of_in_words_for_whoever_drives(demo, open_page):
+    async with open_page(f"{page_address(demo)}drive") as page:
+        words = await page.evaluate("""async () => {
+            const { refusal } = await import("/shared/control_words.js");
+            return refusal({ code: "stale_command", msg: "over 250 ms old, by monotonic_ms" });
+        }""")
+        assert words.startswith("What you held came late")
+        assert "monotonic" not in words
+
+
 async def test_a_robot_that_does_not_move_is_said_with_its_own_reason(drive, watched):
     async with drive() as page:
         await page.fill("#linear", "0.3")

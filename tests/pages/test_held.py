@@ -124,6 +124,7 @@ async def test_what_is_held_while_another_client_drives_moves_nothing_when_that_
         await other.send(op="release_control", topic="/cmd_vel")
         await page.wait_for_function(f"() => {said}.startsWith('Stopped')")
         await assert_it_sends_nothing_that_moves(page)
+        assert await page.evaluate("() => notice.hidden")  # it is no longer true
         await page.keyboard.up("ArrowLeft")
         await drive_by(page, "ArrowLeft")
         await watched.until(state="moving")
@@ -142,10 +143,13 @@ async def test_what_is_held_while_a_robot_leaves_moves_nothing_when_it_comes_bac
         open_page(f"{page_address(gateway)}drive", script=NOTE_SENT) as page,
     ):
         await page.wait_for_selector(".state[data-state=open]")
+        await page.click("#stop")
+        await page.wait_for_function("() => notice.textContent.startsWith('nothing moves')")
         await page.keyboard.down("ArrowLeft")
         for _ in range(2):
             await motor.send(op="subscribe", topic="/cmd_vel", type=TWIST)
             await page.wait_for_function(f"{says}('Stopped')")
+            await page.wait_for_function("() => notice.hidden")  # there is something to stop now
             await assert_it_sends_nothing_that_moves(page)
             await page.keyboard.up("ArrowLeft")
             await drive_by(page, "ArrowLeft")

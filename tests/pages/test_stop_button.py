@@ -66,6 +66,7 @@ async def test_a_second_finger_stops_what_the_first_one_drives(demo, open_page, 
         await touch("touchStart", thumb, await middle_of(page, "#stop"))
         await watched.until(state="stopped")
         assert await page.evaluate("() => knob.style.transform") == "translate(0rem, 0rem)"
+        await page.wait_for_function("() => control.textContent === 'Stopped: you pressed STOP.'")
         await touch("touchEnd")
 
 
@@ -92,3 +93,14 @@ async def test_each_way_to_press_it_stops_once(demo, open_page):
             await way()
             counts.append(await page.evaluate(STOPS))
         assert counts == [1, 2, 2, 3, 3, 4, 5]
+
+
+async def test_who_stopped_the_robot_is_said_as_it_is(demo, open_page):
+    async with open_page(f"{page_address(demo)}drive") as page:
+        words = await page.evaluate("""async () => {
+            const { sentence } = await import("/shared/control_words.js");
+            const frame = { state: "stopped", tripped: false, holder: null, guard: "ready" };
+            return [true, false].map(
+                (isStopper) => sentence({ ...frame, cause: "stop", isStopper }));
+        }""")
+        assert words == ["Stopped: you pressed STOP.", "Stopped: somebody pressed STOP."]

@@ -95,7 +95,7 @@ function hear() {
 function told() {
   tick();
   find("take").hidden = command.state?.holder !== "other";
-  if (command.isDriving) bar.tell(""); // what was refused before
+  bar.review(command);
   if (!command.isFree) letGo(); // it has to be pressed anew
 }
 

@@ -178,7 +178,7 @@ function publish(linear, angular) {
 
 function told() {
   find("take").hidden = command.state?.holder !== "other";
-  if (command.isDriving) bar.tell(""); // what was refused or stopped before
+  bar.review(command);
   if (!command.isFree) letGo();
   pilot.told(command.state);
   showState();

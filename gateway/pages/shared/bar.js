@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // What every page has at its top: the other pages, the connection in words, the token that may be asked for, and STOP.
 
-import { refusal } from "./control_words.js";
+import { isOver, refusal } from "./control_words.js";
 import { element, find } from "./dom.js";
-import { tell } from "./notice.js";
+import { review, tell } from "./notice.js";
 import { stopButton } from "./stop.js";
 
-export { tell, untell } from "./notice.js";
+export { review, tell, untell } from "./notice.js";
 export { stopBySpace } from "./stop.js";
 
 const PAGES = { Debug: "/", Drive: "/drive", Lab: "/lab" };
@@ -43,7 +43,8 @@ export function connect(gateway, here, ...more) {
     if (state === "token") ask(reason);
     before = state;
   });
-  gateway.on("status", (frame) => tell(refusal(frame)));
+  gateway.on("status", (frame) => tell(refusal(frame), isOver(frame)));
+  gateway.on("graph", () => review());
 }
 
 function header(gateway, here, more) {

@@ -21,6 +21,7 @@ export class CommandTopic {
   #forgets;
   #problem = ""; // why there is no state
   #silentS = 0;
+  #isStopper = false; // whether this page has stopped the robot last
   #attempt; // what hears that a command was refused because of another client
 
   /**
@@ -38,6 +39,7 @@ export class CommandTopic {
       this.#attempt.end,
       gateway.on("state", ({ state }) => this.#lose(LOST[state] ?? this.#problem)),
       gateway.on("silence", (seconds) => this.#hush(seconds)),
+      gateway.on("stopping", () => (this.#isStopper = true)),
       gateway.on("graph", () => this.#look()),
       gateway.on("control", (state) => this.#take(state)),
     ];
@@ -109,8 +111,9 @@ export class CommandTopic {
     const type = this.#gateway.graph.typeOf(state.topic);
     this.#topic = state.topic;
     if (!COMMAND_TYPES.includes(type) || !this.#isHeard) return this.#lose(this.#unheard);
+    if (state.state === "moving") this.#isStopper = false;
     this.#type = type;
-    this.state = state;
+    this.state = { ...state, isStopper: this.#isStopper };
     this.#told();
   }
 
@@ -118,6 +121,7 @@ export class CommandTopic {
     this.#type = "";
     this.state = null;
     this.#silentS = 0;
+    this.#isStopper = false;
     this.#problem = problem;
     this.#told();
   }

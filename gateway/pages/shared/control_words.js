@@ -14,10 +14,16 @@ const CAUSES = {
   shutdown: "the gateway ended",
 };
 
-/** Return why the robot was stopped, for a `control` frame, or "" if it was told to stand. */
-export const reason = ({ cause, holder }) => (cause === "takeover" && holder === "you" ? "you took over" : CAUSES[cause] ?? "");
+// The same, where this page is the cause.
+const OWN_CAUSES = { stop: "you pressed STOP", takeover: "you took over" };
 
-/** Return the sentence for a `control` frame. */
+/** Return why the robot was stopped, for a `control` frame, or "" if it was told to stand. */
+export function reason({ cause, holder, isStopper }) {
+  const isOwn = cause === "stop" ? isStopper : holder === "you";
+  return (isOwn && OWN_CAUSES[cause]) || (CAUSES[cause] ?? "");
+}
+
+/** Return the sentence for a `control` frame; its member `isStopper` is whether this page has pressed STOP. */
 export function sentence(frame) {
   const { state, tripped, holder, guard, clamped } = frame;
   if (guard === "lost") return "Nothing moves: the process that would stop the robot was lost; a new one is starting.";
@@ -32,7 +38,17 @@ export function sentence(frame) {
 /** Return what a `status` says, without what only programs can do about it. */
 export function refusal({ code, msg }) {
   if (code === "tripped") return "The robot was stopped, and took no command since. Let go of everything, then drive on.";
+  if (code === "stale_command") return "What you held came late and was not carried out: the connection or this device is slow.";
   if (code !== "not_lease_holder") return msg;
   const [first] = msg.split(";");
   return `${first[0].toUpperCase()}${first.slice(1)}.`;
 }
+
+// By code, whether a refusal is no longer true.
+const OVER = {
+  not_lease_holder: ({ state }) => state !== null && state.holder !== "other",
+  tripped: ({ state }) => state !== null && !state.tripped,
+};
+
+/** Return when what a `status` says is over; by default, once the robot drives. */
+export const isOver = ({ code }) => OVER[code];

@@ -1,15 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one sentence that a page shows to everybody.
+// The one sentence that a page shows to everybody, until what it says is over.
 
 import { find } from "./dom.js";
 
-/** Show a sentence to everybody, or nothing. */
-export function tell(text) {
-  find("notice").textContent = text;
-  find("notice").hidden = !text;
+/** What a notice may be about: a command topic, or none that is known. @typedef {{state: any, isDriving: boolean}} Command */
+
+const UNKNOWN = { state: null, isDriving: false };
+const untilDriving = ({ isDriving }) => isDriving;
+
+/**
+ * Show a sentence to everybody, or nothing.
+ * @param {string} text
+ * @param {(command: Command) => boolean} [isOver] whether it is not true any more; by default, once the robot drives
+ */
+export function tell(text, isOver = untilDriving) {
+  Object.assign(find("notice"), { textContent: text, hidden: !text, isOver });
 }
 
 /** Show a sentence no longer, if it is still what is shown. */
 export function untell(text) {
   if (find("notice").textContent === text) tell("");
+}
+
+/** Show no longer what is over, by the state of a command topic or, without one, by what there is in ROS. */
+export function review(command = UNKNOWN) {
+  const notice = find("notice");
+  if (!notice.hidden && notice.isOver(command)) tell("");
 }

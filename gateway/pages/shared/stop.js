@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // STOP: the button, its key, and what became of it in words.
 
+import { COMMAND_TYPES } from "./command_topic.js";
 import { element, find } from "./dom.js";
 import { isTaken } from "./keys.js";
 import { tell } from "./notice.js";
@@ -41,10 +42,14 @@ async function stop(gateway) {
   const late = setTimeout(() => tell("STOP is not confirmed: the gateway has not answered yet."), SOON_MS);
   try {
     const { topics } = await gateway.stop();
-    tell(topics.length ? `STOP went to ${topics.join(", ")}.` : "nothing moves: no command topic is in use");
+    if (topics.length) tell(`STOP went to ${topics.join(", ")}.`);
+    else tell("nothing moves: no command topic is in use", ({ state }) => state !== null || isDriveable(gateway.graph));
   } catch (error) {
     tell(`STOP ${error.isLost ? "is not confirmed" : "was not carried out"}: ${error.message}`);
   } finally {
     clearTimeout(late);
   }
 }
+
+/** Return whether somebody listens to commands. */
+const isDriveable = ({ topics }) => [...topics.values()].some(({ types, subscribers }) => subscribers.length && COMMAND_TYPES.includes(types[0]));

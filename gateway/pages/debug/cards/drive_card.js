@@ -55,7 +55,7 @@ export class DriveCard extends Card {
   #write() {
     const words = this.#command?.words ?? "";
     if (this.#words.textContent !== words) this.#words.textContent = words; // it is read out
-    if (this.#command?.isDriving) bar.tell(""); // what was refused before
+    if (this.#command) bar.review(this.#command);
     if (!this.#command?.isFree) this.#held?.letGo(); // it has to be pressed anew
     this.#take.hidden = this.#command?.state?.holder !== "other";
   }
