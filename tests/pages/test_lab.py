@@ -146,6 +146,31 @@ async def test_a_lost_connection_ends_an_approach_and_says_so(lab):
         assert not await page.evaluate("() => lab.pilot.isActive")
 
 
+async def test_a_room_that_is_not_drawn_any_more_ends_an_approach_and_says_so(lab, speaker):
+    watched = Watched(speaker)
+    context = "() => window.context = lab.renderer.getContext().getExtension('WEBGL_lose_context')"
+    async with lab() as page:
+        await speaker.send(op="control", topic="/cmd_vel", watch=True)
+        await page.evaluate(context)
+        said = ""
+        while "not drawn" not in said:
+            assert not said or any(each in said for each in LATE), said
+            if said:
+                await page.evaluate("() => context.restoreContext()")
+            await page.wait_for_selector("#view .lost", state="hidden")
+            said = await send_and_end(page, click_on(page, 1.2, 0), "() => context.loseContext()")
+        await watched.until(state="moving")
+        await watched.until(state="stopped")
+        await page.wait_for_selector("#view .lost:has-text('WebGL')")
+        await page.focus("#view canvas")
+        await page.keyboard.press("Enter")  # at what nobody sees
+        await page.wait_for_function("() => lab.pilot.words.startsWith('The room is not drawn')")
+        await page.evaluate("() => context.restoreContext()")
+        await page.wait_for_selector("#view .lost", state="hidden")
+        await send(page, click_on(page, -0.5, 0))
+        page.wrong[:] = [each for each in page.wrong if "Context" not in each]  # three.js says so
+
+
 async def test_what_is_old_turns_pale_without_a_connection(demo, speaker, open_page):
     async with open_page("about:blank", viewport=SMALL) as page, severable(page) as line:
         await page.goto(f"{page_address(demo)}lab")

@@ -10,6 +10,7 @@ import { Gateway } from "../shared/gateway.js";
 import { watchKeys } from "../shared/keys.js";
 import { Motion } from "../shared/motion.js";
 import { Controllers } from "./controllers.js";
+import { Drawing } from "./drawing.js";
 import { meet, toRos } from "./floor.js";
 import { FloorMap } from "./floor_map.js";
 import { connectHeadset } from "./headset.js";
@@ -42,6 +43,7 @@ const target = room.marker("warning", 0.15);
 const place = new Vector3();
 const head = new Vector3();
 let isConnected = false;
+let drawing; // of the renderer, if there is one
 let topic = ""; // that the screen shows
 let endTopic = () => {};
 
@@ -91,6 +93,10 @@ function begin() {
     return null;
   }
   find("view").replaceChildren(canvas);
+  drawing = new Drawing(canvas, () => {
+    letGoOfAll("the room is not drawn any more");
+    made.xr.getSession()?.end(); // which shows nothing either, and does not come back
+  });
   made.setPixelRatio(Math.min(devicePixelRatio, 2));
   made.xr.enabled = true;
   viewer.listen(canvas, point);
@@ -142,7 +148,7 @@ function render() {
 /** Send the robot to where a ray meets the floor; if a screen of any topic is before it, show the next one there. */
 function point(raycaster) {
   if (raycaster.intersectObject(screens.topic.mesh).length) return next();
-  const refusal = meet(raycaster.ray, place) ? refusalOf(place) : "There is no floor: point at a place on it.";
+  const refusal = drawing.refusal || (meet(raycaster.ray, place) ? refusalOf(place) : "There is no floor: point at a place on it.");
   if (refusal) pilot.stop(refusal); // whoever points means another target than the one before
   else if (pilot.aim(toRos(place))) mark(target, place);
 }
