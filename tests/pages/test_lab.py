@@ -121,6 +121,19 @@ async def test_a_stop_by_somebody_else_ends_an_approach(lab, speaker):
         await send_and_arrive(page, click_on(page, 0.2, 0))
 
 
+async def test_odometry_that_jumps_ends_an_approach(lab, speaker):
+    async with lab() as page:
+        said = ""
+        while "jumped" not in said:
+            assert not said or any(each in said for each in LATE), said
+            await send_and_arrive(page, click_on(page, 1.3, 0))
+            await send(page, click_on(page, 1.6, 0.2))
+            await speaker.send(op="call_service", id="reset", service="/reset")
+            await page.wait_for_function("() => !lab.pilot.isActive")
+            said = await page.evaluate("() => lab.pilot.words")
+        assert said.startswith("The approach has ended: the odometry jumped by 1.")
+
+
 async def test_what_stop_has_said_is_over_when_the_robot_drives_again(lab):
     async with lab() as page:
         await page.click("#stop")

@@ -84,6 +84,39 @@ async def test_a_pose_or_a_target_that_is_not_finite_ends_it(run):
     assert (await run(("x", 0, 0), (1, 0)))["state"] == "failed"
 
 
+async def test_a_target_that_nobody_can_have_pointed_at_ends_it(run):
+    ended = await run((1e12, 0, 0), (1, 0))
+    assert (ended["state"], ended["reason"]) == ("failed", "the target is over 200 m away")
+    assert ended["after"] == [0, 0]
+
+
+# what is said of the last of some poses, each [seconds, x, y, yaw]
+JUMP = """async (poses) => {
+    const { Jumps } = await import("/lab/jumps.js");
+    const jumps = new Jumps();
+    return poses.map(([time, x, y, yaw]) => jumps.take({ x, y, yaw }, time)).at(-1);
+}"""
+
+
+@pytest.mark.parametrize(
+    ("poses", "words"),
+    [
+        ([[5, 7, 7, 1]], ""),  # the first
+        ([[5, 1.28, 0, 0], [5.03, 0.08, 0, 0]], "the odometry jumped by 1.20 m"),
+        ([[5, 0, 0, 0], [5.03, 0, 0.15, 0]], ""),  # the one before was late
+        ([[5, 0, 0, 0], [5.03, 0, 0.25, 0]], "the odometry jumped by 0.25 m"),
+        ([[5, 0, 0, 0], [5.03, 1e12, 0, 0]], "the odometry jumped by 1000000000000.00 m"),
+        ([[5, 0, 0, 0], [5.03, 0, 0, math.pi]], "the odometry turned by 180 degrees at once"),
+        ([[5, 0, 0, 3.1], [5.03, 0, 0, -3.1]], ""),
+        ([[5, 0, 0, 0], [8, 0.9, 0, 3]], ""),  # in so long a robot can be there
+        ([[5, 0, 0, 0], [5.03, "x", 0, 0], [5.06, 2, 0, 0]], "the odometry jumped by 2.00 m"),
+    ],
+)
+async def test_a_pose_is_a_jump_where_no_drive_explains_it(demo, open_page, poses, words):
+    async with open_page(page_address(demo)) as page:
+        assert await page.evaluate(JUMP, poses) == words
+
+
 async def test_a_pid_stays_within_its_limit_and_does_not_wind_up(demo, open_page):
     async with open_page(page_address(demo)) as page:
         outputs = await page.evaluate("""async () => {

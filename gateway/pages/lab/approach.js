@@ -8,6 +8,7 @@ import { Pid } from "./pid.js";
 export const MOST = { linear: 0.26, angular: 1.82 };
 export const TOLERANCE_M = 0.02; // leaves 3 cm of 5 for the odometry's faults
 export const STALE_S = 0.5; // without a new pose for so long it drives blind
+const FARTHEST_M = 200; // more than anybody points at: its odometry is out of its mind
 const AIM_RAD = 0.05; // straighter ahead than this: turning ends
 const DRIFT_RAD = 0.4; // farther off than this: turning begins again
 const STEERING_M = 0.1; // nearer, the direction to the target is mostly noise
@@ -68,6 +69,7 @@ export class Approach {
     const [ahead, left] = [this.target.x - pose.x, this.target.y - pose.y];
     this.distance = Math.hypot(ahead, left);
     if (this.distance <= TOLERANCE_M) return this.#end("arrived", "");
+    if (this.distance > FARTHEST_M) return this.#end("failed", `the target is over ${FARTHEST_M} m away`);
     if (Number.isNaN(this.#allowed)) this.#allowed = SPARE_S + (3 * this.distance) / MOST.linear;
     if (now - this.#begun > this.#allowed) return this.#end("failed", `not there after ${Math.round(now - this.#begun)} s`);
     const turn = wrapped(Math.atan2(left, ahead) - pose.yaw);
@@ -131,4 +133,5 @@ export class Approach {
   }
 }
 
-const wrapped = (angle) => Math.atan2(Math.sin(angle), Math.cos(angle));
+/** Return an angle between -pi and pi. */
+export const wrapped = (angle) => Math.atan2(Math.sin(angle), Math.cos(angle));

@@ -4,6 +4,7 @@
 import { reason, sentence } from "../shared/control_words.js";
 import { Driver } from "../shared/driver.js";
 import { Approach, MOST, STALE_S } from "./approach.js";
+import { Jumps } from "./jumps.js";
 
 const STEP_MS = 50;
 const SETTLE_MS = 300; // after such a stop it wants nothing that moves for 250 ms
@@ -18,6 +19,7 @@ export class Pilot {
   #tell;
   #driver;
   #pose = null;
+  #jumps = new Jumps();
   #poseMs = -Infinity;
   #state = null; // what the gateway says of the command topic
   #clearedMs = -Infinity; // when such a stop was over
@@ -49,6 +51,8 @@ export class Pilot {
   odometry(pose) {
     this.#pose = pose;
     this.#poseMs = performance.now();
+    const jump = this.#jumps.take(pose, this.#poseMs / 1000);
+    if (jump && this.isActive) this.end(jump);
   }
 
   /** Approach a place of the odometry's frame; return whether that begins. */
