@@ -62,6 +62,7 @@ POINT = """([hand, x, y]) => {
     source.quaternion.set(turn.x, turn.y, turn.z, turn.w);
 }"""
 PRESS = "([hand, button, value]) => device.controllers[hand].updateButtonValue(button, value)"
+PINCH = "([hand, value]) => device.hands[hand].updatePinchValue(value)"
 # where the head is, in the robot's metres
 HEAD = """() => {
     const { x, y, z } = device.position;
@@ -215,6 +216,65 @@ async def test_a_squeeze_stops_the_robot_and_the_approach(enter, speaker, headse
         assert not await page.evaluate("() => lab.pilot.isActive")
 
 
+def pinch(page, x, y):
+    """Return what points at a place of the floor with the right hand, bare, and pinches."""
+
+    async def close():
+        await page.evaluate(POINT, ["right", x, y])
+        await frames(page)
+        for value in (1, 0):
+            await page.evaluate(PINCH, ["right", value])
+            await frames(page)
+
+    return close
+
+
+@pytest.mark.parametrize(
+    ("mode", "way", "gone"),
+    [("controller", trigger, "right"), ("hand", pinch, "right"), ("hand", pinch, "left")],
+    ids=["controller that sent it", "hand that sent it", "only hand that could stop it"],
+)
+async def test_a_robot_stops_where_a_controller_is_gone(enter, speaker, mode, way, gone):
+    connect = """([mode, hand, connected]) => {
+        device[mode === "hand" ? "hands" : "controllers"][hand].connected = connected;
+    }"""
+    watched = Watched(speaker)
+    async with enter() as page:
+        await page.evaluate("mode => { device.primaryInputMode = mode; }", mode)
+        await speaker.send(op="control", topic="/cmd_vel", watch=True)
+        said = ""
+        while "a controller is gone" not in said:
+            assert not said or any(each in said for each in LATE), said
+            await page.evaluate(connect, [mode, gone, True])
+            await frames(page)
+            await send(page, way(page, 0.9, 0.2))
+            await page.evaluate(connect, [mode, gone, False])
+            await page.wait_for_function("() => !lab.pilot.isActive")
+            said = await page.evaluate("() => lab.pilot.words")
+        await watched.until(state="moving")
+        await watched.until(state="stopped")
+
+
+async def test_a_controller_that_did_not_send_the_robot_may_go(enter):
+    async with enter() as page:
+        await send(page, trigger(page, 0.9, -0.2))
+        await page.evaluate("() => { device.controllers.left.connected = false; }")
+        await frames(page)
+        assert "controller" not in await page.evaluate("() => lab.pilot.words")
+
+
+async def test_a_trigger_sends_nothing_while_the_other_hand_squeezes(enter):
+    async with enter() as page:
+        await page.evaluate(PRESS, ["left", "squeeze", 1])
+        await frames(page)
+        await trigger(page, 0.8, -0.3)()
+        assert "let go of it first" in await page.evaluate("() => lab.pilot.words")
+        assert not await page.evaluate("() => lab.pilot.isActive")
+        await page.evaluate(PRESS, ["left", "squeeze", 0])
+        await frames(page)
+        await send(page, trigger(page, 0.8, -0.3))
+
+
 @pytest.mark.parametrize(
     ("by", "words"),
     [
@@ -237,21 +297,12 @@ async def test_a_session_that_ends_or_is_not_seen_stops_the_robot(enter, speaker
 
 
 async def test_bare_hands_point_and_the_left_one_stops(enter, speaker):
-    pinch = "([hand, value]) => device.hands[hand].updatePinchValue(value)"
     async with enter() as page:
         await page.evaluate("() => { device.primaryInputMode = 'hand'; }")
         await frames(page)
-
-        async def point():
-            await page.evaluate(POINT, ["right", -0.6, 0])
-            await frames(page)
-            for value in (1, 0):
-                await page.evaluate(pinch, ["right", value])
-                await frames(page)
-
-        await send(page, point)
+        await send(page, pinch(page, -0.6, 0))
         for value in (1, 0):
-            await page.evaluate(pinch, ["left", value])
+            await page.evaluate(PINCH, ["left", value])
             await frames(page)
         await page.wait_for_function("() => lab.pilot.words.includes('STOP')")
         joints = """() => lab.renderer.xr.getHand(0).children.filter(

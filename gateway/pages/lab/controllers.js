@@ -17,20 +17,39 @@ const NO_GAMEPAD = { axes: [], buttons: [] };
 /** Both hands, with whatever is in them. */
 export class Controllers {
   #hands;
+  #sender = null; // the hand that sent the robot last
+  #to;
 
   /**
    * @param {import("../vendor/three.js").WebXRManager} xr
    * @param {import("../vendor/three.js").Object3D} rig which they move with
    * @param {import("./room.js").Room} room
-   * @param {{target: (ray: Raycaster) => void, stop: () => void, teleport: (place: Vector3) => void}} to
+   * @param {{target: (ray: Raycaster) => void, refuse: (why: string) => void, stop: () => void, gone: () => void,
+   *   teleport: (place: Vector3) => void}} to `gone`: what sent the robot is held no more, or nothing that could stop it
    */
   constructor(xr, rig, room, to) {
+    this.#to = to;
     const shapes = {
       grip: [new BoxGeometry(0.035, 0.035, 0.12), room.material("quiet")],
       joint: [new SphereGeometry(JOINT_M, 8, 6), room.material("quiet")],
       ray: [new BufferGeometry().setFromPoints([new Vector3(), new Vector3(0, 0, -RAY_M)]), room.material("accent", LineBasicMaterial)],
     };
-    this.#hands = [0, 1].map((index) => new Hand(xr, index, rig, shapes, room.marker("accent", 0.2), to));
+    this.#hands = [0, 1].map((index) => new Hand(xr, index, rig, shapes, room.marker("accent", 0.2), {
+      ...to,
+      target: (hand, ray) => this.#target(hand, ray),
+      gone: (hand) => this.#gone(hand),
+    }));
+  }
+
+  /** Send the robot, unless one hand holds what stops it. */
+  #target(hand, ray) {
+    this.#sender = hand;
+    if (this.#hands.some((each) => each.isStopping)) this.#to.refuse("A hand holds what stops the robot: let go of it first.");
+    else this.#to.target(ray);
+  }
+
+  #gone(hand) {
+    if (hand === this.#sender || !this.#hands.some((each) => each.canStop)) this.#to.gone();
   }
 
   /** Look at what is pushed; nothing is made anew here. */
@@ -46,6 +65,8 @@ export class Controllers {
 
 /** One hand. */
 class Hand {
+  /** Whether it holds what stops the robot; it still does after what `letGo` is for. */
+  isStopping = false;
   #source = null; // XRInputSource
   #joints;
   #jointShape;
@@ -73,13 +94,27 @@ class Hand {
     });
     this.#controller.addEventListener("disconnected", () => {
       this.#source = null;
+      this.isStopping = false;
       this.letGo();
+      to.gone(this);
     });
+    const stop = () => {
+      this.isStopping = true;
+      to.stop();
+    };
+    const goOn = () => (this.isStopping = false);
     this.#controller.addEventListener("selectstart", ({ data }) => {
-      if (data.hand && data.handedness === "left") to.stop(); // bare hands have nothing to squeeze
-      else to.target(this.#ray());
+      if (isStop(data)) stop();
+      else to.target(this, this.#ray());
     });
-    this.#controller.addEventListener("squeezestart", () => to.stop());
+    this.#controller.addEventListener("selectend", ({ data }) => isStop(data) && goOn());
+    this.#controller.addEventListener("squeezestart", stop);
+    this.#controller.addEventListener("squeezeend", goOn);
+  }
+
+  /** Whether it can stop the robot. */
+  get canStop() {
+    return this.#source !== null && (!this.#source.hand || isStop(this.#source));
   }
 
   step() {
@@ -111,3 +146,6 @@ class Hand {
     }
   }
 }
+
+/** Return whether the trigger of an XRInputSource stops the robot: bare hands have nothing to squeeze. */
+const isStop = ({ hand, handedness }) => Boolean(hand) && handedness === "left";

@@ -64,7 +64,13 @@ const letGo = watchKeys(DRIVING, (linear, angular) => pilot.hold(linear, angular
 furnish();
 room.scene.add(viewer.rig, map.world);
 const renderer = begin();
-const controllers = renderer && new Controllers(renderer.xr, viewer.rig, room, { target: point, stop: pressStop, teleport: go });
+const controllers = renderer && new Controllers(renderer.xr, viewer.rig, room, {
+  target: point,
+  refuse: (why) => pilot.stop(why),
+  stop: pressStop,
+  gone: () => letGoOfAll("a controller is gone"),
+  teleport: go,
+});
 lab.renderer = renderer;
 
 /** Hang television and screens on the walls. */
