@@ -289,6 +289,25 @@ async def test_nothing_is_sent_where_another_client_drives(lab, speaker):
         await page.wait_for_selector("#take", state="hidden")
 
 
+async def test_a_key_that_is_held_drives_no_more_once_another_client_drives(lab, speaker):
+    async with lab() as page:
+        await page.keyboard.press("ArrowLeft")  # what was stopped before wants a zero first
+        await page.wait_for_function("() => /^Stopped(?!.*Let go)/.test(control.textContent)")
+        await page.wait_for_timeout(300)  # in which the gateway wants nothing that moves
+        await page.keyboard.down("ArrowLeft")
+        await page.wait_for_function("() => control.textContent.startsWith('Driving')")
+        await speaker.send(op="acquire_control", topic="/cmd_vel")
+        await page.wait_for_function("() => control.textContent === 'Another client drives.'")
+        # only zeros go out, though the key is held
+        await page.wait_for_function("""() => {
+            const lines = lab.screens.commands.text.split("\\n").slice(-3);
+            return lines.every((line) => line.endsWith(" 0.00 rad/s"));
+        }""")
+        await speaker.send(op="release_control", topic="/cmd_vel")
+        await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
+        await page.keyboard.up("ArrowLeft")
+
+
 @pytest.mark.parametrize(
     ("script", "words"),
     [

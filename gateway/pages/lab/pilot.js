@@ -77,7 +77,9 @@ export class Pilot {
   hold(linear, angular) {
     if (this.isActive && (linear || angular)) this.#drop("The approach was ended by the keys.");
     else if ((linear || angular) && this.words) this.#say("");
-    if (!this.isActive) this.#driver.hold(linear, angular);
+    if (this.isActive) return;
+    const isRefused = this.#state?.holder === "other"; // until it leaves, and then what is held would drive
+    this.#driver.hold(isRefused ? 0 : linear, isRefused ? 0 : angular);
   }
 
   /** Send zeros, so that the gateway lets the robot be driven. */
