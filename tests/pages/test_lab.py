@@ -89,6 +89,28 @@ async def test_enter_sends_the_robot_to_the_middle_of_the_view(lab):
         await page.wait_for_function("() => !lab.pilot.isActive")
 
 
+async def test_space_stops_a_moving_robot_wherever_the_focus_is_and_once(lab):
+    async with lab() as page:
+        await page.evaluate("""() => {
+            window.stops = 0;
+            document.getElementById("stop").addEventListener("click", () => (stops += 1));
+        }""")
+        await send(page, click_on(page, 1.2, 0))
+        await page.focus("#topic")
+        for _ in range(3):  # the second and third are repeats of a key that is held
+            await page.keyboard.down("Space")
+        await page.keyboard.up("Space")
+        await page.wait_for_function("() => !lab.pilot.isActive")
+        assert await page.evaluate("() => stops") == 1
+
+
+async def test_after_a_choice_of_the_screen_the_keys_are_the_robots(lab):
+    async with lab() as page:
+        await page.focus("#topic")
+        await page.select_option("#topic", "/odom")
+        await page.wait_for_function("() => document.activeElement.matches('#view canvas')")
+
+
 @pytest.mark.parametrize(
     ("by", "words"),
     [

@@ -237,7 +237,10 @@ gateway.on("graph", () => {
   else listTopics();
 });
 
-find("topic").onchange = () => read(find("topic").value);
+find("topic").onchange = () => {
+  read(find("topic").value);
+  renderer?.domElement.focus(); // the keys are the robot's and the viewer's again
+};
 gateway.on("stopping", () => letGoOfAll("STOP was pressed"));
 find("take").onclick = async () => {
   try {
@@ -247,7 +250,7 @@ find("take").onclick = async () => {
     bar.tell(error.message);
   }
 };
-bar.stopBySpace();
+bar.stopBySpace({ isMoving: () => pilot.isActive || command.state?.state === "moving" });
 addEventListener("blur", () => letGoOfAll("the window lost the focus"));
 addEventListener("pagehide", () => letGoOfAll("the page was left"));
 document.addEventListener("visibilitychange", () => document.hidden && letGoOfAll("the page is hidden"));

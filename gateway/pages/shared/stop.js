@@ -29,14 +29,20 @@ export function stopButton(gateway) {
   return button;
 }
 
-/** Press STOP by the space bar, unless that is for what has the focus. */
-export function stopBySpace(where = window) {
+/**
+ * Press STOP by the space bar, unless that is for what has the focus.
+ * @param {{where?: Window|HTMLElement, isMoving?: () => boolean}} [options] while something moves, buttons and lists do not keep it
+ */
+export function stopBySpace({ where = window, isMoving = () => false } = {}) {
+  const isKept = (event) => (isMoving() ? isIn(event.target, "dialog, input, textarea") : isIn(event.target, "button") || isTaken(event));
   where.addEventListener("keydown", (event) => {
-    if (event.code !== "Space" || event.target instanceof HTMLButtonElement || isTaken(event)) return;
+    if (event.code !== "Space" || isKept(event)) return;
     event.preventDefault();
     if (!event.repeat) find("stop").click();
   });
 }
+
+const isIn = (target, selector) => target instanceof Element && target.closest(selector) !== null;
 
 async function stop(gateway) {
   const late = setTimeout(() => tell("STOP is not confirmed: the gateway has not answered yet."), SOON_MS);

@@ -27,7 +27,7 @@ export class DriveCard extends Card {
     this.#command = new CommandTopic(gateway, () => this.#write(), this.topic);
     const driver = new Driver(({ linear, angular }) => this.#command.publish(linear * MOST_M_S, angular * MOST_RAD_S));
     this.#take.onclick = () => this.#takeOver(driver);
-    bar.stopBySpace(stick);
+    bar.stopBySpace({ where: stick });
     this.#held = watch(stick, knob, (linear, angular) => driver.hold(linear, angular), stick);
     this.#forgets = ["state", "stopping"].map((each) => gateway.on(each, this.#held.letGo)); // what was held before belongs to another connection
     this.body.append(this.#words, this.#take, stick);
