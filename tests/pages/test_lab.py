@@ -31,6 +31,18 @@ WHERE = """([x, y]) => {
     const { left, top, width, height } = lab.renderer.domElement.getBoundingClientRect();
     return [left + (place.x + 1) * width / 2, top + (1 - place.y) * height / 2];
 }"""
+# before something that hangs on a wall; where it is on the page, so low that the ray goes on to the floor behind
+BEFORE = """(thing) => {
+    const { rig, camera } = lab.viewer;
+    const { position } = thing(lab);
+    rig.position.set(0.4 * position.x, 0, 0.4 * position.z);
+    rig.rotation.y = Math.atan2(-position.x, -position.z);
+    camera.rotation.x = 0;
+    rig.updateWorldMatrix(true, true);
+    const place = position.clone().setY(1.3).project(camera);
+    const { left, top, width, height } = lab.renderer.domElement.getBoundingClientRect();
+    return [left + (place.x + 1) * width / 2, top + (1 - place.y) * height / 2];
+}"""
 HIDE = """() => {
     Object.defineProperty(document, 'hidden', { value: true, configurable: true });
     document.dispatchEvent(new Event('visibilitychange'));
@@ -102,6 +114,15 @@ async def test_space_stops_a_moving_robot_wherever_the_focus_is_and_once(lab):
         await page.keyboard.up("Space")
         await page.wait_for_function("() => !lab.pilot.isActive")
         assert await page.evaluate("() => stops") == 1
+
+
+@pytest.mark.parametrize("thing", ["television", "screens.state", "screens.log"])
+async def test_a_click_on_what_hangs_there_sends_the_robot_nowhere(lab, thing):
+    async with lab() as page:
+        where = f"() => ({BEFORE})(() => lab.{thing}.mesh)"
+        await page.mouse.click(*await page.evaluate(where))
+        await page.wait_for_function("() => lab.pilot.words.startsWith('There is no floor')")
+        assert not await page.evaluate("() => lab.pilot.isActive")
 
 
 async def test_after_a_choice_of_the_screen_the_keys_are_the_robots(lab):

@@ -192,6 +192,19 @@ async def test_a_mouse_neither_turns_nor_sends_anything_while_a_headset_is_worn(
         assert (await page.evaluate(state))[0] != before[0]
 
 
+async def test_a_ray_to_the_television_goes_no_farther(enter):
+    async with enter() as page:
+        await page.evaluate("() => lab.viewer.rig.position.set(0, 0, -1)")
+        await page.evaluate(POINT, ["right", 5, 0])  # by the floor behind it
+        await page.evaluate("() => device.controllers.right.position.set(0, 1.9, 0)")
+        await frames(page)
+        start = await page.evaluate(HEAD)
+        await press(page, "thumbstick")
+        assert await page.evaluate(HEAD) == pytest.approx(start, abs=1e-3)
+        await press(page, "trigger")
+        assert "no floor" in await page.evaluate("() => lab.pilot.words")
+
+
 async def test_a_ray_to_the_ceiling_moves_nobody(enter):
     async with enter() as page:
         await page.evaluate("() => device.controllers.right.quaternion.set(0.7, 0, 0, 0.7)")

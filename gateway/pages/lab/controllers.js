@@ -5,7 +5,7 @@
 import {
   BoxGeometry, BufferGeometry, Line, LineBasicMaterial, Mesh, Raycaster, SphereGeometry, Vector3,
 } from "../vendor/three.js";
-import { along, meet } from "./floor.js";
+import { along } from "./floor.js";
 import { mark } from "./room.js";
 
 const PUSHED = -0.7; // of a stick, which springs back past
@@ -25,7 +25,8 @@ export class Controllers {
    * @param {import("../vendor/three.js").Object3D} rig which they move with
    * @param {import("./room.js").Room} room
    * @param {{target: (ray: Raycaster) => void, refuse: (why: string) => void, stop: () => void, gone: () => void,
-   *   teleport: (place: Vector3) => void}} to `gone`: what sent the robot is held no more, or nothing that could stop it
+   *   stand: (ray: Raycaster, place: Vector3) => boolean, teleport: (place: Vector3) => void}} to `gone`: what sent the robot is held no more, or nothing that could stop it;
+   *   `stand` puts into a place where the user can go, if he can
    */
   constructor(xr, rig, room, to) {
     this.#to = to;
@@ -122,7 +123,7 @@ class Hand {
     const { axes, buttons } = this.#source?.gamepad ?? NO_GAMEPAD;
     const isPressed = Boolean(buttons[2]?.pressed || buttons[3]?.pressed); // touchpad, stick
     const isPushed = isPressed || axes[3] < (this.#isAiming ? LET_GO : PUSHED);
-    if (isPushed) this.#hasPlace = meet(this.#ray().ray, this.#place);
+    if (isPushed) this.#hasPlace = this.#to.stand(this.#ray(), this.#place);
     if (isPushed && this.#hasPlace) mark(this.#marker, this.#place);
     else this.#marker.visible = false;
     if (this.#isAiming && !isPushed && this.#hasPlace) this.#to.teleport(this.#place);

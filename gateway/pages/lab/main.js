@@ -17,12 +17,14 @@ import { connectHeadset } from "./headset.js";
 import { Pilot } from "./pilot.js";
 import { HALF_M, Room, mark } from "./room.js";
 import { Screen } from "./screens.js";
+import { Sight } from "./sight.js";
 import { Sources } from "./sources.js";
 import { teleport } from "./teleport.js";
 import { Television } from "./television.js";
 import { Twin } from "./twin.js";
 import { Viewer } from "./walk.js";
 
+const BEYOND = `That is beyond the walls, which stand ${HALF_M} m from the middle of the room: point at a place inside.`;
 const DRIVING = { ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowLeft: [0, 1], ArrowRight: [0, -1] };
 
 const gateway = new Gateway();
@@ -37,6 +39,8 @@ const television = new Television(bar.tell);
 const screens = {
   state: new Screen("Robot"), topic: new Screen("Topic"), commands: new Screen("Commands"), log: new Screen("Log"),
 };
+const hung = [television.mesh, ...Object.values(screens).map(({ mesh }) => mesh)];
+const sight = new Sight(() => [...hung, ...room.walls]);
 const sources = new Sources(gateway, bar.tell);
 const age = new Aging(find("view"));
 const target = room.marker("warning", 0.15);
@@ -69,6 +73,7 @@ const controllers = renderer && new Controllers(renderer.xr, viewer.rig, room, {
   refuse: (why) => pilot.stop(why),
   stop: pressStop,
   gone: () => letGoOfAll("a controller is gone"),
+  stand: (raycaster, where) => sight.floor(raycaster, where),
   teleport: go,
 });
 lab.renderer = renderer;
@@ -151,19 +156,22 @@ function render() {
   renderer.render(room.scene, viewer.camera);
 }
 
-/** Send the robot to where a ray meets the floor; if a screen of any topic is before it, show the next one there. */
+/** Send the robot to where a ray meets the floor; if it meets the screen of any topic, show the next one there. */
 function point(raycaster) {
-  if (raycaster.intersectObject(screens.topic.mesh).length) return next();
-  const refusal = drawing.refusal || (meet(raycaster.ray, place) ? refusalOf(place) : "There is no floor: point at a place on it.");
+  if (drawing.refusal) return pilot.stop(drawing.refusal);
+  const thing = sight.thing(raycaster);
+  if (thing === screens.topic.mesh) return next();
+  const refusal = refusalOf(raycaster.ray, thing);
   if (refusal) pilot.stop(refusal); // whoever points means another target than the one before
   else if (pilot.aim(toRos(place))) mark(target, place);
 }
 
-/** Return why the robot cannot be sent to a place of the room, or "". */
-function refusalOf(where) {
-  if (map.world.visible) return map.refusal(toRos(where));
-  const isInside = Math.max(Math.abs(where.x), Math.abs(where.z)) < HALF_M;
-  return isInside ? "" : `That is beyond the walls, which stand ${HALF_M} m from the middle of the room: point at a place inside.`;
+/** Put into `place` where a ray meets the floor, unless it meets a thing first; return why the robot cannot be sent there, or "". */
+function refusalOf(ray, thing) {
+  if (room.walls.includes(thing)) return BEYOND;
+  if (thing || !meet(ray, place)) return "There is no floor: point at a place on it.";
+  if (map.world.visible) return map.refusal(toRos(place));
+  return Math.max(Math.abs(place.x), Math.abs(place.z)) < HALF_M ? "" : BEYOND;
 }
 
 function go(where) {

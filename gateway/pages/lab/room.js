@@ -40,6 +40,11 @@ export class Room {
     this.#walls.visible = reach <= HALF_M;
   }
 
+  /** The walls that are seen. */
+  get walls() {
+    return this.#walls.visible ? this.#walls.children : [];
+  }
+
   /** Return a material in a colour of style.css, which follows from dark to light. */
   material(name, Material = MeshLambertMaterial) {
     const material = new Material();

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a ray meets first: the floor, or something solid before it. Nobody points at a floor that he does not see.
+
+import { Vector3 } from "../vendor/three.js";
+import { meet } from "./floor.js";
+
+const ground = new Vector3();
+
+/** Looks along rays. */
+export class Sight {
+  #solids;
+  #hits = []; // one for all rays: no garbage
+
+  /** @param {() => import("../vendor/three.js").Object3D[]} solids what is seen now, and hides the floor */
+  constructor(solids) {
+    this.#solids = solids;
+  }
+
+  /**
+   * Return the thing that a ray meets before the floor, or null.
+   * @param {import("../vendor/three.js").Raycaster} raycaster
+   */
+  thing(raycaster) {
+    raycaster.far = meet(raycaster.ray, ground) ? raycaster.ray.origin.distanceTo(ground) : Infinity;
+    this.#hits.length = 0;
+    raycaster.intersectObjects(this.#solids(), false, this.#hits);
+    return this.#hits[0]?.object ?? null;
+  }
+
+  /** Put into *place* where a ray meets the floor; return whether it does, and nothing is before it. */
+  floor(raycaster, place) {
+    return meet(raycaster.ray, place) && !this.thing(raycaster);
+  }
+}
