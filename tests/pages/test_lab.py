@@ -332,6 +332,24 @@ async def test_nothing_is_sent_where_another_client_drives(lab, speaker):
         await page.wait_for_selector("#take", state="hidden")
 
 
+@pytest.mark.parametrize("by", ["key", "button"])
+async def test_home_leads_back_from_wherever_one_has_walked(lab, by):
+    async with lab() as page:
+        await page.evaluate("() => { lab.viewer.rig.position.z = 4.9; }")
+        await page.keyboard.down("KeyS")
+        await page.wait_for_function("() => lab.viewer.rig.position.z === 5")
+        await frames(page)
+        await page.keyboard.up("KeyS")
+        assert await page.evaluate("() => lab.viewer.rig.position.z") == 5
+        await page.evaluate("() => { lab.viewer.rig.rotation.y = 2; }")
+        if by == "key":
+            await page.keyboard.press("Home")
+        else:
+            await page.get_by_role("button", name="Home").click()
+        assert await page.evaluate("() => lab.viewer.rig.position.toArray()") == [0, 0, 3.2]
+        assert await page.evaluate("() => lab.viewer.rig.rotation.y") == 0
+
+
 async def test_a_key_that_is_held_drives_no_more_once_another_client_drives(lab, speaker):
     async with lab() as page:
         await page.keyboard.press("ArrowLeft")  # what was stopped before wants a zero first

@@ -103,6 +103,51 @@ async def test_after_a_pause_the_viewer_is_not_somewhere_else(lab):
         assert 0 < metres < 0.3
 
 
+@pytest.mark.parametrize(
+    ("reach", "robot", "place", "kept"),
+    [
+        (0, (0, 0), (9, -9), (5, -5)),
+        (12, (0, 0), (9, -30), (9, -12)),
+        (0, (10, 0), (0, -30), (0, -13)),  # the robot is ahead of the walls, where the room has -z
+        (0, (0, 10), (-30, 9), (-13, 5)),
+        (0, (math.nan, 0), (9, 0), (5, 0)),
+        (0, (0, 0), (4, 4), (4, 4)),
+    ],
+)
+async def test_nobody_goes_beyond_walls_map_and_robot(lab, reach, robot, place, kept):
+    async with lab() as page:
+        found = await page.evaluate(
+            """async ([reach, [x, y], place]) => {
+                const { Vector3 } = await import("/vendor/three.js");
+                const { Bounds } = await import("/lab/bounds.js");
+                const bounds = new Bounds();
+                bounds.set(reach, { x, y });
+                const kept = new Vector3(place[0], 0, place[1]);
+                bounds.keep(kept);
+                const step = new Vector3(place[0], 0, place[1]);
+                bounds.keepStep(step, new Vector3());
+                return [[kept.x, kept.z], [step.x, step.z]];
+            }""",
+            [reach, robot, place],
+        )
+        assert found == [list(kept), list(kept)]
+
+
+async def test_whoever_stands_beyond_goes_no_farther_and_is_not_moved_back(lab):
+    async with lab() as page:
+        places = await page.evaluate("""async () => {
+            const { Vector3 } = await import("/vendor/three.js");
+            const { Bounds } = await import("/lab/bounds.js");
+            const bounds = new Bounds();
+            return [6.9, 7.1].map((x) => {
+                const step = new Vector3(x, 0, 1);
+                bounds.keepStep(step, new Vector3(7, 0, 0));
+                return [step.x, step.z];
+            });
+        }""")
+        assert places == [[6.9, 1], [7, 1]]
+
+
 async def test_a_target_is_dropped_where_the_gateway_lets_nothing_move(lab):
     async with lab() as page:
         words = await page.evaluate("""async () => {

@@ -192,6 +192,18 @@ async def test_a_mouse_neither_turns_nor_sends_anything_while_a_headset_is_worn(
         assert (await page.evaluate(state))[0] != before[0]
 
 
+async def test_a_teleport_ends_where_there_is_nothing_beyond(enter):
+    async with enter() as page:
+        # without walls that would be in the way
+        await page.evaluate("() => { lab.room.open(9); lab.room.open = () => {}; }")
+        most = await page.evaluate("() => Math.max(5, lab.map.reach)")
+        for _ in range(2):
+            await page.evaluate(POINT, ["right", -most - 4, 0])
+            await frames(page)
+            await press(page, "thumbstick")
+            assert await page.evaluate(HEAD) == pytest.approx([-most, 0], abs=1e-3)
+
+
 async def test_a_ray_to_the_television_goes_no_farther(enter):
     async with enter() as page:
         await page.evaluate("() => lab.viewer.rig.position.set(0, 0, -1)")
@@ -326,9 +338,11 @@ async def test_bare_hands_point_and_the_left_one_stops(enter, speaker):
 
 async def test_the_user_leaves_vr_and_stands_in_the_room_again(enter):
     async with enter() as page:
+        await page.evaluate("() => lab.viewer.rig.position.set(4, 0, -4)")
         await page.evaluate("() => vr.click()")
         await page.wait_for_function("() => vr.textContent === 'Enter VR'")
         assert await page.evaluate("() => lab.viewer.camera.position.y") == 1.6
+        assert await page.evaluate("() => lab.viewer.rig.position.toArray()") == [0, 0, 3.2]
         await page.click("#vr")
         await page.wait_for_function("() => vr.textContent === 'Leave VR'")
 

@@ -73,7 +73,7 @@ const controllers = renderer && new Controllers(renderer.xr, viewer.rig, room, {
   refuse: (why) => pilot.stop(why),
   stop: pressStop,
   gone: () => letGoOfAll("a controller is gone"),
-  stand: (raycaster, where) => sight.floor(raycaster, where),
+  stand,
   teleport: go,
 });
 lab.renderer = renderer;
@@ -132,7 +132,7 @@ function begin() {
     ended: () => {
       letGoOfAll("VR was left");
       viewer.isWorn = false;
-      viewer.stand();
+      viewer.goHome(); // wherever the headset went
     },
   });
   return made;
@@ -140,6 +140,7 @@ function begin() {
 
 /** The page's own part of a frame; makes nothing anew. */
 function work(now, seconds, frame) {
+  viewer.bounds.set(map.reach, twin.pose);
   if (frame) {
     const pose = frame.getViewerPose(renderer.xr.getReferenceSpace())?.transform.position;
     if (pose) viewer.rig.localToWorld(head.set(pose.x, pose.y, pose.z));
@@ -172,6 +173,13 @@ function refusalOf(ray, thing) {
   if (thing || !meet(ray, place)) return "There is no floor: point at a place on it.";
   if (map.world.visible) return map.refusal(toRos(place));
   return Math.max(Math.abs(place.x), Math.abs(place.z)) < HALF_M ? "" : BEYOND;
+}
+
+/** Put into a place where a ray meets the floor, or the nearest one where the user may stand; return whether there is a floor. */
+function stand(raycaster, where) {
+  if (!sight.floor(raycaster, where)) return false;
+  viewer.bounds.keep(where);
+  return true;
 }
 
 function go(where) {
@@ -245,6 +253,10 @@ gateway.on("graph", () => {
   else listTopics();
 });
 
+find("home").onclick = () => {
+  if (!viewer.isWorn) viewer.goHome();
+  renderer?.domElement.focus();
+};
 find("topic").onchange = () => {
   read(find("topic").value);
   renderer?.domElement.focus(); // the keys are the robot's and the viewer's again

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The viewer without a headset: WASD walk, dragging looks around, a click or Enter points at the floor.
+// The viewer without a headset: WASD walk, dragging looks around, Home goes back, a click or Enter points at the floor.
 
-import { Group, PerspectiveCamera, Raycaster, Vector2 } from "../vendor/three.js";
-import { watchKeys } from "../shared/keys.js";
+import { Group, PerspectiveCamera, Raycaster, Vector2, Vector3 } from "../vendor/three.js";
+import { Bounds } from "./bounds.js";
+import { isTaken, watchKeys } from "../shared/keys.js";
 
 const EYES_M = 1.6;
 const WALK_M_S = 2;
@@ -20,6 +21,8 @@ export class Viewer {
   /** Whether a headset shows the room: nobody in it is turned by a mouse, nor walks by keys. */
   isWorn = false;
   camera = new PerspectiveCamera(65, 1, 0.05, 50);
+  bounds = new Bounds();
+  #before = new Vector3(); // a step
   #walking = { ahead: 0, right: 0, turn: 0 };
   #raycaster = new Raycaster();
   #pointer = new Vector2();
@@ -27,12 +30,13 @@ export class Viewer {
 
   constructor() {
     this.rig.add(this.camera);
-    this.rig.position.set(0, 0, 3.2); // behind the robot, which starts in the middle and looks ahead; far enough to see the screens whole
-    this.stand();
+    this.goHome();
   }
 
-  /** Look from the eyes' height, straight ahead: at first, and after a headset. */
-  stand() {
+  /** Stand where one stands at first, and look straight ahead from the eyes' height: also after a headset. */
+  goHome() {
+    this.rig.position.set(0, 0, 3.2); // behind the robot, which starts in the middle and looks ahead; far enough to see the screens whole
+    this.rig.rotation.set(0, 0, 0);
     this.camera.position.set(0, EYES_M, 0);
     this.camera.rotation.set(-0.27, 0, 0); // the middle of the view is on the floor, before the wall of most rooms
     this.camera.scale.set(1, 1, 1);
@@ -42,6 +46,7 @@ export class Viewer {
   listen(canvas, point) {
     watchKeys(WALKING, (ahead, right) => Object.assign(this.#walking, { ahead, right }));
     watchKeys(TURNING, (turn) => (this.#walking.turn = turn));
+    addEventListener("keydown", (event) => event.code === "Home" && !isTaken(event) && !this.isWorn && this.goHome());
     canvas.addEventListener("pointerdown", (event) => {
       if (!event.isPrimary || event.button || this.isWorn) return;
       canvas.setPointerCapture(event.pointerId);
@@ -66,10 +71,12 @@ export class Viewer {
     if (this.isWorn || (!ahead && !right && !turn)) return;
     const taken = Math.min(seconds, LONGEST_S);
     this.rig.rotation.y += turn * TURN_RAD_S * taken;
+    this.#before.copy(this.rig.position);
     const heading = this.rig.rotation.y;
     const metres = (WALK_M_S * taken) / Math.max(1, Math.hypot(ahead, right));
     this.rig.position.x += metres * (right * Math.cos(heading) - ahead * Math.sin(heading));
     this.rig.position.z -= metres * (right * Math.sin(heading) + ahead * Math.cos(heading));
+    this.bounds.keepStep(this.rig.position, this.#before);
   }
 
   #look(event) {
