@@ -165,6 +165,77 @@ async def test_a_target_beyond_the_walls_is_refused_where_there_is_no_map(open_p
         await page.wait_for_function("() => /There is no floor/.test(approach.textContent)")
 
 
+@pytest_asyncio.fixture(loop_scope="module")
+async def untold(nowhere):
+    """A gateway and a client that publishes odometry, a map and a scan, without a transform."""
+    scan = {"angle_increment": 0.1, "range_min": 0.1, "range_max": 9, "ranges": [1, 2, 3]}
+    messages = {
+        "nav_msgs/msg/Odometry": {"header": {"frame_id": "odom"}, "child_frame_id": "base"},
+        "nav_msgs/msg/OccupancyGrid": {"header": {"frame_id": "map"}, **grid(3, 2, [0] * 6)},
+        "sensor_msgs/msg/LaserScan": {"header": {"frame_id": "laser"}, **scan},
+    }
+    async with gateway_process("serve", *nowhere) as gateway, client(gateway.url) as robot:
+        for name, message in messages.items():
+            topic = f"/{name.rsplit('/', 1)[1].lower()}"
+            await robot.send(op="advertise", topic=topic, type=name, latch=True)
+            await robot.send(op="publish", topic=topic, msg=message)
+        yield gateway, robot
+
+
+async def test_what_is_hidden_for_want_of_a_transform_is_said(open_page, untold):
+    gateway, robot = untold
+    async with open_page(f"{page_address(gateway)}lab", viewport=SMALL) as page:
+        await page.evaluate(KEEP)
+        await page.wait_for_function(
+            "() => /the map is hidden.*: no transform odom → map/.test(missing.textContent)"
+        )
+        await page.wait_for_function(
+            "() => /the scan is hidden: no transform base → laser/.test(missing.textContent)"
+        )
+        await page.wait_for_function("() => /no transform/.test(lab.screens.state.text)")
+        assert await page.evaluate("() => [lab.map.world.visible, lab.twin.points]") == [False, 0]
+        known = [
+            {"header": {"frame_id": target}, "child_frame_id": source}
+            for target, source in (("odom", "map"), ("base", "laser"))
+        ]
+        type_name = "tf2_msgs/msg/TFMessage"
+        await robot.send(op="advertise", topic="/tf_static", type=type_name, latch=True)
+        await robot.send(op="publish", topic="/tf_static", msg={"transforms": known})
+        await page.wait_for_function("() => lab.map.world.visible && lab.twin.points === 3")
+        await page.wait_for_function("() => missing.textContent === ''")
+
+
+@pytest.mark.parametrize(
+    ("target", "source", "words"),
+    [
+        ("odom", None, ""),  # nothing has come that is to be placed
+        ("odom", "odom", ""),
+        ("", "map", "hidden: no odometry names its frame"),
+        ("odom", "", "hidden: it names no frame"),
+        ("odom", "map", "hidden: no transform odom → map"),
+    ],
+)
+async def test_a_place_that_nobody_knows_is_told_of_after_a_while(
+    demo, open_page, target, source, words
+):
+    async with open_page(page_address(demo)) as page:
+        said = await page.evaluate(
+            """async ([target, source]) => {
+                const { Placement } = await import("/lab/placement.js");
+                const gateway = { followTransform: () => () => {} };
+                const placement = new Placement(gateway, "hidden", 1, () => {});
+                const now = performance.now;
+                placement.within(target);
+                if (source !== null) placement.of(source);
+                const atOnce = placement.words;
+                performance.now = () => now.call(performance) + 2001;
+                return [atOnce, placement.words];
+            }""",
+            [target, source],
+        )
+        assert said == ["", words]
+
+
 @pytest.mark.parametrize(
     ("place", "words"),
     [

@@ -41,7 +41,7 @@ const screens = {
 };
 const hung = [television.mesh, ...Object.values(screens).map(({ mesh }) => mesh)];
 const sight = new Sight(() => [...hung, ...room.walls]);
-const sources = new Sources(gateway, bar.tell);
+const sources = new Sources(gateway, bar.tell, { twin, map });
 const age = new Aging(find("view"));
 const target = room.marker("warning", 0.15);
 const place = new Vector3();
@@ -221,11 +221,18 @@ function doing() {
 
 function showState() {
   const words = doing();
-  if (find("control").textContent !== words) find("control").textContent = words; // it is read out
+  write("control", words);
+  write("missing", sources.missing);
   age.write({ picture: sources.arrivals("camera"), odometry: sources.arrivals("odometry"), scan: sources.arrivals("scan") }, isConnected);
   const { x, y, yaw } = twin.pose;
   const where = `x ${x.toFixed(2)} m, y ${y.toFixed(2)} m\nheading ${Math.round((yaw * 180) / Math.PI)} degrees`;
-  screens.state.show("Robot", `${find("state").textContent}\n${find("control").textContent}\n${pilot.words}\n${age.words}\n${where}`);
+  const lines = [find("state").textContent, words, pilot.words, age.words, where, sources.missing];
+  screens.state.show("Robot", lines.join("\n"));
+}
+
+/** Write words where they are read out: only when they have changed. */
+function write(id, words) {
+  if (find(id).textContent !== words) find(id).textContent = words;
 }
 
 function listTopics() {
@@ -248,7 +255,7 @@ function next() {
 }
 
 gateway.on("graph", () => {
-  sources.watch({ pilot, twin, motion, map, television, log: screens.log, logged: (line) => motion.log(line, command.name) });
+  sources.watch({ pilot, motion, television, log: screens.log, logged: (line) => motion.log(line, command.name) });
   if (!topic && sources.favourite) read(sources.favourite);
   else listTopics();
 });

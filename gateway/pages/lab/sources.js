@@ -3,6 +3,7 @@
 
 import { json } from "../shared/json.js";
 import { lasting } from "../shared/passing.js";
+import { Placement } from "./placement.js";
 
 const ODOMETRY = ["nav_msgs/msg/Odometry"];
 const SCANS = ["sensor_msgs/msg/LaserScan"];
@@ -10,34 +11,48 @@ const IMAGES = ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"];
 const MAPS = ["nav_msgs/msg/OccupancyGrid"];
 const LOGS = ["rcl_interfaces/msg/Log"];
 const FAVOURITES = ["sensor_msgs/msg/BatteryState", "std_msgs/msg/String"]; // for the screen that shows any topic
-const HERE = { translation: { x: 0, y: 0, z: 0 }, rotation: { x: 0, y: 0, z: 0, w: 1 } };
 const FAST_MS = 33;
 const SLOW_MS = 250;
 const MAP_MS = 1000; // a map that grows is drawn as a whole
 const MAP_HZ = 5; // of its place: odometry drifts slowly, and jumps when the robot finds itself
+const LASER_HZ = 1; // of its place: it is screwed on
 
 /** Subscriptions of the lab. */
 export class Sources {
   #gateway;
   #tell;
   #known = new Map(); // kind -> topic
-  #frame = ""; // of the scan
-  #odometryFrame = "";
-  #mapFrame = "";
+  #parts;
+  #map; // where its frame is to the odometry's
+  #laser; // where it is on the robot
 
-  constructor(gateway, tell) {
+  /**
+   * @param {import("../shared/gateway.js").Gateway} gateway
+   * @param {(words: string) => void} tell
+   * @param {{twin: import("./twin.js").Twin, map: import("./floor_map.js").FloorMap}} parts
+   */
+  constructor(gateway, tell, parts) {
     this.#gateway = gateway;
     this.#tell = tell;
+    this.#parts = parts;
+    this.#map = new Placement(gateway, "the map is hidden, and no target is checked by it", MAP_HZ, (transform) => parts.map.place(transform));
+    this.#laser = new Placement(gateway, "the scan is hidden", LASER_HZ, (transform) => parts.twin.mount(transform));
+  }
+
+  /** What is not shown as nobody knows where it is, in words, or "". */
+  get missing() {
+    return [this.#map.words, this.#laser.words].filter(Boolean).join("\n");
   }
 
   /** Subscribe to what has come: call it after each change of the graph. */
-  watch({ pilot, twin, motion, map, television, log, logged }) {
+  watch({ pilot, motion, television, log, logged }) {
+    const { twin, map } = this.#parts;
     this.#first("odometry", ODOMETRY, { compression: "cbor", throttle_rate: FAST_MS }, (message) => {
       twin.odometry(message);
       pilot.odometry(twin.pose);
       motion.odometry(message);
-      this.base = message.child_frame_id;
-      this.#spread(message.header.frame_id, this.#mapFrame, map);
+      this.#map.within(message.header.frame_id);
+      this.#laser.within(message.child_frame_id);
     });
     this.#first("map", MAPS, { compression: "cbor", throttle_rate: MAP_MS }, (message) => {
       try {
@@ -45,11 +60,11 @@ export class Sources {
       } catch (error) {
         this.#tell(`this map cannot be shown: ${error.message}`);
       }
-      this.#spread(this.#odometryFrame, message.header.frame_id, map);
+      this.#map.of(message.header.frame_id);
     });
     this.#first("scan", SCANS, { compression: "cbor", throttle_rate: 100 }, (message) => {
       twin.scan(message);
-      this.#mount(message.header.frame_id, twin);
+      this.#laser.of(message.header.frame_id);
     });
     this.#first("camera", IMAGES, television.options, (message) => television.show(message));
     this.#first("log", LOGS, {}, (line) => {
@@ -95,27 +110,6 @@ export class Sources {
     this.#known.set(kind, topic.name);
     this.#gateway.subscribe(topic.name, options, onMessage, lasting(this.#tell));
   }
-
-  #mount(frame, twin) {
-    if (!this.base || frame === this.#frame) return;
-    this.#frame = frame;
-    this.#end?.();
-    this.#end = this.#gateway.followTransform(this.base, frame, 1, (transform) => twin.mount(transform));
-  }
-
-  #end = null;
-
-  /** Lay the map where its frame is to the odometry's. */
-  #spread(odometry, frame, map) {
-    if (odometry === this.#odometryFrame && frame === this.#mapFrame) return;
-    [this.#odometryFrame, this.#mapFrame] = [odometry, frame];
-    this.#endMap?.();
-    this.#endMap = null;
-    map.place(frame === odometry ? HERE : null);
-    if (odometry && frame && frame !== odometry) this.#endMap = this.#gateway.followTransform(odometry, frame, MAP_HZ, (transform) => map.place(transform));
-  }
-
-  #endMap = null;
 }
 
 /** Return a message as text for people: a string as it is, the rest without what only programs need. */

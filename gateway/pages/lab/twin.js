@@ -42,7 +42,7 @@ export class Twin {
       mast,
       this.#laser,
     );
-    this.#laser.position.z = 0.16; // until the robot says where it is
+    this.mount(null);
     this.#geometry.setDrawRange(0, 0);
     const points = new Points(this.#geometry, room.material("accent", PointsMaterial));
     points.material.size = 0.04;
@@ -65,10 +65,12 @@ export class Twin {
     this.#body.quaternion.copy(orientation);
   }
 
-  /** Take where the laser is on the robot. */
-  mount({ translation, rotation }) {
-    this.#laser.position.copy(translation);
-    this.#laser.quaternion.copy(rotation);
+  /** Take where the laser is on the robot: a `translation` and a `rotation`, or null when nobody knows; then its scan is hidden. */
+  mount(transform) {
+    this.#laser.visible = transform !== null;
+    if (!transform) return;
+    this.#laser.position.copy(transform.translation);
+    this.#laser.quaternion.copy(transform.rotation);
   }
 
   /** Take a `sensor_msgs/msg/LaserScan`. */
@@ -94,6 +96,6 @@ export class Twin {
 
   /** How many points are drawn. */
   get points() {
-    return this.#geometry.drawRange.count;
+    return this.#laser.visible ? this.#geometry.drawRange.count : 0;
   }
 }
