@@ -6,7 +6,8 @@ import pytest_asyncio
 
 from tests.client import client
 from tests.demonstration import until_it_can_be_driven
-from tests.pages.conftest import page_address, severable
+from tests.gateway_process import gateway_process
+from tests.pages.conftest import page_address, robots_domain, severable
 from tests.pages.lab import (
     KEEP,
     LATE,
@@ -367,6 +368,35 @@ async def test_a_key_that_is_held_drives_no_more_once_another_client_drives(lab,
         await speaker.send(op="release_control", topic="/cmd_vel")
         await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
         await page.keyboard.up("ArrowLeft")
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        (("access.anonymous_role=viewer",), "its role is viewer"),
+        (
+            ("access.anonymous_role=operator", "access.operator.deny_publish=/cmd_vel"),
+            "publishing on /cmd_vel",
+        ),
+    ],
+    ids=["viewer", "operator who may not drive"],
+)
+async def test_whoever_may_only_look_is_told_so(open_page, speaker, settings, words):
+    options = [part for setting in settings for part in ("--set", setting)]
+    domain = ("--domain-id", str(robots_domain()))
+    async with (
+        gateway_process("serve", *domain, *options) as gateway,
+        opened(open_page, page_address(gateway)) as page,
+    ):
+        await page.focus("#view canvas")
+        for key in ("Enter", "ArrowLeft"):
+            await page.keyboard.press(key)
+            await page.wait_for_function(
+                "words => approach.textContent.startsWith('This page may look') &&"
+                " approach.textContent.includes(words)",
+                arg=words,
+            )
+        assert not await page.evaluate("() => lab.pilot.isActive")
 
 
 @pytest.mark.parametrize(

@@ -186,6 +186,30 @@ async def test_keys_send_nothing_that_moves_while_another_client_drives(lab):
         assert sent == [0, 0.26]
 
 
+async def test_who_may_not_drive_sends_nothing_until_another_connection_lets_him(lab):
+    async with lab() as page:
+        sent = await page.evaluate("""async () => {
+            const { Pilot } = await import("/lab/pilot.js");
+            const sent = [];
+            const pilot = new Pilot((...speeds) => sent.push(speeds), () => {});
+            pilot.told({ state: "stopped", tripped: false, guard: "ready", holder: null });
+            pilot.odometry({ x: 0, y: 0, yaw: 0 });
+            pilot.aim({ x: 1, y: 0 });
+            pilot.forbid("not you");
+            const ended = [pilot.isActive, pilot.words, sent.at(-1)[0]];
+            const before = sent.length;
+            const again = pilot.aim({ x: 1, y: 0 });
+            pilot.hold(1, 0);
+            const more = sent.length - before;
+            pilot.forbid("");
+            pilot.hold(1, 0);
+            pilot.hold(0, 0);
+            return [ended, again, more, sent.length - before];
+        }""")
+        words = "This page may look, and drive nothing: not you."
+        assert sent == [[False, words, 0], False, 0, 2]
+
+
 async def test_the_television_takes_pictures_of_any_size_and_shows_the_newest(lab):
     async with lab() as page:
         sizes = await page.evaluate("""async () => {

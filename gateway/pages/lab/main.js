@@ -62,7 +62,9 @@ lab.pilot = pilot;
 gateway.on("state", ({ state }) => {
   isConnected = state === "open";
   letGoOfAll("the connection was lost");
+  if (isConnected) pilot.forbid(gateway.hello.role === "viewer" ? "its role is viewer" : ""); // of other roles a refusal tells
 });
+gateway.on("status", ({ code, request, msg }) => code === "forbidden" && request === "publish" && pilot.forbid(msg));
 const command = new CommandTopic(gateway, told); // after that: what is lost first is the connection
 const letGo = watchKeys(DRIVING, (linear, angular) => pilot.hold(linear, angular));
 furnish();

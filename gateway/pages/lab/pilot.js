@@ -25,6 +25,7 @@ export class Pilot {
   #clearedMs = -Infinity; // when such a stop was over
   #aimedMs = 0;
   #isMoving = false; // whether the approach has begun to
+  #forbidden = ""; // why this client may not drive, in words
 
   /**
    * @param {(linear: number, angular: number) => void} publish in m/s and rad/s
@@ -73,12 +74,21 @@ export class Pilot {
     return true;
   }
 
+  /** Take why this client may not drive, or "" when nobody says so. */
+  forbid(why) {
+    if (why === this.#forbidden) return;
+    this.#forbidden = why;
+    if (why) this.stop(this.#mayLook());
+  }
+
   /** Take what is held, in shares; keys end an approach, and what is said of the one before is over. */
   hold(linear, angular) {
     if (this.isActive && (linear || angular)) this.#drop("The approach was ended by the keys.");
     else if ((linear || angular) && this.words) this.#say("");
     if (this.isActive) return;
-    const isRefused = this.#state?.holder === "other"; // until it leaves, and then what is held would drive
+    if (this.#forbidden && (linear || angular)) this.#say(this.#mayLook());
+    // What is held would drive as soon as the other client leaves.
+    const isRefused = this.#forbidden || this.#state?.holder === "other";
     this.#driver.hold(isRefused ? 0 : linear, isRefused ? 0 : angular);
   }
 
@@ -128,10 +138,15 @@ export class Pilot {
   }
 
   #refusal(now) {
+    if (this.#forbidden) return this.#mayLook();
     if (!this.#state) return "There is nothing to drive.";
     if (this.#state.holder === "other" || this.#state.guard !== "ready") return sentence(this.#state);
     if (now - this.#poseMs > STALE_S * 1000) return `Nothing moves: no odometry for ${STALE_S} s.`;
     return "";
+  }
+
+  #mayLook() {
+    return `This page may look, and drive nothing: ${this.#forbidden}.`;
   }
 
   #drop(words) {
