@@ -2,8 +2,8 @@
 // The viewer without a headset: WASD walk, dragging looks around, Home goes back, a click or Enter points at the floor.
 
 import { Group, PerspectiveCamera, Raycaster, Vector2, Vector3 } from "../vendor/three.js";
-import { Bounds } from "./bounds.js";
 import { isTaken, watchKeys } from "../shared/keys.js";
+import { Bounds } from "./bounds.js";
 
 const EYES_M = 1.6;
 const WALK_M_S = 2;
