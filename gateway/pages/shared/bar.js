@@ -3,7 +3,7 @@
 
 import { isOver, refusal } from "./control_words.js";
 import { element, find } from "./dom.js";
-import { review, tell } from "./notice.js";
+import { notice, review, tell } from "./notice.js";
 import { stopButton } from "./stop.js";
 
 export { review, tell, untell } from "./notice.js";
@@ -25,7 +25,7 @@ const WORDS = {
  * @param {...Node} more what the page has between the connection and STOP
  */
 export function connect(gateway, here, ...more) {
-  document.body.prepend(header(gateway, here, more), element("p", { id: "notice", className: "notice", role: "alert", hidden: true }));
+  document.body.prepend(header(gateway, here, more), notice());
   document.body.append(tokenDialog(gateway));
   const top = document.querySelector(".bar");
   new ResizeObserver(() => document.documentElement.style.setProperty("--bar", `${top.getBoundingClientRect().height}px`)).observe(top);

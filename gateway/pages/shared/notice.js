@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // The one sentence that a page shows to everybody, until what it says is over.
 
-import { find } from "./dom.js";
+import { element, find } from "./dom.js";
 
 /** What a notice may be about: a command topic, or none that is known. @typedef {{state: any, isDriving: boolean}} Command */
 
 const UNKNOWN = { state: null, isDriving: false };
 const untilDriving = ({ isDriving }) => isDriving;
+
+/** Return where it stands: above the page, as it would else move what a finger holds; a click or Escape takes it away. */
+export function notice() {
+  addEventListener("keydown", ({ key }) => key === "Escape" && tell(""));
+  return element("p", { id: "notice", className: "notice", role: "alert", hidden: true, title: "A click or Escape takes this away", onclick: () => tell("") });
+}
 
 /**
  * Show a sentence to everybody, or nothing.
@@ -24,6 +30,6 @@ export function untell(text) {
 
 /** Show no longer what is over, by the state of a command topic or, without one, by what there is in ROS. */
 export function review(command = UNKNOWN) {
-  const notice = find("notice");
-  if (!notice.hidden && notice.isOver(command)) tell("");
+  const shown = find("notice");
+  if (!shown.hidden && shown.isOver(command)) tell("");
 }

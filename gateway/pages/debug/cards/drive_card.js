@@ -30,7 +30,7 @@ export class DriveCard extends Card {
     bar.stopBySpace({ where: stick });
     this.#held = watch(stick, knob, (linear, angular) => driver.hold(linear, angular), stick);
     this.#forgets = ["state", "stopping"].map((each) => gateway.on(each, this.#held.letGo)); // what was held before belongs to another connection
-    this.body.append(this.#words, this.#take, stick);
+    this.body.append(stick, this.#words, this.#take); // below: what is said moves no stick that is held
     this.footer.textContent = `at most ${MOST_M_S} m/s and ${MOST_RAD_S} rad/s; the Drive page has more`;
     this.#write();
   }

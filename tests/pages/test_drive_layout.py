@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The layout of the drive page: what drives is in sight, and stays where a finger has found it."""
+
+import pytest
+
+from tests.pages.conftest import DESK, page_address
+from tests.pages.test_debug_page import PHONE, until_painted
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+LARGE = {"width": 1440, "height": 900}
+LANDSCAPE = {"width": 844, "height": 390}
+SCREENS = pytest.mark.parametrize(
+    "screen",
+    [LARGE, DESK, PHONE, LANDSCAPE],
+    ids=lambda screen: f"{screen['width']}x{screen['height']}",
+)
+PLACE = """(id) => {
+    const { left, top, right, bottom } = document.getElementById(id).getBoundingClientRect();
+    return [left, top, right, bottom].map(Math.round);
+}"""
+WORDY = "x" * 200
+SPEAK = """async (words) => {
+    const { tell } = await import("/shared/bar.js");
+    tell(words);
+    for (const id of ["take", "control"]) {
+        const element = document.getElementById(id);
+        if (!element) continue;
+        element.hidden = false;
+        if (id === "control") element.textContent = words;
+    }
+    await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+}"""
+
+
+def drive_on(open_page, demo, screen, **options):
+    if screen in (PHONE, LANDSCAPE):
+        options |= {"has_touch": True, "is_mobile": True}
+    return open_page(f"{page_address(demo)}drive", screen, **options)
+
+
+@SCREENS
+async def test_camera_stick_sliders_and_stop_are_seen_together(demo, open_page, screen):
+    async with drive_on(open_page, demo, screen) as page:
+        await until_painted(page, "#camera canvas")
+        for name in ("camera", "stick", "linear", "angular", "stop"):
+            left, top, right, bottom = await page.evaluate(PLACE, name)
+            assert 0 <= left < right <= screen["width"], name
+            assert 0 <= top < bottom <= screen["height"], name
+        left, top, right, bottom = await page.evaluate(PLACE, "camera")
+        assert right - left >= 300
+        assert bottom - top >= 250
+
+
+@SCREENS
+async def test_nothing_that_is_said_moves_the_stick(demo, open_page, screen):
+    async with drive_on(open_page, demo, screen) as page:
+        await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
+        before = await page.evaluate(PLACE, "stick")
+        await page.evaluate(SPEAK, f"{WORDY} {'many words ' * 20}")
+        assert await page.is_visible("#take")
+        assert await page.evaluate(PLACE, "stick") == before
+        assert await page.evaluate("() => document.scrollingElement.scrollWidth <= innerWidth")
+
+
+@SCREENS
+async def test_pictures_of_any_shape_move_nothing(demo, open_page, screen):
+    async with drive_on(open_page, demo, screen) as page:
+        await until_painted(page, "#camera canvas")
+        await until_painted(page, "#world canvas")
+        before = await page.evaluate(PLACE, "stick")
+        for width, height in ((200, 3000), (3000, 200)):
+            await page.evaluate(
+                """async ([width, height]) => {
+                    for (const canvas of document.querySelectorAll(".view canvas")) {
+                        const other = canvas.cloneNode();
+                        Object.assign(other, { width, height });
+                        canvas.replaceWith(other);
+                    }
+                }""",
+                [width, height],
+            )
+            assert await page.evaluate(PLACE, "stick") == before
+
+
+@pytest.mark.parametrize("path", ["", "drive", "lab"])
+async def test_a_notice_lies_above_the_page_until_it_is_clicked_away(demo, open_page, path):
+    top = "() => Math.round(document.querySelector('main').getBoundingClientRect().top)"
+    async with open_page(page_address(demo) + path) as page:
+        await page.wait_for_selector(".state[data-state=open]")
+        before = await page.evaluate(top)
+        for taken_away in (lambda: page.click("#notice"), lambda: page.keyboard.press("Escape")):
+            await page.evaluate(SPEAK, "STOP went to /cmd_vel.")
+            await page.wait_for_selector("#notice")
+            assert await page.evaluate(top) == before
+            assert (await page.evaluate(PLACE, "notice"))[1] >= (await page.evaluate(PLACE, "stop"))[3]
+            await taken_away()
+            await page.wait_for_selector("#notice", state="hidden")
+
+
+async def test_of_a_long_warning_the_beginning_is_quoted(demo, open_page):
+    async with open_page(f"{page_address(demo)}drive") as page:
+        words = await page.evaluate(
+            """async (word) => {
+                const { Motion } = await import("/shared/motion.js");
+                const motion = new Motion();
+                const begin = performance.now();
+                performance.now = () => begin;
+                motion.command(1, 0, true);
+                motion.log({ level: 30, msg: `cmd_vel ${word}` }, "/cmd_vel");
+                motion.odometry({ twist: { twist: { linear: { x: 0, y: 0 }, angular: { z: 0 } } } });
+                performance.now = () => begin + 1000;
+                return motion.words;
+            }""",
+            WORDY,
+        )
+        assert "It says: cmd_vel xxx" in words
+        assert words.endswith("x…")
+        assert len(words) < 250
