@@ -4,6 +4,7 @@
 const STILL_MS = 1000; // so long a robot may take to begin
 const LOG_MS = 2000; // so old a warning may be that explains what the robot does now
 const STILL = { linear: 0.005, angular: 0.01 }; // m/s and rad/s that are no motion
+const QUOTED = 120; // characters of a warning: more would hide what matters on a phone
 const WARNING = 30; // of rcl_interfaces/msg/Log
 
 /** Compares the commands that go out with what comes back. */
@@ -39,7 +40,7 @@ export class Motion {
     const now = performance.now();
     const name = topic.split("/").at(-1);
     if (level < WARNING || !name || !msg.includes(name) || now - this.#wishedMs > LOG_MS) return;
-    this.#reason = msg;
+    this.#reason = msg.length > QUOTED ? `${msg.slice(0, QUOTED - 1)}…` : msg;
     this.#reasonMs = now;
   }
 
