@@ -11,6 +11,7 @@ import pytest
 from tests.client import client
 from tests.demonstration import until_it_can_be_driven
 from tests.pages.conftest import page_address
+from tests.pages.test_cards import NOTE_SENT
 from tests.pages.test_debug_page import card, until, until_painted
 from tests.pages.test_drive_page import frozen_robot
 
@@ -78,12 +79,15 @@ async def test_a_map_whose_numbers_contradict_each_other_is_told_of(demo, open_p
         await speaker.send(op="advertise", topic="/plan", type="nav_msgs/OccupancyGrid", latch=True)
         await speaker.send(op="publish", topic="/plan", msg=GRID | {"data": [0, 0, 0]})
         problem = "() => document.querySelector('.problem')?.textContent"
-        await until(page, f"{problem}?.includes('4 x 2 cells, but 3 values')")
+        await until(page, f"{problem}?.includes('3 cells, expected 4 x 2')")
         await speaker.send(op="publish", topic="/plan", msg=GRID)
         await until_painted(page, f"{card('/plan')} canvas")
+        await until(page, f"{problem} === ''")
         flat = GRID | {"info": GRID["info"] | {"resolution": 0.0}}
         await speaker.send(op="publish", topic="/plan", msg=flat)
         await until(page, f"{problem}?.includes('cells are 0 m wide')")
+        await speaker.send(op="publish", topic="/plan", msg=GRID)
+        await until(page, f"{problem} === ''")
 
 
 async def test_scan_and_robot_turn_grey_on_the_map_when_the_scan_stays_away(demo, open_page):
@@ -112,6 +116,53 @@ async def test_a_huge_map_is_drawn_with_some_of_its_cells(demo, open_page):
             return [canvas.width, canvas.height, cells, colours.size];
         }""")
         assert (width, height, cells, colours) == (2500, 1500, 2, 2)
+
+
+# paints a map of 3000 x 3000 cells with thin walls, and returns the size and how much of a row has which colour
+PAINT_THIN_WALLS = """async (asPicture) => {
+    const { Painter } = await import("/views/painter.js");
+    const side = 3000;
+    const octets = new Uint8Array(side * side).fill(255);
+    octets.fill(0, 0, octets.length / 2);
+    for (let row = 0; row < side; row += 1) octets[row * side + 1] = 100;
+    let map = { info: { width: side, height: side }, data: new Int8Array(octets.buffer) };
+    if (asPicture) {
+        const canvas = new OffscreenCanvas(side, side);
+        const colours = new Uint32Array(octets.length);
+        octets.forEach((each, at) => (colours[at] = 0xff000000 | (each * 0x10101)));
+        const pixels = new Uint8ClampedArray(colours.buffer);
+        canvas.getContext("2d").putImageData(new ImageData(pixels, side), 0, 0);
+        const data = new Uint8Array(await (await canvas.convertToBlob()).arrayBuffer());
+        map = { ...map, data, format: "png" };
+    }
+    const painter = new Painter();
+    const { bitmap, cells } = await painter.paint(map);
+    painter.close();
+    const copy = new OffscreenCanvas(bitmap.width, bitmap.height);
+    const pen = copy.getContext("2d", { willReadFrequently: true });
+    pen.drawImage(bitmap, 0, 0);
+    const at = (x, y) => [...pen.getImageData(x, y, 1, 1).data].slice(0, 3);
+    const last = bitmap.height - 1;
+    return [bitmap.width, bitmap.height, cells, at(0, 0), at(0, last), at(9, last), at(9, 0)];
+}"""
+
+
+@pytest.mark.parametrize("as_picture", [True, False], ids=["picture", "cells"])
+async def test_a_huge_map_is_painted_small_and_keeps_its_thin_walls(demo, open_page, as_picture):
+    async with open_page(page_address(demo) + "drive", color_scheme="dark") as page:
+        painted = await page.evaluate(PAINT_THIN_WALLS, as_picture)
+        wall, free, unknown = [0xE8, 0xED, 0xF2], [0x2B, 0x37, 0x46], [0x13, 0x19, 0x20]
+        assert painted == [1000, 1000, 3, wall, wall, free, unknown]
+
+
+@pytest.mark.parametrize("path", ["drive", "#card=map+0+/map"])
+async def test_a_map_is_asked_for_as_a_picture_once_a_second_at_most(demo, open_page, path):
+    async with open_page(page_address(demo) + path, script=NOTE_SENT) as page:
+        asked = "sent.map(JSON.parse).filter(({ op, topic }) => op === 'subscribe' && topic === '/map')"
+        await until(page, f"() => {asked}.length")
+        (subscription,) = await page.evaluate(asked)
+        assert subscription["image"] == {"format": "png"}
+        assert subscription["throttle_rate"] == 1000
 
 
 @pytest.mark.parametrize("wide", [1440, 800, 390])

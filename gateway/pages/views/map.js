@@ -1,111 +1,98 @@
 // SPDX-License-Identifier: Apache-2.0
-import { draw } from "./occupancy.js";
+import { element } from "../shared/dom.js";
+import { Newest } from "./newest.js";
+import { Painter } from "./painter.js";
 import { insist, Plan, yawOf } from "./plan.js";
-
-const BASES = ["base_footprint", "base_link"]; // REP 105 and REP 120; whichever is known first is the robot
-const RATE_HZ = 15;
-const SCAN = "sensor_msgs/msg/LaserScan";
+import { Whereabouts } from "./whereabouts.js";
 
 /** A map with the robot and the first laser scan in it, as far as ROS knows where they are. */
 export class MapView {
-  options = { compression: "cbor" };
+  options = { compression: "cbor", throttle_rate: 1000, image: { format: "png" } }; // of a large map a picture is a tenth, or less
   #card;
   #plan;
-  #map = null; // {canvas, origin, resolution, middle, reach}
+  #painter = new Painter();
+  #newest;
+  #map = null; // {bitmap, origin, resolution, middle, reach}
   #frame = "";
-  #robot = null;
-  #scan = null;
-  #laser = null; // the pose of what scans
-  #laserFrame = "";
-  #scans = ""; // the topic of the scan
-  #isOld = false; // whether the scan has stayed away, and with it what moves the robot
+  #whereabouts = null;
+  #missing = element("p", { className: "missing", role: "status", hidden: true });
+  #isOld = false; // where the robot is, or what it sees
   #isDirty = false;
-  #ends = []; // what to call when this is closed
 
   constructor(card) {
     this.#card = card;
     this.#plan = new Plan(`map of ${card.topic}, seen from above`);
-    this.element = this.#plan.element;
+    this.#newest = new Newest(card, () => "this map", (message) => this.#paint(message));
+    this.element = element("div", { className: "overlaid" }, this.#plan.element, this.#missing);
+  }
+
+  /** What came of the transforms that say where the robot is, or undefined. */
+  get place() {
+    return this.#whereabouts?.arrivals;
   }
 
   show(message) {
-    try {
-      this.#map = placed(message);
-    } catch (error) {
-      this.#card.tell(`this map cannot be shown: ${error.message}`);
-      return;
-    }
-    this.#isDirty = true;
-    const frame = message.header.frame_id;
-    if (frame !== this.#frame) this.#watch(frame);
+    this.#newest.take(message);
   }
 
   /** Draw what has changed. */
   draw() {
-    const isOld = Boolean(this.#card.gateway.arrivals.get(this.#scans)?.isLate);
-    this.#isDirty ||= isOld !== this.#isOld;
-    this.#isOld = isOld;
-    if (!this.#isDirty || !this.#map) return;
+    if (!this.#map) return;
+    const { robot, laser, scan, isLate, missing } = this.#whereabouts;
+    this.#tell(missing);
+    this.#isDirty ||= isLate !== this.#isOld;
+    this.#isOld = isLate;
+    if (!this.#isDirty) return;
     this.#isDirty = false;
-    const { canvas, origin, resolution, middle, reach } = this.#map;
+    const { bitmap, origin, resolution, middle, reach } = this.#map;
     this.#plan.begin(middle, reach);
-    this.#plan.image(canvas, origin, resolution);
+    this.#plan.image(bitmap, origin, resolution);
     this.#plan.grid();
-    const old = isOld ? "quiet" : undefined;
-    if (this.#scan && this.#laser) this.#plan.scan(this.#scan, this.#laser, old);
-    if (this.#robot) this.#plan.robot(this.#robot, old);
+    const old = isLate ? "quiet" : undefined;
+    if (scan && laser) this.#plan.scan(scan, laser, old);
+    if (robot) this.#plan.robot(robot, old);
   }
 
   close() {
-    for (const end of this.#ends) end();
-    this.#ends = [];
+    this.#whereabouts?.close();
+    this.#painter.close();
   }
 
-  #watch(frame) {
-    this.close();
-    this.#frame = frame;
-    this.#laserFrame = "";
-    this.#robot = this.#laser = null;
-    let known = "";
-    for (const base of BASES) {
-      this.#follow(base, (pose) => {
-        known ||= base;
-        if (base === known) this.#robot = pose;
-      });
-    }
-    this.#scans = this.#card.gateway.graph.published(SCAN)?.name ?? "";
-    if (this.#scans) this.#ends.push(this.#card.gateway.subscribe(this.#scans, { compression: "cbor" }, (each) => this.#scanned(each), () => {}));
-  }
-
-  #scanned(scan) {
-    this.#scan = scan;
+  async #paint(message) {
+    const shape = shapeOf(message.info);
+    const { bitmap, cells } = await this.#painter.paint(message);
+    this.#map?.bitmap.close();
+    this.#map = { bitmap, ...placed(shape, cells) };
     this.#isDirty = true;
-    if (scan.header.frame_id === this.#laserFrame) return;
-    this.#laserFrame = scan.header.frame_id;
-    this.#follow(this.#laserFrame, (pose) => (this.#laser = pose));
+    const frame = message.header.frame_id;
+    if (this.#whereabouts && frame === this.#frame) return;
+    this.#whereabouts?.close();
+    this.#frame = frame;
+    this.#whereabouts = new Whereabouts(this.#card.gateway, frame, () => (this.#isDirty = true));
   }
 
-  #follow(frame, take) {
-    const end = this.#card.gateway.followTransform(this.#frame, frame, RATE_HZ, ({ translation: { x, y }, rotation }) => {
-      take({ x, y, yaw: yawOf(rotation) });
-      this.#isDirty = true;
-    });
-    this.#ends.push(end);
+  /** Say what is missing, or nothing. */
+  #tell(words) {
+    if (this.#missing.textContent === words) return; // it is read out
+    this.#missing.textContent = words;
+    this.#missing.hidden = !words;
   }
 }
 
-/** Return what there is to draw of a map, and which part of the world it covers. */
-function placed(message) {
-  const { canvas, cells } = draw(message);
-  const { resolution, width, height, origin } = message.info;
-  const [x, y, yaw] = [origin.position.x, origin.position.y, yawOf(origin.orientation)];
+/** Return the size and the origin of a map, which can be drawn. */
+function shapeOf({ resolution, width, height, origin }) {
+  const { x, y } = origin.position;
   const [wide, high] = [width * resolution, height * resolution];
-  if (!(wide > 0 && high > 0 && Number.isFinite(wide + high + x + y))) throw new RangeError(`its cells are ${resolution} m wide`);
+  if (!(resolution > 0 && Number.isFinite(wide + high + x + y))) throw new RangeError(`its cells are ${resolution} m wide`);
   insist(x, y, wide, high);
+  return { resolution, height, wide, high, x, y, yaw: yawOf(origin.orientation) };
+}
+
+/** Return where to draw a map of so many cells in a pixel, and which part of the world it covers. */
+function placed({ resolution, height, wide, high, x, y, yaw }, cells) {
   const turned = (right, up) => ({ x: x + Math.cos(yaw) * right - Math.sin(yaw) * up, y: y + Math.sin(yaw) * right + Math.cos(yaw) * up });
   const lift = (Math.ceil(height / cells) * cells - height) * resolution; // of rows that are drawn in part
   return {
-    canvas,
     origin: { ...turned(0, 0), yaw },
     resolution: resolution * cells,
     middle: turned(wide / 2, high / 2 + lift / 2),

@@ -14,9 +14,8 @@ const LONGEST = 4096; // pixels of a side: what any GPU takes, for a map that is
  * @throws {RangeError} if its numbers contradict each other
  */
 export function draw({ info: { width, height }, data }, most = MOST_PIXELS) {
-  if (!(width > 0 && height > 0)) throw new RangeError(`it is ${width} x ${height} cells large`);
-  if (data.length !== width * height) throw new RangeError(`${width} x ${height} cells, but ${data.length} values`);
-  const cells = Math.ceil(Math.max(Math.sqrt((width * height) / most), width / LONGEST, height / LONGEST));
+  insistOnCells(width, height, data.length);
+  const cells = scaleOf(width, height, most);
   const [columns, rows] = [Math.ceil(width / cells), Math.ceil(height / cells)];
   const colours = palette();
   const pixels = new Uint32Array(columns * rows);
@@ -30,8 +29,17 @@ export function draw({ info: { width, height }, data }, most = MOST_PIXELS) {
   return { canvas, cells };
 }
 
-/** Return a colour for each value of a cell: 0 to 100 from free to occupied; others, as -1, are unknown. */
-function palette() {
+/** Throw an error with words unless a map has as many cells as it says. */
+export function insistOnCells(width, height, count) {
+  if (!(width > 0 && height > 0)) throw new RangeError(`it is ${width} x ${height} cells large`);
+  if (count !== width * height) throw new RangeError(`${width} x ${height} cells, but ${count} values`);
+}
+
+/** Return how many cells a pixel has to be wide, for a map in at most so many pixels. */
+export const scaleOf = (width, height, most) => Math.ceil(Math.max(Math.sqrt((width * height) / most), width / LONGEST, height / LONGEST));
+
+/** Return a colour for each octet of a cell: 0 to 100 from free to occupied; others, as -1, are unknown. */
+export function palette() {
   const [free, occupied] = [octets(token("map-free")), octets(token("map-occupied"))];
   const colours = new Uint32Array(256).fill(packed(octets(token("map-unknown"))));
   for (let value = 0; value <= 100; value += 1) {

@@ -84,7 +84,7 @@ export class Plan {
   image(canvas, origin, resolution) {
     const [left, bottom] = this.#at(origin.x, origin.y);
     this.#pen.save();
-    this.#pen.imageSmoothingEnabled = false;
+    this.#pen.imageSmoothingEnabled = resolution * this.#scale < 1; // or a thin wall would vanish between two pixels
     this.#pen.translate(left, bottom);
     this.#pen.rotate(-origin.yaw);
     this.#pen.scale(resolution * this.#scale, resolution * this.#scale);

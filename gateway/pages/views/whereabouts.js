@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the robot and its laser are on a map, as far as ROS says it.
+
+import { Arrivals } from "../shared/arrivals.js";
+import { yawOf } from "./plan.js";
+
+const BASES = ["base_footprint", "base_link"]; // REP 105 and REP 120; whichever is known first is the robot
+const RATE_HZ = 15;
+const SCAN = "sensor_msgs/msg/LaserScan";
+const MISSING_MS = 2000; // so long a transform may take to come
+
+/** The robot and the first laser scan in a frame, until it is closed. */
+export class Whereabouts {
+  scan = null;
+  #gateway;
+  #frame;
+  #robot = new Place();
+  #laser = new Place();
+  #laserFrame = "";
+  #scans; // the topic of the scan
+  #sinceMs = 0; // when a transform was asked for last
+  #changed;
+  #ends = []; // what to call when this is closed
+
+  /**
+   * @param {import("../shared/gateway.js").Gateway} gateway
+   * @param {string} frame of the map
+   * @param {() => void} changed is called when there is something else to draw
+   */
+  constructor(gateway, frame, changed) {
+    this.#gateway = gateway;
+    this.#frame = frame;
+    this.#changed = changed;
+    let known = "";
+    for (const base of BASES) {
+      this.#follow(base, (transform) => {
+        known ||= base;
+        if (base === known) this.#robot.take(transform);
+      });
+    }
+    this.#scans = gateway.graph.published(SCAN)?.name ?? "";
+    if (this.#scans) this.#ends.push(gateway.subscribe(this.#scans, { compression: "cbor" }, (each) => this.#scanned(each), () => {}));
+  }
+
+  /** The pose of the robot, or null. */
+  get robot() {
+    return this.#robot.pose;
+  }
+
+  /** The pose of what scans, or null. */
+  get laser() {
+    return this.#laser.pose;
+  }
+
+  /** What came of the transforms: to the robot, or rather to its laser if they alone are late. */
+  get arrivals() {
+    return this.#laser.arrivals.isLate && !this.#robot.arrivals.isLate ? this.#laser.arrivals : this.#robot.arrivals;
+  }
+
+  /** Whether the scan or a transform stays away, and with it what moves the robot. */
+  get isLate() {
+    return Boolean(this.arrivals.isLate || this.#gateway.arrivals.get(this.#scans)?.isLate);
+  }
+
+  /** Which transforms are missing, in words, or "". */
+  get missing() {
+    if (performance.now() - this.#sinceMs < MISSING_MS) return "";
+    const words = [];
+    if (!this.robot) words.push(`${this.#unknown(BASES.join(" or "))}: the robot is not shown.`);
+    if (this.scan && !this.laser) words.push(`${this.#unknown(this.#laserFrame)}: the scan is not shown.`);
+    return words.join(" ");
+  }
+
+  close() {
+    for (const end of this.#ends) end();
+  }
+
+  #unknown(frame) {
+    return `No transform says where ${frame || "a frame without a name"} is in ${this.#frame || "a map without a frame"}`;
+  }
+
+  #scanned(scan) {
+    this.scan = scan;
+    this.#changed();
+    if (scan.header.frame_id === this.#laserFrame) return;
+    this.#laserFrame = scan.header.frame_id;
+    const laser = new Place();
+    this.#laser = laser;
+    this.#follow(this.#laserFrame, (transform) => laser.take(transform));
+  }
+
+  #follow(frame, take) {
+    this.#sinceMs = performance.now();
+    const end = this.#gateway.followTransform(this.#frame, frame, RATE_HZ, (transform) => {
+      take(transform);
+      this.#changed();
+    });
+    this.#ends.push(end);
+  }
+}
+
+/** A pose, and when it was last said: the gateway says it anew with each stamp, of what never moves once. */
+class Place {
+  pose = null;
+  arrivals = new Arrivals();
+
+  take({ translation: { x, y }, rotation }) {
+    this.pose = { x, y, yaw: yawOf(rotation) };
+    this.arrivals.add(0, 0);
+  }
+}
