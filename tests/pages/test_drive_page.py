@@ -365,7 +365,9 @@ async def test_a_stop_that_failed_stays_said_while_the_page_tries_to_connect(dem
 async def test_a_warning_that_passes_by_itself_is_left_to_the_views(demo, open_page, path):
     note = """
         window.said = [];
-        const note = () => said.push(document.getElementById("notice")?.textContent);
+        const note = () => {
+            for (const each of document.querySelectorAll("#notice, .problem")) said.push(each.textContent);
+        };
         new MutationObserver(note).observe(document, { childList: true, subtree: true });
     """
     async with open_page("about:blank", script=note) as page:

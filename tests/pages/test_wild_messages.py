@@ -90,7 +90,7 @@ async def test_the_drive_page_says_it_and_stops_the_robot_all_the_same(open_page
         open_page(f"{page_address(gateway)}drive") as page,
     ):
         await page.wait_for_selector("#world canvas")
-        while FAR_AWAY not in await page.inner_text("#notice"):
+        while FAR_AWAY not in await page.text_content("#world .problem"):
             await say()
             await page.wait_for_timeout(100)
         await page.click("#stop")
@@ -104,9 +104,40 @@ async def test_the_drive_page_says_what_cannot_be_shown_until_something_can(open
     ):
         await robot.send(op="advertise", topic="/wild", type=SCAN, latch=True)
         await robot.send(op="publish", topic="/wild", msg=NO_HIT | {"ranges": [1e20, 2]})
-        await until(page, "() => /cannot be shown/.test(notice.textContent)")
+        words = "() => document.querySelector('#world .problem')?.textContent"
+        await until(page, f"() => /cannot be shown/.test(({words})())")
         await robot.send(op="publish", topic="/wild", msg=NO_HIT | {"ranges": [1, 2]})
-        await until(page, "() => notice.hidden")
+        await until(page, f"() => ({words})() === ''")
+
+
+@pytest.mark.parametrize(
+    ("type_name", "place", "bad", "words", "good"),
+    [
+        (
+            "sensor_msgs/msg/Image",
+            "camera",
+            {"encoding": "rgb8"},
+            "image is 0x0",
+            {"encoding": "rgb8", "width": 2, "height": 1, "step": 6, "data": [0, 0, 0, 9, 99, 250]},
+        ),
+        (MAP, "world", {"info": {"resolution": 0.05}}, "no cells", {"info": CELLS, "data": [0] * 6}),
+    ],
+    ids=["picture", "map"],
+)
+async def test_the_drive_page_says_what_is_empty_until_it_is_not(
+    open_page, nowhere, type_name, place, bad, words, good
+):
+    async with (
+        gateway_process("serve", *nowhere) as gateway,
+        client(gateway.url) as robot,
+        open_page(f"{page_address(gateway)}drive") as page,
+    ):
+        await robot.send(op="advertise", topic="/wild", type=type_name, latch=True)
+        await robot.send(op="publish", topic="/wild", msg=bad)
+        problem = f"document.querySelector('#{place} .problem')?.textContent"
+        await until(page, f"words => {problem}?.includes(words)", words)
+        await robot.send(op="publish", topic="/wild", msg=good)
+        await until(page, f"() => {problem} === ''")
 
 
 async def test_a_card_that_is_refused_takes_no_part_in_what_another_one_gets(demo, open_page):

@@ -1,29 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 // The drive page: camera, the robot from above, and a robot that moves while something is held.
 
-import { Aging } from "../shared/aging.js";
 import * as bar from "../shared/bar.js";
 import { CommandTopic } from "../shared/command_topic.js";
-import { element, find } from "../shared/dom.js";
+import { find } from "../shared/dom.js";
 import { Driver } from "../shared/driver.js";
 import { Gateway } from "../shared/gateway.js";
 import { watch } from "../shared/held.js";
 import { Motion } from "../shared/motion.js";
-import { lasting } from "../shared/passing.js";
 import { ImageView } from "../views/image.js";
 import { MapView } from "../views/map.js";
 import { ScanView } from "../views/scan.js";
+import { Place } from "./place.js";
 
 const IMAGES = ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"];
 const MAPS = ["nav_msgs/msg/OccupancyGrid"];
 const SCANS = ["sensor_msgs/msg/LaserScan"];
 const ODOMETRY = ["nav_msgs/msg/Odometry"];
 const TICK_MS = 200;
+// After how long these are old: whoever makes a map sends it now and then, and says once a second where the odometry began on it.
+const LATE_MS = { map: 10_000, place: 2000 };
 
 const gateway = new Gateway();
-const views = { camera: null, world: null };
-const ages = { camera: new Aging(find("camera")), world: new Aging(find("world")) };
-const failures = new Map(); // of views, in words
+const camera = new Place(find("camera"), gateway);
+const world = new Place(find("world"), gateway, LATE_MS);
 const motion = new Motion();
 const heard = { odometry: "", scan: "", map: "" }; // topics; a robot that is gone takes them out of the graph
 let isConnected = false;
@@ -40,45 +40,17 @@ const driver = new Driver((shares) => {
 });
 const { letGo } = watch(find("stick"), find("knob"), (linear, angular) => driver.hold(linear, angular));
 
-/** Show a topic in the first of some views, each with its types, that the robot has something for. */
-function show(place, missing, ...kinds) {
-  const [View, topic] = kinds.map(([each, types]) => [each, gateway.graph.published(...types)?.name]).find(([, name]) => name) ?? [];
-  if (!View && !views[place]) find(place).replaceChildren(element("p", {}, missing));
-  if (!View || views[place] instanceof View) return;
-  views[place]?.end();
-  const view = new View({ topic, gateway, tell: bar.tell, untell: bar.untell });
-  view.topic = topic;
-  const unsubscribe = gateway.subscribe(topic, view.options, (message) => attempt(place, () => view.show(message)), lasting(bar.tell));
-  view.end = () => {
-    unsubscribe();
-    view.close?.();
-  };
-  views[place] = view;
-  find(place).replaceChildren(view.element);
-}
-
 function draw() {
   requestAnimationFrame(draw); // first: whatever fails here, the next frame comes
-  for (const [place, view] of Object.entries(views)) attempt(`drawing ${place}`, () => view?.draw?.());
-}
-
-/** Say what cannot be shown, until it can be, and go on: the page has to drive, and to stop. */
-function attempt(what, action) {
-  try {
-    action();
-    if (failures.has(what)) bar.untell(failures.get(what));
-    failures.delete(what);
-  } catch (error) {
-    failures.set(what, `What the robot says cannot be shown: ${error.message}.`);
-    bar.tell(failures.get(what));
-  }
+  camera.draw();
+  world.draw();
 }
 
 /** Write what changes with time. */
 function tick() {
   const of = (topic) => gateway.arrivals.get(topic);
-  ages.camera.write({ picture: of(views.camera?.topic) }, isConnected);
-  ages.world.write({ odometry: of(heard.odometry), scan: of(heard.scan), map: of(heard.map) }, isConnected);
+  camera.write({ picture: camera.arrivals }, isConnected);
+  world.write({ odometry: of(heard.odometry), scan: of(heard.scan), map: of(heard.map), place: world.view?.place }, isConnected);
   const words = (command.isDriving && motion.words) || command.words;
   if (find("control").textContent !== words) find("control").textContent = words; // it is read out
 }
@@ -100,8 +72,8 @@ function told() {
 }
 
 gateway.on("graph", () => {
-  show("camera", "Nobody publishes pictures.", [ImageView, IMAGES]);
-  show("world", "Nobody publishes a map or a laser scan.", [MapView, MAPS], [ScanView, SCANS]);
+  camera.show("Nobody publishes pictures.", [ImageView, IMAGES]);
+  world.show("Nobody publishes a map or a laser scan.", [MapView, MAPS], [ScanView, SCANS]);
   hear();
 });
 gateway.subscribe("/rosout", {}, (line) => motion.log(line, command.name), () => {}); // without it the page knows less, and drives

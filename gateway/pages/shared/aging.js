@@ -6,11 +6,16 @@ const LATE_MS = 1000;
 /** Something that is seen, pale while what it shows is old, with words that say how old. */
 export class Aging {
   #place;
+  #lateMs;
   #words = element("p", { className: "age", hidden: true });
 
-  /** @param {HTMLElement} place that holds it */
-  constructor(place) {
+  /**
+   * @param {HTMLElement} place that holds it
+   * @param {Object<string, number>} [lateMs] by the word for a source after how long it is old, if not after a second
+   */
+  constructor(place, lateMs = {}) {
     this.#place = place;
+    this.#lateMs = lateMs;
   }
 
   /** How old it is, or "". */
@@ -24,7 +29,7 @@ export class Aging {
    * @param {boolean} isConnected else everything is old
    */
   write(sources, isConnected) {
-    const old = Object.entries(sources).filter(([, its]) => its?.messages && (!isConnected || its.isOlder(LATE_MS)));
+    const old = Object.entries(sources).filter(([word, its]) => its?.messages && (!isConnected || its.isOlder(this.#lateMs[word] ?? LATE_MS)));
     this.#words.textContent = old.map(([word, its]) => `${word} ${span(its.ageMs)} old`).join(" · ");
     this.#words.hidden = !old.length;
     this.#place.classList.toggle("stale", old.length > 0);

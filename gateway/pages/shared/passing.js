@@ -9,3 +9,6 @@ export function lasting(tell) {
     if (!PASSING.includes(code)) tell(msg);
   };
 }
+
+/** What is over with the next message. */
+export const OF_SILENCE = ["not_found", "publisher_gone", "liveliness_lost", "deadline_missed", "invalid_value"];

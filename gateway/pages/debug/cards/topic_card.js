@@ -3,12 +3,12 @@ import { Arrivals } from "../../shared/arrivals.js";
 import { copy } from "../../shared/clipboard.js";
 import { element } from "../../shared/dom.js";
 import { json } from "../../shared/json.js";
+import { OF_SILENCE } from "../../shared/passing.js";
 import { makeView, misfit, nameOf, viewsFor } from "../../views/views.js";
 import { Card } from "./card.js";
 
 const RATES_HZ = [0, 30, 10, 5, 1]; // 0: as the robot publishes
 const MOST_NAMES = 2; // of nodes, in a footer
-const SILENCE = ["not_found", "publisher_gone", "liveliness_lost", "deadline_missed"]; // what is over with the next message
 
 /** One topic in one view, with what the gateway says of it. */
 export class TopicCard extends Card {
@@ -195,7 +195,7 @@ export class TopicCard extends Card {
     this.#newest = { message, data };
     this.#isDirty = true;
     this.#isBroken = false; // it was perhaps this one message
-    if (SILENCE.includes(this.problem.dataset.code)) this.#status({ msg: "" }); // somebody publishes now
+    if (OF_SILENCE.includes(this.problem.dataset.code)) this.#status({ msg: "" }); // somebody publishes now
     if (this.#isPaused) return;
     this.#attempt(() => this.#view.keep?.(message));
   }
