@@ -8,7 +8,7 @@ import pytest
 from tests.client import client
 from tests.gateway_process import gateway_process
 from tests.pages.conftest import page_address
-from tests.pages.test_debug_page import card, until, until_painted
+from tests.pages.test_debug_page import NOTE_SENT, card, until, until_painted
 from tests.pages.test_drive_page import Watched, drive_by, watched
 
 __all__ = ["watched"]  # a fixture
@@ -17,12 +17,6 @@ pytestmark = pytest.mark.asyncio(loop_scope="module")
 
 # as on a page that came by http from another machine
 NO_CLIPBOARD = "Object.defineProperty(navigator, 'clipboard', { value: undefined });"
-# what the page sends, as it is sent
-NOTE_SENT = """
-    window.sent = [];
-    const { send } = WebSocket.prototype;
-    WebSocket.prototype.send = function (data) { sent.push(data); send.call(this, data); };
-"""
 # whatever draws a laser scan fails
 NO_POINTS = "CanvasRenderingContext2D.prototype.fillRect = () => { throw new Error('no paint'); };"
 

@@ -18,6 +18,12 @@ from tests.pages.conftest import DESK, page_address
 pytestmark = [pytest.mark.brief, pytest.mark.asyncio(loop_scope="module")]
 
 PHONE = {"width": 390, "height": 844}
+# what the page sends, as it is sent
+NOTE_SENT = """
+    window.sent = [];
+    const { send } = WebSocket.prototype;
+    WebSocket.prototype.send = function (data) { sent.push(data); send.call(this, data); };
+"""
 # whether a canvas has more than one colour; asked of a copy, as reading makes a canvas slow
 PAINTED = """canvas => {
     const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
@@ -68,6 +74,69 @@ async def test_a_first_visit_opens_picture_map_and_plot(demo, open_page):
         assert await page.inner_text("#state") == "connected"
         await until(page, "() => /round trip ?[0-9.]+ ms/.test(figures.textContent)")
         await until(page, "() => /messages ?[1-9][0-9]*\\/s/.test(figures.textContent)")
+
+
+@pytest.mark.parametrize("touched", [{"viewport": PHONE}, {"has_touch": True, "is_mobile": True}])
+async def test_a_first_visit_by_finger_opens_no_stick_but_the_list_does(demo, open_page, touched):
+    async with open_page(page_address(demo), script=NOTE_SENT, **touched) as page:
+        await page.wait_for_selector(card("/odom"))
+        asked = "() => sent.some((each) => JSON.parse(each).op === 'control')"
+        assert not await page.evaluate(asked)  # what would open a stick
+        await page.click("button[aria-label='drive by /cmd_vel']")
+        await page.wait_for_selector(f"{card('Drive /cmd_vel')} .control:has-text('Stopped')")
+        assert await page.locator(".stick").count() == 1
+
+
+async def test_a_first_visit_opens_what_comes_node_by_node_until_somebody_acts(open_page, nowhere):
+    parts = {"/odom": "nav_msgs/Odometry", "/scan": "sensor_msgs/LaserScan"}
+    late = {"/image": "sensor_msgs/CompressedImage"}
+    async with (
+        gateway_process("serve", *nowhere) as gateway,
+        client(gateway.url) as robot,
+        open_page(page_address(gateway)) as page,
+    ):
+        for topic, its in parts.items():
+            await robot.send(op="advertise", topic=topic, type=its)
+            await page.wait_for_selector(card(topic))
+        await page.click("button[aria-label='close /odom']")
+        for topic, its in late.items():
+            await robot.send(op="advertise", topic=topic, type=its)
+            await page.wait_for_selector(f"#topics button:has-text('{topic}')")
+        assert await page.locator("article").count() == 1
+
+
+async def test_a_first_visit_ends_half_a_minute_after_its_first_card(demo, open_page):
+    fill = """async later => {
+        const { FirstVisit } = await import("/debug/first_visit.js");
+        const opened = [];
+        const names = {};
+        const published = (...types) => types.map((each) => names[each]).find(Boolean);
+        const gateway = { graph: { published }, hello: { role: "viewer" } };
+        const visit = new FirstVisit(gateway, ({ topic }) => opened.push(topic));
+        const { now } = performance;
+        performance.now = () => 1e6;
+        visit.fill();
+        performance.now = () => 2e6;
+        names["sensor_msgs/msg/LaserScan"] = { name: "/scan" };
+        visit.fill();
+        performance.now = () => 2e6 + later;
+        names["nav_msgs/msg/Odometry"] = { name: "/odom" };
+        visit.fill();
+        performance.now = now;
+        return opened;
+    }"""
+    async with open_page(page_address(demo)) as page:
+        assert await page.evaluate(fill, 29_000) == ["/scan", "/odom"]
+        assert await page.evaluate(fill, 31_000) == ["/scan"]
+
+
+async def test_that_all_cards_are_closed_is_kept(demo, open_page):
+    async with open_page(page_address(demo) + "#card=tree+0+/odom") as page:
+        await page.click("button[aria-label='close /odom']")
+        await page.reload()
+        await until(page, "() => cards.textContent.includes('Choose a topic in the list')")
+        await page.wait_for_selector("#topics button:has-text('/odom')")
+        assert await page.locator("article").count() == 0
 
 
 async def test_any_number_is_plotted_by_two_clicks_and_the_address_keeps_it(demo, open_page):

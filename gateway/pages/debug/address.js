@@ -3,10 +3,13 @@
 
 import { isKnown } from "./cards/cards.js";
 
+const NONE = ["cards", "none"]; // not silence, which a first visit is
+
 /** Return the cards that the address names and what of it names none, or null if it is silent. */
 export function read() {
-  const texts = new URLSearchParams(location.hash.slice(1)).getAll("card");
-  if (!texts.length) return null;
+  const kept = new URLSearchParams(location.hash.slice(1));
+  const texts = kept.getAll("card");
+  if (!texts.length && kept.get(NONE[0]) !== NONE[1]) return null;
   const parts = texts.map((text) => ({ text, card: cardOf(text) }));
   return { cards: parts.flatMap(({ card }) => card ?? []), unknown: parts.filter(({ card }) => !card).map(({ text }) => text) };
 }
@@ -19,9 +22,10 @@ function cardOf(text) {
 /** Return whether the address asks for all topics to be measured. */
 export const isMeasuring = () => new URLSearchParams(location.hash.slice(1)).has("measure");
 
-/** Keep these cards in the address, and whether all topics are measured. */
+/** Keep these cards in the address, or nothing of any, and whether all topics are measured. */
 export function write(cards, isMeasuring) {
   const kept = new URLSearchParams(isMeasuring ? { measure: "all" } : {});
-  for (const { view, rate, topic, fields } of cards) kept.append("card", [view, rate, topic, ...fields].join(" "));
+  if (cards?.length === 0) kept.append(NONE[0], NONE[1]);
+  for (const { view, rate, topic, fields } of cards ?? []) kept.append("card", [view, rate, topic, ...fields].join(" "));
   history.replaceState(null, "", `${location.pathname}#${kept}`);
 }

@@ -2,12 +2,12 @@
 // The debug page: what the robot says, and STOP.
 
 import * as bar from "../shared/bar.js";
-import { COMMAND_TYPES } from "../shared/command_topic.js";
 import { element, find } from "../shared/dom.js";
 import { Gateway } from "../shared/gateway.js";
 import * as page from "./address.js";
 import { makeCard } from "./cards/cards.js";
 import { Figures } from "./figures.js";
+import { FirstVisit } from "./first_visit.js";
 import { Measuring } from "./measuring.js";
 import { NameList } from "./name_list.js";
 import * as tabs from "./tabs.js";
@@ -16,12 +16,6 @@ import { viewsFor } from "../views/views.js";
 
 const NARROW = 720; // pixels, as style.css has it: the cards stand above the list
 const MOST_FIELDS = 4; // in one plot
-const FIRST_VIEWS = [
-  // what a first visit opens: of each line the first that the robot has
-  [{ types: ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"], view: "image" }],
-  [{ types: ["nav_msgs/msg/OccupancyGrid"], view: "map" }, { types: ["sensor_msgs/msg/LaserScan"], view: "scan" }],
-  [{ types: ["nav_msgs/msg/Odometry"], view: "plot", fields: ["twist.twist.linear.x", "twist.twist.angular.z"] }],
-];
 const NO_ROBOT = "Nobody publishes anything here yet. Start a robot, or the simulated one by ";
 
 const gateway = new Gateway();
@@ -35,20 +29,21 @@ const topics = new TopicList(find("topics"), find("search"), gateway, measuring,
 const none = element("p", { className: "empty", tabIndex: -1 }, "Choose a topic in the list; ✎ publishes on it.");
 const empty = element("p", { className: "empty" }, NO_ROBOT, element("code", {}, "ros2-gateway demo"), ".");
 let wanted = page.read();
-let isFirstVisit = wanted === null;
+const firstVisit = new FirstVisit(gateway, add);
+if (wanted) firstVisit.end();
 const cards = [];
 
 function add(shown) {
   const card = makeCard(gateway, shown, { changed, close, open, grown });
   cards.push(card);
   find("cards").append(card.element);
-  changed();
+  keep();
   return card;
 }
 
 /** Open a name of the ROS graph, by default a topic in the view that fits it best; a plot takes a further field. */
 function open(topic, view = viewsFor(gateway.graph.typeOf(topic))[0], fields = []) {
-  isFirstVisit = false;
+  firstVisit.end();
   const plot = fields.length > 0 && cards.find((each) => each.view === "plot" && each.topic === topic && each.fields.length < MOST_FIELDS);
   if (plot) close(plot);
   const all = [...new Set([...(plot ? plot.fields : []), ...fields])];
@@ -79,16 +74,19 @@ function close(card) {
   if (hadFocus) (cards[Math.min(index, cards.length - 1)]?.element ?? find("search")).focus();
 }
 
+/** Take what a person has changed. */
 function changed() {
-  empty.remove();
-  if (cards.length) none.remove();
-  else if (!isFirstVisit) find("cards").append(none);
-  if (!isFirstVisit || cards.length) keep();
+  firstVisit.end();
+  keep();
 }
 
-/** Keep in the address what is shown. */
+/** Keep in the address what is shown, and say how a card is opened if there is none. */
 function keep() {
-  page.write(cards.map((each) => each.shown), measuring.isOn);
+  const isAwaited = !cards.length && !firstVisit.isOver; // a reload is a first visit, too
+  page.write(isAwaited ? null : cards.map((each) => each.shown), measuring.isOn);
+  empty.remove();
+  none.remove();
+  if (!cards.length) find("cards").append(isAwaited ? empty : none);
 }
 
 /** Open what the address names, and say what nobody knows. */
@@ -103,25 +101,6 @@ function counted(of, words) {
   counts[of] = words;
   const shown = counts[tab] ?? "";
   if (find("count").textContent !== shown) find("count").textContent = shown; // it is read out
-}
-
-function welcome() {
-  for (const kinds of FIRST_VIEWS) {
-    const shown = kinds.map((each) => ({ ...each, topic: gateway.graph.published(...each.types)?.name }));
-    const { topic, view, fields = [] } = shown.find((each) => each.topic) ?? {};
-    if (topic) add({ topic, view, fields, rate: 0 });
-  }
-  if (cards.length) {
-    isFirstVisit = false;
-    welcomeDriver();
-  } else find("cards").replaceChildren(empty);
-}
-
-/** Open what drives the robot, if there is one and this client may. */
-async function welcomeDriver() {
-  if (gateway.hello.role === "viewer") return;
-  const { topic } = await gateway.ask({ op: "control" }).catch(() => ({})); // there may be several, or none for this role
-  if (COMMAND_TYPES.includes(gateway.graph.typeOf(topic))) add({ topic, view: "drive", fields: [], rate: 0 });
 }
 
 function tick() {
@@ -139,7 +118,8 @@ function draw(ms) {
 gateway.on("graph", () => {
   if (wanted) restore(wanted);
   wanted = null;
-  if (isFirstVisit) welcome();
+  firstVisit.fill();
+  if (!cards.length && !firstVisit.isOver) keep();
 });
 addEventListener("hashchange", () => location.reload()); // another address was typed or followed
 
