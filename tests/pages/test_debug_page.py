@@ -519,6 +519,56 @@ async def test_on_a_phone_the_bar_leaves_the_screen_to_the_cards(demo, open_page
 
 
 @pytest.mark.long
+@pytest.mark.parametrize("viewport", [DESK, {"width": 800, "height": 600}, PHONE])
+@pytest.mark.parametrize("name", ["", "drive"])
+async def test_stop_stays_where_it_is_whatever_the_bar_says(demo, open_page, viewport, name):
+    lost = "not connected; trying again"
+    place = "() => JSON.stringify(document.getElementById('stop').getBoundingClientRect())"
+    say = "words => { state.textContent = words; }"
+    async with open_page(page_address(demo) + name, viewport) as page:
+        await until(page, "() => state.textContent === 'connected'")
+        places = []
+        for words in ("connected", lost, f"not connected: {'on and on ' * 12}; trying again"):
+            await page.evaluate(say, words)
+            places.append(await page.evaluate(place))
+        assert places == places[:1] * 3
+        box = json.loads(places[0])
+        assert box["right"] <= viewport["width"]
+        bar = await page.locator(".bar").bounding_box()
+        assert 0 <= box["top"] < box["bottom"] <= bar["height"]
+
+
+@pytest.mark.long
+async def test_a_finger_hits_every_control(demo, open_page):
+    cards = "#card=tree+0+/odom&card=publish+0+/goal_pose&card=plot+0+/imu&card=graph+0+/"
+    small = """() => [...document.querySelectorAll("button, summary, select, a, [type=checkbox]")]
+        .filter((each) => each.checkVisibility())
+        .map((each) => [each, each.getBoundingClientRect()])
+        .filter(([{ type }, { width, height }]) =>
+            Math.min(width, height) < (type === "checkbox" ? 24 : 32))
+        .map(([each]) => each.outerHTML)"""
+    async with open_page(page_address(demo) + cards, PHONE, has_touch=True) as page:
+        await page.wait_for_selector(f"{card('/odom')} .row button")
+        await page.wait_for_selector(f"{card('Publish /goal_pose')} button:enabled:text-is('JSON')")
+        await page.wait_for_selector("svg [aria-label='topic /odom']")
+        assert await page.evaluate(small) == []
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("viewport", [DESK, PHONE], ids=["desk", "phone"])
+async def test_what_closes_a_card_stands_in_its_corner(demo, open_page, viewport):
+    cards = "#card=tree+0+/odom&card=tree+0+/camera/image_raw/compressed&card=call+0+/motor_power"
+    far = """() => [...document.querySelectorAll("article")].filter((each) => {
+        const [outer, inner] = [each, each.querySelector("[aria-label^=close]")].map(
+            (part) => part.getBoundingClientRect());
+        return inner.top - outer.top > 12 || outer.right - inner.right > 16;
+    }).length"""
+    async with open_page(page_address(demo) + cards, viewport) as page:
+        await until(page, "() => document.querySelectorAll('article').length === 3")
+        assert await page.evaluate(far) == 0
+
+
+@pytest.mark.long
 @pytest.mark.parametrize("viewport", [DESK, PHONE], ids=["desk", "phone"])
 @pytest.mark.parametrize(
     ("name", "scheme", "ready"),
