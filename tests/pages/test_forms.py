@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the debug page sends: messages, calls, goals and parameters, in a real browser."""
 
+import json
 import re
 
 import pytest
@@ -47,7 +48,7 @@ def field(page, title: str, *names: str):
 
 
 @pytest.mark.parametrize(
-    ("schema", "typed", "json"),
+    ("schema", "typed", "wanted"),
     [
         (UINT8, "", None),
         (UINT8, " 255 ", "255"),
@@ -79,6 +80,9 @@ def field(page, title: str, *names: str):
         (TIME, "now", '"now"'),
         (TIME, "1.5", '{"sec":1,"nanosec":500000000}'),
         (TIME, "-0.25", '{"sec":-1,"nanosec":750000000}'),
+        (TIME, "1700000000.123456789", '{"sec":1700000000,"nanosec":123456789}'),
+        (TIME, "-2", '{"sec":-2,"nanosec":0}'),
+        (TIME, ".", 'refused: expected now, or seconds, not "."'),
         (TIME, "soon", 'refused: expected now, or seconds, not "soon"'),
         (OCTETS, "1, 255", "[1,255]"),
         (OCTETS, "256", "refused: expected 0 to 255"),
@@ -87,14 +91,101 @@ def field(page, title: str, *names: str):
     ],
 )
 async def test_what_is_typed_becomes_json_or_a_refusal_in_words(
-    demo, open_page, schema, typed, json
+    demo, open_page, schema, typed, wanted
 ):
     async with open_page(page_address(demo)) as page:
         found = await page.evaluate(FIELDS, [schema, typed])
-        if json is not None and json.startswith("refused: "):
-            assert found.startswith(json)
+        if wanted is not None and wanted.startswith("refused: "):
+            assert found.startswith(wanted)
         else:
-            assert found == json
+            assert found == wanted
+
+
+# a form of a type that has all kinds of fields, and back from JSON
+BACK = """async ([schema, text]) => {
+    const { Form } = await import("/debug/forms/form.js");
+    const { parse } = await import("/shared/json.js");
+    const form = new Form(parse(schema));
+    form.toggle();
+    form.element.querySelector("textarea").value = text;
+    try {
+        form.toggle();
+    } catch (error) {
+        return error.message;
+    }
+    return form.json();
+}"""
+POINT = {"type": "object", "properties": {"x": FLOAT32}}
+ALL_KINDS = {
+    "type": "object",
+    "properties": {
+        "count": INT64,
+        "counts": {"type": "array", "items": INT64},
+        "x": FLOAT32,
+        "text": {"type": "string", "default": "hello"},
+        "lines": {"type": "array", "items": {"type": "string"}},
+        "stamp": TIME,
+        "octets": OCTETS,
+        "points": {"type": "array", "items": POINT},
+        "pair": {"type": "array", "items": POINT, "minItems": 2, "maxItems": 2},
+    },
+}
+STAYS = "it stays JSON, as "
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        '{"count":9223372036854775807,"counts":[9007199254740993,-9223372036854775808]}',
+        '{"x":0.1,"text":"a b"}',
+        '{"lines":["a b","c"],"octets":"AP8="}',
+        '{"stamp":{"sec":1700000000,"nanosec":123456789}}',
+        '{"stamp":{"sec":-1,"nanosec":1}}',
+        '{"stamp":{"sec":-3,"nanosec":999999999}}',
+        '{"points":[{"x":1},{}]}',
+    ],
+)
+async def test_json_that_fits_is_the_same_by_fields(demo, open_page, message):
+    async with open_page(page_address(demo)) as page:
+        assert await page.evaluate(BACK, [json.dumps(ALL_KINDS), message]) == message
+
+
+@pytest.mark.parametrize(
+    ("message", "words"),
+    [
+        ('{"typo_field": 5}', "typo_field does not fit: there is no such field"),
+        ('{"points": [{"y": 5}]}', "points.0.y does not fit: there is no such field"),
+        (
+            f'{{"points": [{",".join(["{}"] * 101)}]}}',
+            "points does not fit: the fields take at most 100 items, not 101",
+        ),
+        ('{"pair": [{}]}', "pair does not fit: the fields have 2 items, not 1"),
+        ('{"points": 1}', "points does not fit: expected a list, not 1"),
+        ('{"text": {"x": 1}}', 'text does not fit: the fields cannot hold {"x":1}'),
+        ('{"text": ""}', 'text does not fit: the fields cannot hold ""'),
+        ('{"text": "a\\nb"}', "text does not fit: the fields cannot hold "),
+        ('{"count": "5"}', 'count does not fit: the fields cannot hold "5"'),
+        ('{"count": 9223372036854775808}', "count does not fit: expected -9"),
+        ('{"x": null}', "x does not fit: expected a number"),
+        ('{"lines": ["a", "", "b"]}', 'lines does not fit: the fields cannot hold ["a","","b"]'),
+        ('{"counts": [[1]]}', "counts does not fit: the fields cannot hold [[1]]"),
+        ("[]", "it does not fit: expected an object, not []"),
+    ],
+)
+async def test_what_the_fields_would_lose_stays_json_and_is_named(demo, open_page, message, words):
+    async with open_page(page_address(demo)) as page:
+        assert (await page.evaluate(BACK, [json.dumps(ALL_KINDS), message])).startswith(STAYS + words)
+
+
+async def test_a_number_that_no_float64_holds_is_refused_at_its_form(demo, open_page):
+    async with open_page(page_address(demo) + "#card=publish+0+/cmd_vel") as page:
+        title = "Publish /cmd_vel"
+        await page.click(f"{form(title)} button:text-is('JSON')")
+        await page.fill(f"{form(title)} textarea", '{"linear": {"x": 1e400}}')
+        await page.click(f"{form(title)} button:text-is('Publish')")
+        problem = page.locator(f"{form(title)} > .problem")
+        assert await problem.inner_text() == "linear.x: this number is larger than any float64"
+        assert "sent" not in await page.inner_text(f"{form(title)} footer")
 
 
 async def test_a_form_publishes_what_another_client_hears(demo, open_page):
@@ -267,7 +358,11 @@ async def test_a_parameter_is_set_and_a_refusal_is_shown(demo, open_page):
         await page.click("#nodes button:has-text('/simulated_robot')")
         title = "node /simulated_robot"
         value = page.locator(f"{form(title)} label:has-text('use_sim_time') input")
-        for wrong, words in (("maybe", "expected a value as JSON has it"), ("3", "expected true")):
+        for wrong, words in (
+            ("maybe", "expected a value as JSON has it"),
+            ("1e400", "larger than any float64"),
+            ("3", "expected true"),
+        ):
             await value.fill(wrong)
             await value.press("Tab")
             await until(page, f"() => cards.textContent.includes('{words}')")

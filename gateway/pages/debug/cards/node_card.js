@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../../shared/dom.js";
 import { json } from "../../shared/json.js";
+import { valueOf } from "../forms/typed.js";
 import { Card } from "./card.js";
 
 /** A node: what it publishes, hears and provides, and its parameters, which can be set. */
@@ -75,9 +76,9 @@ export class NodeCard extends Card {
   async #set(name, text, problem) {
     problem.textContent = "";
     try {
-      JSON.parse(text);
-    } catch {
-      problem.textContent = "expected a value as JSON has it, such as true, 0.5 or [1, 2]";
+      valueOf(text);
+    } catch (error) {
+      problem.textContent = error.cause ? "expected a value as JSON has it, such as true, 0.5 or [1, 2]" : error.message;
       return;
     }
     try {

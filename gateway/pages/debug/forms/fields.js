@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // From the JSON Schema of a message to the fields of a form, and from what is typed to JSON. Nothing here knows a document.
 
+import { json } from "../../shared/json.js";
+
 /**
  * A field of a form.
  * @typedef {object} Field
@@ -73,6 +75,8 @@ export function jsonOf(field, typed) {
   return READERS[field.kind](field, text);
 }
 
+const SECONDS = /^([+-]?)(\d*)\.?(\d*)$/; // by its digits: as a number it would lose nanoseconds
+
 /** Return the number that a text is, or NaN: also for 0x10, which is a number for JavaScript alone. */
 const decimal = (text) => (/^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(text) ? Number(text) : NaN);
 
@@ -99,10 +103,11 @@ const READERS = {
   },
   time: (_, text) => {
     if (text === "now") return '"now"';
-    const seconds = decimal(text);
-    if (!Number.isFinite(seconds)) throw new Error(`expected now, or seconds, not ${shortened(text)}`);
-    const sec = Math.floor(seconds);
-    return JSON.stringify({ sec, nanosec: Math.min(999_999_999, Math.round((seconds - sec) * 1e9)) });
+    const [, sign, whole, part] = SECONDS.exec(text) ?? [];
+    if (!whole && !part) throw new Error(`expected now, or seconds, not ${shortened(text)}`);
+    const [sec, nanosec] = [Number(whole), Number(part.padEnd(9, "0").slice(0, 9))];
+    if (sign !== "-") return JSON.stringify({ sec, nanosec });
+    return JSON.stringify(nanosec ? { sec: -sec - 1, nanosec: 1e9 - nanosec } : { sec: 0 - sec, nanosec });
   },
   octets: (_, text) => {
     if (/^[\d\s,]+$/.test(text)) return rowOf({ item: { kind: "integer", least: 0, most: 255 } }, text.split(/[\s,]+/));
@@ -138,7 +143,7 @@ export function counted({ least, most }) {
 /** Return in words what a field takes. */
 export function expected(field) {
   const { kind, least, most, fallback } = field;
-  const otherwise = fallback === undefined || kind === "boolean" ? "" : `; else ${JSON.stringify(fallback)}`;
+  const otherwise = fallback === undefined || kind === "boolean" ? "" : `; else ${json(fallback)}`;
   switch (kind) {
     case "integer": return `${least === undefined ? "whole number" : `${least} to ${most}`}${otherwise}`;
     case "number": return `number${otherwise}`;

@@ -1,19 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../../shared/dom.js";
+import { json, parse } from "../../shared/json.js";
 import { counted, expected, fieldOf, jsonOf, size } from "./fields.js";
+import { checkFit, MOST_ITEMS, written } from "./filling.js";
+import { valueOf } from "./typed.js";
 
-const MOST_ITEMS = 100; // of a list, in a form
 const SMALL = 12; // values: so many are shown at once
 
 /** A form for a message, of which what is left empty has its default; or the same as JSON. */
 export class Form {
   element = element("div", { className: "form" });
+  #field;
   #group;
   #text = null; // the field for JSON, while it is shown
 
   /** @param {object} schema of a message, as `describe` gives it */
   constructor(schema) {
-    this.#group = new Group(fieldOf(schema));
+    this.#field = fieldOf(schema);
+    this.#group = new Group(this.#field);
     this.element.append(this.#group.content);
     this.#group.build();
   }
@@ -30,24 +34,28 @@ export class Form {
   json() {
     if (!this.#text) return this.#group.json() ?? "{}";
     try {
-      JSON.parse(this.#text.value);
+      valueOf(this.#text.value);
     } catch (error) {
       this.#text.focus();
-      throw new Error(`this is no JSON: ${error.message}`, { cause: error });
+      throw error;
     }
-    return this.#text.value; // not what was parsed: large integers would lose their last digits
+    return this.#text.value; // not what was parsed: a browser may round large integers
   }
 
-  /** Write the message as JSON, or in fields again. */
+  /**
+   * Write the message as JSON, or in fields again.
+   * @throws {Error} in words, if the fields cannot hold all of it
+   */
   toggle() {
-    const json = this.json();
+    const message = parse(this.json());
     if (this.#text) {
-      this.#group.fill(JSON.parse(json));
+      checkFit(this.#field, message);
+      this.#group.fill(message);
       this.#text = null;
       this.element.replaceChildren(this.#group.content);
       return;
     }
-    this.#text = element("textarea", { value: JSON.stringify(JSON.parse(json), null, 2), rows: 10, spellcheck: false, aria: { label: "message as JSON" } });
+    this.#text = element("textarea", { value: json(message, 2), rows: 10, spellcheck: false, aria: { label: "message as JSON" } });
     this.element.replaceChildren(this.#text);
   }
 }
@@ -121,7 +129,7 @@ class List {
 
   fill(value) {
     while (this.#items.length > this.#field.least) this.#remove(this.#items.at(-1));
-    for (const [index, each] of (value ?? []).slice(0, MOST_ITEMS).entries()) (this.#items[index] ?? this.#append()).fill(each);
+    for (const [index, each] of (value ?? []).entries()) (this.#items[index] ?? this.#append()).fill(each);
     this.element.open = value !== undefined;
   }
 
@@ -218,12 +226,4 @@ function inputOf(field) {
     input.setAttribute("list", names.id);
   }
   return input;
-}
-
-/** Return a value as it would be typed. */
-function written({ kind, item }, value) {
-  if (value === undefined) return "";
-  if (kind === "time" && typeof value === "object") return String(value.sec + value.nanosec / 1e9);
-  if (Array.isArray(value)) return value.join(item?.kind === "text" ? "\n" : ", ");
-  return String(value);
 }
