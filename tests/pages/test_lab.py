@@ -32,7 +32,8 @@ WHERE = """([x, y]) => {
     const { left, top, width, height } = lab.renderer.domElement.getBoundingClientRect();
     return [left + (place.x + 1) * width / 2, top + (1 - place.y) * height / 2];
 }"""
-# before something that hangs on a wall; where it is on the page, so low that the ray goes on to the floor behind
+# before something that hangs on a wall; where it is on the page, so low that
+# the ray goes on to the floor behind
 BEFORE = """(thing) => {
     const { rig, camera } = lab.viewer;
     const { position } = thing(lab);
