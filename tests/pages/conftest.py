@@ -129,11 +129,15 @@ class Line:
         self._is_cut = False
 
 
+def allow_requests(page) -> None:
+    """Allow what a page has asked for that was blank when opened: any address was foreign."""
+    page.wrong[:] = [each for each in page.wrong if not each.startswith("http")]
+
+
 @contextlib.asynccontextmanager
 async def severable(page) -> AsyncIterator[Line]:
     """Stand between a page that is blank yet and its gateway."""
     line = Line()
     await page.route_web_socket("**/*", line.take)
-    page.wrong.clear()
     yield line
-    page.wrong[:] = [each for each in page.wrong if not each.startswith("http")]
+    allow_requests(page)

@@ -13,7 +13,7 @@ import pytest
 from tests.client import client
 from tests.demonstration import until_it_can_be_driven
 from tests.gateway_process import gateway_process
-from tests.pages.conftest import DESK, page_address
+from tests.pages.conftest import DESK, allow_requests, page_address
 
 pytestmark = [pytest.mark.brief, pytest.mark.asyncio(loop_scope="module")]
 
@@ -504,7 +504,7 @@ async def test_what_is_no_json_or_no_operation_is_said_and_harms_nothing(demo, o
             told = f"the gateway sent what is no operation: {frame}"
             await until(page, "told => notice.textContent === told", told)
         await until_painted(page, f"{card('/map')} canvas")
-        page.wrong[:] = [each for each in page.wrong if not each.startswith("http")]
+        allow_requests(page)
 
 
 async def test_on_a_phone_the_bar_leaves_the_screen_to_the_cards(demo, open_page):

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The layout of the drive page: what drives is in sight, and stays where a finger has found it."""
 
+import json
+
 import pytest
 
-from tests.pages.conftest import DESK, page_address
+from tests.pages.conftest import DESK, allow_requests, page_address
 from tests.pages.test_debug_page import PHONE, until_painted
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
@@ -93,7 +95,9 @@ async def test_a_notice_lies_above_the_page_until_it_is_clicked_away(demo, open_
             await page.evaluate(SPEAK, "STOP went to /cmd_vel.")
             await page.wait_for_selector("#notice")
             assert await page.evaluate(top) == before
-            assert (await page.evaluate(PLACE, "notice"))[1] >= (await page.evaluate(PLACE, "stop"))[3]
+            assert (await page.evaluate(PLACE, "notice"))[1] >= (
+                await page.evaluate(PLACE, "stop")
+            )[3]
             await taken_away()
             await page.wait_for_selector("#notice", state="hidden")
 
@@ -108,7 +112,8 @@ async def test_of_a_long_warning_the_beginning_is_quoted(demo, open_page):
                 performance.now = () => begin;
                 motion.command(1, 0, true);
                 motion.log({ level: 30, msg: `cmd_vel ${word}` }, "/cmd_vel");
-                motion.odometry({ twist: { twist: { linear: { x: 0, y: 0 }, angular: { z: 0 } } } });
+                const still = { linear: { x: 0, y: 0 }, angular: { z: 0 } };
+                motion.odometry({ twist: { twist: still } });
                 performance.now = () => begin + 1000;
                 return motion.words;
             }""",
@@ -117,3 +122,82 @@ async def test_of_a_long_warning_the_beginning_is_quoted(demo, open_page):
         assert "It says: cmd_vel xxx" in words
         assert words.endswith("x…")
         assert len(words) < 250
+
+
+async def test_who_may_only_watch_is_told_so_before_trying(demo, open_page):
+    as_viewer = """
+        window.sent = [];
+        const { send } = WebSocket.prototype;
+        WebSocket.prototype.send = function (data) {
+            sent.push(JSON.parse(data).op);
+            send.call(this, data);
+        };
+        const { parse } = JSON;
+        JSON.parse = (text) => {
+            const read = parse(text);
+            return read?.op === "hello" ? { ...read, role: "viewer" } : read;
+        };
+    """
+    async with open_page(f"{page_address(demo)}drive", script=as_viewer) as page:
+        await page.wait_for_function("() => control.textContent === 'You may watch, not drive.'")
+        assert await page.get_attribute("#stick", "aria-disabled") == "true"
+        assert await page.is_disabled("#linear")
+        assert await page.is_disabled("#angular")
+        await page.keyboard.press("ArrowLeft")
+        left, top, right, _ = await page.evaluate(PLACE, "stick")
+        await page.mouse.move((left + right) / 2, top + 9)
+        await page.mouse.down()
+        assert await page.evaluate("() => knob.style.transform") in {"", "translate(0rem, 0rem)"}
+        await page.mouse.up()
+        assert "publish" not in await page.evaluate("sent")
+
+
+@pytest.mark.parametrize("code", ["forbidden", "tripped"])
+async def test_a_role_that_turns_out_not_to_drive_is_told_so(demo, open_page, code):
+    async with open_page("about:blank") as page:
+
+        def refuse(route) -> None:
+            server = route.connect_to_server()
+
+            def take(message) -> None:
+                if json.loads(message)["op"] != "publish":
+                    server.send(message)
+                    return
+                status = {"op": "status", "level": "error", "msg": "no", "request": "publish"}
+                route.send(json.dumps(status | {"code": code}))
+
+            route.on_message(take)
+
+        await page.route_web_socket("**/*", refuse)
+        await page.goto(f"{page_address(demo)}drive")
+        await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
+        await page.keyboard.press("ArrowLeft")
+        await page.wait_for_selector("#notice")
+        is_disabled = code == "forbidden"
+        assert await page.is_disabled("#linear") == is_disabled
+        watching = await page.evaluate("() => control.textContent === 'You may watch, not drive.'")
+        assert watching or not is_disabled
+        allow_requests(page)
+
+
+async def test_the_knob_shows_where_keys_drive(demo, open_page):
+    async with open_page(f"{page_address(demo)}drive") as page:
+        await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
+        for key, where in (
+            ("KeyW", "translate(0rem, -3.5rem)"),
+            ("KeyA", "translate(-3.5rem, 0rem)"),
+        ):
+            await page.keyboard.down(key)
+            await page.wait_for_function("where => knob.style.transform === where", arg=where)
+            await page.keyboard.up(key)
+            await page.wait_for_function("() => knob.style.transform === 'translate(0rem, 0rem)'")
+
+
+async def test_what_is_touched_is_large_enough(demo, open_page):
+    async with drive_on(open_page, demo, PHONE) as page:
+        height = "each => each.getBoundingClientRect().height"
+        for name in ("stop", "linear", "angular"):
+            assert await page.locator(f"#{name}").evaluate(height) >= 44
+        for link in await page.query_selector_all(".pages a"):
+            assert await link.evaluate(height) >= 24
+        assert not await page.is_visible(".hint")  # it is about keys

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the robot is on the map of the drive page: as ROS says it, and not as it said it long ago."""
+"""Where the robot is on the map of the drive page: as ROS says it, not as it said long ago."""
 
 import asyncio
 import contextlib
@@ -28,7 +28,7 @@ AGE_ALL = """() => {
 
 
 class Robot:
-    """A robot by a client: it says all that a map needs ten times a second, but what is taken away."""
+    """A robot by a client: ten times a second it says what a map needs, if not taken away."""
 
     def __init__(self, speaker) -> None:
         self._speaker = speaker
@@ -37,13 +37,21 @@ class Robot:
 
     async def begin(self) -> None:
         """Say what is said once."""
-        for topic, kind in (("/tf", "tf2_msgs/msg/TFMessage"), ("/scan", "sensor_msgs/msg/LaserScan")):
+        for topic, kind in (
+            ("/tf", "tf2_msgs/msg/TFMessage"),
+            ("/scan", "sensor_msgs/msg/LaserScan"),
+        ):
             await self._speaker.send(op="advertise", topic=topic, type=kind)
         await self._speaker.send(op="advertise", topic="/odom", type="nav_msgs/msg/Odometry")
         latched = {"op": "advertise", "latch": True}
         await self._speaker.send(**latched, topic="/map", type="nav_msgs/msg/OccupancyGrid")
         await self._speaker.send(**latched, topic="/tf_static", type="tf2_msgs/msg/TFMessage")
-        info = {"resolution": 0.1, "width": 60, "height": 60, "origin": {"position": {"x": -3, "y": -3}}}
+        info = {
+            "resolution": 0.1,
+            "width": 60,
+            "height": 60,
+            "origin": {"position": {"x": -3, "y": -3}},
+        }
         grid = {"header": {"frame_id": "map"}, "info": info, "data": [0] * 3600}
         await self._speaker.send(op="publish", topic="/map", msg=grid)
 
@@ -61,14 +69,19 @@ class Robot:
                 await self._say("/tf", {"transforms": moving})
             scan = {"angle_increment": 0.1, "range_max": 5.0, "ranges": [2.0] * 60}
             await self._say("/scan", {"header": {"frame_id": "laser"}} | scan)
-            await self._say("/odom", {"header": {"frame_id": "odom"}, "child_frame_id": "base_link"})
+            await self._say(
+                "/odom", {"header": {"frame_id": "odom"}, "child_frame_id": "base_link"}
+            )
             await asyncio.sleep(PERIOD_S)
 
     async def _say(self, topic: str, message: dict[str, object]) -> None:
         await self._speaker.send(op="publish", topic=topic, msg=message)
 
     def _transform(self, parent: str, child: str) -> dict[str, object]:
-        header = {"frame_id": parent, "stamp": {"sec": self._stamp // 10, "nanosec": self._stamp % 10 * 10**8}}
+        header = {
+            "frame_id": parent,
+            "stamp": {"sec": self._stamp // 10, "nanosec": self._stamp % 10 * 10**8},
+        }
         return {"header": header, "child_frame_id": child, "transform": {"rotation": {"w": 1.0}}}
 
 

@@ -120,7 +120,13 @@ async def test_the_drive_page_says_what_cannot_be_shown_until_something_can(open
             "image is 0x0",
             {"encoding": "rgb8", "width": 2, "height": 1, "step": 6, "data": [0, 0, 0, 9, 99, 250]},
         ),
-        (MAP, "world", {"info": {"resolution": 0.05}}, "no cells", {"info": CELLS, "data": [0] * 6}),
+        (
+            MAP,
+            "world",
+            {"info": {"resolution": 0.05}},
+            "no cells",
+            {"info": CELLS, "data": [0] * 6},
+        ),
     ],
     ids=["picture", "map"],
 )

@@ -118,7 +118,7 @@ async def test_a_huge_map_is_drawn_with_some_of_its_cells(demo, open_page):
         assert (width, height, cells, colours) == (2500, 1500, 2, 2)
 
 
-# paints a map of 3000 x 3000 cells with thin walls, and returns the size and how much of a row has which colour
+# paints a map of 3000 x 3000 cells with a thin wall; returns its size and colours of some pixels
 PAINT_THIN_WALLS = """async (asPicture) => {
     const { Painter } = await import("/views/painter.js");
     const side = 3000;
@@ -158,7 +158,9 @@ async def test_a_huge_map_is_painted_small_and_keeps_its_thin_walls(demo, open_p
 @pytest.mark.parametrize("path", ["drive", "#card=map+0+/map"])
 async def test_a_map_is_asked_for_as_a_picture_once_a_second_at_most(demo, open_page, path):
     async with open_page(page_address(demo) + path, script=NOTE_SENT) as page:
-        asked = "sent.map(JSON.parse).filter(({ op, topic }) => op === 'subscribe' && topic === '/map')"
+        asked = (
+            "sent.map(JSON.parse).filter(({ op, topic }) => op === 'subscribe' && topic === '/map')"
+        )
         await until(page, f"() => {asked}.length")
         (subscription,) = await page.evaluate(asked)
         assert subscription["image"] == {"format": "png"}

@@ -18,6 +18,7 @@ const MAPS = ["nav_msgs/msg/OccupancyGrid"];
 const SCANS = ["sensor_msgs/msg/LaserScan"];
 const ODOMETRY = ["nav_msgs/msg/Odometry"];
 const TICK_MS = 200;
+const KNOB_REM = 3.5; // from the middle of the stick to its edge
 // After how long these are old: whoever makes a map sends it now and then, and says once a second where the odometry began on it.
 const LATE_MS = { map: 10_000, place: 2000 };
 
@@ -27,18 +28,36 @@ const world = new Place(find("world"), gateway, LATE_MS);
 const motion = new Motion();
 const heard = { odometry: "", scan: "", map: "" }; // topics; a robot that is gone takes them out of the graph
 let isConnected = false;
+let isForbidden = false; // what this page may not do is said before it is tried, where the role tells
 gateway.on("state", ({ state }) => {
   isConnected = state === "open";
+  forbid(isConnected && gateway.hello.role === "viewer");
   letGo(); // what was held before belongs to another connection
 });
 const command = new CommandTopic(gateway, told);
 
 bar.connect(gateway, "Drive");
+gateway.on("status", ({ code, request }) => code === "forbidden" && request === "publish" && forbid(true)); // roles may be of any name
 const driver = new Driver((shares) => {
+  if (isForbidden) return;
+  point(shares);
   const [linear, angular] = [shares.linear * find("linear").valueAsNumber, shares.angular * find("angular").valueAsNumber];
   motion.command(linear, angular, command.publish(linear, angular) && command.isDriving);
 });
 const { letGo } = watch(find("stick"), find("knob"), (linear, angular) => driver.hold(linear, angular));
+
+/** Show by the knob where the robot is driven, by keys, too. */
+function point({ linear, angular }) {
+  const length = Math.max(1, Math.hypot(linear, angular));
+  find("knob").style.transform = `translate(${(-angular / length) * KNOB_REM}rem, ${(-linear / length) * KNOB_REM}rem)`;
+}
+
+/** Disable what drives, or enable it. */
+function forbid(isNow) {
+  isForbidden = isNow;
+  find("stick").setAttribute("aria-disabled", String(isNow));
+  for (const name of ["linear", "angular"]) find(name).disabled = isNow;
+}
 
 function draw() {
   requestAnimationFrame(draw); // first: whatever fails here, the next frame comes
@@ -51,7 +70,7 @@ function tick() {
   const of = (topic) => gateway.arrivals.get(topic);
   camera.write({ picture: camera.arrivals }, isConnected);
   world.write({ odometry: of(heard.odometry), scan: of(heard.scan), map: of(heard.map), place: world.view?.place }, isConnected);
-  const words = (command.isDriving && motion.words) || command.words;
+  const words = isForbidden ? "You may watch, not drive." : (command.isDriving && motion.words) || command.words;
   if (find("control").textContent !== words) find("control").textContent = words; // it is read out
 }
 
@@ -66,7 +85,7 @@ function hear() {
 
 function told() {
   tick();
-  find("take").hidden = command.state?.holder !== "other";
+  find("take").hidden = isForbidden || command.state?.holder !== "other";
   bar.review(command);
   if (!command.isFree) letGo(); // it has to be pressed anew
 }
