@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads what the gateway sends in binary frames: CBOR (RFC 8949) with the typed arrays of RFC 8746.
 
+import { narrowed } from "./json.js";
+
 const TEXT = new TextDecoder("utf-8", { fatal: true });
 
 const numbersOf = (Typed) => (octets) => new Typed(octets.slice().buffer); // a copy: a typed array begins at a multiple of its width
 const TYPED_ARRAYS = {
   69: numbersOf(Uint16Array),
   70: numbersOf(Uint32Array),
-  71: (octets) => Float64Array.from(numbersOf(BigUint64Array)(octets), Number), // as precise as JSON is here
+  71: (octets) => Array.from(numbersOf(BigUint64Array)(octets), narrowed),
   72: (octets) => new Int8Array(octets.buffer, octets.byteOffset, octets.length),
   77: numbersOf(Int16Array),
   78: numbersOf(Int32Array),
-  79: (octets) => Float64Array.from(numbersOf(BigInt64Array)(octets), Number),
+  79: (octets) => Array.from(numbersOf(BigInt64Array)(octets), narrowed),
   85: numbersOf(Float32Array),
   86: numbersOf(Float64Array),
 };
@@ -46,7 +48,7 @@ class Reader {
     const [major, info] = [first >> 5, first & 31];
     switch (major) {
       case 0: return this.#length(info);
-      case 1: return -1 - this.#length(info);
+      case 1: return narrowed(-1n - BigInt(this.#length(info)));
       case 2: return this.#octets(this.#length(info));
       case 3: return TEXT.decode(this.#octets(this.#length(info)));
       case 4: return this.#array(this.#length(info));
@@ -64,7 +66,7 @@ class Reader {
       case 24: this.#at += 1; return this.#view.getUint8(at);
       case 25: this.#at += 2; return this.#view.getUint16(at);
       case 26: this.#at += 4; return this.#view.getUint32(at);
-      case 27: this.#at += 8; return Number(this.#view.getBigUint64(at));
+      case 27: this.#at += 8; return narrowed(this.#view.getBigUint64(at));
       default: throw new SyntaxError(`a length of the kind ${info}`);
     }
   }

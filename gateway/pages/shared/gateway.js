@@ -5,6 +5,7 @@ import { Arrivals } from "./arrivals.js";
 import { decode } from "./cbor.js";
 import { Drops } from "./drops.js";
 import { Graph } from "./graph.js";
+import { parse } from "./json.js";
 import { Pulse } from "./pulse.js";
 import * as tokens from "./token.js";
 
@@ -249,7 +250,7 @@ export class Gateway extends EventTarget {
     this.counts.bytes += size;
     let frame;
     try {
-      frame = isText ? JSON.parse(data) : decode(data);
+      frame = isText ? parse(data) : decode(data);
     } catch (error) {
       this.#tell(`the gateway sent what is no ${isText ? "JSON" : "CBOR"}: ${error.message}`);
       return;

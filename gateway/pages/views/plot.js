@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element, token } from "../shared/dom.js";
 import uPlot from "../vendor/uplot.js";
+import { isNumber } from "./numbers.js";
 import { TreeView } from "./tree.js";
 
 const SPAN_S = 30;
@@ -10,7 +11,7 @@ const LINE = 1.5;
 const EDGE = 1;
 const LEAST_SHARE = 1e-9; // of a number, that an axis shows around it
 const LARGEST = 8e307; // on an axis: from one end to the other is a number, too
-const NON_FINITE = ["NaN", "Infinity", "-Infinity"]; // as they come in JSON
+const STEPS_S = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 30, 60]; // between two marks of time
 /** @type {any} the library has no types here */
 const Plot = uPlot;
 const COLOURS = ["series-1", "series-2", "series-3", "series-4"];
@@ -22,7 +23,10 @@ export class PlotView {
   /** Milliseconds between two drawings: the eye sees no more of a line. */
   rest = 66;
   element = element("div", { className: "plot" });
-  #columns;
+  #columns; // time, and the values of each field
+  #drawn; // of these what is drawn: it stands still while more is kept
+  #drawnAt = 0; // in seconds
+  #hasLong = false; // whether a value is a BigInt, which nothing can be drawn by
   #plot = null;
   /** @type {TreeView|null} of the numbers that can be plotted, until one is chosen */
   #choice = null;
@@ -35,8 +39,21 @@ export class PlotView {
     this.card = card;
     this.#observer.observe(this.element);
     if (!card.fields.length) this.#choice = new TreeView({ plot: (path) => card.choose(path) });
-    this.options = this.#choice?.options ?? { fields: card.fields.map((each) => each.replace(/\.\d+(?=\.|$).*/, "")) };
     this.#columns = [[], ...card.fields.map(() => [])];
+    this.#drawn = this.#columns.map(() => []);
+  }
+
+  get options() {
+    return this.#choice?.options ?? { fields: this.card.fields.map((each) => each.replace(/\.\d+(?=\.|$).*/, "")) };
+  }
+
+  /** Draw one more field of the card: the newest of its fields. What is drawn goes on. */
+  add() {
+    for (const columns of [this.#columns, this.#drawn]) columns.push(columns[0].map(() => null));
+    this.#plot?.destroy();
+    this.#plot = null;
+    this.#labels = [];
+    if (this.#drawn[0].length) this.#render();
   }
 
   keep(message) {
@@ -46,8 +63,9 @@ export class PlotView {
     this.#columns[0].push(now);
     this.card.fields.forEach((path, index) => {
       const value = path.split(".").reduce((each, name) => each?.[name], message);
-      strange ||= ["undefined", "number", "boolean"].includes(typeof value) || NON_FINITE.includes(value) ? "" : path;
-      this.#columns[index + 1].push(typeof value === "boolean" ? Number(value) : Number.isFinite(value) ? value : null);
+      strange ||= value === undefined || typeof value === "boolean" || isNumber(value) ? "" : path;
+      this.#hasLong ||= typeof value === "bigint";
+      this.#columns[index + 1].push(drawable(value));
     });
     const late = this.#columns[0].findIndex((each) => each >= now - SPAN_S);
     const excess = Math.max(late, this.#columns[0].length - MOST_POINTS);
@@ -61,13 +79,27 @@ export class PlotView {
       this.#choice.show(message);
       return;
     }
+    this.#drawn = this.#columns.map((each) => each.slice());
+    this.#drawnAt = performance.now() / 1000;
+    this.#render();
+  }
+
+  draw() {
+    if (!this.#plot && this.#drawn[0].length) this.#render(); // it was not laid out when its newest message came
+  }
+
+  #render() {
     if (!this.#width) return; // not laid out yet
     this.#plot ??= this.#make(this.#width);
     if (this.#plot.width !== this.#width) this.#plot.setSize({ width: this.#width, height: HEIGHT });
-    const now = performance.now() / 1000;
-    this.#plot.setData(this.#columns, false);
-    this.#plot.setScale("x", { min: now - SPAN_S, max: now });
+    this.#plot.setData(this.#numbers, false);
+    this.#plot.setScale("x", { min: this.#drawnAt - SPAN_S, max: this.#drawnAt });
     this.#label();
+  }
+
+  /** What is drawn, as numbers: a curve has no use for the last digits of a long integer, its name has. */
+  get #numbers() {
+    return this.#hasLong ? this.#drawn.map((each) => each.map((value) => (value === null ? null : Number(value)))) : this.#drawn;
   }
 
   close() {
@@ -78,23 +110,27 @@ export class PlotView {
   #label() {
     if (!this.#labels.length) this.#labels = [...this.element.querySelectorAll(".u-series .u-label")].slice(-this.card.fields.length);
     const place = this.#plot?.cursor.idx ?? -1;
-    const time = place < 0 ? "" : `, ${(-this.#since(this.#columns[0][place])).toFixed(1)} s ago`;
+    const time = place < 0 ? "" : `, ${(-this.#since(this.#drawn[0][place])).toFixed(1)} s ago`;
     this.card.fields.forEach((path, index) => {
-      const text = `${path} ${written(this.#columns[index + 1].at(place))}${time}`;
+      const text = `${path} ${written(this.#drawn[index + 1].at(place))}${time}`;
       if (this.#labels[index].textContent !== text) this.#labels[index].textContent = text;
     });
   }
 
   /** Return a time in seconds since the newest values came. */
   #since(time) {
-    return time - this.#columns[0].at(-1);
+    return time - this.#drawn[0].at(-1);
   }
 
   #make(width) {
     // a plot that goes on has the last 30 s, whatever is chosen
     const whilePaused = (_plot, _target, handler) => (event) => this.card.isPaused && handler(event);
     const axis = { stroke: token("quiet"), grid: { stroke: token("line"), width: 1 }, ticks: { stroke: token("line"), width: 1 } };
-    const seconds = (plot, marks, _axis, _room, step) => marks.map((each) => `${inSeconds(this.#since(each), step < 1 ? 1 : 0)} s`);
+    const time = {
+      incrs: STEPS_S,
+      splits: (_plot, _axis, least, most, step) => this.#marks(least, most, step),
+      values: (_plot, marks, _axis, _room, step) => marks.map((each) => `${inSeconds(this.#since(each), step < 0.1 ? 2 : step < 1 ? 1 : 0)} s`),
+    };
     const series = this.card.fields.map((label, index, { length }) => ({
       label,
       stroke: token(COLOURS[index % COLOURS.length]),
@@ -108,11 +144,25 @@ export class PlotView {
       cursor: { y: false, drag: { x: true, y: false }, bind: { mousedown: whilePaused, dblclick: whilePaused } },
       hooks: { setCursor: [() => this.#label()] },
       scales: { x: { time: false }, y: { range: (_, least, most) => around(least, most) } },
-      axes: [{ ...axis, values: seconds }, { ...axis, size: 60 }],
+      axes: [{ ...axis, ...time }, { ...axis, size: 60 }],
       series: [{}, ...series],
       legend: { live: false },
-    }, this.#columns, this.element);
+    }, this.#numbers, this.element);
   }
+
+  /** Return round times since the newest values, as places on the axis. */
+  #marks(least, most, step) {
+    const newest = this.#drawn[0].at(-1) ?? most;
+    const first = Math.ceil((least - newest) / step);
+    const count = Math.floor((most - newest) / step) - first + 1;
+    return Array.from({ length: count }, (_, index) => newest + (first + index) * step);
+  }
+}
+
+/** Return a value as a curve has it; null is a gap. */
+function drawable(value) {
+  if (typeof value === "boolean") return Number(value);
+  return typeof value === "bigint" || Number.isFinite(value) ? value : null;
 }
 
 /** Return seconds as text; none is 0, a little before and after. */
@@ -124,7 +174,7 @@ function inSeconds(value, digits) {
 /** Return a value as it stands beside a name: short, and as wide as the one before. */
 function written(value) {
   if (value === null || value === undefined) return "–";
-  return Number.isInteger(value) ? String(value) : Math.abs(value) < 1e-3 || Math.abs(value) >= 1e6 ? value.toExponential(2) : value.toFixed(3);
+  return typeof value === "bigint" || Number.isInteger(value) ? String(value) : Math.abs(value) < 1e-3 || Math.abs(value) >= 1e6 ? value.toExponential(2) : value.toFixed(3);
 }
 
 /**
