@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../shared/dom.js";
+import { isNumber, NON_FINITE } from "./numbers.js";
 
 const MOST_ITEMS = 12; // of a list, until more are asked for
 const MORE_ITEMS = 100; // a time
@@ -9,82 +10,132 @@ const MOST_CHARACTERS = 120;
 export class TreeView {
   options = { throttle_rate: 200 };
   element = element("div", { className: "tree" });
-  #shape = "";
-  #values = new Map(); // path -> the element that has its value
-  #lengths = new Map(); // path of a list -> of how many items it shows
-  #message;
+  #empty = element("p", { className: "quiet" });
+  #fields;
 
+  /** @param {{plot: (path: string) => void}} card */
   constructor(card) {
-    this.card = card;
+    this.#fields = new Group("", (path) => card.plot(path));
+    this.element.append(this.#empty, this.#fields.element);
   }
 
   show(message) {
-    this.#message = message;
-    const leaves = [];
-    const hidden = [];
-    this.#collect(message, "", leaves, hidden);
-    const shape = [...leaves.map(([path, value]) => `${path}:${typeof value}`), ...hidden].join("\n");
-    if (shape !== this.#shape) {
-      // Only then: a button that is made anew loses the focus.
-      this.#shape = shape;
-      this.#values.clear();
-      this.element.replaceChildren(this.#list(message, ""));
+    this.#empty.textContent = isNested(message) ? "" : "no fields";
+    this.#fields.show(message);
+  }
+}
+
+/** The fields of a message, or the items of a list. Each row stays while its field does: a button that is made anew loses the focus. */
+class Group {
+  element = element("dl");
+  #path;
+  #plot;
+  #value;
+  #rows = new Map(); // name -> the row
+  #most = MOST_ITEMS;
+  #more = element("button", { type: "button" });
+  #moreRow = element("div", { className: "row", hidden: true }, this.#more);
+
+  constructor(path, plot) {
+    this.#path = path;
+    this.#plot = plot;
+    this.#more.setAttribute("aria-label", `more of ${path}`);
+    this.#more.onclick = () => this.#showMore();
+    this.element.append(this.#moreRow);
+  }
+
+  show(value) {
+    this.#value = value;
+    const items = Object.entries(isList(value) ? value.slice(0, this.#most) : value);
+    this.#removeOthers(new Set(items.map(([name]) => name)));
+    let next = this.element.firstElementChild;
+    for (const [name, item] of items) {
+      const row = this.#rows.get(name) ?? this.#add(name);
+      row.show(item);
+      if (row.element === next) next = next.nextElementSibling;
+      else next.before(row.element);
     }
-    for (const [path, value] of leaves) this.#values.get(path).textContent = shown(value);
+    this.#count(isList(value) ? value.length - items.length : 0);
   }
 
-  #list(value, path) {
-    const list = element("dl");
-    for (const [name, item] of this.#entries(value, path)) {
-      const its = below(path, name);
-      list.append(element("div", { className: "row" }, element("dt", {}, `${name}: `), this.#item(item, its)));
-    }
-    const hidden = isList(value) ? value.length - this.#length(path) : 0;
-    if (hidden > 0) list.append(this.#more(path, hidden));
-    return list;
-  }
-
-  #more(path, hidden) {
-    const button = element("button", { type: "button", aria: { label: `more of ${path}` } }, `${hidden} more`);
-    button.onclick = () => {
-      const length = this.#length(path);
-      this.#lengths.set(path, length + MORE_ITEMS);
-      this.#shape = "";
-      this.show(this.#message);
-      const first = below(path, length);
-      for (const [its, text] of this.#values) if (its === first || its.startsWith(`${first}.`)) return text.parentElement.querySelector("button")?.focus();
-    };
-    return element("div", { className: "row" }, button);
-  }
-
-  #length(path) {
-    return this.#lengths.get(path) ?? MOST_ITEMS;
-  }
-
-  #entries(value, path) {
-    return Object.entries(isList(value) ? value.slice(0, this.#length(path)) : value);
-  }
-
-  #collect(value, path, leaves, hidden) {
-    if (isList(value) && value.length > this.#length(path)) hidden.push(`${path}+${value.length}`);
-    for (const [name, item] of this.#entries(value, path)) {
-      const its = below(path, name);
-      if (isNested(item)) this.#collect(item, its, leaves, hidden);
-      else leaves.push([its, item]);
+  #removeOthers(names) {
+    for (const [name, row] of this.#rows) {
+      if (names.has(name)) continue;
+      row.element.remove();
+      this.#rows.delete(name);
     }
   }
 
-  #item(value, path) {
-    if (isNested(value)) return element("dd", {}, this.#list(value, path));
-    const text = element("span");
-    this.#values.set(path, text);
-    const item = element("dd", {}, text);
-    if (typeof value === "number") {
-      const button = element("button", { type: "button", title: `plot ${path}`, aria: { label: `plot ${path}` } }, "plot");
-      button.onclick = () => this.card.plot(path);
-      item.append(" ", button);
+  #add(name) {
+    const row = new Row(name, this.#path ? `${this.#path}.${name}` : name, this.#plot);
+    this.#rows.set(name, row);
+    return row;
+  }
+
+  /** Say how many items of the list are not shown. */
+  #count(hidden) {
+    this.#moreRow.hidden = hidden === 0;
+    this.#more.textContent = `${hidden} more`;
+  }
+
+  #showMore() {
+    const first = String(this.#most);
+    this.#most += MORE_ITEMS;
+    this.show(this.#value);
+    this.#rows.get(first)?.element.querySelector("button:not([hidden])")?.focus();
+  }
+}
+
+/** A name with what it has: a value, or fields of its own. */
+class Row {
+  #path;
+  #plot;
+  #group = null;
+  #leaf = null;
+  #content = element("dd");
+
+  constructor(name, path, plot) {
+    this.#path = path;
+    this.#plot = plot;
+    this.element = element("div", { className: "row" }, element("dt", {}, `${name}: `), this.#content);
+  }
+
+  show(value) {
+    if (isNested(value)) {
+      this.#leaf = null;
+      this.#group ??= this.#fill(new Group(this.#path, this.#plot));
+      this.#group.show(value);
+    } else {
+      this.#group = null;
+      this.#leaf ??= this.#fill(new Leaf(this.#path, this.#plot));
+      this.#leaf.show(value);
     }
-    return item;
+  }
+
+  #fill(made) {
+    this.#content.replaceChildren(made.element);
+    return made;
+  }
+}
+
+/** A value, with a button that plots it while it is a number. */
+class Leaf {
+  #text = element("span");
+  #button;
+  #isText = false;
+
+  constructor(path, plot) {
+    this.#button = element("button", { type: "button", title: `plot ${path}`, aria: { label: `plot ${path}` } }, "plot");
+    this.#button.onclick = () => plot(path);
+    this.element = element("span", {}, this.#text, " ", this.#button);
+  }
+
+  show(value) {
+    this.#isText ||= typeof value === "string" && !NON_FINITE.includes(value); // what says "hello" before means no number by "NaN"
+    const isPlotted = !this.#isText && isNumber(value);
+    this.#button.hidden = !isPlotted;
+    const text = isPlotted ? String(value) : shown(value);
+    if (this.#text.textContent !== text) this.#text.textContent = text; // else what is selected would be so no longer
   }
 }
 
@@ -96,9 +147,8 @@ function isNested(value) {
   return typeof value === "object" && value !== null && Object.keys(value).length > 0;
 }
 
-const below = (path, name) => (path ? `${path}.${name}` : String(name));
-
 function shown(value) {
-  const text = typeof value === "string" ? JSON.stringify(value) : String(value && typeof value === "object" ? "[]" : value);
+  if (value && typeof value === "object") return isList(value) ? "[]" : "no fields";
+  const text = typeof value === "string" ? JSON.stringify(value) : String(value);
   return text.length > MOST_CHARACTERS ? `${text.slice(0, MOST_CHARACTERS)} ... ${text.length} characters` : text;
 }

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The view of fields: what has the focus keeps it, whatever comes."""
+
+import pytest
+import pytest_asyncio
+
+from tests.gateway_process import gateway_process
+from tests.pages.conftest import page_address
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+TREE = """async () => {
+    const { TreeView } = await import("/views/tree.js");
+    window.plotted = [];
+    window.view = new TreeView({ plot: (path) => plotted.push(path) });
+    document.getElementById("cards").append(view.element);
+    window.items = (count) => ({ data: Array.from({ length: count }, (_, n) => n), name: "it" });
+}"""
+TEXT = "() => view.element.innerText.replaceAll(/\\s+/g, ' ').trim()"
+FOCUSED = "() => document.activeElement.ariaLabel"
+
+
+@pytest_asyncio.fixture(loop_scope="module")
+async def tree(open_page, served):
+    async with open_page(f"{page_address(served)}#card=none") as page:
+        await page.wait_for_selector("#cards > .empty")
+        await page.evaluate(TREE)
+        yield page
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def served(nowhere):
+    async with gateway_process("serve", *nowhere) as gateway:
+        yield gateway
+
+
+@pytest.mark.parametrize("label", ["plot data.3", "more of data"])
+async def test_a_button_stays_while_a_list_changes_its_length(tree, label):
+    await tree.evaluate("() => view.show(items(300))")
+    await tree.evaluate(
+        "label => view.element.querySelector(`[aria-label='${label}']`).focus()", label
+    )
+    for count in (299, 20, 300):
+        await tree.evaluate("count => view.show(items(count))", count)
+        assert await tree.evaluate(FOCUSED) == label
+        assert f"11: 11 plot {count - 12} more name:" in await tree.evaluate(TEXT)
+    await tree.evaluate("() => view.show(items(5))")
+    assert (await tree.evaluate(TEXT)).endswith('4: 4 plot name: "it"')
+    assert await tree.evaluate(FOCUSED) == ("plot data.3" if "plot" in label else None)
+    await tree.evaluate("() => view.show(items(6))")
+    assert (await tree.evaluate(TEXT)).endswith('5: 5 plot name: "it"')
+
+
+@pytest.mark.parametrize("strange", ["NaN", "Infinity", "-Infinity"])
+async def test_a_number_that_is_none_for_a_while_can_be_plotted_all_along(tree, strange):
+    for value in (strange, 1.5, strange):
+        await tree.evaluate("data => view.show({ data })", value)
+        assert await tree.evaluate(TEXT) == f"data: {value} plot"
+        await tree.evaluate("() => view.element.querySelector('button').focus()")
+        assert await tree.evaluate(FOCUSED) == "plot data"
+    await tree.evaluate("() => document.activeElement.click()")
+    assert await tree.evaluate("() => plotted") == ["data"]
+
+
+async def test_a_text_that_says_nan_is_no_number(tree):
+    for text in ("hello", "NaN"):
+        await tree.evaluate("text => view.show({ data: text })", text)
+        assert await tree.evaluate(TEXT) == f'data: "{text}"'
+
+
+async def test_a_message_without_fields_says_so(tree):
+    await tree.evaluate("() => view.show({})")
+    assert await tree.evaluate(TEXT) == "no fields"
+    await tree.evaluate("() => view.show({ stamp: {}, list: [] })")
+    assert await tree.evaluate(TEXT) == "stamp: no fields list: []"
+
+
+async def test_what_was_a_value_may_become_a_group(tree):
+    for value, text in (("[]", "[]"), ("[1]", "0: 1 plot"), ("[]", "[]"), ("[2]", "0: 2 plot")):
+        await tree.evaluate(f"() => view.show({{ list: {value} }})")
+        assert await tree.evaluate(TEXT) == f"list: {text}"
