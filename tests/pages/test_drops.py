@@ -71,12 +71,12 @@ async def test_what_the_link_drops_is_counted_from_message_to_message(demo, open
 async def test_what_a_rate_leaves_out_is_no_drop_and_the_rate_is_said(demo, open_page):
     async with open_page("about:blank") as page:
         count = await opened_at(page, demo, PLOT.format(rate=5))
-        await until(page, f"() => {FOOTER}.endsWith('at most 5 Hz, by choice')")
+        await until(page, f"() => {FOOTER}.endsWith('limited to 5 Hz by this page')")
         count.set(400)  # the gateway counts them, too
         await count.is_sent.wait()
         # without a rate what it has left out before is none, either
         await page.select_option(f"{card('/imu')} select[aria-label^=rate]", "0")
-        await until(page, f"() => /^[1-9]\\d Hz/.test({FOOTER}) && !/at most/.test({FOOTER})")
+        await until(page, f"() => /^[1-9]\\d Hz/.test({FOOTER}) && !/limited/.test({FOOTER})")
         assert "dropped" not in await page.evaluate(f"() => {FOOTER}")
         assert await page.evaluate(f"() => {BAR}") == "0"
         count.set(403)

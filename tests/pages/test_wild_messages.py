@@ -151,7 +151,7 @@ async def test_a_card_that_is_refused_takes_no_part_in_what_another_one_gets(dem
     async with open_page(page_address(demo) + cards) as page:
         await until(page, "() => /no.such/.test(cards.textContent)")
         tree = "document.querySelector('article footer').textContent"
-        await until(page, f"() => /at most 5 Hz, by choice/.test({tree})")
+        await until(page, f"() => /limited to 5 Hz by this page/.test({tree})")
         refused = "() => [...document.querySelectorAll('article footer')].at(-1).textContent"
         fields = "() => document.querySelector('.tree').textContent"
         for _ in range(10):  # between which drops would be counted

@@ -233,6 +233,8 @@ async def test_a_battery_in_words(demo, open_page):
         await until(page, f"{text}?.includes('discharging') && {text[6:]}?.includes('11.1 V')")
         await speaker.send(op="publish", topic="/charge", msg={"percentage": None})
         await until(page, f"{text}?.includes('charge not measured')")
+        await speaker.send(op="publish", topic="/charge", msg={"percentage": 85})
+        await until(page, f"{text}?.includes('charge 85: out of range (0 to 1)')")
 
 
 @pytest.mark.parametrize(

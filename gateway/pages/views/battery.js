@@ -19,8 +19,8 @@ export class BatteryView {
 
   show({ percentage, voltage, current, temperature, power_supply_status: status, power_supply_health: health }) {
     const share = measured(percentage);
-    this.#share.textContent = share === null ? "charge not measured" : `${Math.round(share * 100)} %${share < LOW ? ", low" : ""}`;
-    this.#meter.hidden = share === null;
+    this.#share.textContent = charge(share);
+    this.#meter.hidden = !isShare(share);
     this.#meter.value = share ?? 0;
     const parts = [[voltage, "V"], [current, "A"], [temperature, "°C"]]
       .map(([value, unit]) => [measured(value), unit])
@@ -28,6 +28,15 @@ export class BatteryView {
       .map(([value, unit]) => `${value.toFixed(1)} ${unit}`);
     this.#rest.textContent = [STATUS[status] ?? `status ${status}`, HEALTH[health] ?? `health ${health}`, ...parts].filter(Boolean).join(" · ");
   }
+}
+
+/** Whether it is what the type asks for: a charge as a share of 1. */
+const isShare = (value) => value !== null && value >= 0 && value <= 1;
+
+function charge(share) {
+  if (share === null) return "charge not measured";
+  if (!isShare(share)) return `charge ${share}: out of range (0 to 1)`;
+  return `${Math.round(share * 100)} %${share < LOW ? ", low" : ""}`;
 }
 
 /** Return a number, or null for NaN, which stands for what is not measured. */

@@ -6,18 +6,27 @@ const MOST = 200; // lines
 /** `/rosout` as lines, the newest last. */
 export class LogView {
   options = {};
+  /** Nobody logs regularly: that nothing comes makes no line old. */
+  isIrregular = true;
   element = element("ul", { className: "log", tabIndex: 0 });
+  #waiting = []; // messages that came since lines were written, as while the card is paused
 
   keep(message) {
-    const level = message.level >= 40 ? "error" : message.level >= 30 ? "warning" : "info";
-    const time = new Date(message.stamp.sec * 1000).toLocaleTimeString();
-    const line = `${time} ${message.name}: ${message.msg}`;
-    const isAtEnd = this.element.parentElement.scrollTop + this.element.parentElement.clientHeight + 8
-      >= this.element.parentElement.scrollHeight;
-    this.element.append(element("li", { dataset: { level } }, line));
+    this.#waiting.push(message);
+    if (this.#waiting.length > MOST) this.#waiting.shift();
+  }
+
+  show() {
+    const { scrollTop, clientHeight, scrollHeight } = this.element.parentElement;
+    const isAtEnd = scrollTop + clientHeight + 8 >= scrollHeight;
+    this.element.append(...this.#waiting.map(lineOf));
+    this.#waiting = [];
     while (this.element.childElementCount > MOST) this.element.firstElementChild.remove();
     if (isAtEnd) this.element.parentElement.scrollTop = this.element.parentElement.scrollHeight;
   }
+}
 
-  show() {}
+function lineOf({ level, stamp, name, msg }) {
+  const kind = level >= 40 ? "error" : level >= 30 ? "warning" : "info";
+  return element("li", { dataset: { level: kind } }, `${new Date(stamp.sec * 1000).toLocaleTimeString()} ${name}: ${msg}`);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { element } from "../../shared/dom.js";
+import { breakable, element } from "../../shared/dom.js";
 
 /**
  * What a card shows, as the address of the page keeps it: a name of the ROS graph in a view, at a rate, of a plot its fields.
@@ -21,7 +21,7 @@ export class Card {
   footer = element("footer");
   /** Whether it is on the screen: nobody needs to draw the others. */
   isSeen = false;
-  #title;
+  #type = element("small", { className: "type" });
   #observer = new IntersectionObserver((entries) => (this.isSeen = entries.at(-1).isIntersecting));
   problem = element("p", { className: "problem", hidden: true, role: "status" });
 
@@ -29,9 +29,9 @@ export class Card {
    * @param {import("../../shared/gateway.js").Gateway} gateway
    * @param {Shown} shown
    * @param {Actions} actions
-   * @param {{label?: string, title?: string, hint?: string}} [words] by default those of the name that is shown
+   * @param {{label?: string, title?: string, type?: string}} [words] by default those of the name that is shown
    */
-  constructor(gateway, shown, actions, { label = shown.topic, title = shown.topic, hint = "" } = {}) {
+  constructor(gateway, shown, actions, { label = shown.topic, title = shown.topic, type = "" } = {}) {
     /** For a view that needs more than its topic. */
     this.gateway = gateway;
     this.actions = actions;
@@ -39,8 +39,8 @@ export class Card {
     this.controls = element("div", { className: "controls" });
     const close = element("button", { type: "button", aria: { label: `close ${label}` } }, "✕");
     close.onclick = () => actions.close(this);
-    this.#title = element("h3", { title: hint }, title);
-    const header = element("header", {}, this.#title, this.controls, close);
+    const header = element("header", {}, element("h3", {}, breakable(title)), this.controls, close, this.#type);
+    this.writeType(type);
     this.element = element("article", { className: "card", tabIndex: -1, aria: { label } }, header, this.problem, this.body, this.footer);
     this.#observer.observe(this.element);
   }
@@ -51,13 +51,15 @@ export class Card {
     return { topic, view, fields, rate };
   }
 
-  /** Say more of what it shows, to whoever points at its title. */
-  hint(text) {
-    this.#title.title = text;
+  /** Write below the title which type is shown, if any is known. */
+  writeType(type) {
+    this.#type.replaceChildren(breakable(type));
+    this.#type.hidden = !type;
   }
 
-  /** Say what is wrong, or nothing. */
-  tell(text) {
+  /** Say what is wrong, or nothing; the code is the gateway's, if it says so. */
+  tell(text, code = "") {
+    this.problem.dataset.code = code;
     this.problem.textContent = text;
     this.problem.hidden = !text;
   }

@@ -16,7 +16,7 @@ export class FormCard extends Card {
    * @param {{verb: string, title: string, type: string}} words what the button says, and the type that is described
    */
   constructor(gateway, shown, actions, { verb, title, type }) {
-    super(gateway, shown, actions, { label: title, title, hint: type });
+    super(gateway, shown, actions, { label: title, title, type });
     this.type = type;
     this.#act = element("button", { type: "button", className: "act", disabled: true, aria: { label: `${verb} ${shown.topic}` } }, verb);
     this.#act.onclick = () => this.act();

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-import { Arrivals } from "../../shared/arrivals.js";
-import { copy } from "../../shared/clipboard.js";
+import { Arrivals, NOTHING_YET } from "../../shared/arrivals.js";
 import { element } from "../../shared/dom.js";
 import { json } from "../../shared/json.js";
 import { OF_SILENCE } from "../../shared/passing.js";
 import { makeView, misfit, nameOf, viewsFor } from "../../views/views.js";
 import { Card } from "./card.js";
+import { copyButton } from "./copy_button.js";
 
 const RATES_HZ = [0, 30, 10, 5, 1]; // 0: as the robot publishes
 const MOST_NAMES = 2; // of nodes, in a footer
+const PASSING = [...OF_SILENCE, "type_conflict"]; // what is over with the next message
+const LOSS_MS = 10_000; // the gateway tells of losses every 5 s while there are any
 
 /** One topic in one view, with what the gateway says of it. */
 export class TopicCard extends Card {
@@ -16,6 +18,7 @@ export class TopicCard extends Card {
   #view;
   #unsubscribe = () => {};
   #newest = null; // message, and the frame as it came
+  #visible = null; // the same of what the view shows, which may be older
   #isPaused = false;
   #isDirty = false;
   #shownBeat = -1; // of the `rest` of its view
@@ -24,13 +27,14 @@ export class TopicCard extends Card {
   #isBroken = false; // the view has failed at the newest message
   #failure = ""; // what is said of that
   #notCopied = ""; // likewise of a copy that has failed
-  #forget;
+  #toldMs = 0; // when the gateway said what is wrong
+  #forgets;
 
   constructor(gateway, shown, actions) {
     const type = gateway.graph.typeOf(shown.topic);
-    super(gateway, shown, actions, { hint: type });
+    super(gateway, shown, actions, { type });
     this.#type = type;
-    this.#forget = gateway.on("graph", () => this.#learn());
+    this.#forgets = [gateway.on("graph", () => this.#learn()), gateway.on("state", ({ state }) => state === "open" && this.#forgive())];
     this.controls.append(...this.#controls());
     this.footer.textContent = this.#arrivals.words;
     this.#start();
@@ -57,19 +61,25 @@ export class TopicCard extends Card {
       this.#shownBeat = beat;
     }
     this.#attempt(() => {
-      if (isDue) this.#view.show(this.#newest.message, this.#newest.data);
+      if (isDue) this.#show();
       this.#view.draw?.();
       if (isDue && this.#failure) this.#recover();
     });
   }
 
+  #show() {
+    this.#visible = this.#newest;
+    this.#view.show(this.#newest.message, this.#newest.data);
+  }
+
   tick() {
     this.#arrivals.tick();
+    if (this.problem.dataset.code === "messages_lost" && performance.now() - this.#toldMs > LOSS_MS) this.#forgive();
     this.#write();
   }
 
   close() {
-    this.#forget();
+    for (const forget of this.#forgets) forget();
     this.#unsubscribe();
     this.#view.close?.();
     super.close();
@@ -81,15 +91,19 @@ export class TopicCard extends Card {
   }
 
   #write() {
-    this.element.classList.toggle("stale", this.#arrivals.isLate);
-    const paused = ["paused", this.#view.held].filter(Boolean).join(": ");
-    const words = this.#isPaused ? paused : this.#arrivals.words + this.#reason + this.#cap;
-    this.footer.textContent = misfit(this.view, this.#type) ? "" : words;
+    this.element.classList.toggle("stale", this.#arrivals.isLate && !this.#view.isIrregular);
+    this.footer.textContent = this.#words;
+  }
+
+  get #words() {
+    if (misfit(this.view, this.#type)) return "";
+    if (this.#isPaused) return ["paused", this.#view.held].filter(Boolean).join(": ");
+    if (this.#arrivals.messages) return this.#arrivals.words + this.#cap;
+    return this.problem.hidden ? NOTHING_YET + this.#reason : ""; // what is wrong may be the reason
   }
 
   /** Why nothing has come yet, in words: who would have to send something. */
   get #reason() {
-    if (this.#arrivals.messages) return "";
     const topic = this.gateway.graph.topics.get(this.topic);
     if (!topic) return "";
     const { publishers } = topic;
@@ -103,9 +117,9 @@ export class TopicCard extends Card {
     if (!type || type === this.#type) return;
     const isOver = misfit(this.view, this.#type); // what it said before
     this.#type = type;
-    this.hint(type);
+    this.writeType(type);
     this.#offer();
-    if (this.problem.dataset.code === "not_found") this.#status({ msg: "" }); // it is there now
+    if (this.problem.dataset.code === "not_found") this.#forgive(); // it is there now
     if (isOver || misfit(this.view, type)) this.#start();
   }
 
@@ -124,7 +138,7 @@ export class TopicCard extends Card {
   /** The most messages a second that this page asks of the topic, in words: the view has a share in that, too. */
   get #cap() {
     const throttle = this.gateway.throttleOf(this.topic);
-    return throttle && this.#arrivals.messages ? ` · at most ${Math.round(10_000 / throttle) / 10} Hz, by choice` : "";
+    return throttle ? ` · limited to ${Math.round(10_000 / throttle) / 10} Hz by this page` : "";
   }
 
   #controls() {
@@ -141,8 +155,8 @@ export class TopicCard extends Card {
       pause.setAttribute("aria-label", `${pause.textContent} ${this.topic}`);
       this.#write();
     };
-    const copy = element("button", { type: "button", title: "copy the newest message as JSON", aria: { label: `Copy ${this.topic}` } }, "Copy");
-    copy.onclick = () => this.#copy();
+    const title = "copy the message that is shown as JSON";
+    const copy = copyButton({ label: `Copy ${this.topic}`, title }, () => this.#copied(), (problem) => this.#sayNotCopied(problem));
     return [this.#views, rates, pause, copy];
   }
 
@@ -152,14 +166,17 @@ export class TopicCard extends Card {
     this.#views.replaceChildren(...[...keys].map((key) => new Option(nameOf(key), key, false, key === this.view)));
   }
 
-  async #copy() {
-    try {
-      await copy(json(this.#newest?.message ?? null, 2));
-      this.untell(this.#notCopied);
-    } catch (error) {
-      this.#notCopied = `not copied: ${error.message}`;
-      this.tell(this.#notCopied);
-    }
+  /** Return what is copied: paused, what one sees. */
+  #copied() {
+    const copied = (this.#isPaused && this.#visible) || this.#newest;
+    if (!copied) throw new Error("nothing has come yet");
+    return json(copied.message, 2);
+  }
+
+  #sayNotCopied(problem) {
+    this.untell(this.#notCopied);
+    this.#notCopied = problem && `not copied: ${problem}`;
+    if (problem) this.tell(this.#notCopied);
   }
 
   #restart(changed) {
@@ -170,24 +187,29 @@ export class TopicCard extends Card {
 
   #start() {
     this.#unsubscribe();
+    this.#unsubscribe = () => {};
     this.#view?.close?.();
-    this.#status({ msg: "" });
     this.#isDirty = this.#isBroken = false;
     this.#failure = "";
     this.#view = makeView(this.view, this);
     this.body.replaceChildren(this.#view.element);
     const problem = misfit(this.view, this.#type);
-    this.#unsubscribe = () => {};
     this.tell(problem);
-    if (problem) return;
+    if (!problem) this.#subscribe();
+  }
+
+  /** Subscribe as the view asks for it now. */
+  #subscribe() {
     const { throttle_rate: least = 0, ...options } = this.#view.options;
     const throttle = Math.max(least, this.rate ? Math.round(1000 / this.rate) : 0);
+    const endBefore = this.#unsubscribe;
     this.#unsubscribe = this.gateway.subscribe(
       this.topic,
       { ...options, throttle_rate: throttle },
       (message, size, data, dropped) => this.#receive(message, size, data, dropped),
       (status) => this.#status(status),
     );
+    endBefore(); // now: while there is none the topic would begin anew
   }
 
   #receive(message, size, data, dropped) {
@@ -195,8 +217,7 @@ export class TopicCard extends Card {
     this.#newest = { message, data };
     this.#isDirty = true;
     this.#isBroken = false; // it was perhaps this one message
-    if (OF_SILENCE.includes(this.problem.dataset.code)) this.#status({ msg: "" }); // somebody publishes now
-    if (this.#isPaused) return;
+    if (PASSING.includes(this.problem.dataset.code)) this.#forgive(); // somebody publishes now
     this.#attempt(() => this.#view.keep?.(message));
   }
 
@@ -206,8 +227,13 @@ export class TopicCard extends Card {
   }
 
   #status({ msg, code = "" }) {
-    this.problem.dataset.code = code;
-    this.tell(msg);
+    this.tell(msg, code);
+    this.#toldMs = performance.now();
+  }
+
+  /** Say no longer what the gateway has said; what else is wrong stays. */
+  #forgive() {
+    if (this.problem.dataset.code) this.tell("");
   }
 }
 

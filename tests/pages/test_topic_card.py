@@ -1,0 +1,217 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A card of a topic, fed by hand: what it keeps while it is paused, and what it says how long."""
+
+import contextlib
+
+import pytest
+import pytest_asyncio
+
+from tests.client import client
+from tests.gateway_process import gateway_process
+from tests.pages.conftest import page_address
+from tests.pages.test_debug_page import until
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+# a card that gets what `take` and `says` give it; time passes when `drawn` draws it
+ALONE = """async ({ view, fields = [], type = "std_msgs/msg/Float64", types = [type] }) => {
+    const { TopicCard } = await import("/debug/cards/topic_card.js");
+    window.now = 1000;
+    performance.now = () => now;
+    window.subscriptions = [];
+    window.hear = {};
+    const gateway = {
+        graph: {
+            typeOf: () => types[0],
+            topics: new Map([["/x", { types, publishers: ["/talker"] }]]),
+        },
+        on: (name, take) => { hear[name] = take; return () => {}; },
+        throttleOf: () => 0,
+        subscribe: (topic, options, take, says) => {
+            subscriptions.push(options);
+            window.take = (message) => take(message, 9, "{}", 0);
+            window.says = says;
+            return () => {};
+        },
+    };
+    const shown = { topic: "/x", view, fields, rate: 0 };
+    window.alone = new TopicCard(gateway, shown, { changed() {}, open() {} });
+    document.getElementById("cards").append(alone.element);
+    window.drawn = () => { now += 100; alone.draw(now); alone.tick(); };
+    window.press = (name) => alone.element.querySelector(`[aria-label="${name}"]`).click();
+}"""
+NO_CLIPBOARD = """
+    window.copied = [];
+    const writeText = async (text) => copied.push(text);
+    Object.defineProperty(navigator, "clipboard", { value: { writeText } });
+"""
+LOG = "rcl_interfaces/msg/Log"
+LINES = "() => [...document.querySelectorAll('.log li')].map((each) => each.textContent.at(-1))"
+PROBLEM = "() => document.querySelector('article > .problem').textContent"
+FOOTER = "() => document.querySelector('article > footer').textContent"
+LABEL = "() => document.querySelector('.u-series:last-child .u-label')?.textContent"
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def served(nowhere):
+    async with gateway_process("serve", *nowhere) as gateway:
+        yield gateway
+
+
+@pytest.fixture
+def open_card(open_page, served):
+    """Return a function that opens a page with one card, which is fed by hand."""
+
+    @contextlib.asynccontextmanager
+    async def open_it(view: str, **shown):
+        address = page_address(served) + "#card=none"  # which is said, and leaves the place empty
+        async with open_page(address, script=NO_CLIPBOARD) as page:
+            await page.wait_for_selector("#cards > .empty")
+            await page.evaluate(ALONE, {"view": view, **shown})
+            yield page
+
+    return open_it
+
+
+async def plotted(page) -> None:
+    """Draw until the plot is there: it waits for its width."""
+    await until(page, "() => { drawn(); return document.querySelector('.uplot'); }")
+
+
+async def test_integers_of_64_bits_are_shown_copied_and_named_in_a_plot_as_they_are(
+    open_page, served
+):
+    cards = "#card=tree+0+/long&card=plot+0+/long+data"
+    address = page_address(served) + cards
+    async with client(served.url) as speaker, open_page(address, script=NO_CLIPBOARD) as page:
+        await speaker.send(op="advertise", topic="/long", type="std_msgs/Int64", latch=True)
+        await speaker.send(op="publish", topic="/long", msg={"data": 2**63 - 1})
+        tree = "document.querySelector('.tree')?.textContent"
+        await until(page, f"() => {tree}?.startsWith('data: 9223372036854775807 plot')")
+        await until(page, f"() => ({LABEL})() === 'data 9223372036854775807'")
+        await page.get_by_role("button", name="Copy /long").first.click()
+        await until(page, "() => copied[0]?.includes('\"data\": 9223372036854775807\\n')")
+
+
+async def test_lines_of_a_log_that_came_while_it_was_paused_are_shown_at_its_end(open_card):
+    log = "(n) => take({ level: 20, stamp: { sec: 0 }, name: 'node', msg: `line ${n}` })"
+    async with open_card("log", type=LOG) as page:
+        await page.evaluate(f"() => {{ [1, 2].forEach({log}); drawn(); press('Pause /x'); }}")
+        await page.evaluate(f"() => {{ [3, 4].forEach({log}); drawn(); }}")
+        assert await page.evaluate(LINES) == ["1", "2"]
+        await page.evaluate("() => { press('Resume /x'); drawn(); }")
+        assert await page.evaluate(LINES) == ["1", "2", "3", "4"]
+
+
+async def test_a_log_does_not_turn_pale(open_card):
+    log = "() => take({ level: 20, stamp: { sec: 0 }, name: 'node', msg: 'line' })"
+    for view, is_stale in (("log", False), ("tree", True)):
+        async with open_card(view, type=LOG) as page:
+            for _ in range(3):
+                await page.evaluate(log)
+            await page.evaluate("() => { now += 3000; drawn(); }")
+            assert await page.evaluate("() => alone.element.matches('.stale')") is is_stale
+
+
+async def test_a_plot_has_what_came_while_it_was_paused(open_card):
+    second = "(value) => { take({ data: value }); now += 1000; drawn(); }"
+    async with open_card("plot", fields=["data"]) as page:
+        await page.evaluate("() => take({ data: 0 })")
+        await plotted(page)
+        await page.evaluate(f"() => [1, 2, 3].forEach({second})")
+        await page.evaluate("() => press('Pause /x')")
+        await page.evaluate(f"() => [4, 5, 6].forEach({second})")
+        over = page.locator(".plot .u-over")
+        box = await over.bounding_box()
+        assert box
+        await page.mouse.move(box["x"] + box["width"] - 2, box["y"] + 9)
+        await until(page, f"() => ({LABEL})().startsWith('data 3')")  # it stands still
+        await page.evaluate("() => press('Resume /x')")
+        await page.evaluate(f"() => [7].forEach({second})")
+        # drawn 1.1 s after each value, the newest first
+        for ago, value in ((1, "7"), (2, "6"), (3, "5"), (4, "4")):
+            share = 1 - 1.1 * ago / 30
+            await page.mouse.move(box["x"] + box["width"] * share, box["y"] + 9)
+            await until(page, f"value => ({LABEL})().startsWith(`data ${{value}},`)", value)
+
+
+async def test_marks_of_time_are_round(open_card):
+    async with open_card("plot", fields=["data"]) as page:
+        await page.evaluate("""() => {
+            window.written = [];
+            const { fillText } = CanvasRenderingContext2D.prototype;
+            CanvasRenderingContext2D.prototype.fillText = function (text, ...where) {
+                written.push(text);
+                fillText.call(this, text, ...where);
+            };
+            take({ data: 1 });
+            now += 1730;
+        }""")
+        await plotted(page)
+        await until(page, "() => written.includes('0 s')")
+        marks = set(await page.evaluate("() => written.filter((each) => each.endsWith(' s'))"))
+        assert len(marks) > 3
+        assert {int(each.split()[0]) % 5 for each in marks} == {0}
+
+
+async def test_what_is_copied_is_what_is_shown(open_card):
+    async with open_card("tree") as page:
+        await page.evaluate("() => press('Copy /x')")
+        await until(page, f"() => ({PROBLEM})() === 'not copied: nothing has come yet'")
+        await page.evaluate("() => { take({ data: 1 }); drawn(); press('Pause /x'); }")
+        await page.evaluate("() => { take({ data: 2 }); drawn(); press('Copy /x'); }")
+        await until(page, "() => copied.length === 1")
+        assert "1" in await page.evaluate("() => copied[0]")
+        await page.evaluate("() => { press('Resume /x'); press('Copy /x'); }")
+        await until(page, "() => copied[1]?.includes('2')")
+
+
+async def test_that_it_was_copied_is_said_for_a_while(open_card):
+    button = "document.querySelector('[aria-label=\"Copy /x\"]').textContent"
+    said = "document.querySelector('article .controls [role=status]').textContent"
+    async with open_card("tree") as page:
+        await page.evaluate("() => { take({ data: 1 }); press('Copy /x'); }")
+        await until(page, f"() => {button} === 'Copied' && {said} === 'Copied'")
+        await until(page, f"() => {button} === 'Copy' && {said} === ''")
+
+
+@pytest.mark.parametrize("code", ["type_conflict", "deadline_missed", "publisher_gone"])
+async def test_what_the_next_message_disproves_is_said_until_then(open_card, code):
+    async with open_card("tree") as page:
+        await page.evaluate("code => says({ code, msg: 'it is so' })", code)
+        await page.evaluate("() => { now += 60_000; alone.tick(); }")
+        assert await page.evaluate(PROBLEM) == "it is so"
+        await page.evaluate("() => take({ data: 1 })")
+        assert await page.evaluate(PROBLEM) == ""
+
+
+async def test_that_messages_were_lost_is_said_for_some_seconds(open_card):
+    lost = "() => says({ code: 'messages_lost', msg: 'it is so' })"
+    async with open_card("tree") as page:
+        for _ in range(2):
+            await page.evaluate(lost)
+            await page.evaluate("() => { take({ data: 1 }); now += 6000; alone.tick(); }")
+            assert await page.evaluate(PROBLEM) == "it is so"
+        await page.evaluate("() => { now += 6000; alone.tick(); }")
+        assert await page.evaluate(PROBLEM) == ""
+
+
+async def test_a_new_connection_knows_no_warning_of_the_one_before(open_card):
+    async with open_card("tree") as page:
+        await page.evaluate("() => says({ code: 'qos_incompatible', msg: 'it is so' })")
+        await page.evaluate("() => hear.state({ state: 'closed' })")
+        assert await page.evaluate(PROBLEM) == "it is so"
+        await page.evaluate("() => hear.state({ state: 'open' })")
+        assert await page.evaluate(PROBLEM) == ""
+    async with open_card("scan") as page:  # which shows no Float64, whoever is connected
+        await page.evaluate("() => hear.state({ state: 'open' })")
+        assert "is none of these" in await page.evaluate(PROBLEM)
+
+
+async def test_the_footer_does_not_contradict_what_is_wrong(open_card):
+    async with open_card("tree") as page:
+        await page.evaluate("() => alone.tick()")
+        assert "/talker has sent nothing" in await page.evaluate(FOOTER)
+        await page.evaluate("() => says({ code: 'decode_failed', msg: 'unknown' })")
+        await page.evaluate("() => alone.tick()")
+        assert await page.evaluate(FOOTER) == ""
