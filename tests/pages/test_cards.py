@@ -121,6 +121,25 @@ async def test_a_number_is_chosen_in_the_plot(demo, open_page):
         await until_painted(page, f"{plot} canvas")
 
 
+async def test_a_number_that_is_plotted_already_comes_into_view_and_another_joins_it(
+    demo, open_page
+):
+    cards = "#card=plot+0+/odom+pose.pose.position.x&card=tree+0+/odom"
+    async with open_page(page_address(demo) + cards) as page:
+        plot = page.locator("article:has(.uplot)")
+        await plot.wait_for()
+        await plot.evaluate("card => { card.dataset.mark = 'before'; }")
+        for path in ("pose.pose.position.x", "pose.pose.position.y"):
+            await page.get_by_role("button", name=f"plot {path}", exact=True).click()
+            focused = "() => document.activeElement.dataset.mark"
+            assert await page.evaluate(focused) == "before"
+            assert await page.locator("article").count() == 2
+            legend = "document.querySelector('.u-legend').innerText"
+            await until(page, f"path => {legend}.includes(path)", path)
+        kept = "() => new URLSearchParams(location.hash.slice(1)).get('card')"
+        assert (await page.evaluate(kept)).endswith(".position.x pose.pose.position.y")
+
+
 async def test_all_items_of_a_list_can_be_seen_and_plotted(open_page, nowhere):
     async with (
         gateway_process("serve", *nowhere) as gateway,

@@ -135,6 +135,21 @@ async def test_a_plot_has_what_came_while_it_was_paused(open_card):
             await until(page, f"value => ({LABEL})().startsWith(`data ${{value}},`)", value)
 
 
+async def test_a_field_that_joins_a_plot_keeps_what_is_plotted(open_card):
+    async with open_card("plot", fields=["one"]) as page:
+        await page.evaluate("() => { take({ one: 7 }); now += 10_000; take({ one: 8 }); }")
+        await plotted(page)
+        await page.evaluate("() => { alone.join('two'); take({ one: 9, two: 1 }); drawn(); }")
+        assert await page.evaluate("() => subscriptions.at(-1).fields") == ["one", "two"]
+        assert await page.evaluate(LABEL) == "two 1"
+        await plotted(page)
+        box = await page.locator(".plot .u-over").bounding_box()
+        assert box
+        await page.mouse.move(box["x"] + 2, box["y"] + 9)
+        first = "document.querySelector('.u-series:nth-last-child(2) .u-label').textContent"
+        await until(page, f"() => /^one 7, 1\\d\\.\\d s ago$/.test({first})")
+
+
 async def test_marks_of_time_are_round(open_card):
     async with open_card("plot", fields=["data"]) as page:
         await page.evaluate("""() => {

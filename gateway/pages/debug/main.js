@@ -6,6 +6,7 @@ import { element, find } from "../shared/dom.js";
 import { Gateway } from "../shared/gateway.js";
 import * as page from "./address.js";
 import { makeCard } from "./cards/cards.js";
+import { TopicCard } from "./cards/topic_card.js";
 import { Figures } from "./figures.js";
 import { FirstVisit } from "./first_visit.js";
 import { Measuring } from "./measuring.js";
@@ -44,10 +45,18 @@ function add(shown) {
 /** Open a name of the ROS graph, by default a topic in the view that fits it best; a plot takes a further field. */
 function open(topic, view = viewsFor(gateway.graph.typeOf(topic))[0], fields = []) {
   firstVisit.end();
-  const plot = fields.length > 0 && cards.find((each) => each.view === "plot" && each.topic === topic && each.fields.length < MOST_FIELDS);
-  if (plot) close(plot);
-  const all = [...new Set([...(plot ? plot.fields : []), ...fields])];
-  look(add({ topic, view, fields: all, rate: 0 }));
+  const plot = fields.length ? plotOf(topic, fields[0]) : undefined;
+  look(plot ?? add({ topic, view, fields, rate: 0 }));
+}
+
+/** Return a plot that has a field of a topic; one that has room takes it. */
+function plotOf(topic, field) {
+  const plots = cards.filter((each) => each.view === "plot" && each.topic === topic);
+  const found = plots.find((each) => each.fields.includes(field));
+  if (found) return found;
+  const plot = plots.find((each) => each.fields.length < MOST_FIELDS);
+  if (plot instanceof TopicCard) plot.join(field);
+  return plot;
 }
 
 /** Bring a card into view, and the focus to it. */

@@ -51,6 +51,15 @@ export class TopicCard extends Card {
     this.element.focus(); // what had it is gone
   }
 
+  /** Plot a further number here; what is plotted goes on. */
+  join(path) {
+    if (!this.fields.length) return this.choose(path);
+    this.fields = [...this.fields, path];
+    this.#view.add();
+    this.#subscribe();
+    this.actions.changed();
+  }
+
   draw(ms) {
     if (this.#isPaused) return;
     // in step with other cards: to compose a frame in which anything has changed costs the browser more than one view does
