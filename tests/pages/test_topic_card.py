@@ -9,7 +9,7 @@ import pytest_asyncio
 from tests.client import client
 from tests.gateway_process import gateway_process
 from tests.pages.conftest import page_address
-from tests.pages.test_debug_page import until
+from tests.pages.test_debug_page import card, until
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 
@@ -230,3 +230,31 @@ async def test_the_footer_does_not_contradict_what_is_wrong(open_card):
         await page.evaluate("() => says({ code: 'decode_failed', msg: 'unknown' })")
         await page.evaluate("() => alone.tick()")
         assert await page.evaluate(FOOTER) == ""
+
+
+async def test_of_several_types_one_is_chosen(open_card):
+    types = ["std_msgs/msg/Float64", "sensor_msgs/msg/LaserScan"]
+    shown = "() => document.querySelector('article .type').textContent"
+    async with open_card("plot", fields=["data"], types=types) as page:
+        chosen = page.get_by_role("combobox", name="type of /x")
+        assert await chosen.locator("option").all_inner_texts() == ["choose a type", *types]
+        await chosen.select_option(types[1])
+        assert await page.evaluate("() => subscriptions.at(-1).type") == types[1]
+        assert await page.evaluate("() => alone.shown.chosenType") == types[1]
+        assert await page.evaluate(shown) == types[1]
+        view = page.get_by_role("combobox", name="view of /x")
+        assert "Scan" in await view.locator("option").all_inner_texts()
+    async with open_card("tree") as page:
+        assert await page.get_by_role("combobox", name="type of /x").count() == 0
+
+
+async def test_the_address_keeps_the_type_that_was_chosen(open_page, served):
+    named = "#card=tree+0+/later:std_msgs/msg/String"
+    async with client(served.url) as speaker, open_page(page_address(served) + named) as page:
+        await page.wait_for_selector(card("/later"))
+        await speaker.send(op="advertise", topic="/later", type="std_msgs/String", latch=True)
+        await speaker.send(op="publish", topic="/later", msg={"data": "at last"})
+        await until(page, "() => document.querySelector('.tree')?.textContent.includes('at last')")
+        await page.select_option("select[aria-label='view of /later']", "raw")
+        kept = "new URLSearchParams(location.hash.slice(1)).get('card')"
+        await until(page, f"() => {kept} === 'raw 0 /later:std_msgs/msg/String'")

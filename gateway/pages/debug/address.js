@@ -15,8 +15,9 @@ export function read() {
 }
 
 function cardOf(text) {
-  const [view, rate, topic, ...fields] = text.split(" ");
-  return topic?.startsWith("/") && isKnown(view) ? { view, rate: Number(rate) || 0, topic, fields } : null;
+  const [view, rate, named = "", ...fields] = text.split(" ");
+  const [topic, chosenType = ""] = named.split(":"); // which stands in no name of ROS
+  return topic.startsWith("/") && isKnown(view) ? { view, rate: Number(rate) || 0, topic, chosenType, fields } : null;
 }
 
 /** Return whether the address asks for all topics to be measured. */
@@ -26,6 +27,9 @@ export const isMeasuring = () => new URLSearchParams(location.hash.slice(1)).has
 export function write(cards, isMeasuring) {
   const kept = new URLSearchParams(isMeasuring ? { measure: "all" } : {});
   if (cards?.length === 0) kept.append(NONE[0], NONE[1]);
-  for (const { view, rate, topic, fields } of cards ?? []) kept.append("card", [view, rate, topic, ...fields].join(" "));
+  for (const { view, rate, topic, chosenType, fields } of cards ?? []) {
+    const named = chosenType ? `${topic}:${chosenType}` : topic;
+    kept.append("card", [view, rate, named, ...fields].join(" "));
+  }
   history.replaceState(null, "", `${location.pathname}#${kept}`);
 }

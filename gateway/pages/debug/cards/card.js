@@ -2,8 +2,9 @@
 import { breakable, element } from "../../shared/dom.js";
 
 /**
- * What a card shows, as the address of the page keeps it: a name of the ROS graph in a view, at a rate, of a plot its fields.
- * @typedef {{topic: string, view: string, fields: string[], rate: number}} Shown
+ * What a card shows, as the address of the page keeps it: a name of the ROS graph in a view, at a rate, of a plot its fields,
+ * of a topic that has several types the one that was chosen.
+ * @typedef {{topic: string, view: string, fields: string[], rate: number, chosenType?: string}} Shown
  */
 
 /**
@@ -17,6 +18,7 @@ export class Card {
   /** @type {string} */ view;
   /** @type {string[]} */ fields;
   /** @type {number} */ rate;
+  /** @type {string} */ chosenType = "";
   body = element("div", { className: "body" });
   footer = element("footer");
   /** Whether it is on the screen: nobody needs to draw the others. */
@@ -47,8 +49,8 @@ export class Card {
 
   /** What the address of the page keeps of it. */
   get shown() {
-    const { topic, view, fields, rate } = this;
-    return { topic, view, fields, rate };
+    const { topic, view, fields, rate, chosenType } = this;
+    return { topic, view, fields, rate, chosenType };
   }
 
   /** Write below the title which type is shown, if any is known. */

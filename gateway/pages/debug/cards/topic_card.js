@@ -24,6 +24,7 @@ export class TopicCard extends Card {
   #shownBeat = -1; // of the `rest` of its view
   #arrivals = new Arrivals();
   #views = element("select", { title: "how it is shown" });
+  #types = element("select", { title: "of its types, which one comes" });
   #isBroken = false; // the view has failed at the newest message
   #failure = ""; // what is said of that
   #notCopied = ""; // likewise of a copy that has failed
@@ -31,7 +32,7 @@ export class TopicCard extends Card {
   #forgets;
 
   constructor(gateway, shown, actions) {
-    const type = gateway.graph.typeOf(shown.topic);
+    const type = shown.chosenType || gateway.graph.typeOf(shown.topic);
     super(gateway, shown, actions, { type });
     this.#type = type;
     this.#forgets = [gateway.on("graph", () => this.#learn()), gateway.on("state", ({ state }) => state === "open" && this.#forgive())];
@@ -122,7 +123,8 @@ export class TopicCard extends Card {
 
   /** Take the type, once somebody has given the topic one; the view may not fit it. */
   #learn() {
-    const type = this.gateway.graph.typeOf(this.topic);
+    this.#offerTypes();
+    const type = this.chosenType || this.gateway.graph.typeOf(this.topic);
     if (!type || type === this.#type) return;
     const isOver = misfit(this.view, this.#type); // what it said before
     this.#type = type;
@@ -166,7 +168,10 @@ export class TopicCard extends Card {
     };
     const title = "copy the message that is shown as JSON";
     const copy = copyButton({ label: `Copy ${this.topic}`, title }, () => this.#copied(), (problem) => this.#sayNotCopied(problem));
-    return [this.#views, rates, pause, copy];
+    this.#types.setAttribute("aria-label", `type of ${this.topic}`);
+    this.#types.onchange = () => this.#choose(this.#types.value);
+    this.#offerTypes();
+    return [this.#views, rates, pause, copy, this.#types];
   }
 
   /** Offer the views that fit the type. */
@@ -180,6 +185,22 @@ export class TopicCard extends Card {
     const copied = (this.#isPaused && this.#visible) || this.#newest;
     if (!copied) throw new Error("nothing has come yet");
     return json(copied.message, 2);
+  }
+
+  /** Offer the types of a topic that has several: the gateway sends none of them before one is chosen. */
+  #offerTypes() {
+    const types = [...new Set([this.chosenType, ...(this.gateway.graph.topics.get(this.topic)?.types ?? [])])];
+    const options = types.map((each) => new Option(each || "choose a type", each, false, each === this.chosenType));
+    this.#types.hidden = types.filter(Boolean).length < 2;
+    const offered = [...this.#types.options].map(({ value }) => value);
+    if (String(types) !== String(offered)) this.#types.replaceChildren(...options); // only then: a list that is open would close
+  }
+
+  #choose(chosenType) {
+    this.#type = chosenType || this.gateway.graph.typeOf(this.topic);
+    this.writeType(this.#type);
+    this.#restart({ chosenType, view: misfit(this.view, this.#type) ? viewsFor(this.#type)[0] : this.view });
+    this.#offer();
   }
 
   #sayNotCopied(problem) {
@@ -214,7 +235,7 @@ export class TopicCard extends Card {
     const endBefore = this.#unsubscribe;
     this.#unsubscribe = this.gateway.subscribe(
       this.topic,
-      { ...options, throttle_rate: throttle },
+      { ...options, ...(this.chosenType && { type: this.chosenType }), throttle_rate: throttle },
       (message, size, data, dropped) => this.#receive(message, size, data, dropped),
       (status) => this.#status(status),
     );
