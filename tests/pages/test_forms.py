@@ -174,7 +174,8 @@ async def test_json_that_fits_is_the_same_by_fields(demo, open_page, message):
 )
 async def test_what_the_fields_would_lose_stays_json_and_is_named(demo, open_page, message, words):
     async with open_page(page_address(demo)) as page:
-        assert (await page.evaluate(BACK, [json.dumps(ALL_KINDS), message])).startswith(STAYS + words)
+        said = await page.evaluate(BACK, [json.dumps(ALL_KINDS), message])
+        assert said.startswith(STAYS + words)
 
 
 async def test_a_number_that_no_float64_holds_is_refused_at_its_form(demo, open_page):

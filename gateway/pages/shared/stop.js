@@ -35,7 +35,7 @@ export function stopButton(gateway) {
  */
 export function stopBySpace({ where = window, isMoving = () => false } = {}) {
   const isKept = (event) => (isMoving() ? isIn(event.target, "dialog, input, textarea") : isIn(event.target, "button") || isTaken(event));
-  where.addEventListener("keydown", (event) => {
+  where.addEventListener("keydown", (/** @type {KeyboardEvent} */ event) => {
     if (event.code !== "Space" || isKept(event)) return;
     event.preventDefault();
     if (!event.repeat) find("stop").click();
