@@ -232,6 +232,19 @@ async def test_a_card_that_drives_obeys_stop_and_ends_with_a_stop(demo, open_pag
         await page.keyboard.up("ArrowRight")
 
 
+async def test_after_stop_a_card_does_not_say_that_another_client_drives(demo, open_page, watched):
+    async with (
+        client(demo.url) as other,
+        open_page(f"{page_address(demo)}#card=drive+0+/cmd_vel") as page,
+    ):
+        await page.wait_for_selector(".control:has-text('Stopped')")
+        await other.send(op="publish", topic="/cmd_vel", type="geometry_msgs/Twist", msg={})
+        await other.send(op="publish", topic="/cmd_vel", msg={"angular": {"z": 0.1}})
+        await watched.until(state="moving")
+        await page.click("#stop")
+        await page.wait_for_selector(".control:text-is('Stopped; another client has control.')")
+
+
 async def test_a_card_drives_no_topic_that_is_none_for_commands(demo, open_page):
     async with open_page(f"{page_address(demo)}#card=drive+0+/odom") as page:
         await page.wait_for_selector(".control:has-text('/odom is no command topic')")

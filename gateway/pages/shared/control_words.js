@@ -28,7 +28,7 @@ export function sentence(frame) {
   const { state, tripped, holder, guard, clamped } = frame;
   if (guard === "lost") return "Nothing moves: the process that would stop the robot was lost; a new one is starting.";
   if (guard === "starting") return "Nothing moves yet: the process that would stop the robot is starting.";
-  if (holder === "other") return "Another client drives.";
+  if (holder === "other") return tripped ? "Stopped; another client has control." : "Another client drives.";
   if (state === "moving" && !tripped) return clamped ? "Driving, slower than you ask: the gateway limits the speed." : "Driving.";
   const why = reason(frame);
   if (tripped) return `Stopped${why && `: ${why}`}. Let go of everything, then drive on.`;
