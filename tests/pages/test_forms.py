@@ -8,7 +8,8 @@ import pytest
 
 from tests.client import client
 from tests.demonstration import until_it_can_be_driven
-from tests.pages.conftest import page_address
+from tests.gateway_process import gateway_process
+from tests.pages.conftest import page_address, severable
 from tests.pages.test_debug_page import until
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
@@ -305,6 +306,92 @@ async def test_a_service_is_called_and_what_it_refuses_is_shown(demo, open_page)
         await page.fill(f"{form(title)} textarea", '{"data": "on"}')
         await page.click(f"{form(title)} button:text-is('Call')")
         await until(page, "() => cards.textContent.includes('expected true or false')")
+
+
+async def test_only_the_newest_call_has_its_answer_shown(open_page, nowhere):
+    calls = []
+    async with (
+        gateway_process("serve", *nowhere) as gateway,
+        client(gateway.url) as server,
+        open_page(page_address(gateway) + "#card=call+0+/slow") as page,
+    ):
+        await server.send(op="advertise_service", service="/slow", type="std_srvs/srv/Trigger")
+
+        async def answer(call, message: str) -> None:
+            values = {"success": True, "message": message}
+            await server.send(
+                op="service_response", id=call["id"], service="/slow", result=True, values=values
+            )
+
+        async def press() -> None:
+            await page.click(f"{form('Call /slow')} button:text-is('Call')")
+            calls.append(await server.receive(lambda frame: frame["op"] == "call_service"))
+
+        await page.locator("article pre").evaluate(
+            """place => new MutationObserver(() => (window.said ??= []).push(place.textContent))
+            .observe(place, {childList: true})"""
+        )
+        await press()
+        await answer(calls[0], "first")
+        await until(page, "() => cards.textContent.includes('first')")
+        await press()
+        assert "first" not in await page.inner_text("#cards")
+        await until(page, "() => cards.textContent.includes('call 2: waiting')")
+        await press()
+        await answer(calls[1], "second")
+        await answer(calls[2], "third")
+        await until(page, "() => /third[^]*call 3: after/.test(cards.textContent)")
+        await press()
+        await press()
+        await answer(calls[4], "fifth")
+        await until(page, "() => cards.textContent.includes('fifth')")
+        await answer(calls[3], "fourth")
+        await press()
+        await answer(calls[5], "sixth")
+        await until(page, "() => cards.textContent.includes('sixth')")
+        said = "".join(await page.evaluate("said"))
+        assert "fifth" in said
+        assert "second" not in said
+        assert "fourth" not in said
+
+
+async def test_a_form_comes_with_its_topic_and_follows_its_type(open_page, nowhere):
+    cards = "#card=publish+0+/later&card=call+0+/later_service"
+    async with (
+        gateway_process("serve", *nowhere) as gateway,
+        open_page(page_address(gateway) + cards) as page,
+    ):
+        await until(page, "() => cards.textContent.includes('/later is not there')")
+        async with client(gateway.url) as robot:
+            service = {"service": "/later_service", "type": "std_srvs/Trigger"}
+            await robot.send(op="advertise_service", **service)
+            await robot.send(op="advertise", topic="/later", type="std_msgs/Int64")
+            await field(page, "Publish /later", "data").fill("12")
+            call = page.locator(f"{form('Call /later_service')} button:text-is('Call')")
+            await call.wait_for()
+            assert "not there" not in await page.inner_text("#cards")
+        async with client(gateway.url) as robot:
+            await until(page, "() => !topics.textContent.includes('/later')")
+            await robot.send(op="advertise", topic="/later", type="std_msgs/String")
+            await until(page, "() => cards.textContent.includes('another type now: std_msgs')")
+            await robot.send(op="subscribe", topic="/later")
+            await field(page, "Publish /later", "data").fill("a text")
+            await page.click(f"{form('Publish /later')} button:text-is('Publish')")
+            await robot.receive(lambda frame: frame.get("msg") == {"data": "a text"}, 120)
+
+
+async def test_that_there_is_no_connection_is_said_until_there_is_one(demo, open_page):
+    async with open_page("about:blank") as page, severable(page) as line:
+        await page.goto(page_address(demo) + "#card=publish+0+/cmd_vel")
+        button = page.locator(f"{form('Publish /cmd_vel')} button:text-is('Publish')")
+        await button.wait_for()
+        await line.cut()
+        await until(page, "() => state.dataset.state === 'closed'")
+        await button.click()
+        problem = page.locator(f"{form('Publish /cmd_vel')} > .problem")
+        assert await problem.inner_text() == "not connected"
+        line.mend()
+        await problem.wait_for(state="hidden")
 
 
 async def test_a_goal_tells_its_feedback_and_is_cancelled(demo, open_page):

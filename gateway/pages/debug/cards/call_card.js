@@ -7,9 +7,10 @@ import { FormCard } from "./form_card.js";
 /** A form that calls a service, and its answer. */
 export class CallCard extends FormCard {
   #answer = element("pre", { className: "raw", aria: { live: "polite" } });
+  #calls = 0;
 
   constructor(gateway, shown, actions) {
-    super(gateway, shown, actions, { verb: "Call", title: `Call ${shown.topic}`, type: gateway.graph.services.get(shown.topic)?.types[0] ?? "" });
+    super(gateway, shown, actions, { verb: "Call", title: `Call ${shown.topic}`, typeOf: () => gateway.graph.services.get(shown.topic)?.types[0] ?? "" });
     this.body.append(this.#answer);
   }
 
@@ -21,17 +22,28 @@ export class CallCard extends FormCard {
     this.#call(this.form.json());
   }
 
+  /** Call, and show the answer unless a newer call has been made since: answers come in any order. */
   async #call(args) {
+    this.#calls += 1;
+    const number = this.#calls;
+    const name = number > 1 ? `call ${number}: ` : "";
     this.tell("");
-    this.footer.textContent = "waiting for the answer ...";
+    this.#answer.textContent = "";
+    this.footer.textContent = `${name}waiting for the answer ...`;
     const began = performance.now();
+    const { text = "", problem = "" } = await this.#answerTo(args);
+    if (number !== this.#calls) return;
+    this.#answer.textContent = text;
+    this.tell(problem);
+    this.footer.textContent = `${name}after ${span(performance.now() - began)}`;
+  }
+
+  async #answerTo(args) {
     try {
       const { result, values } = await this.gateway.ask({ op: "call_service", service: this.topic, nonfinite: "string" }, { args });
-      this.#answer.textContent = result ? json(values, 2) : "";
-      if (!result) this.tell(String(values));
+      return result ? { text: json(values, 2) } : { problem: String(values) };
     } catch (error) {
-      this.tell(error.message);
+      return { problem: error.message };
     }
-    this.footer.textContent = `after ${span(performance.now() - began)}`;
   }
 }

@@ -2,29 +2,44 @@
 import { element } from "../../shared/dom.js";
 import { Card } from "./card.js";
 
+export const NOT_CONNECTED = "not connected"; // said until there is a connection
+
 /** A card with a form for a message, built from the gateway's description of its type. */
 export class FormCard extends Card {
   /** @type {import("../forms/form.js").Form|null} */
   form = null;
+  /** The type that the form is for, "" without one. */
+  type = "";
   buttons = element("div", { className: "buttons" });
   #act;
+  #text;
+  #typeOf;
+  #described = ""; // the type that was last asked for
+  #missing = ""; // what is said of that there is none
+  #forgets;
 
   /**
    * @param {import("../../shared/gateway.js").Gateway} gateway
    * @param {import("./card.js").Shown} shown
    * @param {import("./card.js").Actions} actions
-   * @param {{verb: string, title: string, type: string}} words what the button says, and the type that is described
+   * @param {{verb: string, title: string, typeOf: () => string}} words what the button says, and what returns the type that is described, "" without one
    */
-  constructor(gateway, shown, actions, { verb, title, type }) {
-    super(gateway, shown, actions, { label: title, title, type });
-    this.type = type;
+  constructor(gateway, shown, actions, { verb, title, typeOf }) {
+    super(gateway, shown, actions, { label: title, title });
+    this.#typeOf = typeOf;
     this.#act = element("button", { type: "button", className: "act", disabled: true, aria: { label: `${verb} ${shown.topic}` } }, verb);
     this.#act.onclick = () => this.act();
-    const text = element("button", { type: "button", title: "write it as JSON, or in fields again", disabled: true, aria: { label: `JSON of ${title}` } }, "JSON");
-    text.onclick = () => this.#attempt(() => this.form.toggle());
-    this.controls.append(text);
+    this.#text = element("button", { type: "button", title: "write it as JSON, or in fields again", disabled: true, aria: { label: `JSON of ${title}` } }, "JSON");
+    this.#text.onclick = () => this.#attempt(() => this.form.toggle());
+    this.controls.append(this.#text);
     this.buttons.append(this.#act);
-    this.#describe(text);
+    this.#forgets = [gateway.on("graph", () => this.#learn()), gateway.on("state", ({ state }) => state === "open" && this.#resume())];
+    this.#learn();
+  }
+
+  close() {
+    for (const forget of this.#forgets) forget();
+    super.close();
   }
 
   /**
@@ -58,20 +73,45 @@ export class FormCard extends Card {
     }
   }
 
-  async #describe(text) {
-    if (!this.type) {
-      this.tell(`${this.topic} is not there (any more): nothing says which type it has.`);
-      return;
-    }
+  /** Go on with a new connection. */
+  #resume() {
+    this.untell(NOT_CONNECTED);
+    if (!this.form) this.#described = "";
+  }
+
+  /** Describe the type once there is one, and each that comes in its place. */
+  #learn() {
+    const type = this.#typeOf();
+    if (type && type !== this.#described) this.#describe(type);
+    if (type || this.form) return; // a form goes on with the type that there was
+    this.#missing = `${this.topic} is not there (any more): nothing says which type it has.`;
+    this.tell(this.#missing);
+  }
+
+  async #describe(type) {
+    this.#described = type;
     try {
-      const described = await this.gateway.ask({ op: "describe", type: this.type });
-      this.form = this.formOf(described);
-      this.body.prepend(this.form.element);
-      this.footer.before(this.buttons);
-      this.#act.disabled = text.disabled = false;
-      this.actions.grown(this);
+      const described = await this.gateway.ask({ op: "describe", type });
+      if (type === this.#described) this.#show(type, this.formOf(described));
     } catch (error) {
       this.tell(error.message);
     }
   }
+
+  #show(type, form) {
+    const before = this.form;
+    this.replaced();
+    Object.assign(this, { type, form });
+    this.writeType(type);
+    if (before) before.element.replaceWith(form.element);
+    else this.body.prepend(form.element);
+    this.footer.before(this.buttons);
+    this.#act.disabled = this.#text.disabled = false;
+    if (before) this.tell(`${this.topic} has another type now: ${type}.`);
+    else this.untell(this.#missing);
+    this.actions.grown(this);
+  }
+
+  /** Called before another form takes the place of this one. */
+  replaced() {}
 }

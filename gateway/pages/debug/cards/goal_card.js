@@ -2,7 +2,7 @@
 import { element, span } from "../../shared/dom.js";
 import { json } from "../../shared/json.js";
 import { Form } from "../forms/form.js";
-import { FormCard } from "./form_card.js";
+import { FormCard, NOT_CONNECTED } from "./form_card.js";
 
 const STATUS = { 4: "succeeded", 5: "canceled", 6: "aborted" }; // of action_msgs/msg/GoalStatus
 
@@ -16,7 +16,7 @@ export class GoalCard extends FormCard {
   #ignore = () => {};
 
   constructor(gateway, shown, actions) {
-    super(gateway, shown, actions, { verb: "Send goal", title: `Goal of ${shown.topic}`, type: gateway.graph.actions.get(shown.topic)?.types[0] ?? "" });
+    super(gateway, shown, actions, { verb: "Send goal", title: `Goal of ${shown.topic}`, typeOf: () => gateway.graph.actions.get(shown.topic)?.types[0] ?? "" });
     this.#cancel.onclick = () => this.#askToCancel();
     this.buttons.append(this.#cancel);
     this.body.append(this.#feedback, this.#result);
@@ -35,7 +35,7 @@ export class GoalCard extends FormCard {
     this.#goal = this.gateway.listen((frame) => this.#heard(frame));
     const request = { op: "send_action_goal", id: this.#goal.id, action: this.topic, feedback: true, nonfinite: "string" };
     if (!this.gateway.send(request, { args })) {
-      this.#end("not connected");
+      this.#end(NOT_CONNECTED);
       return;
     }
     this.#beganMs = performance.now();

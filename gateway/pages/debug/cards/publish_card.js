@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../../shared/dom.js";
 import { Form } from "../forms/form.js";
-import { FormCard } from "./form_card.js";
+import { FormCard, NOT_CONNECTED } from "./form_card.js";
 
 const RATES_HZ = [1, 2, 5, 10, 20];
 
@@ -17,7 +17,7 @@ export class PublishCard extends FormCard {
   #end = () => this.#stop();
 
   constructor(gateway, shown, actions) {
-    super(gateway, shown, actions, { verb: "Publish", title: `Publish ${shown.topic}`, type: gateway.graph.typeOf(shown.topic) });
+    super(gateway, shown, actions, { verb: "Publish", title: `Publish ${shown.topic}`, typeOf: () => gateway.graph.typeOf(shown.topic) });
     this.#listener = gateway.listen((frame) => this.#heard(frame));
     this.#repeat.setAttribute("aria-label", `Repeat ${shown.topic}`);
     this.#rates.setAttribute("aria-label", `rate of ${shown.topic}`);
@@ -34,11 +34,15 @@ export class PublishCard extends FormCard {
     return new Form(described.schema);
   }
 
+  replaced() {
+    this.#stop(); // nobody has seen the message that would go on
+  }
+
   submit() {
     this.tell("");
     const { topic, type } = this;
     const isSent = this.gateway.send({ op: "publish", id: this.#listener.id, topic, type }, { msg: this.form.json() });
-    if (!isSent) throw new Error("not connected");
+    if (!isSent) throw new Error(NOT_CONNECTED);
     this.#count += 1;
     this.#write();
   }
