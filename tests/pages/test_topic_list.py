@@ -82,6 +82,97 @@ async def test_a_branch_is_closed_and_what_is_searched_is_found_all_the_same(dem
         await page.wait_for_selector(card(camera))
 
 
+async def test_a_click_on_what_is_open_brings_its_card_into_view_and_the_list_marks_it(
+    demo, open_page
+):
+    focus = "() => document.activeElement.getAttribute('aria-label')"
+    cards = "#card=raw+0+/odom&card=tree+0+/scan&card=tree+0+/imu"
+    async with open_page(page_address(demo) + cards) as page:
+        marked = page.locator("#topics button[aria-pressed=true]")
+        await until(page, "() => document.querySelectorAll('[aria-pressed=true]').length === 3")
+        assert await marked.evaluate_all(
+            "all => all.map((each) => each.firstChild.textContent)"
+        ) == ["/imu", "/odom", "/scan"]
+        await page.click("#topics button:has-text('/odom')")
+        assert await page.evaluate(focus) == "/odom"
+        await page.click("button[aria-label='publish to /goal_pose']")
+        await page.click("button[aria-label='publish to /goal_pose']")
+        await page.click("#tab-nodes")
+        await page.click("#nodes button:has-text('/simulated_robot')")
+        assert await page.locator("#nodes button[aria-pressed=true]").count() == 1
+        assert await page.locator("article").count() == 5
+        await page.click("button[aria-label='close /odom']")
+        assert await marked.count() == 2
+
+
+async def test_a_list_is_one_stop_of_tab_and_arrow_keys_go_through_it(demo, open_page):
+    async with open_page(page_address(demo) + "#card=tree+0+/odom") as page:
+        await page.wait_for_selector("#topics button:has-text('/tf')")
+
+        async def press(*keys: str) -> str:
+            for key in keys:
+                await page.keyboard.press(key)
+            return await page.evaluate("""() => {
+                const { ariaLabel, id, firstChild } = document.activeElement;
+                return ariaLabel || id || firstChild.textContent;
+            }""")
+
+        await page.focus("#measure")
+        assert await press("Tab") == "/battery_state"
+        assert await press("ArrowDown", "ArrowDown") == "/camera/camera_info"
+        assert await press("ArrowRight") == "plot a number of /camera/camera_info"
+        assert await press("ArrowRight", "ArrowRight") == "publish to /camera/camera_info"
+        assert await press("ArrowUp", "Enter", "ArrowDown") == "/cmd_vel"  # its branch is closed
+        assert await press("End", "Home") == "/battery_state"
+        assert await press("End", "Tab") == "view of /odom"  # in the first card
+        assert (await press("Shift+Tab")).startswith("/tf")
+        assert await press("Shift+Tab") == "measure"
+        await page.focus("#tab-topics")
+        assert await press("End") == "tab-nodes"
+        assert await press("Home") == "tab-topics"
+
+
+async def test_what_has_the_stop_of_a_list_can_be_seen(demo, open_page):
+    async with open_page(page_address(demo) + "#card=tree+0+/odom") as page:
+        stop = "() => document.querySelector('#topics [tabindex=\"0\"]').textContent"
+        await page.focus("#topics button:has-text('/camera/camera_info')")
+        await page.click("#topics summary:text-is('/camera')")
+        await until(page, f"() => ({stop})() === '/camera'")
+        await page.fill("#search", "odom")
+        assert (await page.evaluate(stop)).startswith("/odom")
+
+
+async def test_a_link_skips_the_list(demo, open_page):
+    async with open_page(page_address(demo) + "#card=tree+0+/odom&card=tree+0+/imu") as page:
+        await page.wait_for_selector(card("/imu"))
+        address = page.url
+        await page.focus("#skip")
+        assert await page.locator("#skip").evaluate("each => each.getBoundingClientRect().top > 0")
+        await page.keyboard.press("Enter")
+        assert await page.evaluate("() => document.activeElement.ariaLabel") == "/odom"
+        assert page.url == address
+        levels = """() => [...document.querySelectorAll("h1, h2, h3")]
+            .filter((each) => each.checkVisibility()).map((each) => each.tagName)"""
+        assert await page.evaluate(levels) == ["H1", "H2", "H2", "H3", "H3"]
+
+
+async def test_a_name_that_is_too_long_says_why_it_cannot_be_opened(open_page, nowhere):
+    few = ("--set", "limits.max_name_characters=12")
+    async with (
+        gateway_process("serve", *nowhere) as robot,
+        gateway_process("serve", *nowhere, *few) as gateway,
+        client(robot.url) as speaker,
+        open_page(page_address(gateway)) as page,
+    ):
+        for topic in ("/as/long/as_it", "/a/longer/one"):
+            await speaker.send(op="advertise", topic=topic, type="std_msgs/msg/String")
+        words = "its name has 13 characters; the gateway takes 12"
+        button = page.locator("#topics button:has-text('/a/longer/one')")
+        await page.wait_for_selector(f"#topics button:has-text('{words}')")
+        assert await button.is_disabled()
+        assert await button.locator("span wbr").count() > 1  # it breaks at slashes
+
+
 async def test_only_what_can_be_seen_is_measured(demo, open_page):
     async with open_page(f"{page_address(demo)}#measure=all&card=plot+0+/imu") as page:
         await until(page, f"() => / Hz · /.test({words('/camera/camera_info')})")

@@ -13,7 +13,7 @@ import { Measuring } from "./measuring.js";
 import { NameList } from "./name_list.js";
 import * as tabs from "./tabs.js";
 import { TopicList } from "./topic_list.js";
-import { viewsFor } from "../views/views.js";
+import { isView, viewsFor } from "../views/views.js";
 
 const NARROW = 720; // pixels, as style.css has it: the cards stand above the list
 const MOST_FIELDS = 4; // in one plot
@@ -42,11 +42,11 @@ function add(shown) {
   return card;
 }
 
-/** Open a name of the ROS graph, by default a topic in the view that fits it best; a plot takes a further field. */
-function open(topic, view = viewsFor(gateway.graph.typeOf(topic))[0], fields = []) {
+/** Open a name of the ROS graph, by default a topic in the view that fits it best, or show its card; a plot takes a further field. */
+function open(topic, asked, fields = []) {
   firstVisit.end();
-  const plot = fields.length ? plotOf(topic, fields[0]) : undefined;
-  look(plot ?? add({ topic, view, fields, rate: 0 }));
+  const shown = fields.length ? plotOf(topic, fields[0]) : shownBy(topic, asked);
+  look(shown ?? add({ topic, view: asked ?? viewsFor(gateway.graph.typeOf(topic))[0], fields, rate: 0 }));
 }
 
 /** Return a plot that has a field of a topic; one that has room takes it. */
@@ -57,6 +57,11 @@ function plotOf(topic, field) {
   const plot = plots.find((each) => each.fields.length < MOST_FIELDS);
   if (plot instanceof TopicCard) plot.join(field);
   return plot;
+}
+
+/** Return the card that shows a name in a view, by default a topic in any; a plot is another one for each choice of fields. */
+function shownBy(topic, view) {
+  return cards.find((each) => each.topic === topic && (view ? each.view === view && !each.fields.length : isView(each.view)));
 }
 
 /** Bring a card into view, and the focus to it. */
@@ -93,6 +98,7 @@ function changed() {
 function keep() {
   const isAwaited = !cards.length && !firstVisit.isOver; // a reload is a first visit, too
   page.write(isAwaited ? null : cards.map((each) => each.shown), measuring.isOn);
+  for (const [list, isOf] of lists) list.mark(new Set(cards.filter((each) => isOf(each.view)).map((each) => each.topic)));
   empty.remove();
   none.remove();
   if (!cards.length) find("cards").append(isAwaited ? empty : none);
@@ -140,27 +146,33 @@ measure.onchange = () => {
 };
 
 const everywhere = (types) => types.some((each) => each.startsWith("rcl_interfaces/")); // each node has these
-new NameList(find("services"), find("search"), gateway, {
+const services = new NameList(find("services"), find("search"), gateway, {
   kind: "service",
   entries: ({ services }) => [...services.values()].map(({ name, types }) => ({ name, about: types.join(", "), isPlain: !everywhere(types) })),
   open: (name) => open(name, "call"),
   counted: (words) => counted("tab-services", words),
 });
-new NameList(find("actions"), find("search"), gateway, {
+const actions = new NameList(find("actions"), find("search"), gateway, {
   kind: "action",
   entries: ({ actions }) => [...actions.values()].map(({ name, types }) => ({ name, about: types.join(", "), isPlain: true })),
   open: (name) => open(name, "goal"),
   counted: (words) => counted("tab-actions", words),
 });
-new NameList(find("nodes"), find("search"), gateway, {
+const nodes = new NameList(find("nodes"), find("search"), gateway, {
   kind: "node",
   entries: ({ nodes }) => [...nodes].map((name) => ({ name, about: "", isPlain: !name.includes("/_") })),
   open: (name) => open(name, "node"),
   counted: (words) => counted("tab-nodes", words),
 });
+/** What marks the names that have a card, and which views are of its kind. @type {[TopicList|NameList, (view: string) => boolean][]} */
+const lists = [[topics, isView], [services, (view) => view === "call"], [actions, (view) => view === "goal"], [nodes, (view) => view === "node"]];
 const limits = element("button", { type: "button", title: "the limits of this connection, and what came" }, "Limits");
 limits.onclick = () => open("/", "connection");
 find("graph").onclick = () => open("/", "graph");
+find("skip").onclick = (event) => {
+  event.preventDefault(); // what stands behind # is what is shown
+  (cards[0]?.element ?? find("cards")).focus();
+};
 tabs.connect(find("tabs"), ({ id }) => {
   tab = id;
   counted(id, counts[id]);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-import { element } from "../shared/dom.js";
+import { breakable, element } from "../shared/dom.js";
+import { rove } from "./roving.js";
 
 /**
  * What stands in a list: a name, what is said of it, and whether it is shown though nobody searches it.
@@ -14,7 +15,9 @@ export class NameList {
   #entries;
   #open;
   #counted;
-  #items = new Map(); // name -> its item; one that stays keeps the focus
+  #items = new Map(); // name -> its item, and the button in it; one that stays keeps the focus
+  #opened = new Set(); // names that have a card
+  #settle;
 
   /**
    * @param {HTMLElement} list
@@ -29,8 +32,15 @@ export class NameList {
     this.#entries = () => entries(gateway.graph);
     this.#open = open;
     this.#counted = counted;
+    this.#settle = rove(list);
     search.addEventListener("input", () => this.#write());
     gateway.on("graph", () => this.#write());
+  }
+
+  /** Mark the names that have a card. */
+  mark(names) {
+    this.#opened = names;
+    mark(this.#items, names);
   }
 
   #write() {
@@ -41,18 +51,25 @@ export class NameList {
       .sort((one, other) => one.name.localeCompare(other.name));
     const names = new Set(entries.map(({ name }) => name));
     for (const name of this.#items.keys()) if (!names.has(name)) this.#items.delete(name);
-    replace(this.#list, found.map((each) => this.#item(each)), wanted ? `No ${this.#kind} has "${wanted}" in its name or type.` : `There is no ${this.#kind} yet.`);
+    replace(this.#list, found.map((each) => this.#item(each).element), wanted ? `No ${this.#kind} has "${wanted}" in its name or type.` : `There is no ${this.#kind} yet.`);
+    this.#settle();
     this.#counted(countOf(found.length, entries.length, this.#kind));
   }
 
   #item({ name, about }) {
     if (!this.#items.has(name)) {
-      const button = element("button", { type: "button" }, element("span", {}, name), element("small", {}, about));
+      const button = element("button", { type: "button" }, element("span", {}, breakable(name)), element("small", {}, breakable(about)));
       button.onclick = () => this.#open(name);
-      this.#items.set(name, element("li", {}, button));
+      this.#items.set(name, { button, element: element("li", {}, button) });
+      mark(this.#items, this.#opened);
     }
     return this.#items.get(name);
   }
+}
+
+/** Show on the buttons of a list which names have a card. */
+export function mark(items, names) {
+  for (const [name, { button }] of items) button.setAttribute("aria-pressed", names.has(name));
 }
 
 /** Return how many of how many are listed, in words. */

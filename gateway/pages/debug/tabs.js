@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /**
- * Make buttons of the role `tab` show what each controls, by the mouse and by the arrow keys.
+ * Make buttons of the role `tab` show what each controls, by the mouse, and by the arrow keys, Home and End.
  * @param {any} list an element
  * @param {(tab: HTMLElement) => void} shown is called with the tab that was chosen
  */
@@ -18,9 +18,8 @@ export function connect(list, shown) {
   for (const [index, tab] of tabs.entries()) {
     tab.onclick = () => show(tab);
     tab.onkeydown = ({ key }) => {
-      const step = { ArrowRight: 1, ArrowLeft: -1 }[key];
-      if (!step) return;
-      const next = tabs[(index + step + tabs.length) % tabs.length];
+      const next = { ArrowRight: tabs[index + 1] ?? tabs[0], ArrowLeft: tabs.at(index - 1), Home: tabs[0], End: tabs.at(-1) }[key];
+      if (!next) return;
       show(next);
       next.focus();
     };

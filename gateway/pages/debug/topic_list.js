@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 import { COMMAND_TYPES } from "../shared/command_topic.js";
 import { breakable, element } from "../shared/dom.js";
-import { countOf, replace } from "./name_list.js";
+import { countOf, mark, replace } from "./name_list.js";
 import { treeOf } from "./namespaces.js";
+import { rove } from "./roving.js";
 
 /** The topics of the ROS graph, by namespace, as a list that can be searched; with rate, size and age as far as these are measured. */
 export class TopicList {
@@ -14,6 +15,8 @@ export class TopicList {
   #eye; // notes which items can be seen
   #items = new Map(); // name -> what stands in the list
   #branches = new Map(); // namespace -> what stands in the list
+  #opened = new Set(); // names that have a card
+  #settle;
 
   /**
    * @param {HTMLElement} list
@@ -28,6 +31,7 @@ export class TopicList {
     this.#gateway = gateway;
     this.#measuring = measuring;
     this.#to = to;
+    this.#settle = rove(list);
     this.#eye = new IntersectionObserver((seen) => {
       for (const { target, isIntersecting } of seen) measuring.see(target.getAttribute("data-topic"), isIntersecting);
     });
@@ -47,8 +51,15 @@ export class TopicList {
     const reason = topics.size ? `No topic has "${wanted}" in its name or type.` : "There are no topics yet.";
     replace(this.#list, nodes.map((each) => this.#place(each)), reason);
     if (!wanted) for (const [namespace, branch] of this.#branches) if (!branch.element.isConnected) this.#branches.delete(namespace);
+    this.#settle();
     this.#to.counted(countOf(found.length, topics.size, "topic"));
     this.#write();
+  }
+
+  /** Mark the topics that have a card. */
+  mark(names) {
+    this.#opened = names;
+    mark(this.#items, names);
   }
 
   /** Write what changes with time; called once a second. */
@@ -61,8 +72,14 @@ export class TopicList {
     for (const { topic, title, figures } of this.#items.values()) {
       const isLate = Boolean(this.#measuring.arrivals(topic.name)?.isLate);
       title.element.classList.toggle("stale", !topic.publishers.length || isLate);
-      figures.textContent = topic.publishers.length ? this.#measuring.words(topic.name) : "nobody publishes it";
+      figures.textContent = this.#misname(topic.name) || (topic.publishers.length ? this.#measuring.words(topic.name) : "nobody publishes it");
     }
+  }
+
+  /** Return why a topic cannot be opened, if it cannot. */
+  #misname({ length }) {
+    const most = this.#gateway.hello?.limits.name_characters ?? Infinity;
+    return length > most ? `its name has ${length} characters; the gateway takes ${most}` : "";
   }
 
   /** @param {import("./namespaces.js").Node} node */
@@ -96,8 +113,10 @@ export class TopicList {
       const drive = also("drive", `drive by ${name}`, () => this.#to.drive(name));
       const plot = also("plot", `plot a number of ${name}`, () => this.#to.plot(name));
       const publish = also("✎", `publish to ${name}`, () => this.#to.publish(name));
-      item = { title, types, figures, drive, element: element("li", { dataset: { topic: name } }, button, drive, plot, publish) };
+      for (const each of [button, drive, plot, publish]) each.disabled = Boolean(this.#misname(name));
+      item = { button, title, types, figures, drive, element: element("li", { dataset: { topic: name } }, button, drive, plot, publish) };
       this.#items.set(name, item);
+      mark(this.#items, this.#opened);
       this.#eye.observe(item.element);
     }
     const topic = this.#gateway.graph.topics.get(name);
@@ -112,12 +131,13 @@ export class TopicList {
 /** Make an element for a name, of which only the end is seen, its label; all of it is read out. */
 function titled(kind) {
   const above = element("span", { className: "unseen" });
-  const below = document.createTextNode("");
+  const made = element(kind, {}, above);
   const say = (name, label) => {
+    if (made.textContent === name && above.textContent.length === name.length - label.length) return;
     above.textContent = name.slice(0, -label.length);
-    below.data = label;
+    made.replaceChildren(above, ...breakable(label).childNodes);
   };
-  return { element: element(kind, {}, above, below), say };
+  return { element: made, say };
 }
 
 /** Make a small button of a topic: what else can be done with it. */

@@ -23,10 +23,10 @@ export function element(name, { dataset = {}, aria = {}, ...properties } = {}, .
  */
 export const find = (id) => document.getElementById(id);
 
-/** Return a name of ROS that is broken after slashes where it is too long for a line. */
+/** Return a name of ROS that is broken after slashes, but the first, where it is too long for a line. */
 export function breakable(name) {
   const made = document.createElement("span");
-  for (const part of name.split(/(?<=\/)/)) made.append(part, document.createElement("wbr"));
+  for (const part of name.split(/(?<=.\/)/)) made.append(part, document.createElement("wbr"));
   return made;
 }
 
