@@ -89,7 +89,10 @@ def open_page(browser) -> OpenPage:
         host = urlsplit(address).netloc
         page.on(
             "request",
-            lambda each: urlsplit(each.url).netloc in {host, ""} or wrong.append(each.url),
+            # whoever opens a blank page goes elsewhere later, and is not watched
+            lambda each: (
+                not host or urlsplit(each.url).netloc in {host, ""} or wrong.append(each.url)
+            ),
         )
         page.wrong = wrong
         try:
@@ -129,15 +132,9 @@ class Line:
         self._is_cut = False
 
 
-def allow_requests(page) -> None:
-    """Allow what a page has asked for that was blank when opened: any address was foreign."""
-    page.wrong[:] = [each for each in page.wrong if not each.startswith("http")]
-
-
 @contextlib.asynccontextmanager
 async def severable(page) -> AsyncIterator[Line]:
     """Stand between a page that is blank yet and its gateway."""
     line = Line()
     await page.route_web_socket("**/*", line.take)
     yield line
-    allow_requests(page)

@@ -13,7 +13,7 @@ import pytest
 from tests.client import client
 from tests.demonstration import until_it_can_be_driven
 from tests.gateway_process import gateway_process
-from tests.pages.conftest import DESK, allow_requests, page_address
+from tests.pages.conftest import DESK, page_address
 
 pytestmark = [pytest.mark.brief, pytest.mark.asyncio(loop_scope="module")]
 
@@ -498,7 +498,6 @@ async def test_what_is_no_json_or_no_operation_is_said_and_harms_nothing(demo, o
             server.on_message(lambda message: route.send(message))
 
         await page.route_web_socket("**/*", garble)
-        page.wrong.clear()
         await page.goto(page_address(demo))
         await until(page, "() => notice.textContent.startsWith('the gateway sent what is no JSON')")
         for frame in ("null", "12"):
@@ -506,7 +505,6 @@ async def test_what_is_no_json_or_no_operation_is_said_and_harms_nothing(demo, o
             told = f"the gateway sent what is no operation: {frame}"
             await until(page, "told => notice.textContent === told", told)
         await until_painted(page, f"{card('/map')} canvas")
-        allow_requests(page)
 
 
 async def test_on_a_phone_the_bar_leaves_the_screen_to_the_cards(demo, open_page):

@@ -5,7 +5,7 @@ import json
 
 import pytest
 
-from tests.pages.conftest import DESK, allow_requests, page_address
+from tests.pages.conftest import DESK, page_address
 from tests.pages.test_debug_page import PHONE, until_painted
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
@@ -177,7 +177,6 @@ async def test_a_role_that_turns_out_not_to_drive_is_told_so(demo, open_page, co
         assert await page.is_disabled("#linear") == is_disabled
         watching = await page.evaluate("() => control.textContent === 'You may watch, not drive.'")
         assert watching or not is_disabled
-        allow_requests(page)
 
 
 async def test_the_knob_shows_where_keys_drive(demo, open_page):

@@ -14,7 +14,7 @@ import pytest_asyncio
 
 from tests.client import Client, client
 from tests.demonstration import until_it_can_be_driven
-from tests.pages.conftest import allow_requests, page_address, severable
+from tests.pages.conftest import page_address, severable
 from tests.pages.test_debug_page import PHONE, until_painted
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
@@ -393,7 +393,6 @@ async def test_a_warning_that_passes_by_itself_is_left_to_the_views(demo, open_p
         assert not {"it is messages_lost", "it is publisher_gone"} & set(
             await page.evaluate("said")
         )
-        allow_requests(page)
 
 
 async def test_a_command_after_a_stop_is_refused_in_words_for_whoever_drives(demo, open_page):
