@@ -63,6 +63,8 @@ POINT = """([hand, x, y]) => {
 }"""
 PRESS = "([hand, button, value]) => device.controllers[hand].updateButtonValue(button, value)"
 PINCH = "([hand, value]) => device.hands[hand].updatePinchValue(value)"
+# a place that is some way off, wherever the robot has been left
+AWAY = "() => lab.twin.pose.x < 0 ? 0.9 : -0.9"
 # where the head is, in the robot's metres
 HEAD = """() => {
     const { x, y, z } = device.position;
@@ -272,7 +274,7 @@ async def test_a_robot_stops_where_a_controller_is_gone(enter, speaker, mode, wa
             assert not said or any(each in said for each in LATE), said
             await page.evaluate(connect, [mode, gone, True])
             await frames(page)
-            await send(page, way(page, 0.9, 0.2))
+            await send(page, way(page, await page.evaluate(AWAY), 0.2))
             await page.evaluate(connect, [mode, gone, False])
             await page.wait_for_function("() => !lab.pilot.isActive")
             said = await page.evaluate("() => lab.pilot.words")
@@ -282,7 +284,7 @@ async def test_a_robot_stops_where_a_controller_is_gone(enter, speaker, mode, wa
 
 async def test_a_controller_that_did_not_send_the_robot_may_go(enter):
     async with enter() as page:
-        await send(page, trigger(page, 0.9, -0.2))
+        await send(page, trigger(page, await page.evaluate(AWAY), -0.2))
         await page.evaluate("() => { device.controllers.left.connected = false; }")
         await frames(page)
         assert "controller" not in await page.evaluate("() => lab.pilot.words")
@@ -316,7 +318,8 @@ async def test_a_session_that_ends_or_is_not_seen_stops_the_robot(enter, speaker
     while words not in said:
         assert not said or any(each in said for each in LATE), said
         async with enter() as page:
-            said = await send_and_end(page, trigger(page, 0.9, 0), by)
+            point = trigger(page, await page.evaluate(AWAY), 0)
+            said = await send_and_end(page, point, by)
     await watched.until(state="moving")
     await watched.until(state="stopped")
 

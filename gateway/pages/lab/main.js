@@ -69,6 +69,7 @@ const command = new CommandTopic(gateway, told); // after that: what is lost fir
 const letGo = watchKeys(DRIVING, (linear, angular) => pilot.hold(linear, angular));
 furnish();
 room.scene.add(viewer.rig, map.world);
+room.scene.updateMatrixWorld(); // or a ray that comes before the first frame would find all things in the middle
 const renderer = begin();
 const controllers = renderer && new Controllers(renderer.xr, viewer.rig, room, {
   target: point,
@@ -102,10 +103,10 @@ function begin() {
   try {
     made = new WebGLRenderer({ canvas, antialias: devicePixelRatio < 2 });
   } catch (error) {
-    find("view").replaceChildren(element("p", {}, `This browser draws no rooms (WebGL): ${error.message}`));
+    find("view").prepend(element("p", {}, `This browser draws no rooms (WebGL): ${error.message}`));
     return null;
   }
-  find("view").replaceChildren(canvas);
+  find("view").prepend(canvas);
   drawing = new Drawing(canvas, () => {
     letGoOfAll("the room is not drawn any more");
     made.xr.getSession()?.end(); // which shows nothing either, and does not come back
