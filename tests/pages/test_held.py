@@ -117,12 +117,15 @@ async def test_what_is_held_while_another_client_drives_moves_nothing_when_that_
             await drive_by(page, "ArrowLeft")
             await watched.until(state="moving")
         await other.send(op="acquire_control", topic="/cmd_vel")
-        await page.wait_for_function(f"() => {said} === 'Another client drives.'")
+        others = (
+            "Another client drives" if when != "later" else "Stopped; another client has control"
+        )
+        await page.wait_for_function(f"() => {said} === '{others}.'")
         if when != "later":
             await page.keyboard.down("ArrowLeft")
         await page.wait_for_function("() => notice.textContent.includes('drives /cmd_vel')")
         await other.send(op="release_control", topic="/cmd_vel")
-        await page.wait_for_function(f"() => {said}.startsWith('Stopped')")
+        await page.wait_for_function(f"() => /^Stopped[.:]/.test({said})")
         await assert_it_sends_nothing_that_moves(page)
         assert await page.evaluate("() => notice.hidden")  # it is no longer true
         await page.keyboard.up("ArrowLeft")

@@ -87,9 +87,7 @@ export class Pilot {
     else if ((linear || angular) && this.words) this.#say("");
     if (this.isActive) return;
     if (this.#forbidden && (linear || angular)) this.#say(this.#mayLook());
-    // What is held would drive as soon as the other client leaves.
-    const isRefused = this.#forbidden || this.#state?.holder === "other";
-    this.#driver.hold(isRefused ? 0 : linear, isRefused ? 0 : angular);
+    this.#driver.hold(this.#forbidden ? 0 : linear, this.#forbidden ? 0 : angular);
   }
 
   /** Send zeros, so that the gateway lets the robot be driven. */
