@@ -143,12 +143,13 @@ async def test_who_may_only_watch_is_told_so_before_trying(demo, open_page):
         assert await page.get_attribute("#stick", "aria-disabled") == "true"
         assert await page.is_disabled("#linear")
         assert await page.is_disabled("#angular")
-        await page.keyboard.press("ArrowLeft")
+        await page.keyboard.down("ArrowLeft")
         left, top, right, _ = await page.evaluate(PLACE, "stick")
         await page.mouse.move((left + right) / 2, top + 9)
         await page.mouse.down()
         assert await page.evaluate("() => knob.style.transform") in {"", "translate(0rem, 0rem)"}
         await page.mouse.up()
+        await page.keyboard.up("ArrowLeft")
         assert "publish" not in await page.evaluate("sent")
 
 

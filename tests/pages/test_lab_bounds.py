@@ -169,23 +169,6 @@ async def test_a_target_is_dropped_where_the_gateway_lets_nothing_move(lab):
         assert not words[3]
 
 
-async def test_keys_send_nothing_that_moves_while_another_client_drives(lab):
-    async with lab() as page:
-        sent = await page.evaluate("""async () => {
-            const { Pilot } = await import("/lab/pilot.js");
-            const sent = [];
-            const pilot = new Pilot((...speeds) => sent.push(speeds), () => {});
-            pilot.told({ state: "stopped", tripped: false, guard: "ready", holder: "other" });
-            pilot.hold(1, 0);
-            pilot.told({ state: "stopped", tripped: false, guard: "ready", holder: null });
-            const before = sent.length;
-            pilot.hold(1, 0);
-            pilot.hold(0, 0);
-            return [before, sent[before][0]];
-        }""")
-        assert sent == [0, 0.26]
-
-
 async def test_who_may_not_drive_sends_nothing_until_another_connection_lets_him(lab):
     async with lab() as page:
         sent = await page.evaluate("""async () => {

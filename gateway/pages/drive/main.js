@@ -18,7 +18,6 @@ const MAPS = ["nav_msgs/msg/OccupancyGrid"];
 const SCANS = ["sensor_msgs/msg/LaserScan"];
 const ODOMETRY = ["nav_msgs/msg/Odometry"];
 const TICK_MS = 200;
-const KNOB_REM = 3.5; // from the middle of the stick to its edge
 // After how long these are old: whoever makes a map sends it now and then, and says once a second where the odometry began on it.
 const LATE_MS = { map: 10_000, place: 2000 };
 
@@ -40,17 +39,10 @@ bar.connect(gateway, "Drive");
 gateway.on("status", ({ code, request }) => code === "forbidden" && request === "publish" && forbid(true)); // roles may be of any name
 const driver = new Driver((shares) => {
   if (isForbidden) return;
-  point(shares);
   const [linear, angular] = [shares.linear * find("linear").valueAsNumber, shares.angular * find("angular").valueAsNumber];
   motion.command(linear, angular, command.publish(linear, angular) && command.isDriving);
 });
 const { letGo } = watch(find("stick"), find("knob"), (linear, angular) => driver.hold(linear, angular));
-
-/** Show by the knob where the robot is driven, by keys, too. */
-function point({ linear, angular }) {
-  const length = Math.max(1, Math.hypot(linear, angular));
-  find("knob").style.transform = `translate(${(-angular / length) * KNOB_REM}rem, ${(-linear / length) * KNOB_REM}rem)`;
-}
 
 /** Disable what drives, or enable it. */
 function forbid(isNow) {

@@ -10,6 +10,7 @@ const KEYS = {
   ArrowRight: [0, -1], KeyD: [0, -1],
 };
 const PRIMARY = 1; // of PointerEvent.buttons
+const KNOB_REM = 3.5; // from the middle of the stick to its edge
 
 /**
  * Report what is held, until it is let go: also when the window loses the focus, or is hidden.
@@ -24,12 +25,17 @@ export function watch(stick, knob, report, where = window) {
   const { signal } = ending;
   let keys = [0, 0];
   let pushed = [0, 0];
-  const tell = () => report(keys[0] + pushed[0], keys[1] + pushed[1]);
+  const tell = () => {
+    const share = stick.ariaDisabled === "true" ? 0 : 1; // or nobody may drive by it
+    const [linear, angular] = [share * (keys[0] + pushed[0]), share * (keys[1] + pushed[1])];
+    point(knob, linear, angular);
+    report(linear, angular);
+  };
   const letGoOfKeys = watchKeys(KEYS, (...sum) => {
     keys = sum;
     tell();
   }, { where, signal });
-  const letGoOfStick = watchStick(stick, knob, (...position) => {
+  const letGoOfStick = watchStick(stick, (...position) => {
     pushed = position;
     tell();
   }, signal);
@@ -48,27 +54,27 @@ export function watch(stick, knob, report, where = window) {
   return { letGo, end };
 }
 
+/** Show by the knob where the robot is driven, by keys, too. */
+function point(knob, linear, angular) {
+  const length = Math.max(1, Math.hypot(linear, angular));
+  knob.style.transform = `translate(${(-angular / length) * KNOB_REM}rem, ${(-linear / length) * KNOB_REM}rem)`;
+}
+
 /**
- * Report where a knob is pushed to.
+ * Report where the knob of a stick is pushed to.
  * @param {HTMLElement} stick
- * @param {HTMLElement} knob
  * @param {(linear: number, angular: number) => void} report
  * @param {AbortSignal} signal
  * @returns {() => void} let go of the knob, until it is taken anew
  */
-function watchStick(stick, knob, report, signal) {
+function watchStick(stick, report, signal) {
   let pointer = null; // the one that holds the knob
   let place = stick.getBoundingClientRect(); // where the stick was when it was taken: what moves it then is no push
-
-  function push(linear, angular) {
-    knob.style.transform = `translate(${-angular * 3.5}rem, ${-linear * 3.5}rem)`;
-    report(linear, angular);
-  }
 
   function letGo() {
     if (pointer === null) return;
     pointer = null;
-    push(0, 0);
+    report(0, 0);
   }
 
   function drag(event) {
@@ -78,7 +84,7 @@ function watchStick(stick, knob, report, signal) {
     const right = (2 * (event.clientX - left)) / width - 1;
     const down = (2 * (event.clientY - top)) / height - 1;
     const length = Math.max(1, Math.hypot(right, down));
-    push(-down / length, -right / length);
+    report(-down / length, -right / length);
   }
 
   stick.addEventListener("pointerdown", (event) => {
