@@ -91,6 +91,7 @@ async def test_a_link_that_stays_dark_is_given_up_for_another(on_a_link, watched
         await page.wait_for_function("() => notice.textContent.includes('connection was lost')")
         await page.wait_for_function("() => sockets.length > 1")
         await page.wait_for_selector(".state[data-state=open]")
+        await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
         await drive_by(page, "ArrowLeft")
         await watched.until(state="moving")
         await page.keyboard.up("ArrowLeft")
