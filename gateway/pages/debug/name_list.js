@@ -58,10 +58,10 @@ export class NameList {
 
   #item({ name, about }) {
     if (!this.#items.has(name)) {
-      const button = element("button", { type: "button" }, element("span", {}, breakable(name)), element("small", {}, breakable(about)));
+      const pressed = String(this.#opened.has(name));
+      const button = element("button", { type: "button", aria: { pressed } }, element("span", {}, breakable(name)), element("small", {}, breakable(about)));
       button.onclick = () => this.#open(name);
       this.#items.set(name, { button, element: element("li", {}, button) });
-      mark(this.#items, this.#opened);
     }
     return this.#items.get(name);
   }

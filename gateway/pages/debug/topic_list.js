@@ -108,7 +108,7 @@ export class TopicList {
     let item = this.#items.get(name);
     if (!item) {
       const [title, types, figures] = [titled("span"), element("small"), element("small")];
-      const button = element("button", { type: "button" }, title.element, types, figures);
+      const button = element("button", { type: "button", aria: { pressed: String(this.#opened.has(name)) } }, title.element, types, figures);
       button.onclick = () => this.#to.open(name);
       const drive = also("drive", `drive by ${name}`, () => this.#to.drive(name));
       const plot = also("plot", `plot a number of ${name}`, () => this.#to.plot(name));
@@ -116,7 +116,6 @@ export class TopicList {
       for (const each of [button, drive, plot, publish]) each.disabled = Boolean(this.#misname(name));
       item = { button, title, types, figures, drive, element: element("li", { dataset: { topic: name } }, button, drive, plot, publish) };
       this.#items.set(name, item);
-      mark(this.#items, this.#opened);
       this.#eye.observe(item.element);
     }
     const topic = this.#gateway.graph.topics.get(name);
