@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 import { COMMAND_TYPES } from "../shared/command_topic.js";
+import { published } from "../shared/named_topics.js";
 
 const LONGEST_MS = 30_000; // from the first card on: what a robot starts node by node is there by then
 const FINGERS = "(max-width: 45rem), (pointer: coarse)"; // narrow as style.css has it
 const VIEWS = [
   // of each line the first that the robot has
-  [{ types: ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"], view: "image" }],
-  [{ types: ["nav_msgs/msg/OccupancyGrid"], view: "map" }, { types: ["sensor_msgs/msg/LaserScan"], view: "scan" }],
-  [{ types: ["nav_msgs/msg/Odometry"], view: "plot", fields: ["twist.twist.linear.x", "twist.twist.angular.z"] }],
+  [{ kind: "camera", view: "image" }],
+  [{ kind: "map", view: "map" }, { kind: "scan", view: "scan" }],
+  [{ kind: "odometry", view: "plot", fields: ["twist.twist.linear.x", "twist.twist.angular.z"] }],
 ];
 
 /** What the page opens by itself for whoever comes without an address that names cards, until that person opens or closes anything. */
@@ -46,7 +47,7 @@ export class FirstVisit {
 
   /** Open the first of some kinds that somebody publishes; return whether there is one. */
   #open(kinds) {
-    const shown = kinds.map((each) => ({ ...each, topic: this.#gateway.graph.published(...each.types)?.name })).find((each) => each.topic);
+    const shown = kinds.map((each) => ({ ...each, topic: published(this.#gateway.graph, each.kind) })).find((each) => each.topic);
     if (!shown) return false;
     const { topic, view, fields = [] } = shown;
     this.#add({ topic, view, fields, rate: 0 });

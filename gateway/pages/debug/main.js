@@ -136,7 +136,6 @@ gateway.on("graph", () => {
   firstVisit.fill();
   if (!cards.length && !firstVisit.isOver) keep();
 });
-addEventListener("hashchange", () => location.reload()); // another address was typed or followed
 
 const measure = find("measure");
 measure.checked = measuring.isOn = page.isMeasuring();

@@ -8,15 +8,12 @@ import { Driver } from "../shared/driver.js";
 import { Gateway } from "../shared/gateway.js";
 import { watch } from "../shared/held.js";
 import { Motion } from "../shared/motion.js";
+import { namedCommand, published, tellUnknown } from "../shared/named_topics.js";
 import { ImageView } from "../views/image.js";
 import { MapView } from "../views/map.js";
 import { ScanView } from "../views/scan.js";
 import { Place } from "./place.js";
 
-const IMAGES = ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"];
-const MAPS = ["nav_msgs/msg/OccupancyGrid"];
-const SCANS = ["sensor_msgs/msg/LaserScan"];
-const ODOMETRY = ["nav_msgs/msg/Odometry"];
 const TICK_MS = 200;
 // After how long these are old: whoever makes a map sends it now and then, and says once a second where the odometry began on it.
 const LATE_MS = { map: 10_000, place: 2000 };
@@ -33,9 +30,10 @@ gateway.on("state", ({ state }) => {
   forbid(isConnected && gateway.hello.role === "viewer");
   letGo(); // what was held before belongs to another connection
 });
-const command = new CommandTopic(gateway, told);
+const command = new CommandTopic(gateway, told, namedCommand());
 
 bar.connect(gateway, "Drive");
+tellUnknown(gateway, bar.tell);
 gateway.on("status", ({ code, request }) => code === "forbidden" && request === "publish" && forbid(true)); // roles may be of any name
 const driver = new Driver((shares) => {
   if (isForbidden) return;
@@ -68,10 +66,10 @@ function tick() {
 
 /** Subscribe to the odometry, once there is one. */
 function hear() {
-  heard.scan ||= gateway.graph.published(...SCANS)?.name ?? "";
-  heard.map ||= gateway.graph.published(...MAPS)?.name ?? "";
+  heard.scan ||= published(gateway.graph, "scan");
+  heard.map ||= published(gateway.graph, "map");
   if (heard.odometry) return;
-  heard.odometry = gateway.graph.published(...ODOMETRY)?.name ?? "";
+  heard.odometry = published(gateway.graph, "odometry");
   if (heard.odometry) gateway.subscribe(heard.odometry, { throttle_rate: 100 }, (message) => motion.odometry(message), () => {});
 }
 
@@ -83,8 +81,8 @@ function told() {
 }
 
 gateway.on("graph", () => {
-  camera.show("Nobody publishes pictures.", [ImageView, IMAGES]);
-  world.show("Nobody publishes a map or a laser scan.", [MapView, MAPS], [ScanView, SCANS]);
+  camera.show("Nobody publishes pictures.", [ImageView, "camera"]);
+  world.show("Nobody publishes a map or a laser scan.", [MapView, "map"], [ScanView, "scan"]);
   hear();
 });
 gateway.subscribe("/rosout", {}, (line) => motion.log(line, command.name), () => {}); // without it the page knows less, and drives

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { Aging } from "../shared/aging.js";
 import { element } from "../shared/dom.js";
+import { missing, named, published } from "../shared/named_topics.js";
 import { lasting, OF_SILENCE } from "../shared/passing.js";
 
 /** A part of the page that shows one topic, pale while it is old, with what is wrong with it in words. */
@@ -35,11 +36,13 @@ export class Place {
     return this.#gateway.arrivals.get(this.#view?.topic);
   }
 
-  /** Show a topic in the first of some views, each with its types, that the robot has something for; else say what is missing. */
-  show(missing, ...kinds) {
-    const [View, topic] = kinds.map(([each, types]) => [each, this.#gateway.graph.published(...types)?.name]).find(([, name]) => name) ?? [];
-    if (!View && !this.#view) this.#home.replaceChildren(element("p", {}, missing));
-    if (!View || this.#view instanceof View) return;
+  /** Show a topic in the first of some views, each with its kind, that the address or else the robot has something for; or say what is missing. */
+  show(nothing, ...views) {
+    const { graph } = this.#gateway;
+    const [View, kind] = views.find(([, each]) => named(each) || published(graph, each)) ?? [];
+    const topic = View && published(graph, kind);
+    if (!topic && !this.#view) this.#home.replaceChildren(element("p", {}, View ? missing(graph, kind) : nothing));
+    if (!topic || this.#view instanceof View) return;
     this.#end();
     const view = new View({ topic, gateway: this.#gateway, tell: (words) => this.#tell(words), untell: (words) => this.#untell(words) });
     view.topic = topic;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The robot's map on the floor of the room, as far as ROS says where it is to the odometry.
 
-import { CanvasTexture, Group, Mesh, MeshBasicMaterial, NearestFilter, PlaneGeometry, SRGBColorSpace } from "../vendor/three.js";
-import { draw } from "../views/occupancy.js";
+import { Group, Mesh, MeshBasicMaterial, NearestFilter, PlaneGeometry, SRGBColorSpace, Texture } from "../vendor/three.js";
+import { Newest } from "../views/newest.js";
+import { Painter } from "../views/painter.js";
 import { yawOf } from "../views/plan.js";
 import { asRos } from "./floor.js";
 
-const MOST_PIXELS = 1024 * 1024; // 51 x 51 m at 5 cm; drawing more would cost a headset some frames
 const OCCUPIED = 65; // percent and more: what Nav2's map server takes for occupied
 
 /** A `nav_msgs/msg/OccupancyGrid` in the room. */
@@ -19,9 +19,16 @@ export class FloorMap {
   #frame = new Group(); // the map's frame
   #grid = new Group(); // its lower left corner
   #sheet = new Mesh(new PlaneGeometry(1, 1), new MeshBasicMaterial());
-  #message = null;
+  #painter = new Painter();
+  #newest;
+  #message = null; // the one that is shown
+  #cells = 1; // of the map that a pixel is wide
+  /** @type {Int8Array} */
+  #values = new Int8Array(); // of the pixels
 
-  constructor() {
+  /** @param {{tell: (words: string) => void, untell: (words: string) => void}} card says why a map cannot be shown; then the one before stays */
+  constructor(card) {
+    this.#newest = new Newest(card, () => "this map", (message) => this.#paint(message));
     this.world.position.y = -0.01; // between the floor and the lines on it
     this.world.visible = false;
     this.#grid.add(this.#sheet);
@@ -29,23 +36,9 @@ export class FloorMap {
     this.world.add(this.#frame);
   }
 
-  /**
-   * Take a map.
-   * @throws {RangeError} if its numbers contradict each other; then the map before stays
-   */
+  /** Take a map, with its cells or as a picture; it is shown once it is painted. */
   take(message) {
-    const { canvas, cells } = draw(message, MOST_PIXELS);
-    const { resolution, origin: { position, orientation } } = message.info;
-    const yaw = yawOf(orientation);
-    const size = resolution * cells; // of a pixel, in metres
-    if (!(resolution > 0 && Number.isFinite(resolution + position.x + position.y + yaw))) throw new RangeError(`its cells are ${resolution} m wide`);
-    this.#message = message;
-    this.#paper(canvas);
-    this.#grid.position.set(position.x, position.y, 0);
-    this.#grid.rotation.z = yaw;
-    this.#sheet.scale.set(canvas.width * size, canvas.height * size, 1);
-    this.#sheet.position.set((canvas.width * size) / 2, (canvas.height * size) / 2, 0);
-    this.#show();
+    return this.#newest.take(message);
   }
 
   /** Take where the map is to the odometry: a `translation` and a `rotation`, or null when nobody knows. */
@@ -56,7 +49,7 @@ export class FloorMap {
 
   /** Draw it in the colours of the page anew. */
   paint() {
-    if (this.#message) this.#paper(draw(this.#message, MOST_PIXELS).canvas);
+    if (this.#message) this.take(this.#message);
   }
 
   /** How wide and high it is, in cells; 0 before there is one. */
@@ -71,9 +64,25 @@ export class FloorMap {
     const { x, y } = this.#cornerOf(place);
     const [column, row] = [Math.floor(x / resolution), Math.floor(y / resolution)];
     if (column < 0 || row < 0 || column >= width || row >= height) return "The map ends before that place: point at a free one of the map.";
-    const value = this.#message.data[row * width + column];
-    if (value < 0 || value > 100) return "The map does not know that place: point at a free one.";
+    const [cells, columns] = [this.#cells, Math.ceil(width / this.#cells)];
+    const value = this.#values[Math.floor(row / cells) * columns + Math.floor(column / cells)];
+    if (value < 0) return "The map does not know that place: point at a free one.";
     return value >= OCCUPIED ? "Something stands there, by the map: point at a free place." : "";
+  }
+
+  async #paint(message) {
+    const { resolution, origin: { position, orientation } } = message.info;
+    const yaw = yawOf(orientation);
+    if (!(resolution > 0 && Number.isFinite(resolution + position.x + position.y + yaw))) throw new RangeError(`its cells are ${resolution} m wide`);
+    const { bitmap, cells, values } = await this.#painter.paint(message);
+    [this.#message, this.#cells, this.#values] = [message, cells, values];
+    this.#paper(bitmap);
+    const [wide, high] = [bitmap.width, bitmap.height].map((pixels) => pixels * cells * resolution);
+    this.#grid.position.set(position.x, position.y, 0);
+    this.#grid.rotation.z = yaw;
+    this.#sheet.scale.set(wide, high, 1);
+    this.#sheet.position.set(wide / 2, high / 2, 0);
+    this.#show();
   }
 
   #show() {
@@ -90,11 +99,15 @@ export class FloorMap {
   }
 
   /** Put a picture on the sheet. */
-  #paper(canvas) {
+  #paper(bitmap) {
     const { material } = this.#sheet;
     material.map?.dispose(); // its storage has a fixed size
-    const texture = new CanvasTexture(canvas);
+    material.map?.image.close();
+    const texture = new Texture(bitmap);
     Object.assign(texture, { colorSpace: SRGBColorSpace, generateMipmaps: false, minFilter: NearestFilter, magFilter: NearestFilter });
+    texture.repeat.y = -1; // a texture begins at the bottom, and WebGL turns no bitmap
+    texture.offset.y = 1;
+    texture.needsUpdate = true;
     material.map = texture;
     material.needsUpdate = true;
   }

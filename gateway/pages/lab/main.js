@@ -9,6 +9,7 @@ import { element, find } from "../shared/dom.js";
 import { Gateway } from "../shared/gateway.js";
 import { watchKeys } from "../shared/keys.js";
 import { Motion } from "../shared/motion.js";
+import { namedCommand, tellUnknown } from "../shared/named_topics.js";
 import { Controllers } from "./controllers.js";
 import { Drawing } from "./drawing.js";
 import { meet, toRos } from "./floor.js";
@@ -29,11 +30,12 @@ const DRIVING = { ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowLeft: [0, 1], ArrowR
 
 const gateway = new Gateway();
 bar.connect(gateway, "Lab");
+tellUnknown(gateway, bar.tell);
 
 const room = new Room();
 const viewer = new Viewer();
 const twin = new Twin(room);
-const map = new FloorMap();
+const map = new FloorMap(bar);
 const motion = new Motion();
 const television = new Television(bar.tell);
 const screens = {
@@ -65,7 +67,7 @@ gateway.on("state", ({ state }) => {
   if (isConnected) pilot.forbid(gateway.hello.role === "viewer" ? "its role is viewer" : ""); // of other roles a refusal tells
 });
 gateway.on("status", ({ code, request, msg }) => code === "forbidden" && request === "publish" && pilot.forbid(msg));
-const command = new CommandTopic(gateway, told); // after that: what is lost first is the connection
+const command = new CommandTopic(gateway, told, namedCommand()); // after that: what is lost first is the connection
 const letGo = watchKeys(DRIVING, (linear, angular) => pilot.hold(linear, angular));
 furnish();
 room.scene.add(viewer.rig, map.world);

@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which topics the lab shows: the first that somebody publishes of each kind, once there is one.
+// What the lab shows of the robot, once somebody publishes it.
 
 import { json } from "../shared/json.js";
+import { isOf, missing, published } from "../shared/named_topics.js";
 import { lasting } from "../shared/passing.js";
+import { MAP_OPTIONS } from "../views/painter.js";
 import { Placement } from "./placement.js";
 
-const ODOMETRY = ["nav_msgs/msg/Odometry"];
-const SCANS = ["sensor_msgs/msg/LaserScan"];
-const IMAGES = ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"];
-const MAPS = ["nav_msgs/msg/OccupancyGrid"];
-const LOGS = ["rcl_interfaces/msg/Log"];
+const LOGS = "rcl_interfaces/msg/Log";
+/** @type {import("../shared/named_topics.js").Kind[]} */
+const KINDS = ["odometry", "map", "scan", "camera"];
 const FAVOURITES = ["sensor_msgs/msg/BatteryState", "std_msgs/msg/String"]; // for the screen that shows any topic
 const FAST_MS = 33;
 const SLOW_MS = 250;
-const MAP_MS = 1000; // a map that grows is drawn as a whole
 const MAP_HZ = 5; // of its place: odometry drifts slowly, and jumps when the robot finds itself
 const LASER_HZ = 1; // of its place: it is screwed on
 
@@ -39,35 +38,33 @@ export class Sources {
     this.#laser = new Placement(gateway, "the scan is hidden", LASER_HZ, (transform) => parts.twin.mount(transform));
   }
 
-  /** What is not shown as nobody knows where it is, in words, or "". */
+  /** What is not shown, as nobody publishes what the address names or knows where it is, in words, or "". */
   get missing() {
-    return [this.#map.words, this.#laser.words].filter(Boolean).join("\n");
+    const unpublished = KINDS.map((kind) => missing(this.#gateway.graph, kind));
+    return [...unpublished, this.#map.words, this.#laser.words].filter(Boolean).join("\n");
   }
 
   /** Subscribe to what has come: call it after each change of the graph. */
   watch({ pilot, motion, television, log, logged }) {
+    const { graph } = this.#gateway;
     const { twin, map } = this.#parts;
-    this.#first("odometry", ODOMETRY, { compression: "cbor", throttle_rate: FAST_MS }, (message) => {
+    this.#show("odometry", published(graph, "odometry"), { compression: "cbor", throttle_rate: FAST_MS }, (message) => {
       twin.odometry(message);
       pilot.odometry(twin.pose);
       motion.odometry(message);
       this.#map.within(message.header.frame_id);
       this.#laser.within(message.child_frame_id);
     });
-    this.#first("map", MAPS, { compression: "cbor", throttle_rate: MAP_MS }, (message) => {
-      try {
-        map.take(message);
-      } catch (error) {
-        this.#tell(`this map cannot be shown: ${error.message}`);
-      }
+    this.#show("map", published(graph, "map"), MAP_OPTIONS, (message) => {
+      map.take(message);
       this.#map.of(message.header.frame_id);
     });
-    this.#first("scan", SCANS, { compression: "cbor", throttle_rate: 100 }, (message) => {
+    this.#show("scan", published(graph, "scan"), { compression: "cbor", throttle_rate: 100 }, (message) => {
       twin.scan(message);
       this.#laser.of(message.header.frame_id);
     });
-    this.#first("camera", IMAGES, television.options, (message) => television.show(message));
-    this.#first("log", LOGS, {}, (line) => {
+    this.#show("camera", published(graph, "camera"), television.options, (message) => television.show(message));
+    this.#show("log", graph.published(LOGS)?.name ?? "", {}, (line) => {
       log.add(`${line.name}: ${line.msg}`);
       logged(line);
     });
@@ -81,7 +78,7 @@ export class Sources {
   /** Return the topics that a screen can show as text; pictures are none. */
   get readable() {
     return [...this.#gateway.graph.topics.values()]
-      .filter(({ publishers, types }) => publishers.length && !IMAGES.includes(types[0]))
+      .filter(({ publishers, types }) => publishers.length && !isOf(types[0], "camera"))
       .map(({ name }) => name).sort();
   }
 
@@ -104,11 +101,10 @@ export class Sources {
     );
   }
 
-  #first(kind, types, options, onMessage) {
-    const topic = !this.#known.has(kind) && this.#gateway.graph.published(...types);
-    if (!topic) return;
-    this.#known.set(kind, topic.name);
-    this.#gateway.subscribe(topic.name, options, onMessage, lasting(this.#tell));
+  #show(kind, topic, options, onMessage) {
+    if (!topic || this.#known.has(kind)) return;
+    this.#known.set(kind, topic);
+    this.#gateway.subscribe(topic, options, onMessage, lasting(this.#tell));
   }
 }
 

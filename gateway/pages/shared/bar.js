@@ -45,6 +45,7 @@ export function connect(gateway, here, ...more) {
   });
   gateway.on("status", (frame) => tell(refusal(frame), isOver(frame)));
   gateway.on("graph", () => review());
+  addEventListener("hashchange", () => location.reload()); // another address was typed or followed
 }
 
 function header(gateway, here, more) {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "../shared/dom.js";
 import { Newest } from "./newest.js";
-import { Painter } from "./painter.js";
+import { MAP_OPTIONS, Painter } from "./painter.js";
 import { insist, Plan, yawOf } from "./plan.js";
 import { Whereabouts } from "./whereabouts.js";
 
 /** A map with the robot and the first laser scan in it, as far as ROS knows where they are. */
 export class MapView {
-  options = { compression: "cbor", throttle_rate: 1000, image: { format: "png" } }; // of a large map a picture is a tenth, or less
+  options = MAP_OPTIONS;
   #card;
   #plan;
   #painter = new Painter();

@@ -11,7 +11,7 @@ const RANKS = Uint8Array.from({ length: 256 }, (_, value) => (value <= 100 ? val
 self.onmessage = async ({ data: map }) => {
   try {
     const painted = await paint(map);
-    self.postMessage(painted, { transfer: [painted.bitmap] });
+    self.postMessage(painted, { transfer: [painted.bitmap, painted.values.buffer] });
   } catch (error) {
     self.postMessage({ problem: error.message });
   }
@@ -31,7 +31,7 @@ async function paint({ width, height, data, format, colours }) {
       rank(ranks.subarray(to, to + columns), values, row * width * step, step, cells, width);
     }
   }
-  return { bitmap: picture(ranks, columns, rows, colours), cells };
+  return { bitmap: picture(ranks, columns, rows, colours), cells, values: Int8Array.from(ranks, (each) => each - 1) };
 }
 
 /** Raise the ranks of a row of pixels to those of a row of cells, which begins at a place in *values*. */

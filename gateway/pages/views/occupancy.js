@@ -3,31 +3,7 @@
 
 import { token } from "../shared/dom.js";
 
-const MOST_PIXELS = 2048 * 2048; // a larger map is drawn with every second, third ... of its cells
 const LONGEST = 4096; // pixels of a side: what any GPU takes, for a map that is long and narrow
-
-/**
- * Draw a map: the canvas has its first row at the bottom.
- * @param {any} message
- * @param {number} [most] pixels
- * @returns {{canvas: OffscreenCanvas, cells: number}} how many cells of the map a pixel is wide
- * @throws {RangeError} if its numbers contradict each other
- */
-export function draw({ info: { width, height }, data }, most = MOST_PIXELS) {
-  insistOnCells(width, height, data.length);
-  const cells = scaleOf(width, height, most);
-  const [columns, rows] = [Math.ceil(width / cells), Math.ceil(height / cells)];
-  const colours = palette();
-  const pixels = new Uint32Array(columns * rows);
-  for (let row = 0; row < rows; row += 1) {
-    const from = row * cells * width;
-    const to = (rows - 1 - row) * columns;
-    for (let column = 0; column < columns; column += 1) pixels[to + column] = colours[data[from + column * cells] & 255];
-  }
-  const canvas = new OffscreenCanvas(columns, rows);
-  canvas.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(pixels.buffer), columns), 0, 0);
-  return { canvas, cells };
-}
 
 /** Throw an error with words unless a map has as many cells as it says. */
 export function insistOnCells(width, height, count) {

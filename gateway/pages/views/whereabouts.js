@@ -2,11 +2,11 @@
 // Where the robot and its laser are on a map, as far as ROS says it.
 
 import { Arrivals } from "../shared/arrivals.js";
+import { published } from "../shared/named_topics.js";
 import { yawOf } from "./plan.js";
 
 const BASES = ["base_footprint", "base_link"]; // REP 105 and REP 120; whichever is known first is the robot
 const RATE_HZ = 15;
-const SCAN = "sensor_msgs/msg/LaserScan";
 const MISSING_MS = 2000; // so long a transform may take to come
 
 /** The robot and the first laser scan in a frame, until it is closed. */
@@ -38,7 +38,7 @@ export class Whereabouts {
         if (base === known) this.#robot.take(transform);
       });
     }
-    this.#scans = gateway.graph.published(SCAN)?.name ?? "";
+    this.#scans = published(gateway.graph, "scan");
     if (this.#scans) this.#ends.push(gateway.subscribe(this.#scans, { compression: "cbor" }, (each) => this.#scanned(each), () => {}));
   }
 

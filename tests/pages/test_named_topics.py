@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pages whose address names the topics that they show."""
+
+import pytest
+import pytest_asyncio
+
+from tests.client import client
+from tests.demonstration import until_it_can_be_driven
+from tests.pages.conftest import page_address
+from tests.pages.lab import SMALL
+from tests.pages.test_debug_page import NOTE_SENT
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+PICTURES = {"op": "advertise", "type": "sensor_msgs/CompressedImage", "latch": True}
+SUBSCRIBED = """topic => sent.map(JSON.parse).some(
+    (frame) => frame.op === "subscribe" && frame.topic === topic
+)"""
+
+
+@pytest_asyncio.fixture(loop_scope="module")
+async def speaker(demo):
+    async with client(demo.url) as speaker:
+        await until_it_can_be_driven(speaker)
+        yield speaker
+
+
+@pytest.fixture
+def page_at(demo, open_page):
+    """Return a function that opens the page of a path, which notes what it sends."""
+
+    def open_it(path):
+        return open_page(f"{page_address(demo)}{path}", viewport=SMALL, script=NOTE_SENT)
+
+    return open_it
+
+
+@pytest.mark.parametrize("path", ["drive", "lab", ""])
+async def test_the_camera_of_the_address_is_shown_and_no_other(page_at, speaker, path):
+    await speaker.send(**PICTURES, topic="/rear/image")
+    async with page_at(f"{path}#camera=/rear/image") as page:
+        await page.wait_for_function(SUBSCRIBED, arg="/rear/image")
+        assert not await page.evaluate(SUBSCRIBED, "/camera/image_raw")
+
+
+async def test_a_camera_that_comes_later_is_waited_for_in_words(page_at, speaker):
+    async with page_at("drive#camera=/late/image") as page:
+        await page.get_by_text("Nobody publishes /late/image, which the address").wait_for()
+        await speaker.send(**PICTURES, topic="/late/image")
+        await page.wait_for_function(SUBSCRIBED, arg="/late/image")
+        assert not await page.evaluate(SUBSCRIBED, "/camera/image_raw")
+        await page.get_by_text("Nobody publishes").wait_for(state="detached")
+
+
+async def test_a_scan_that_is_named_lies_on_the_first_map(page_at, speaker):
+    scan = {"op": "advertise", "topic": "/upper/scan", "type": "sensor_msgs/LaserScan"}
+    await speaker.send(**scan)
+    async with page_at("drive#scan=/upper/scan") as page:
+        await page.wait_for_function(SUBSCRIBED, arg="/map")
+        await page.wait_for_function(SUBSCRIBED, arg="/upper/scan")
+        assert not await page.evaluate(SUBSCRIBED, "/scan")
+
+
+async def test_a_map_that_is_missing_is_not_replaced_by_a_scan(page_at):
+    async with page_at("drive#map=/other_map") as page:
+        await page.get_by_text("Nobody publishes /other_map, which the address").wait_for()
+        assert not await page.evaluate(SUBSCRIBED, "/scan")
+
+
+async def test_a_topic_of_another_type_is_told_of(page_at):
+    async with page_at("drive#camera=/odom") as page:
+        words = "/odom, which the address of this page names, is no picture but of the type"
+        await page.get_by_text(words).wait_for()
+
+
+async def test_the_lab_says_which_of_its_topics_nobody_publishes(page_at):
+    async with page_at("lab#odometry=/other/odom") as page:
+        await page.wait_for_function(
+            "() => missing.textContent.startsWith('Nobody publishes /other/odom')"
+        )
+        assert not await page.evaluate(SUBSCRIBED, "/odom")
+
+
+@pytest.mark.parametrize("path", ["drive", "lab"])
+async def test_what_listens_to_the_command_topic_of_the_address_is_driven(page_at, speaker, path):
+    async with page_at(f"{path}#command=/cmd_vel") as page:
+        await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
+    async with page_at(f"{path}#command=/other/cmd_vel") as page:
+        await page.wait_for_function("() => control.textContent.includes('/other/cmd_vel')")
+        await page.keyboard.press("ArrowUp")
+        commands = "sent.map(JSON.parse).filter(({ op }) => op === 'publish').length"
+        assert await page.evaluate(f"() => {commands}") == 0
+
+
+@pytest.mark.parametrize("path", ["drive", "lab"])
+async def test_what_a_page_does_not_know_of_its_address_is_told_of(page_at, path):
+    async with page_at(f"{path}#cam=/rear/image") as page:
+        notice = page.locator("#notice")
+        await notice.get_by_text('does not know: "cam". It knows camera, map,').wait_for()
+
+
+async def test_another_address_is_followed(page_at):
+    async with page_at("drive#camera=/odom") as page:
+        await page.get_by_text("is no picture").wait_for()
+        await page.evaluate("() => { location.hash = ''; }")
+        await page.wait_for_selector("#camera canvas, #camera img")
