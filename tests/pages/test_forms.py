@@ -240,38 +240,6 @@ async def test_what_the_gateway_refuses_is_shown_in_its_words(demo, open_page):
         await other.send(op="release_control", topic="/cmd_vel")
 
 
-async def test_repeating_goes_on_until_the_card_is_closed(demo, open_page):
-    async with client(demo.url) as hearer, open_page(page_address(demo)) as page:
-        await hearer.send(op="subscribe", topic="/initialpose")
-        await page.click("button[aria-label='publish to /initialpose']")
-        title = "Publish /initialpose"
-        await page.select_option(f"{form(title)} select[aria-label^=rate]", "20")
-        await page.click(f"{form(title)} button:text-is('Repeat')")
-        for _ in range(3):
-            await hearer.receive(lambda frame: frame.get("topic") == "/initialpose", 120)
-        count = "() => Number.parseInt(document.querySelector('footer')?.textContent)"
-        await until(page, f"{count} >= 3")
-        await page.click(f"button[aria-label='close {title}']")
-        assert await page.locator("article[aria-label^=Publish]").count() == 0
-
-
-async def test_stop_ends_every_repeat_of_the_page_and_each_card_says_so(demo, open_page):
-    cards = "#card=publish+0+/cmd_vel&card=publish+0+/goal_pose"
-    async with client(demo.url) as other, open_page(page_address(demo) + cards) as page:
-        await until_it_can_be_driven(other)
-        await other.send(op="control", topic="/cmd_vel", watch=True)
-        await field(page, "Publish /cmd_vel", "angular", "z").fill("0.1")
-        for title in ("Publish /cmd_vel", "Publish /goal_pose"):
-            await page.click(f"{form(title)} button:text-is('Repeat')")
-        await other.receive(lambda frame: frame.get("state") == "moving", 120)
-        await page.click("#stop")
-        for title in ("Publish /cmd_vel", "Publish /goal_pose"):
-            problem = page.locator(f"{form(title)} > .problem")
-            assert await problem.inner_text() == "STOP was pressed: Repeat has ended."
-        assert await page.locator("article button[aria-pressed=true]").count() == 0
-        await other.receive(lambda frame: frame.get("state") == "stopped", 120)
-
-
 async def test_a_message_is_written_as_json_too(demo, open_page):
     async with (
         client(demo.url) as hearer,

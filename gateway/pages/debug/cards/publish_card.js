@@ -14,7 +14,7 @@ export class PublishCard extends FormCard {
   #rates = element("select", { title: "so many messages a second" });
   #repeat = element("button", { type: "button", aria: { pressed: "false" } }, "Repeat");
   #forgets = [];
-  #end = () => this.#stop();
+  #hide = () => this.#end("The page was hidden");
 
   constructor(gateway, shown, actions) {
     super(gateway, shown, actions, { verb: "Publish", title: `Publish ${shown.topic}`, typeOf: () => gateway.graph.typeOf(shown.topic) });
@@ -26,8 +26,12 @@ export class PublishCard extends FormCard {
     this.#rates.onchange = () => this.#timer && this.#start();
     this.buttons.append(this.#repeat, this.#rates);
     // what is sent into a silent connection would arrive when nobody expects it any more
-    this.#forgets = [gateway.on("state", this.#end), gateway.on("silence", this.#end), gateway.on("stopping", () => this.#obeyStop())];
-    document.addEventListener("visibilitychange", this.#end);
+    this.#forgets = [
+      gateway.on("state", () => this.#end("The connection was lost")),
+      gateway.on("silence", () => this.#end("The gateway did not answer")),
+      gateway.on("stopping", () => this.#end("STOP was pressed")),
+    ];
+    document.addEventListener("visibilitychange", this.#hide);
   }
 
   formOf(described) {
@@ -51,7 +55,7 @@ export class PublishCard extends FormCard {
     this.#stop();
     this.#listener.end();
     for (const forget of this.#forgets) forget();
-    document.removeEventListener("visibilitychange", this.#end);
+    document.removeEventListener("visibilitychange", this.#hide);
     super.close();
   }
 
@@ -68,10 +72,11 @@ export class PublishCard extends FormCard {
     this.#repeat.setAttribute("aria-pressed", false);
   }
 
-  #obeyStop() {
+  /** End what is repeated, if anything is, and say why. */
+  #end(why) {
     if (!this.#timer) return;
     this.#stop();
-    this.tell("STOP was pressed: Repeat has ended.");
+    this.tell(`${why}: Repeat has ended.`);
   }
 
   #heard({ op, msg, level }) {

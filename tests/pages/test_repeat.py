@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a form of the debug page publishes again and again, and what ends that."""
+
+import pytest
+
+from tests.client import client
+from tests.demonstration import until_it_can_be_driven
+from tests.pages.conftest import page_address, severable
+from tests.pages.test_debug_page import until
+from tests.pages.test_forms import field, form
+from tests.pages.test_silence import SOCKETS
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+TITLE = "Publish /goal_pose"
+ADDRESS = "#card=publish+0+/goal_pose"
+PRESSED = "article button[aria-pressed=true]"
+
+
+async def repeat(page, title: str = TITLE) -> None:
+    """Press the button, and wait until something has gone out twice."""
+    await page.click(f"{form(title)} button:text-is('Repeat')")
+    footer = f"document.querySelector('{form(title)} footer')"
+    await until(page, f"() => Number.parseInt({footer}.textContent) >= 2")
+
+
+async def has_ended(page, why: str) -> None:
+    """Wait until the card says that it repeats nothing any more, and see that it does not."""
+    words = page.locator(f"{form(TITLE)} > .problem:text-is('{why}: Repeat has ended.')")
+    await words.wait_for()
+    assert await page.locator(PRESSED).count() == 0
+
+
+async def test_repeating_goes_on_until_the_card_is_closed(demo, open_page):
+    async with client(demo.url) as hearer, open_page(page_address(demo)) as page:
+        await hearer.send(op="subscribe", topic="/initialpose")
+        await page.click("button[aria-label='publish to /initialpose']")
+        title = "Publish /initialpose"
+        await page.select_option(f"{form(title)} select[aria-label^=rate]", "20")
+        await page.click(f"{form(title)} button:text-is('Repeat')")
+        for _ in range(3):
+            await hearer.receive(lambda frame: frame.get("topic") == "/initialpose", 120)
+        count = "() => Number.parseInt(document.querySelector('footer')?.textContent)"
+        await until(page, f"{count} >= 3")
+        await page.click(f"button[aria-label='close {title}']")
+        assert await page.locator("article[aria-label^=Publish]").count() == 0
+
+
+async def test_stop_ends_every_repeat_of_the_page_and_each_card_says_so(demo, open_page):
+    cards = "#card=publish+0+/cmd_vel&card=publish+0+/goal_pose"
+    async with client(demo.url) as other, open_page(page_address(demo) + cards) as page:
+        await until_it_can_be_driven(other)
+        await other.send(op="control", topic="/cmd_vel", watch=True)
+        await field(page, "Publish /cmd_vel", "angular", "z").fill("0.1")
+        for title in ("Publish /cmd_vel", "Publish /goal_pose"):
+            await page.click(f"{form(title)} button:text-is('Repeat')")
+        await other.receive(lambda frame: frame.get("state") == "moving", 120)
+        await page.click("#stop")
+        for title in ("Publish /cmd_vel", "Publish /goal_pose"):
+            problem = page.locator(f"{form(title)} > .problem")
+            assert await problem.inner_text() == "STOP was pressed: Repeat has ended."
+        assert await page.locator("article button[aria-pressed=true]").count() == 0
+        await other.receive(lambda frame: frame.get("state") == "stopped", 120)
+
+
+async def test_a_link_that_goes_dark_ends_it_for_good(demo, open_page):
+    async with open_page(page_address(demo) + ADDRESS, script=SOCKETS) as page:
+        await repeat(page)
+        await page.evaluate("() => darken(true)")
+        await has_ended(page, "The gateway did not answer")
+        await page.evaluate("() => darken(false)")
+        await until(page, "() => state.dataset.state === 'open'")
+        assert await page.locator(PRESSED).count() == 0
+
+
+async def test_a_lost_connection_ends_it_for_good(demo, open_page):
+    async with open_page("about:blank") as page, severable(page) as line:
+        await page.goto(page_address(demo) + ADDRESS)
+        await repeat(page)
+        await line.cut()
+        await has_ended(page, "The connection was lost")
+        line.mend()
+        await until(page, "() => state.dataset.state === 'open'")
+        assert await page.locator(PRESSED).count() == 0
+
+
+async def test_nothing_goes_out_of_a_page_that_nobody_sees(demo, open_page):
+    async with open_page(page_address(demo) + ADDRESS) as page:
+        await repeat(page)
+        await page.evaluate("""() => {
+            Object.defineProperty(document, "hidden", { value: true, configurable: true });
+            document.dispatchEvent(new Event("visibilitychange"));
+        }""")
+        await has_ended(page, "The page was hidden")
