@@ -175,12 +175,17 @@ class Requester:
                 self._fail(response, self._closed())
 
     def _find_lost(self) -> "list[asyncio.Future[Any]]":
-        under_way = self._under_way.values()
-        if not under_way or not self.is_ready:
-            return [each.response for each in under_way]
-        # Another server may have replaced one that died without notice.
+        if not self._under_way:
+            return []
+        # Not whether it is ready: another server may have replaced one that died without notice,
+        # and one of which DDS has found a half makes a service unready that another one answers.
         servers = self._find_servers()
-        return [e.response for e in under_way if e.servers and e.servers.isdisjoint(servers)]
+        is_unready = not self.is_ready  # counts for those whose servers nobody could tell
+        return [
+            each.response
+            for each in self._under_way.values()
+            if (each.servers.isdisjoint(servers) if each.servers else is_unready)
+        ]
 
     def _find_servers(self) -> frozenset[bytes]:
         """Identify the servers by their DDS readers; 40 us.

@@ -13,6 +13,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from gateway.ports import MAX_TAKES_PER_TURN, Request, RosError
 from gateway.ros import RosOptions, endpoints
+from gateway.ros.endpoints import Requester
 from gateway.ros.interfaces import service_class
 from gateway.ros.port import RclpyRos
 from gateway.ros.rclpy_private import RESPONSE_TIMED_OUT
@@ -192,6 +193,37 @@ async def test_a_call_fails_with_its_server_though_another_has_come(
     # its answer to a client that it does not know yet would be lost
     await eventually(lambda: successor.node.count_clients("/arm") == 1)
     assert text_of(await soon(client.call(request(True)))) == "got True"
+
+
+async def test_a_call_outlives_a_moment_in_which_its_service_is_unready(
+    ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    requests: list[Request] = []
+    outside.add_service("/arm", SET_BOOL, requests.append)
+    client = ros.client("/arm", SET_BOOL)
+    calling = asyncio.ensure_future(client.call(request(True)))
+    await eventually(lambda: len(requests) == 1)
+    with monkeypatch.context() as patch:  # as rmw says while it has found half of another server
+        patch.setattr(Requester, "is_ready", False)
+        client.follow_graph()
+    requests[0].answer(response("done"))
+    assert text_of(await soon(calling)) == "done"
+
+
+async def test_a_call_whose_server_nobody_could_tell_fails_when_its_service_is_unready(
+    ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    requests: list[Request] = []
+    server = outside.add_service("/arm", SET_BOOL, requests.append)
+    client = ros.client("/arm", SET_BOOL)
+    monkeypatch.setattr(Requester, "_find_servers", lambda self: frozenset())
+    calling = asyncio.ensure_future(client.call(request(True)))
+    await eventually(lambda: len(requests) == 1)
+    client.follow_graph()
+    assert not calling.done()
+    server.close()
+    with pytest.raises(RosError, match="service /arm has gone"):
+        await soon(calling)
 
 
 async def test_a_server_that_has_come_before_word_of_it_keeps_its_calls(
