@@ -133,7 +133,10 @@ class Requester:
         if self._is_closed:
             self._fail(response, self._closed())
         elif not waits and not self.is_ready:
-            self._fail(response, self._gone())
+            if self._find_servers():  # half of another one has come: see `_find_lost`
+                self._send(request, response)
+            else:
+                self._fail(response, self._gone())
         else:
             self._waiting[response] = request
             response.add_done_callback(self._forget)

@@ -13,6 +13,7 @@ from gateway.ports import RosError
 from gateway.ros import RosOptions, action_client, action_server, endpoints
 from gateway.ros.action_client import RclpyActionClient
 from gateway.ros.action_server import RclpyActionServer
+from gateway.ros.endpoints import Requester
 from gateway.ros.interfaces import action_class
 from gateway.ros.port import RclpyRos
 from tests.client import eventually
@@ -73,6 +74,23 @@ async def test_goals_of_two_clients_do_not_mix(ros: RclpyRos, outside: Outside) 
         request.finish(SUCCEEDED, sequence(order))
     assert [values_of((await soon(each.result())).cdr) for each in accepted] == [[0], [1]]
     await eventually(lambda: heard == [[[0]], [[1]]])
+
+
+async def test_a_goal_outlives_a_moment_in_which_its_action_is_unready(
+    ros: RclpyRos, outside: Outside, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    provider = Provider()
+
+    def accept(_: bytes) -> bool:  # rmw has found half of another server
+        monkeypatch.setattr(Requester, "is_ready", False)
+        return True
+
+    outside.add_action_server("/dock", FIBONACCI, *provider.callbacks, accepts=accept)
+    accepted = await soon(ros.action_client("/dock", FIBONACCI).send_goal(goal(3), ignore))
+    accepted.cancel()
+    await eventually(lambda: len(provider.cancels) == 1)
+    provider.goals[-1].finish(SUCCEEDED, sequence(3))
+    assert values_of((await soon(accepted.result())).cdr) == [3]
 
 
 async def test_feedback_that_came_before_the_result_is_heard_before_it(ros: RclpyRos) -> None:
