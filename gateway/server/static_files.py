@@ -28,10 +28,9 @@ _TYPES: Final = {
     ".js": "text/javascript; charset=utf-8",
     ".svg": "image/svg+xml",
 }
-# Nothing from elsewhere, nothing inline, and in nobody else's frame. Older browsers do not count a
-# WebSocket of the same host as 'self'.
+# Nothing from elsewhere, nothing inline, and in nobody else's frame.
 _POLICY: Final = (
-    "default-src 'self'; img-src 'self' data: blob:; connect-src 'self' ws: wss:;"
+    "default-src 'self'; img-src 'self' data: blob:;"
     " object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'self'"
 )
 _HEADERS: Final = {

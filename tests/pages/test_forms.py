@@ -217,9 +217,9 @@ async def test_a_wrong_number_is_told_of_and_nothing_is_sent(demo, open_page):
         assert await speed.get_attribute("aria-invalid") == "true"
         assert "sent" not in await page.inner_text(f"{form(title)} footer")
         await speed.fill("0")
+        assert not await problem.is_visible()
         await page.click(f"{form(title)} button:text-is('Publish')")
         await until(page, "() => cards.textContent.includes('1 sent')")
-        assert not await problem.is_visible()
 
 
 async def test_what_the_gateway_refuses_is_shown_in_its_words(demo, open_page):

@@ -59,6 +59,23 @@ def test_walls_of_a_map_stand_out_from_its_floor(scheme):
     assert contrast(tokens["map-occupied"], tokens["map-free"]) >= LEAST
 
 
+@pytest.mark.parametrize("scheme", ["dark", "light"])
+def test_a_scan_stands_out_from_all_that_a_map_shows(scheme):
+    tokens = colours(scheme)
+    behind = ("map-free", "map-occupied", "map-unknown", "surface")
+    found = {name: contrast(tokens["scan"], tokens[name]) for name in behind}
+    assert {name: ratio for name, ratio in found.items() if ratio < LEAST_DRAWN} == {}
+
+
+@pytest.mark.parametrize("scheme", ["dark", "light"])
+def test_what_takes_a_text_has_an_edge_that_is_seen(scheme):
+    tokens = colours(scheme)
+    found = {name: contrast(tokens["edge"], tokens[name]) for name in BEHIND}
+    assert {name: ratio for name, ratio in found.items() if ratio < LEAST_DRAWN} == {}
+    assert "input, select, textarea { border-color: var(--edge); }" in STYLE
+    assert "::placeholder { color: var(--quiet); opacity: 1; }" in STYLE  # as a browser would not
+
+
 def test_rules_use_the_names_of_colours_alone():
     sheets = [re.sub(r":root \{.*?\}", "", STYLE, flags=re.DOTALL)]
     sheets += [(PAGES / name).read_text() for name in ("drive/drive.css", "lab/lab.css")]

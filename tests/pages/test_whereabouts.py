@@ -16,7 +16,7 @@ pytestmark = pytest.mark.asyncio(loop_scope="module")
 
 PERIOD_S = 0.1
 ROBOT = ["#world canvas", "--warning"]
-HITS = ["#world canvas", "--accent"]
+HITS = ["#world canvas", "--scan"]
 SHOWN = f"about => ({COUNT})(about) > 20"
 GREY = f"about => ({COUNT})(about) === 0"
 AGE = "document.querySelector('#world .age')"

@@ -54,7 +54,7 @@ async def test_a_map_shows_walls_the_robot_and_its_scan(demo, open_page):
     async with open_page(page_address(demo) + "#card=map+0+/map") as page:
         await until_painted(page, f"{card('/map')} canvas")
         # walls, free floor, hits of the laser, the robot
-        for name in ("--map-occupied", "--map-free", "--accent", "--warning"):
+        for name in ("--map-occupied", "--map-free", "--scan", "--warning"):
             await until(page, f"about => ({COUNT})(about) > 20", [f"{card('/map')} canvas", name])
 
 
@@ -92,7 +92,7 @@ async def test_a_map_whose_numbers_contradict_each_other_is_told_of(demo, open_p
 
 async def test_scan_and_robot_turn_grey_on_the_map_when_the_scan_stays_away(demo, open_page):
     async with open_page(page_address(demo) + "#card=map+0+/map") as page:
-        seen = [[f"{card('/map')} canvas", name] for name in ("--accent", "--warning")]
+        seen = [[f"{card('/map')} canvas", name] for name in ("--scan", "--warning")]
         for about in seen:
             await until(page, f"about => ({COUNT})(about) > 20", about)
         # only what has come some times is expected to go on
@@ -296,6 +296,6 @@ async def test_infinite_distances_are_drawn_as_nothing(demo, open_page):
         await speaker.send(op="advertise", topic="/rays", type="sensor_msgs/LaserScan", latch=True)
         scan = {"angle_increment": 0.1, "range_max": 5.0, "ranges": [math.inf, None, 1.0, 9.0]}
         await speaker.send(op="publish", topic="/rays", msg=scan)
-        await until(page, f"about => ({COUNT})(about) > 4", [f"{card('/rays')} canvas", "--accent"])
+        await until(page, f"about => ({COUNT})(about) > 4", [f"{card('/rays')} canvas", "--scan"])
         text = "() => document.querySelector('.raw')?.textContent"
         await until(page, f'{text}.includes(\'["Infinity","NaN",1,9]\')')

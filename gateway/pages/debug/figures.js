@@ -42,7 +42,10 @@ export class Figures {
 
   async #ask(ms) {
     this.#askedMs = ms;
-    if (this.#gateway.counts.roundTripMs === null) return; // without a connection it would fail, and say so in the console
+    if (this.#gateway.counts.roundTripMs === null) { // without a connection it would fail, and say so in the console
+      this.#health = null;
+      return;
+    }
     try {
       this.#health = await (await fetch("/healthz")).json();
     } catch {

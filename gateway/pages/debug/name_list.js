@@ -53,7 +53,8 @@ export class NameList {
     for (const name of this.#items.keys()) if (!names.has(name)) this.#items.delete(name);
     replace(this.#list, found.map((each) => this.#item(each).element), wanted ? `No ${this.#kind} has "${wanted}" in its name or type.` : `There is no ${this.#kind} yet.`);
     this.#settle();
-    this.#counted(countOf(found.length, entries.length, this.#kind));
+    const words = countOf(found.length, entries.length, this.#kind);
+    this.#counted(!wanted && found.length < entries.length ? `${words}; a search finds the others, too` : words);
   }
 
   #item({ name, about }) {

@@ -255,8 +255,8 @@ export class Gateway extends EventTarget {
       this.#tell(`the gateway sent what is no ${isText ? "JSON" : "CBOR"}: ${error.message}`);
       return;
     }
-    if (frame === null || typeof frame !== "object") {
-      this.#tell(`the gateway sent what is no operation: ${String(frame).slice(0, 80)}`);
+    if (typeof frame?.op !== "string" || (frame.op === "publish" && typeof frame.msg !== "object")) {
+      this.#tell(`the gateway sent what is no operation: ${JSON.stringify(frame)?.slice(0, 80)}`);
       return;
     }
     if (this.#listeners.has(frame.id)) {

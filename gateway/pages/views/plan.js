@@ -93,7 +93,7 @@ export class Plan {
   }
 
   /** Draw the hits of a laser scan that was taken at a pose. */
-  scan({ ranges, angle_min: first, angle_increment: step, range_min: least, range_max: most }, { x, y, yaw }, colour = "accent") {
+  scan({ ranges, angle_min: first, angle_increment: step, range_min: least, range_max: most }, { x, y, yaw }, colour = "scan") {
     this.#pen.fillStyle = token(colour);
     ranges.forEach((range, index) => {
       if (!isHit(range, least, most)) return;

@@ -16,6 +16,7 @@ export class FormCard extends Card {
   #typeOf;
   #described = ""; // the type that was last asked for
   #missing = ""; // what is said of that there is none
+  #failure = ""; // why what was tried last could not be done
   #forgets;
 
   /**
@@ -33,6 +34,7 @@ export class FormCard extends Card {
     this.#text.onclick = () => this.#attempt(() => this.form.toggle());
     this.controls.append(this.#text);
     this.buttons.append(this.#act);
+    this.body.addEventListener("input", () => this.untell(this.#failure)); // it is being mended
     this.#forgets = [gateway.on("graph", () => this.#learn()), gateway.on("state", ({ state }) => state === "open" && this.#resume())];
     this.#learn();
   }
@@ -66,8 +68,10 @@ export class FormCard extends Card {
   #attempt(action) {
     try {
       action();
+      this.untell(this.#failure);
       return true;
     } catch (error) {
+      this.#failure = error.message;
       this.tell(error.message);
       return false;
     }

@@ -10,6 +10,8 @@ import { copyButton } from "./copy_button.js";
 const RATES_HZ = [0, 30, 10, 5, 1]; // 0: as the robot publishes
 const MOST_NAMES = 2; // of nodes, in a footer
 const PASSING = [...OF_SILENCE, "type_conflict"]; // what is over with the next message
+const GONE = "publisher_gone"; // but not this: the last messages, which a rate has held back, come after it
+const TRAIL_MS = 1000;
 const LOSS_MS = 10_000; // the gateway tells of losses every 5 s while there are any
 
 /** One topic in one view, with what the gateway says of it. */
@@ -29,6 +31,7 @@ export class TopicCard extends Card {
   #failure = ""; // what is said of that
   #notCopied = ""; // likewise of a copy that has failed
   #toldMs = 0; // when the gateway said what is wrong
+  #receivedMs = 0;
   #forgets;
 
   constructor(gateway, shown, actions) {
@@ -84,7 +87,7 @@ export class TopicCard extends Card {
 
   tick() {
     this.#arrivals.tick();
-    if (this.problem.dataset.code === "messages_lost" && performance.now() - this.#toldMs > LOSS_MS) this.#forgive();
+    if (this.#isOver) this.#forgive();
     this.#write();
   }
 
@@ -100,8 +103,22 @@ export class TopicCard extends Card {
     return this.#isPaused;
   }
 
+  /** Whether what the gateway has said is over, as far as time tells. */
+  get #isOver() {
+    const { code } = this.problem.dataset;
+    const ms = performance.now() - this.#toldMs;
+    if (code === GONE) return ms > TRAIL_MS && this.#receivedMs >= this.#toldMs && this.#publishers.length > 0;
+    return code === "messages_lost" && ms > LOSS_MS;
+  }
+
+  /** The nodes that publish it, as far as it is known. */
+  get #publishers() {
+    return this.gateway.graph.topics.get(this.topic)?.publishers ?? [];
+  }
+
   #write() {
-    this.element.classList.toggle("stale", this.#arrivals.isLate && !this.#view.isIrregular);
+    const isLate = this.#arrivals.isLate && !this.#view.isIrregular;
+    this.element.classList.toggle("stale", isLate || (this.#arrivals.messages > 0 && !this.gateway.isOpen));
     this.footer.textContent = this.#words;
   }
 
@@ -114,9 +131,8 @@ export class TopicCard extends Card {
 
   /** Why nothing has come yet, in words: who would have to send something. */
   get #reason() {
-    const topic = this.gateway.graph.topics.get(this.topic);
-    if (!topic) return "";
-    const { publishers } = topic;
+    if (!this.gateway.graph.topics.has(this.topic)) return "";
+    const publishers = this.#publishers;
     if (!publishers.length) return ": nobody publishes it";
     return `: ${names(publishers)} ${new Set(publishers).size === 1 ? "has" : "have"} sent nothing since this card was opened`;
   }
@@ -244,10 +260,12 @@ export class TopicCard extends Card {
 
   #receive(message, size, data, dropped) {
     this.#arrivals.add(size, dropped);
+    this.#receivedMs = performance.now();
     this.#newest = { message, data };
     this.#isDirty = true;
     this.#isBroken = false; // it was perhaps this one message
-    if (PASSING.includes(this.problem.dataset.code)) this.#forgive(); // somebody publishes now
+    const { code } = this.problem.dataset;
+    if (PASSING.includes(code) && code !== GONE) this.#forgive(); // somebody publishes now
     this.#attempt(() => this.#view.keep?.(message));
   }
 
