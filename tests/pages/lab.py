@@ -15,7 +15,7 @@ LATE_S = 120
 LATE = ("odometry", "ceased", "came late", "left")
 
 KEEP = "() => import('/lab/main.js').then(({ lab }) => { window.lab = lab; })"
-READY = "() => lab.twin.points > 0 && control.textContent.startsWith('Stopped')"
+READY = "() => lab.twin.points > 0 && /^(Stopped|You may watch)/.test(control.textContent)"
 
 
 @contextlib.asynccontextmanager

@@ -124,6 +124,33 @@ async def test_of_a_long_warning_the_beginning_is_quoted(demo, open_page):
         assert len(words) < 250
 
 
+@pytest.mark.parametrize(("asked", "words"), [(0.2, "in its way"), (0.3, "less than 0.30 m/s")])
+async def test_a_speed_that_was_driven_before_is_not_blamed(demo, open_page, asked, words):
+    async with open_page(f"{page_address(demo)}drive") as page:
+        said = await page.evaluate(
+            """async (asked) => {
+                const { Motion } = await import("/shared/motion.js");
+                const motion = new Motion();
+                let now = 0;
+                performance.now = () => now;
+                const hear = (x) => motion.odometry({
+                    twist: { twist: { linear: { x, y: 0 }, angular: { z: 0 } } },
+                });
+                motion.command(0.2, 0, true);
+                now = 1500;
+                hear(0.2);
+                motion.command(0, 0, true);
+                now = 3000;
+                motion.command(asked, 0, true);
+                now = 4100;
+                hear(0);
+                return motion.words;
+            }""",
+            asked,
+        )
+        assert words in said
+
+
 async def test_who_may_only_watch_is_told_so_before_trying(demo, open_page):
     as_viewer = """
         window.sent = [];
@@ -138,6 +165,9 @@ async def test_who_may_only_watch_is_told_so_before_trying(demo, open_page):
             return read?.op === "hello" ? { ...read, role: "viewer" } : read;
         };
     """
+    async with open_page(f"{page_address(demo)}#card=drive+0+/cmd_vel", script=as_viewer) as page:
+        await page.wait_for_selector(".control:text-is('You may watch, not drive.')")
+        assert await page.get_attribute(".stick", "aria-disabled") == "true"
     async with open_page(f"{page_address(demo)}drive", script=as_viewer) as page:
         await page.wait_for_function("() => control.textContent === 'You may watch, not drive.'")
         assert await page.get_attribute("#stick", "aria-disabled") == "true"

@@ -127,13 +127,6 @@ async def test_a_click_on_what_hangs_there_sends_the_robot_nowhere(lab, thing):
         assert not await page.evaluate("() => lab.pilot.isActive")
 
 
-async def test_after_a_choice_of_the_screen_the_keys_are_the_robots(lab):
-    async with lab() as page:
-        await page.focus("#topic")
-        await page.select_option("#topic", "/odom")
-        await page.wait_for_function("() => document.activeElement.matches('#view canvas')")
-
-
 @pytest.mark.parametrize(
     ("by", "words"),
     [
@@ -424,3 +417,25 @@ async def test_the_colours_follow_the_desktop(lab):
             "dark => lab.room.scene.background.getHex() !== dark", arg=dark
         )
         await frames(page)
+
+
+async def test_a_list_that_has_the_focus_keeps_it_and_drives_nothing(lab):
+    async with lab() as page:
+        await page.focus("#topic")
+        for _ in range(2):
+            await page.keyboard.press("ArrowDown")
+            assert await page.evaluate("() => document.activeElement.id") == "topic"
+        await page.keyboard.press("Enter")
+        assert not await page.evaluate("() => lab.pilot.isActive")
+        assert await page.evaluate("() => lab.screens.commands.text") == "Commands"
+
+
+async def test_enter_is_for_the_room_from_the_first_moment(lab):
+    async with lab() as page:
+        assert await page.evaluate("() => document.activeElement.tagName") == "CANVAS"
+
+
+async def test_a_robot_that_says_nothing_has_no_place(demo, open_page):
+    async with open_page(f"{page_address(demo)}lab#odometry=/nowhere", viewport=SMALL) as page:
+        await page.evaluate(KEEP)
+        await page.wait_for_function("() => lab.screens.state.text.includes('place unknown')")

@@ -269,6 +269,8 @@ async def test_a_map_without_a_place_is_hidden_and_a_bad_one_changes_nothing(dem
         assert await page.evaluate("() => [made.world.visible, made.reach]") == [True, 1]
         bad = "async (map) => { await made.take(map); return said; }"
         assert "6 values" in await page.evaluate(bad, grid(9, 9, [0] * 6))
+        nowhere = grid(3, 2, [0] * 6, (None, 0))
+        assert "a place in it is no number" in await page.evaluate(bad, nowhere)
         assert await page.evaluate("() => made.size") == {"width": 3, "height": 2}
         await page.evaluate("() => made.place(null)")
         assert await page.evaluate("() => [made.world.visible, made.reach]") == [False, 0]

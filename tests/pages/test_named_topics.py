@@ -6,6 +6,7 @@ import pytest_asyncio
 
 from tests.client import client
 from tests.demonstration import until_it_can_be_driven
+from tests.gateway_process import gateway_process
 from tests.pages.conftest import page_address
 from tests.pages.lab import SMALL
 from tests.pages.test_debug_page import NOTE_SENT
@@ -104,3 +105,48 @@ async def test_another_address_is_followed(page_at):
         await page.get_by_text("is no picture").wait_for()
         await page.evaluate("() => { location.hash = ''; }")
         await page.wait_for_selector("#camera canvas, #camera img")
+
+
+@pytest.mark.parametrize("kind", ["scan", "odometry"])
+async def test_the_drive_page_says_which_of_them_is_missing_until_it_comes(page_at, speaker, kind):
+    type_name = {"scan": "sensor_msgs/LaserScan", "odometry": "nav_msgs/Odometry"}[kind]
+    async with page_at(f"drive#{kind}=/missing/{kind}") as page:
+        said = page.locator(f"#notice:has-text('Nobody publishes /missing/{kind}')")
+        await said.wait_for()
+        await speaker.send(op="advertise", topic=f"/missing/{kind}", type=type_name)
+        await said.wait_for(state="hidden")
+
+
+@pytest.mark.parametrize(
+    ("address", "words"),
+    [
+        ("#camera=/a&camera=/b", "The address names camera 2 times: the first one counts."),
+        ("?camera=/a", "The address has camera behind a question mark, where it means nothing"),
+    ],
+)
+async def test_an_address_that_is_meant_otherwise_is_told_of(page_at, address, words):
+    async with page_at(f"drive{address}") as page:
+        await page.locator("#notice").get_by_text(words).wait_for()
+
+
+async def test_a_name_without_its_first_slash_is_understood(page_at, speaker):
+    async with page_at("drive#command=cmd_vel&camera=camera/image_raw") as page:
+        await page.wait_for_function(SUBSCRIBED, arg="/camera/image_raw")
+        await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
+
+
+async def test_a_topic_that_takes_no_commands_moves_nothing_and_says_how_to_mend_it(page_at):
+    async with page_at("drive#command=/base/cmd_vel") as page:
+        await page.get_by_text("setting control.topics says which").wait_for()
+        assert await page.get_attribute("#stick", "aria-disabled") == "true"
+
+
+async def test_of_several_command_topics_the_address_has_to_name_one(open_page, nowhere):
+    several = ("--set", "control.topics=/a/cmd_vel,/b/cmd_vel")
+    async with (
+        gateway_process("serve", *nowhere, *several) as gateway,
+        open_page(f"{page_address(gateway)}drive") as page,
+    ):
+        said = "Several topics take commands, /a/cmd_vel, /b/cmd_vel: name one in the address"
+        await page.get_by_text(said).wait_for()
+        assert "/drive#command=/a/cmd_vel" in await page.inner_text("#control")

@@ -92,3 +92,31 @@ async def test_nothing_goes_out_of_a_page_that_nobody_sees(demo, open_page):
             document.dispatchEvent(new Event("visibilitychange"));
         }""")
         await has_ended(page, "The page was hidden")
+
+
+async def test_half_a_number_is_not_repeated(demo, open_page):
+    async with open_page(page_address(demo) + ADDRESS) as page:
+        place = field(page, TITLE, "pose", "position", "x")
+        await place.fill("0.15")
+        await repeat(page)
+        await place.press("9")
+        await has_ended(page, "The message was changed")
+
+
+async def test_a_robot_that_was_driven_by_repeat_is_driven_by_it_again(demo, open_page):
+    title = "Publish /cmd_vel"
+    async with (
+        client(demo.url) as other,
+        open_page(page_address(demo) + "#card=publish+0+/cmd_vel") as page,
+    ):
+        await until_it_can_be_driven(other)
+        await other.send(op="control", topic="/cmd_vel", watch=True)
+        await field(page, title, "angular", "z").fill("0.1")
+        await repeat(page, title)
+        await other.receive(lambda frame: frame.get("state") == "moving", 120)
+        await page.click(f"{form(title)} button:text-is('Repeat')")
+        stopped = await other.receive(lambda frame: frame.get("state") == "stopped", 120)
+        assert (stopped["cause"], stopped["tripped"]) == ("zero", False)
+        await page.wait_for_timeout(300)  # in which the gateway wants nothing that moves
+        await page.click(f"{form(title)} button:text-is('Repeat')")
+        await other.receive(lambda frame: frame.get("state") == "moving", 120)

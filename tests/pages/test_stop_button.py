@@ -104,3 +104,51 @@ async def test_who_stopped_the_robot_is_said_as_it_is(demo, open_page):
                 (isStopper) => sentence({ ...frame, cause: "stop", isStopper }));
         }""")
         assert words == ["Stopped: you pressed STOP.", "Stopped: somebody pressed STOP."]
+
+
+async def test_nothing_moves_while_space_holds_stop(drive, watched: Watched):
+    async with drive() as page:
+        await page.keyboard.down("Space")
+        await page.wait_for_function(STOPPED)
+        await page.keyboard.down("ArrowUp")
+        assert await page.evaluate("() => knob.style.transform") == "translate(0rem, 0rem)"
+        await page.keyboard.up("Space")  # the key has to be pressed anew
+        assert await page.evaluate("() => knob.style.transform") == "translate(0rem, 0rem)"
+        await page.keyboard.up("ArrowUp")
+        await until_it_drives(
+            page, lambda: page.keyboard.down("ArrowUp"), lambda: page.keyboard.up("ArrowUp")
+        )
+        await page.keyboard.up("ArrowUp")
+
+
+async def test_nothing_moves_while_a_finger_rests_on_stop(demo, open_page):
+    async with open_page(f"{page_address(demo)}drive", **THUMBS) as page:
+        await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
+        touch = await fingers(page)
+        stop = await middle_of(page, "#stop")
+        thumb = await middle_of(page, "#stick")
+        thumb["y"] -= 40
+        await touch("touchStart", stop)
+        await page.wait_for_function(STOPPED)
+        await touch("touchStart", stop, thumb)
+        assert await page.evaluate("() => knob.style.transform") == "translate(0rem, 0rem)"
+        await touch("touchEnd")
+        await page.wait_for_timeout(300)  # in which the gateway wants nothing that moves
+        await touch("touchStart", thumb)
+        assert await page.evaluate("() => knob.style.transform") != "translate(0rem, 0rem)"
+        await touch("touchEnd")
+
+
+@pytest.mark.parametrize("end", ["keyup", "blur"])
+async def test_stop_is_held_until_its_key_is_up_or_nobody_can_tell(demo, open_page, end):
+    async with open_page(f"{page_address(demo)}drive") as page:
+        held = """async ([end]) => {
+            const { hold, isHeld } = await import("/shared/stop_held.js");
+            const before = isHeld();
+            hold("Space");
+            const during = isHeld();
+            const Kind = end === "blur" ? Event : KeyboardEvent;
+            window.dispatchEvent(new Kind(end, { code: "Space" }));
+            return [before, during, isHeld()];
+        }"""
+        assert await page.evaluate(held, [end]) == [False, True, False]

@@ -10,6 +10,7 @@ from tests.client import client
 from tests.gateway_process import gateway_process
 from tests.pages.conftest import page_address
 from tests.pages.test_debug_page import card, until
+from tests.pages.test_world_views import COUNT
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 
@@ -295,3 +296,26 @@ async def test_the_address_keeps_the_type_that_was_chosen(open_page, served):
         await page.select_option("select[aria-label='view of /later']", "raw")
         kept = "new URLSearchParams(location.hash.slice(1)).get('card')"
         await until(page, f"() => {kept} === 'raw 0 /later:std_msgs/msg/String'")
+
+
+async def test_a_number_without_neighbours_is_a_dot(open_card):
+    async with open_card("plot", fields=["data"]) as page:
+        for value in ("5", "NaN", "5", "NaN"):
+            await page.evaluate(f"() => {{ take({{ data: {value} }}); drawn(); }}")
+        seen = f"about => ({COUNT})(about) > 20"
+        await until(page, seen, ["article canvas", "--series-1"])
+
+
+async def test_a_name_turns_no_text_around_it(open_card):
+    line = {"level": 20, "stamp": {"sec": 1}, "name": "n\u202eevil", "msg": "it is so"}
+    async with open_card("log", type=LOG) as page:
+        await page.evaluate("line => { take(line); drawn(); }", line)
+        apart = "() => [...document.querySelectorAll('.log bdi')].map((each) => each.textContent)"
+        assert await page.evaluate(apart) == [line["name"], line["msg"]]
+
+
+async def test_a_scan_without_angles_is_said(open_card):
+    scan = "{ ranges: [1], range_min: 0, range_max: 9, angle_min: NaN, angle_increment: 1 }"
+    async with open_card("scan", type="sensor_msgs/msg/LaserScan") as page:
+        await page.evaluate(f"() => {{ take({scan}); drawn(); }}")
+        assert "an angle in it is no number" in await page.evaluate(PROBLEM)

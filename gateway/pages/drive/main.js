@@ -8,7 +8,7 @@ import { Driver } from "../shared/driver.js";
 import { Gateway } from "../shared/gateway.js";
 import { watch } from "../shared/held.js";
 import { Motion } from "../shared/motion.js";
-import { namedCommand, published, tellUnknown } from "../shared/named_topics.js";
+import { namedCommand, published, tellWrong } from "../shared/named_topics.js";
 import { ImageView } from "../views/image.js";
 import { MapView } from "../views/map.js";
 import { ScanView } from "../views/scan.js";
@@ -24,30 +24,20 @@ const world = new Place(find("world"), gateway, LATE_MS);
 const motion = new Motion();
 const heard = { odometry: "", scan: "", map: "" }; // topics; a robot that is gone takes them out of the graph
 let isConnected = false;
-let isForbidden = false; // what this page may not do is said before it is tried, where the role tells
 gateway.on("state", ({ state }) => {
   isConnected = state === "open";
-  forbid(isConnected && gateway.hello.role === "viewer");
   letGo(); // what was held before belongs to another connection
 });
 const command = new CommandTopic(gateway, told, namedCommand());
 
 bar.connect(gateway, "Drive");
-tellUnknown(gateway, bar.tell);
-gateway.on("status", ({ code, request }) => code === "forbidden" && request === "publish" && forbid(true)); // roles may be of any name
+tellWrong(gateway, bar.tell, "scan", "odometry");
+gateway.on("status", ({ code, request }) => code === "forbidden" && request === "publish" && command.forbid()); // roles may be of any name
 const driver = new Driver((shares) => {
-  if (isForbidden) return;
   const [linear, angular] = [shares.linear * find("linear").valueAsNumber, shares.angular * find("angular").valueAsNumber];
   motion.command(linear, angular, command.publish(linear, angular) && command.isDriving);
 });
 const { letGo } = watch(find("stick"), find("knob"), (linear, angular) => driver.hold(linear, angular));
-
-/** Disable what drives, or enable it. */
-function forbid(isNow) {
-  isForbidden = isNow;
-  find("stick").setAttribute("aria-disabled", String(isNow));
-  for (const name of ["linear", "angular"]) find(name).disabled = isNow;
-}
 
 function draw() {
   requestAnimationFrame(draw); // first: whatever fails here, the next frame comes
@@ -60,7 +50,7 @@ function tick() {
   const of = (topic) => gateway.arrivals.get(topic);
   camera.write({ picture: camera.arrivals }, isConnected);
   world.write({ odometry: of(heard.odometry), scan: of(heard.scan), map: of(heard.map), place: world.view?.place }, isConnected);
-  const words = isForbidden ? "You may watch, not drive." : (command.isDriving && motion.words) || command.words;
+  const words = (command.isDriving && motion.words) || command.words;
   if (find("control").textContent !== words) find("control").textContent = words; // it is read out
 }
 
@@ -75,7 +65,9 @@ function hear() {
 
 function told() {
   tick();
-  find("take").hidden = isForbidden || command.state?.holder !== "other";
+  find("stick").setAttribute("aria-disabled", String(command.isForbidden || !command.state)); // as it moves nothing
+  for (const name of ["linear", "angular"]) find(name).disabled = command.isForbidden;
+  find("take").hidden = command.isForbidden || command.state?.holder !== "other";
   bar.review(command);
   if (!command.isFree) letGo(); // it has to be pressed anew
 }

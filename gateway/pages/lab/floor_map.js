@@ -4,7 +4,7 @@
 import { Group, Mesh, MeshBasicMaterial, NearestFilter, PlaneGeometry, SRGBColorSpace, Texture } from "../vendor/three.js";
 import { Newest } from "../views/newest.js";
 import { Painter } from "../views/painter.js";
-import { yawOf } from "../views/plan.js";
+import { insist, yawOf } from "../views/plan.js";
 import { asRos } from "./floor.js";
 
 const OCCUPIED = 65; // percent and more: what Nav2's map server takes for occupied
@@ -71,9 +71,10 @@ export class FloorMap {
   }
 
   async #paint(message) {
-    const { resolution, origin: { position, orientation } } = message.info;
+    const { resolution, width, height, origin: { position, orientation } } = message.info;
     const yaw = yawOf(orientation);
-    if (!(resolution > 0 && Number.isFinite(resolution + position.x + position.y + yaw))) throw new RangeError(`its cells are ${resolution} m wide`);
+    if (!(resolution > 0)) throw new RangeError(`its cells are ${resolution} m wide`);
+    insist(position.x, position.y, yaw, width * resolution, height * resolution);
     const { bitmap, cells, values } = await this.#painter.paint(message);
     [this.#message, this.#cells, this.#values] = [message, cells, values];
     this.#paper(bitmap);

@@ -9,7 +9,8 @@ import { element, find } from "../shared/dom.js";
 import { Gateway } from "../shared/gateway.js";
 import { watchKeys } from "../shared/keys.js";
 import { Motion } from "../shared/motion.js";
-import { namedCommand, tellUnknown } from "../shared/named_topics.js";
+import { namedCommand, tellWrong } from "../shared/named_topics.js";
+import { isHeld } from "../shared/stop_held.js";
 import { Controllers } from "./controllers.js";
 import { Drawing } from "./drawing.js";
 import { meet, toRos } from "./floor.js";
@@ -30,7 +31,7 @@ const DRIVING = { ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowLeft: [0, 1], ArrowR
 
 const gateway = new Gateway();
 bar.connect(gateway, "Lab");
-tellUnknown(gateway, bar.tell);
+tellWrong(gateway, bar.tell);
 
 const room = new Room();
 const viewer = new Viewer();
@@ -165,6 +166,7 @@ function render() {
 /** Send the robot to where a ray meets the floor; if it meets the screen of any topic, show the next one there. */
 function point(raycaster) {
   if (drawing.refusal) return pilot.stop(drawing.refusal);
+  if (isHeld()) return pilot.stop("STOP is held.");
   const thing = sight.thing(raycaster);
   if (thing === screens.topic.mesh) return next();
   const refusal = refusalOf(raycaster.ray, thing);
@@ -230,7 +232,8 @@ function showState() {
   write("missing", sources.missing);
   age.write({ picture: sources.arrivals("camera"), odometry: sources.arrivals("odometry"), scan: sources.arrivals("scan") }, isConnected);
   const { x, y, yaw } = twin.pose;
-  const where = `x ${x.toFixed(2)} m, y ${y.toFixed(2)} m\nheading ${Math.round((yaw * 180) / Math.PI)} degrees`;
+  const heading = Math.round((yaw * 180) / Math.PI);
+  const where = sources.arrivals("odometry") ? `x ${x.toFixed(2)} m, y ${y.toFixed(2)} m\nheading ${heading} degrees` : "place unknown";
   const lines = [find("state").textContent, words, pilot.words, age.words, where, sources.missing];
   screens.state.show("Robot", lines.join("\n"));
 }
@@ -269,10 +272,7 @@ find("home").onclick = () => {
   if (!viewer.isWorn) viewer.goHome();
   renderer?.domElement.focus();
 };
-find("topic").onchange = () => {
-  read(find("topic").value);
-  renderer?.domElement.focus(); // the keys are the robot's and the viewer's again
-};
+find("topic").onchange = () => read(find("topic").value); // which keeps the focus: the next arrow key is not for the robot
 gateway.on("stopping", () => letGoOfAll("STOP was pressed"));
 find("take").onclick = async () => {
   try {
@@ -294,3 +294,4 @@ matchMedia("(prefers-color-scheme: light)").addEventListener("change", () => {
 setInterval(showState, 500);
 
 gateway.connect();
+if (document.activeElement === document.body) renderer?.domElement.focus({ preventScroll: true }); // Enter is for it from the first moment

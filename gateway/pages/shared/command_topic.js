@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { sentence } from "./control_words.js";
+import { isHeld } from "./stop_held.js";
 
 const STAMPED = "geometry_msgs/msg/TwistStamped";
 export const COMMAND_TYPES = ["geometry_msgs/msg/Twist", STAMPED];
@@ -13,6 +14,8 @@ const LOST = {
 export class CommandTopic {
   /** Its state by the gateway, or null if nobody listens on it or there is no connection. @type {any} */
   state = null;
+  /** Whether this client may watch, not drive. */
+  isForbidden = false;
   #gateway;
   #wanted;
   #topic = "";
@@ -37,12 +40,16 @@ export class CommandTopic {
     this.#attempt = gateway.listen((frame) => this.#refused(frame));
     this.#forgets = [
       this.#attempt.end,
-      gateway.on("state", ({ state }) => this.#lose(LOST[state] ?? this.#problem)),
+      gateway.on("state", ({ state }) => {
+        this.#learnRole();
+        this.#lose(LOST[state] ?? this.#problem);
+      }),
       gateway.on("silence", (seconds) => this.#hush(seconds)),
       gateway.on("stopping", () => (this.#isStopper = true)),
       gateway.on("graph", () => this.#look()),
       gateway.on("control", (state) => this.#take(state)),
     ];
+    this.#learnRole();
     if (gateway.isOpen) this.#watch();
   }
 
@@ -51,26 +58,34 @@ export class CommandTopic {
     for (const forget of this.#forgets) forget();
   }
 
+  /** Take that this client may not drive, of whatever role it is, until there is a new connection. */
+  forbid() {
+    this.isForbidden = true;
+    this.#told();
+  }
+
   /** Whether what this page sends reaches the robot, which moves. */
   get isDriving() {
     return this.state?.holder === "you" && this.state.state === "moving";
   }
 
-  /** Whether this page may drive: somebody listens, no other client drives, and the gateway answers. */
+  /** Whether this page may drive: its role permits it, somebody listens, no other client drives, nobody holds STOP, and the gateway answers. */
   get isFree() {
-    return this.state !== null && this.state.holder !== "other" && !this.#silentS;
+    return !this.isForbidden && this.state !== null && this.state.holder !== "other" && !this.#silentS && !isHeld();
   }
 
   /** What a person who drives reads. */
   get words() {
     if (this.#silentS) return `The gateway has not answered for ${this.#silentS} s: it stops what you drove.`;
+    if (this.isForbidden) return "You may watch, not drive.";
     return this.state ? sentence(this.state) : this.#problem;
   }
 
   /** Publish a speed in m/s and rad/s; return whether it was sent. */
   publish(linear, angular) {
+    if (this.isForbidden) return false;
     const isMotion = linear !== 0 || angular !== 0;
-    if (!this.#type || (isMotion && this.#silentS)) {
+    if (!this.#type || (isMotion && (this.#silentS || isHeld()))) {
       if (isMotion) this.#told();
       return false;
     }
@@ -91,12 +106,17 @@ export class CommandTopic {
     this.#take(await this.#gateway.ask({ op: "acquire_control", topic: this.#topic }));
   }
 
+  /** Say before it is tried what the role does not permit. */
+  #learnRole() {
+    this.isForbidden = this.#gateway.isOpen && this.#gateway.hello?.role === "viewer";
+  }
+
   /** Ask for the state, once somebody listens; its changes follow. */
   async #watch() {
     try {
       this.#take(await this.#gateway.ask({ op: "control", topic: this.#wanted, watch: true }));
     } catch (error) {
-      if (!error.isLost) this.#lose(error.message); // or else it has been said
+      if (!error.isLost) this.#lose(this.#refusal(error)); // or else it has been said
     }
   }
 
@@ -124,6 +144,14 @@ export class CommandTopic {
     this.#isStopper = false;
     this.#problem = problem;
     this.#told();
+  }
+
+  /** What keeps the gateway from telling the state, in words. */
+  #refusal({ code, message }) {
+    if (code === "not_found") return `${message}. The gateway's setting control.topics says which.`;
+    const [, names] = message.match(/name one of (.+)/) ?? [];
+    if (this.#wanted || !names) return message;
+    return `Several topics take commands, ${names}: name one in the address of this page, as ${location.pathname}#command=${names.split(",")[0]}`;
   }
 
   #hush(seconds) {

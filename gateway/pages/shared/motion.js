@@ -13,6 +13,7 @@ export class Motion {
   #wishedMs = -Infinity; // when something moving was last asked for
   #sinceMs = Infinity; // since when commands that move go out
   #movedMs = -Infinity;
+  #took = { linear: 0, angular: 0 }; // the most of each that it has moved by
   #odometryMs = -Infinity;
   #reason = "";
   #reasonMs = -Infinity;
@@ -32,6 +33,9 @@ export class Motion {
     this.#odometryMs = now;
     if (Math.hypot(linear.x, linear.y) < STILL.linear && Math.abs(angular.z) < STILL.angular) return;
     this.#movedMs = now;
+    if (this.#sinceMs < now - STILL_MS) {
+      for (const each of ["linear", "angular"]) this.#took[each] = Math.max(this.#took[each], Math.abs(this.#wish[each]));
+    }
     if (now - this.#reasonMs > LOG_MS) this.#reason = "";
   }
 
@@ -52,8 +56,10 @@ export class Motion {
     if (now - this.#odometryMs > STILL_MS) return "Commands go out, but no odometry comes any more.";
     if (now - Math.max(this.#sinceMs, this.#movedMs) < STILL_MS) return "";
     const { linear, angular } = this.#wish;
-    const speeds = [linear && `${Math.abs(linear).toFixed(2)} m/s`, angular && `${Math.abs(angular).toFixed(2)} rad/s`];
+    const stuck = "Commands go out, but the robot does not move:";
     const reason = this.#reason && ` It says: ${this.#reason}`;
-    return `Commands go out, but the robot does not move: it may take less than ${speeds.filter(Boolean).join(" and ")}.${reason}`;
+    if (Math.abs(linear) <= this.#took.linear && Math.abs(angular) <= this.#took.angular) return `${stuck} something may be in its way.${reason}`;
+    const speeds = [linear && `${Math.abs(linear).toFixed(2)} m/s`, angular && `${Math.abs(angular).toFixed(2)} rad/s`];
+    return `${stuck} it may take less than ${speeds.filter(Boolean).join(" and ")}.${reason}`;
   }
 }

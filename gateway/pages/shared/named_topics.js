@@ -22,7 +22,10 @@ const address = () => new URLSearchParams(location.hash.slice(1));
 export const isOf = (type, kind) => KINDS[kind].types.includes(type);
 
 /** Return the topic of a kind that the address names, or "". */
-export const named = (kind) => address().get(kind) ?? "";
+export function named(kind) {
+  const name = address().get(kind) ?? "";
+  return !name || name.startsWith("/") ? name : `/${name}`;
+}
 
 /** Return the topic that takes commands, if the address names one. */
 export const namedCommand = () => named(COMMAND) || undefined;
@@ -51,14 +54,27 @@ export function missing(graph, kind) {
 }
 
 /**
- * Say what in the address means nothing to a page of these kinds, once it is connected.
+ * Say what is wrong with the address, once it is known what there is.
  * @param {import("./gateway.js").Gateway} gateway
- * @param {(words: string) => void} tell
+ * @param {(words: string, isOver?: () => boolean) => void} tell
+ * @param {...Kind} kinds that are told of here, if the address names them in vain
  */
-export function tellUnknown(gateway, tell) {
-  const words = [...address().keys()].filter((key) => !ALL.includes(key)).map((key) => JSON.stringify(key.slice(0, 80)));
+export function tellWrong(gateway, tell, ...kinds) {
   const end = gateway.on("graph", () => {
     end();
-    if (words.length) tell(`The address names what this page does not know: ${words.join(", ")}. It knows ${ALL.join(", ")}.`);
+    const unpublished = () => kinds.map((kind) => missing(gateway.graph, kind)).filter(Boolean).join(" ");
+    if (mistake()) tell(mistake());
+    else if (unpublished()) tell(unpublished(), () => !unpublished());
   });
+}
+
+/** What the address says that means nothing to a page of these kinds, in words, or "". */
+function mistake() {
+  const keys = [...address().keys()];
+  const unknown = keys.filter((key) => !ALL.includes(key)).map((key) => JSON.stringify(key.slice(0, 80)));
+  if (unknown.length) return `The address names what this page does not know: ${unknown.join(", ")}. It knows ${ALL.join(", ")}.`;
+  const again = keys.find((key, at) => keys.indexOf(key) !== at);
+  if (again) return `The address names ${again} ${address().getAll(again).length} times: the first one counts.`;
+  const behind = [...new URLSearchParams(location.search).keys()].find((key) => ALL.includes(key));
+  return behind ? `The address has ${behind} behind a question mark, where it means nothing: it belongs behind #.` : "";
 }

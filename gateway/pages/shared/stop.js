@@ -5,6 +5,7 @@ import { COMMAND_TYPES } from "./command_topic.js";
 import { element, find } from "./dom.js";
 import { isTaken } from "./keys.js";
 import { tell } from "./notice.js";
+import { hold } from "./stop_held.js";
 
 const SOON_MS = 500; // the gateway's deadline: by then it has stopped what this page drove, if the link is dead
 
@@ -15,8 +16,9 @@ const SOON_MS = 500; // the gateway's deadline: by then it has stopped what this
 export function stopButton(gateway) {
   const button = element("button", { id: "stop", className: "stop", type: "button", title: "Stop the robot, whoever drives it" }, "STOP");
   let isPressed = false; // by a pointer, which may have a click to come
-  button.onpointerdown = () => { // a second finger makes no click
+  button.onpointerdown = ({ pointerId }) => { // a second finger makes no click
     isPressed = true;
+    hold(pointerId);
     stop(gateway);
   };
   button.onclick = ({ detail }) => {
@@ -25,6 +27,7 @@ export function stopButton(gateway) {
   };
   button.onkeydown = (event) => {
     if (event.repeat) event.preventDefault();
+    else if (event.code === "Space" || event.code === "Enter") hold(event.code);
   };
   return button;
 }
@@ -38,7 +41,9 @@ export function stopBySpace({ where = window, isMoving = () => false } = {}) {
   where.addEventListener("keydown", (/** @type {KeyboardEvent} */ event) => {
     if (event.code !== "Space" || isKept(event)) return;
     event.preventDefault();
-    if (!event.repeat) find("stop").click();
+    if (event.repeat) return;
+    hold(event.code);
+    find("stop").click();
   });
 }
 

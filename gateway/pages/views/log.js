@@ -28,5 +28,5 @@ export class LogView {
 
 function lineOf({ level, stamp, name, msg }) {
   const kind = level >= 40 ? "error" : level >= 30 ? "warning" : "info";
-  return element("li", { dataset: { level: kind } }, `${new Date(stamp.sec * 1000).toLocaleTimeString()} ${name}: ${msg}`);
+  return element("li", { dataset: { level: kind } }, `${new Date(stamp.sec * 1000).toLocaleTimeString()} `, element("bdi", {}, name), ": ", element("bdi", {}, msg)); // a name turns no text around it
 }

@@ -136,7 +136,7 @@ export class PlotView {
       stroke: token(COLOURS[index % COLOURS.length]),
       width: LINE + (length - 1 - index) * EDGE, // of two that are equal, the one behind shows as an edge
       spanGaps: false,
-      points: { show: false },
+      points: { show: false, filter: aloneIn },
     }));
     return new Plot({
       width,
@@ -186,4 +186,14 @@ function around(least, most) {
   const size = Math.max(Math.abs(least), Math.abs(most));
   const margin = least === most ? size || 1 : Math.max((most - least) / 10, size * LEAST_SHARE);
   return [Math.max(least - margin, -LARGEST), Math.min(most + margin, LARGEST)];
+}
+
+/** Return where a curve has values without a neighbour, which no line shows, or null. */
+function aloneIn(plot, index) {
+  const values = plot.data[index];
+  const found = [];
+  values.forEach((value, at) => {
+    if (value !== null && (values[at - 1] ?? null) === null && (values[at + 1] ?? null) === null) found.push(at);
+  });
+  return found.length ? found : null;
 }

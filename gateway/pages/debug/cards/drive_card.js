@@ -12,6 +12,7 @@ const MOST_RAD_S = 0.8;
 /** A stick that drives a robot while it is held: by a finger, the mouse or, while it has the focus, arrow keys. */
 export class DriveCard extends Card {
   #words = element("p", { className: "control", role: "status" });
+  #stick;
   #take;
   #command;
   #held;
@@ -23,6 +24,7 @@ export class DriveCard extends Card {
     const knob = element("div", { className: "knob" });
     const stick = element("div", { className: "stick", tabIndex: 0, aria: { label: `Stick of ${this.topic}: drag it, or use the arrow keys` } }, knob);
     stick.setAttribute("role", "application");
+    this.#stick = stick;
     this.#take = element("button", { type: "button", hidden: true, aria: { label: `Take over ${this.topic}` } }, "Take over");
     this.#command = new CommandTopic(gateway, () => this.#write(), this.topic);
     const driver = new Driver(({ linear, angular }) => this.#command.publish(linear * MOST_M_S, angular * MOST_RAD_S));
@@ -57,6 +59,8 @@ export class DriveCard extends Card {
     if (this.#words.textContent !== words) this.#words.textContent = words; // it is read out
     if (this.#command) bar.review(this.#command);
     if (!this.#command?.isFree) this.#held?.letGo(); // it has to be pressed anew
-    this.#take.hidden = this.#command?.state?.holder !== "other";
+    const { state = null, isForbidden = false } = this.#command ?? {};
+    this.#stick.setAttribute("aria-disabled", String(isForbidden || !state)); // as it moves nothing
+    this.#take.hidden = isForbidden || state?.holder !== "other";
   }
 }

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+import { COMMAND_TYPES } from "../../shared/command_topic.js";
 import { element } from "../../shared/dom.js";
 import { Form } from "../forms/form.js";
 import { FormCard, NOT_CONNECTED } from "./form_card.js";
 
 const RATES_HZ = [1, 2, 5, 10, 20];
+const TRIPPED = "The robot was stopped, and took no command since: publish zeros once, then go on.";
 
 /** A form that publishes to a topic: once, or again and again until it is told to stop, by STOP too, or nobody looks. */
 export class PublishCard extends FormCard {
@@ -14,6 +16,7 @@ export class PublishCard extends FormCard {
   #rates = element("select", { title: "so many messages a second" });
   #repeat = element("button", { type: "button", aria: { pressed: "false" } }, "Repeat");
   #forgets = [];
+  #isCommand = false; // whether the gateway guards what moves a robot by it
   #hide = () => this.#end("The page was hidden");
 
   constructor(gateway, shown, actions) {
@@ -32,6 +35,7 @@ export class PublishCard extends FormCard {
       gateway.on("stopping", () => this.#end("STOP was pressed")),
     ];
     document.addEventListener("visibilitychange", this.#hide);
+    this.body.addEventListener("input", () => this.#end("The message was changed")); // half a number is none
   }
 
   formOf(described) {
@@ -62,14 +66,21 @@ export class PublishCard extends FormCard {
   #start() {
     this.#stop();
     if (!this.act()) return;
+    this.#learnWhatItMoves();
     this.#timer = setInterval(() => this.act() || this.#stop(), 1000 / this.#rates.value);
     this.#repeat.setAttribute("aria-pressed", true);
   }
 
   #stop() {
+    if (this.#timer && this.#isCommand) this.gateway.send({ op: "publish", topic: this.topic, type: this.type, msg: {} }); // as a stick does
     clearInterval(this.#timer);
     this.#timer = 0;
     this.#repeat.setAttribute("aria-pressed", false);
+  }
+
+  async #learnWhatItMoves() {
+    const isGuarded = () => this.gateway.ask({ op: "control", topic: this.topic }).then(() => true, () => false);
+    this.#isCommand = COMMAND_TYPES.includes(this.type) && (await isGuarded());
   }
 
   /** End what is repeated, if anything is, and say why. */
@@ -79,9 +90,9 @@ export class PublishCard extends FormCard {
     this.tell(`${why}: Repeat has ended.`);
   }
 
-  #heard({ op, msg, level }) {
+  #heard({ op, msg, level, code }) {
     if (op !== "status") return;
-    this.tell(msg);
+    this.tell(code === "tripped" ? TRIPPED : msg);
     if (level !== "error") return;
     this.#refused += 1;
     this.#write();

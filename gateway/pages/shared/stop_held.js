@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who holds STOP down, a finger or a key: meanwhile this page moves nothing.
+
+const holders = new Set();
+
+/** Hold STOP, by a finger's number or a key's code, until that is up. */
+export const hold = (holder) => holders.add(holder);
+
+/** Whether somebody holds STOP. */
+export const isHeld = () => holders.size > 0;
+
+for (const kind of ["pointerup", "pointercancel"]) addEventListener(kind, (/** @type {PointerEvent} */ { pointerId }) => holders.delete(pointerId), true);
+addEventListener("keyup", ({ code }) => holders.delete(code), true);
+addEventListener("blur", () => holders.clear()); // nobody tells of what is let go elsewhere
