@@ -500,7 +500,14 @@ async def test_what_is_no_json_or_no_operation_is_said_and_harms_nothing(demo, o
         await page.route_web_socket("**/*", garble)
         await page.goto(page_address(demo))
         await until(page, "() => notice.textContent.startsWith('the gateway sent what is no JSON')")
-        for frame in ("null", "12", "[]", '{"topic":"/odom"}', '{"op":"publish","msg":7}'):
+        for frame in (
+            "null",
+            "12",
+            "[]",
+            '{"topic":"/odom"}',
+            '{"op":"publish","msg":null}',
+            '{"n":12345678901234567890}',
+        ):
             routes[0].send(frame)
             told = f"the gateway sent what is no operation: {frame}"
             await until(page, "told => notice.textContent === told", told)

@@ -139,8 +139,9 @@ async def test_a_speed_that_was_driven_before_is_not_blamed(demo, open_page, ask
                 motion.command(0.2, 0, true);
                 now = 1500;
                 hear(0.2);
-                motion.command(0, 0, true);
+                motion.command(asked, 0, true); // no zero between
                 now = 3000;
+                hear(0.2);
                 motion.command(asked, 0, true);
                 now = 4100;
                 hear(0);

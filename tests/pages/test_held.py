@@ -160,3 +160,28 @@ async def test_what_is_held_while_a_robot_leaves_moves_nothing_when_it_comes_bac
             await motor.send(op="unsubscribe", topic="/cmd_vel")
             await page.wait_for_function(f"{says}('Nobody listens on /cmd_vel')")
         await page.keyboard.up("ArrowLeft")
+
+
+@pytest.mark.parametrize("by", ["key", "stick"])
+async def test_what_was_pressed_while_nobody_could_drive_drives_nobody_later(drive, by):
+    reported = """async (by) => {
+        const { watch } = await import("/shared/held.js");
+        const stick = document.createElement("div");
+        stick.style.cssText = "position: fixed; inset: 0 auto auto 0; width: 100px; height: 100px";
+        document.body.append(stick);
+        stick.setPointerCapture = () => {};
+        const heard = [];
+        watch(stick, document.createElement("div"), (...shares) => heard.push(shares));
+        const place = { pointerId: 1, buttons: 1, clientX: 50, clientY: 0 };
+        const press = { key: (code) => dispatchEvent(new KeyboardEvent("keydown", { code })),
+            stick: (kind) => stick.dispatchEvent(new PointerEvent(kind, place)) }[by];
+        stick.ariaDisabled = "true";
+        press(by === "key" ? "ArrowUp" : "pointerdown");
+        stick.ariaDisabled = "false"; // the robot is there
+        press(by === "key" ? "ArrowLeft" : "pointermove"); // the thumb trembles
+        const late = heard.slice();
+        press(by === "key" ? "ArrowUp" : "pointerdown"); // pressed anew
+        return [late.filter(([linear]) => linear).length, heard.at(-1)[0]];
+    }"""
+    async with drive() as page:
+        assert await page.evaluate(reported, by) == [0, 1]

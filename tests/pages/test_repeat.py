@@ -6,7 +6,7 @@ import pytest
 from tests.client import client
 from tests.demonstration import until_it_can_be_driven
 from tests.pages.conftest import page_address, severable
-from tests.pages.test_debug_page import until
+from tests.pages.test_debug_page import NOTE_SENT, until
 from tests.pages.test_forms import field, form
 from tests.pages.test_silence import SOCKETS
 
@@ -120,3 +120,19 @@ async def test_a_robot_that_was_driven_by_repeat_is_driven_by_it_again(demo, ope
         await page.wait_for_timeout(300)  # in which the gateway wants nothing that moves
         await page.click(f"{form(title)} button:text-is('Repeat')")
         await other.receive(lambda frame: frame.get("state") == "moving", 120)
+
+
+async def test_another_rate_lets_the_robot_drive_on(demo, open_page):
+    title = "Publish /cmd_vel"
+    async with (
+        client(demo.url) as other,
+        open_page(page_address(demo) + "#card=publish+0+/cmd_vel", script=NOTE_SENT) as page,
+    ):
+        await until_it_can_be_driven(other)
+        await field(page, title, "angular", "z").fill("0.1")
+        await repeat(page, title)
+        await page.select_option(f"{form(title)} select[aria-label^=rate]", "20")
+        await until(page, "() => Number.parseInt(cards.querySelector('footer').textContent) >= 6")
+        messages = "sent.map(JSON.parse).filter(({ op }) => op === 'publish').map(({ msg }) => msg)"
+        assert {"angular": {"z": 0.1}} in await page.evaluate(f"() => {messages}")
+        assert {} not in await page.evaluate(f"() => {messages}")

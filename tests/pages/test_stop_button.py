@@ -152,3 +152,16 @@ async def test_stop_is_held_until_its_key_is_up_or_nobody_can_tell(demo, open_pa
             return [before, during, isHeld()];
         }"""
         assert await page.evaluate(held, [end]) == [False, True, False]
+
+
+async def test_no_form_moves_anything_while_stop_is_held(demo, open_page):
+    cards = "#card=publish+0+/cmd_vel&card=goal+0+/navigate_to_pose"
+    async with open_page(page_address(demo) + cards, script=NOTE_SENT) as page:
+        for name in ("Publish /cmd_vel", "Send goal /navigate_to_pose"):
+            button = page.locator(f"article button.act[aria-label='{name}']:enabled")
+            await button.wait_for()
+        await page.evaluate("() => import('/shared/stop_held.js').then(({ hold }) => hold(1))")
+        await page.evaluate("() => document.querySelectorAll('.act').forEach((e) => e.click())")
+        assert await page.locator("article > .problem:text-is('STOP is held.')").count() == 2
+        sent = "sent.map(JSON.parse).filter(({ op }) => /^(publish|send_action_goal)$/.test(op))"
+        assert await page.evaluate(f"() => {sent}.length") == 0

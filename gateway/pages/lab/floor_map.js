@@ -21,6 +21,7 @@ export class FloorMap {
   #sheet = new Mesh(new PlaneGeometry(1, 1), new MeshBasicMaterial());
   #painter = new Painter();
   #newest;
+  #newestMap = null; // which may be painted yet
   #message = null; // the one that is shown
   #cells = 1; // of the map that a pixel is wide
   /** @type {Int8Array} */
@@ -38,6 +39,7 @@ export class FloorMap {
 
   /** Take a map, with its cells or as a picture; it is shown once it is painted. */
   take(message) {
+    this.#newestMap = message;
     return this.#newest.take(message);
   }
 
@@ -49,7 +51,7 @@ export class FloorMap {
 
   /** Draw it in the colours of the page anew. */
   paint() {
-    if (this.#message) this.take(this.#message);
+    if (this.#newestMap) this.take(this.#newestMap);
   }
 
   /** How wide and high it is, in cells; 0 before there is one. */

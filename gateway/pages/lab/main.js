@@ -212,7 +212,7 @@ function publish(linear, angular) {
 }
 
 function told() {
-  find("take").hidden = command.state?.holder !== "other";
+  find("take").hidden = command.isForbidden || command.state?.holder !== "other";
   bar.review(command);
   if (!command.isFree) letGo();
   pilot.told(command.state);

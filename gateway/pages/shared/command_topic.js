@@ -150,6 +150,7 @@ export class CommandTopic {
   #refusal({ code, message }) {
     if (code === "not_found") return `${message}. The gateway's setting control.topics says which.`;
     const [, names] = message.match(/name one of (.+)/) ?? [];
+    if (names === "none") return "No topic takes commands from this page.";
     if (this.#wanted || !names) return message;
     return `Several topics take commands, ${names}: name one in the address of this page, as ${location.pathname}#command=${names.split(",")[0]}`;
   }

@@ -5,7 +5,7 @@ import { Arrivals } from "./arrivals.js";
 import { decode } from "./cbor.js";
 import { Drops } from "./drops.js";
 import { Graph } from "./graph.js";
-import { parse } from "./json.js";
+import { json, parse } from "./json.js";
 import { Pulse } from "./pulse.js";
 import * as tokens from "./token.js";
 
@@ -255,8 +255,8 @@ export class Gateway extends EventTarget {
       this.#tell(`the gateway sent what is no ${isText ? "JSON" : "CBOR"}: ${error.message}`);
       return;
     }
-    if (typeof frame?.op !== "string" || (frame.op === "publish" && typeof frame.msg !== "object")) {
-      this.#tell(`the gateway sent what is no operation: ${JSON.stringify(frame)?.slice(0, 80)}`);
+    if (typeof frame?.op !== "string" || (frame.op === "publish" && !(frame.msg instanceof Object))) {
+      this.#tell(`the gateway sent what is no operation: ${json(frame)?.slice(0, 80)}`);
       return;
     }
     if (this.#listeners.has(frame.id)) {

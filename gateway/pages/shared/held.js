@@ -26,8 +26,9 @@ export function watch(stick, knob, report, where = window) {
   let keys = [0, 0];
   let pushed = [0, 0];
   const tell = () => {
-    const share = stick.ariaDisabled === "true" ? 0 : 1; // or nobody may drive by it
-    const [linear, angular] = [share * (keys[0] + pushed[0]), share * (keys[1] + pushed[1])];
+    const isHeld = [...keys, ...pushed].some(Boolean);
+    if (isHeld && stick.ariaDisabled === "true") return letGo(); // nobody may drive by it; once somebody may it has to be pressed anew
+    const [linear, angular] = [keys[0] + pushed[0], keys[1] + pushed[1]];
     point(knob, linear, angular);
     report(linear, angular);
   };

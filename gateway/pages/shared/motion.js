@@ -4,6 +4,7 @@
 const STILL_MS = 1000; // so long a robot may take to begin
 const LOG_MS = 2000; // so old a warning may be that explains what the robot does now
 const STILL = { linear: 0.005, angular: 0.01 }; // m/s and rad/s that are no motion
+const MEASURED = 1.1; // so much of what was asked for odometry may miss
 const QUOTED = 120; // characters of a warning: more would hide what matters on a phone
 const WARNING = 30; // of rcl_interfaces/msg/Log
 
@@ -13,7 +14,7 @@ export class Motion {
   #wishedMs = -Infinity; // when something moving was last asked for
   #sinceMs = Infinity; // since when commands that move go out
   #movedMs = -Infinity;
-  #took = { linear: 0, angular: 0 }; // the most of each that it has moved by
+  #took = { linear: 0, angular: 0 }; // the fastest that it has moved
   #odometryMs = -Infinity;
   #reason = "";
   #reasonMs = -Infinity;
@@ -33,9 +34,8 @@ export class Motion {
     this.#odometryMs = now;
     if (Math.hypot(linear.x, linear.y) < STILL.linear && Math.abs(angular.z) < STILL.angular) return;
     this.#movedMs = now;
-    if (this.#sinceMs < now - STILL_MS) {
-      for (const each of ["linear", "angular"]) this.#took[each] = Math.max(this.#took[each], Math.abs(this.#wish[each]));
-    }
+    this.#took.linear = Math.max(this.#took.linear, Math.hypot(linear.x, linear.y));
+    this.#took.angular = Math.max(this.#took.angular, Math.abs(angular.z));
     if (now - this.#reasonMs > LOG_MS) this.#reason = "";
   }
 
@@ -58,7 +58,7 @@ export class Motion {
     const { linear, angular } = this.#wish;
     const stuck = "Commands go out, but the robot does not move:";
     const reason = this.#reason && ` It says: ${this.#reason}`;
-    if (Math.abs(linear) <= this.#took.linear && Math.abs(angular) <= this.#took.angular) return `${stuck} something may be in its way.${reason}`;
+    if (Math.abs(linear) <= MEASURED * this.#took.linear && Math.abs(angular) <= MEASURED * this.#took.angular) return `${stuck} something may be in its way.${reason}`;
     const speeds = [linear && `${Math.abs(linear).toFixed(2)} m/s`, angular && `${Math.abs(angular).toFixed(2)} rad/s`];
     return `${stuck} it may take less than ${speeds.filter(Boolean).join(" and ")}.${reason}`;
   }

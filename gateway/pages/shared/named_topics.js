@@ -61,6 +61,7 @@ export function missing(graph, kind) {
  */
 export function tellWrong(gateway, tell, ...kinds) {
   const end = gateway.on("graph", () => {
+    if (!gateway.graph.topics.size) return;
     end();
     const unpublished = () => kinds.map((kind) => missing(gateway.graph, kind)).filter(Boolean).join(" ");
     if (mistake()) tell(mistake());

@@ -16,9 +16,9 @@ const SOON_MS = 500; // the gateway's deadline: by then it has stopped what this
 export function stopButton(gateway) {
   const button = element("button", { id: "stop", className: "stop", type: "button", title: "Stop the robot, whoever drives it" }, "STOP");
   let isPressed = false; // by a pointer, which may have a click to come
-  button.onpointerdown = ({ pointerId }) => { // a second finger makes no click
+  button.onpointerdown = ({ pointerId, button: which }) => { // a second finger makes no click
     isPressed = true;
-    hold(pointerId);
+    if (which === 0) hold(pointerId); // the end of another button a menu may swallow
     stop(gateway);
   };
   button.onclick = ({ detail }) => {
@@ -27,7 +27,7 @@ export function stopButton(gateway) {
   };
   button.onkeydown = (event) => {
     if (event.repeat) event.preventDefault();
-    else if (event.code === "Space" || event.code === "Enter") hold(event.code);
+    else if (["Space", "Enter", "NumpadEnter"].includes(event.code) && !event.metaKey) hold(event.code); // whose end Meta may swallow
   };
   return button;
 }

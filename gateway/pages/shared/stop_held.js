@@ -11,4 +11,5 @@ export const isHeld = () => holders.size > 0;
 
 for (const kind of ["pointerup", "pointercancel"]) addEventListener(kind, (/** @type {PointerEvent} */ { pointerId }) => holders.delete(pointerId), true);
 addEventListener("keyup", ({ code }) => holders.delete(code), true);
-addEventListener("blur", () => holders.clear()); // nobody tells of what is let go elsewhere
+// nobody tells of what is let go elsewhere
+for (const kind of ["blur", "pagehide", "contextmenu"]) addEventListener(kind, () => holders.clear());

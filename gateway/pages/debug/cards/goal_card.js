@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element, span } from "../../shared/dom.js";
 import { json } from "../../shared/json.js";
+import { isHeld } from "../../shared/stop_held.js";
 import { Form } from "../forms/form.js";
 import { FormCard, NOT_CONNECTED } from "./form_card.js";
 
@@ -28,6 +29,7 @@ export class GoalCard extends FormCard {
   }
 
   submit() {
+    if (isHeld()) throw new Error("STOP is held.");
     if (this.#goal) throw new Error("a goal is on its way: cancel it first");
     const args = this.form.json();
     this.tell("");

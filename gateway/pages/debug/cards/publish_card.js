@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import { COMMAND_TYPES } from "../../shared/command_topic.js";
 import { element } from "../../shared/dom.js";
+import { isHeld } from "../../shared/stop_held.js";
 import { Form } from "../forms/form.js";
 import { FormCard, NOT_CONNECTED } from "./form_card.js";
 
 const RATES_HZ = [1, 2, 5, 10, 20];
-const TRIPPED = "The robot was stopped, and took no command since: publish zeros once, then go on.";
+const TRIPPED = "The robot was stopped, and took no command since: publish a command of zero, then go on.";
 
 /** A form that publishes to a topic: once, or again and again until it is told to stop, by STOP too, or nobody looks. */
 export class PublishCard extends FormCard {
@@ -26,7 +27,7 @@ export class PublishCard extends FormCard {
     this.#rates.setAttribute("aria-label", `rate of ${shown.topic}`);
     for (const hz of RATES_HZ) this.#rates.append(new Option(`${hz} Hz`, String(hz)));
     this.#repeat.onclick = () => (this.#timer ? this.#stop() : this.#start());
-    this.#rates.onchange = () => this.#timer && this.#start();
+    this.#rates.onchange = () => this.#timer && this.#goOn();
     this.buttons.append(this.#repeat, this.#rates);
     // what is sent into a silent connection would arrive when nobody expects it any more
     this.#forgets = [
@@ -47,6 +48,7 @@ export class PublishCard extends FormCard {
   }
 
   submit() {
+    if (isHeld()) throw new Error("STOP is held.");
     this.tell("");
     const { topic, type } = this;
     const isSent = this.gateway.send({ op: "publish", id: this.#listener.id, topic, type }, { msg: this.form.json() });
@@ -67,12 +69,18 @@ export class PublishCard extends FormCard {
     this.#stop();
     if (!this.act()) return;
     this.#learnWhatItMoves();
-    this.#timer = setInterval(() => this.act() || this.#stop(), 1000 / this.#rates.value);
+    this.#goOn();
     this.#repeat.setAttribute("aria-pressed", true);
   }
 
+  /** Repeat from now on, at the rate that is chosen. */
+  #goOn() {
+    clearInterval(this.#timer);
+    this.#timer = setInterval(() => this.act() || this.#stop(), 1000 / this.#rates.value);
+  }
+
   #stop() {
-    if (this.#timer && this.#isCommand) this.gateway.send({ op: "publish", topic: this.topic, type: this.type, msg: {} }); // as a stick does
+    if (this.#timer && this.#isCommand) this.gateway.send({ op: "publish", id: this.#listener.id, topic: this.topic, type: this.type, msg: {} }); // as a stick does
     clearInterval(this.#timer);
     this.#timer = 0;
     this.#repeat.setAttribute("aria-pressed", false);

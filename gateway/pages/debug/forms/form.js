@@ -116,7 +116,10 @@ class List {
     this.#field = field;
     this.name = field.name;
     this.#path = `${path} ${field.name}`.trim();
-    this.#add.onclick = () => this.#append().element.querySelector("input, select, textarea, summary")?.focus();
+    this.#add.onclick = () => {
+      this.#append().element.querySelector("input, select, textarea, summary")?.focus();
+      this.#change();
+    };
     this.element = element("details", {}, element("summary", { title: field.about }, `${field.name} (${counted(field)})`), this.#list, this.#add);
     for (let count = 0; count < Math.min(field.least, MOST_ITEMS); count += 1) this.#append();
   }
@@ -133,10 +136,18 @@ class List {
     this.element.open = value !== undefined;
   }
 
+  /** Say that another message is meant, as a field does in which somebody types. */
+  #change() {
+    this.element.dispatchEvent(new Event("input", { bubbles: true }));
+  }
+
   #append() {
     const item = new Group({ ...this.#field.item, name: `${this.#items.length}` }, this.#path);
     const remove = element("button", { type: "button", aria: { label: `remove ${this.name} ${this.#items.length}` } }, "✕");
-    remove.onclick = () => this.#remove(item);
+    remove.onclick = () => {
+      this.#remove(item);
+      this.#change();
+    };
     item.row = element("div", { className: "item" }, item.element, remove);
     remove.hidden = this.#items.length < this.#field.least;
     item.element.open = true;
