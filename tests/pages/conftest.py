@@ -12,7 +12,8 @@ import pytest
 import pytest_asyncio
 
 from tests import dds_domain
-from tests.demonstration import demonstration
+from tests.client import Client, client
+from tests.demonstration import demonstration, until_it_can_be_driven
 from tests.gateway_process import GatewayProcess
 from tests.pages.patient_demo import PATIENT
 
@@ -56,6 +57,14 @@ async def demo() -> AsyncIterator[GatewayProcess]:
     demo = demonstration(*PATIENT, module="tests.pages.patient_demo", before=apart)
     async with demo as gateway:
         yield gateway
+
+
+@pytest_asyncio.fixture(loop_scope="module")
+async def speaker(demo: GatewayProcess) -> AsyncIterator[Client]:
+    """Another client of the demonstration, whose robot can be driven."""
+    async with client(demo.url) as speaker:
+        await until_it_can_be_driven(speaker)
+        yield speaker
 
 
 def page_address(gateway: GatewayProcess) -> str:

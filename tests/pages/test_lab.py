@@ -2,10 +2,7 @@
 """The lab without a headset, in a real browser with the simulated robot."""
 
 import pytest
-import pytest_asyncio
 
-from tests.client import client
-from tests.demonstration import until_it_can_be_driven
 from tests.gateway_process import gateway_process
 from tests.pages.conftest import page_address, robots_domain, severable
 from tests.pages.lab import (
@@ -49,13 +46,6 @@ HIDE = """() => {
     Object.defineProperty(document, 'hidden', { value: true, configurable: true });
     document.dispatchEvent(new Event('visibilitychange'));
 }"""
-
-
-@pytest_asyncio.fixture(loop_scope="module")
-async def speaker(demo):
-    async with client(demo.url) as speaker:
-        await until_it_can_be_driven(speaker)
-        yield speaker
 
 
 @pytest.fixture

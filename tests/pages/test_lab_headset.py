@@ -4,11 +4,8 @@
 import contextlib
 
 import pytest
-import pytest_asyncio
 
-from tests.client import client
 from tests.clients.driver import INSTALLED
-from tests.demonstration import until_it_can_be_driven
 from tests.pages.conftest import page_address
 from tests.pages.lab import (
     LATE,
@@ -71,13 +68,6 @@ HEAD = """() => {
     const place = lab.viewer.rig.localToWorld(lab.viewer.rig.position.clone().set(x, y, z));
     return [-place.z, -place.x];
 }"""
-
-
-@pytest_asyncio.fixture(loop_scope="module")
-async def speaker(demo):
-    async with client(demo.url) as speaker:
-        await until_it_can_be_driven(speaker)
-        yield speaker
 
 
 @pytest.fixture

@@ -5,7 +5,6 @@ import pytest
 import pytest_asyncio
 
 from tests.client import client
-from tests.demonstration import until_it_can_be_driven
 from tests.gateway_process import gateway_process
 from tests.pages.conftest import page_address
 from tests.pages.lab import KEEP, SMALL, opened, send
@@ -73,13 +72,6 @@ def grid(columns, rows, data, origin=(0, 0)):
         "info": {"resolution": 0.5, "width": columns, "height": rows, "origin": about},
         "data": data,
     }
-
-
-@pytest_asyncio.fixture(loop_scope="module")
-async def speaker(demo):
-    async with client(demo.url) as speaker:
-        await until_it_can_be_driven(speaker)
-        yield speaker
 
 
 @pytest.fixture

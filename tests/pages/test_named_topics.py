@@ -2,10 +2,7 @@
 """Pages whose address names the topics that they show."""
 
 import pytest
-import pytest_asyncio
 
-from tests.client import client
-from tests.demonstration import until_it_can_be_driven
 from tests.gateway_process import gateway_process
 from tests.pages.conftest import page_address
 from tests.pages.lab import SMALL
@@ -17,13 +14,6 @@ PICTURES = {"op": "advertise", "type": "sensor_msgs/CompressedImage", "latch": T
 SUBSCRIBED = """topic => sent.map(JSON.parse).some(
     (frame) => frame.op === "subscribe" && frame.topic === topic
 )"""
-
-
-@pytest_asyncio.fixture(loop_scope="module")
-async def speaker(demo):
-    async with client(demo.url) as speaker:
-        await until_it_can_be_driven(speaker)
-        yield speaker
 
 
 @pytest.fixture

@@ -14,6 +14,7 @@ pytestmark = pytest.mark.asyncio(loop_scope="module")
 
 TITLE = "Publish /goal_pose"
 ADDRESS = "#card=publish+0+/goal_pose"
+GOES_ON_MS = 1500  # in which one message a second would go on
 PRESSED = "article button[aria-pressed=true]"
 
 
@@ -29,6 +30,10 @@ async def has_ended(page, why: str) -> None:
     words = page.locator(f"{form(TITLE)} > .problem:text-is('{why}: Repeat has ended.')")
     await words.wait_for()
     assert await page.locator(PRESSED).count() == 0
+    before = await page.inner_text(f"{form(TITLE)} footer")
+    await page.wait_for_timeout(GOES_ON_MS)
+    assert await words.is_visible()
+    assert await page.inner_text(f"{form(TITLE)} footer") == before
 
 
 async def test_repeating_goes_on_until_the_card_is_closed(demo, open_page):

@@ -104,6 +104,7 @@ async def test_every_file_is_served_with_its_type_and_the_policy(serve, files):
             policy = sent.headers["content-security-policy"]
             assert policy.startswith("default-src 'self'; ")
             assert "unsafe" not in policy
+            assert "ws" not in policy  # no page connects elsewhere
 
 
 async def test_what_is_known_is_not_sent_again(serve, files):
