@@ -158,7 +158,7 @@ export class Gateway extends EventTarget {
     const before = this.throttleOf(topic);
     this.#subscriptions.set(id, subscription);
     this.#send(subscription);
-    if (before !== 0 && this.throttleOf(topic) === 0) this.#settleDrops(topic);
+    if (before && this.throttleOf(topic) === 0) this.#settleDrops(topic);
     return () => {
       if (this.#subscriptions.delete(id)) this.send({ op: "unsubscribe", id, topic });
       if (this.#merge(topic)) return;
