@@ -344,3 +344,24 @@ async def test_a_first_visit_of_who_may_not_drive_has_no_stick(demo, open_page, 
         await page.wait_for_selector(card("/odom"))
         await until(page, "() => /role ?viewer/.test(figures.textContent)")
         assert await page.locator(".stick").count() == 0
+
+
+async def test_a_press_that_has_begun_counts_though_topics_come_and_go(open_page, nowhere):
+    async with (
+        gateway_process("serve", *nowhere) as gateway,
+        client(gateway.url) as robot,
+        open_page(page_address(gateway) + "#cards=none") as page,
+    ):
+        for topic in ("/b", "/c", "/e"):
+            await robot.send(op="advertise", topic=topic, type="std_msgs/String")
+        row = page.locator("#topics li[data-topic='/c'] button:has-text('/c')")
+        await row.hover()
+        await page.mouse.down()
+        await robot.send(op="unadvertise", topic="/b")
+        await robot.send(op="unadvertise", topic="/e")
+        await robot.send(op="advertise", topic="/d", type="std_msgs/String")
+        await page.wait_for_selector("#topics li[data-topic='/d']")
+        await page.wait_for_selector("#topics li[data-topic='/b']", state="detached")
+        await row.hover()
+        await page.mouse.up()
+        await page.wait_for_selector(card("/c"))

@@ -79,9 +79,15 @@ export function countOf(shown, all, kind) {
   return shown === all ? `${all} ${kinds}` : `${shown} of ${all} ${kinds}`;
 }
 
-/** Put items into a list, or the reason why there is none; nothing moves that is where it should be, or it would lose the focus. */
+/**
+ * Put items into a list, or the reason why there is none. What stays is not taken out for a moment: it would lose the focus, and a press
+ * that has begun on it.
+ */
 export function replace(list, items, reason) {
   const shown = items.length ? items : [element("li", { className: "empty" }, reason)];
-  const isSame = shown.length === list.childElementCount && shown.every((each, index) => each === list.children[index]);
-  if (!isSame) list.replaceChildren(...shown);
+  const stays = new Set(shown);
+  for (const each of [...list.children]) if (!stays.has(each)) each.remove();
+  shown.forEach((each, index) => {
+    if (list.children[index] !== each) list.insertBefore(each, list.children[index] ?? null);
+  });
 }
