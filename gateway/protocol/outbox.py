@@ -52,6 +52,15 @@ class Entry(Protocol):
         """Return the bytes to send, WebSocket header included, or why there are none."""
 
 
+class Paced(Protocol):
+    """A client's socket, for frames that need not wait; see `gateway.server.pacing`."""
+
+    room_bytes: int
+    """The bytes that may be written now; none or fewer while the socket or the link is full."""
+
+    write: Callable[[bytes], object]
+
+
 WriteDirectly = Callable[[Entry], int]
 """Write an entry to the socket; return its bytes, 0 if it is not ready or the socket is busy."""
 
@@ -215,7 +224,9 @@ class Outbox:
 
     def __init__(self, max_bytes: int) -> None:
         self.max_bytes = max_bytes
-        self.write_directly: WriteDirectly | None = None  # of a connection, once there is one
+        # of a connection, while it is open
+        self.write_directly: WriteDirectly | None = None
+        self.paced: Paced | None = None
         self.size = 0
         self.control_sent = 0
         self._control: deque[bytes] = deque()
@@ -259,6 +270,15 @@ class Outbox:
     def sent(self) -> int:
         """The number of frames that were taken, control frames included."""
         return self.control_sent + self._past_sent + sum(queue.sent for queue in self._queues)
+
+    def connect(self, write_directly: WriteDirectly, paced: Paced) -> None:
+        """Write past the queues from now on what need not wait."""
+        self.write_directly = write_directly
+        self.paced = paced
+
+    def disconnect(self) -> None:
+        """Write nothing any more but what is taken."""
+        self.write_directly = self.paced = None
 
     def open_queue(self, depth: int, max_bytes: int | None) -> Queue:
         """Add a queue."""

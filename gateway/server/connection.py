@@ -186,7 +186,7 @@ class Connection(asyncio.BufferedProtocol):
         outbox, pacing = self._session.outbox, self._pacing
         try:
             while outbox.size and not pacing.is_paused and self._protocol.state is OPEN:
-                batch = outbox.take(min(pacing.room_bytes, WRITE_HIGH_WATER_BYTES))
+                batch = outbox.take(max(1, min(pacing.room_bytes, WRITE_HIGH_WATER_BYTES)))
                 if not batch and not outbox.has_control:  # encoding may have added a status
                     break
                 self._write_batch(batch)
@@ -329,7 +329,7 @@ class Connection(asyncio.BufferedProtocol):
         if self._session is None:
             self._inbound.drop()
             return
-        self._session.outbox.write_directly = self._write_directly
+        self._session.outbox.connect(self._write_directly, self._pacing)
         self._session.spend = self.spending.spend
         self._session.next_turn = self._inbound.next_turn
         self._session.waited_s = self._inbound.waited_s
@@ -380,9 +380,7 @@ class Connection(asyncio.BufferedProtocol):
             self.fail(bug)
             return 0
         size = len(frame)
-        pacing.unseen_bytes -= size  # `wrote` without the call
-        if pacing.unseen_bytes < 0:
-            pacing.look()
+        pacing.wrote(size)
         return size
 
     def _go_on(self) -> None:
@@ -397,7 +395,7 @@ class Connection(asyncio.BufferedProtocol):
 
     def _write_protocol_output(self, *, may_be_large: bool = False) -> None:
         if self._session is not None and self._protocol.state is not OPEN:
-            self._session.outbox.write_directly = None  # a close frame must be the last one
+            self._session.outbox.disconnect()  # a close frame must be the last one
         if self._output.write(may_be_large=may_be_large):
             self.abort(Why("gateway", "abuse", "it sends pings and reads nothing"))
 

@@ -25,6 +25,20 @@ class Pacing:
     second when it has changed; ``None`` when the link is fast again.
     """
 
+    __slots__ = (
+        "_is_socket_full",
+        "_link",
+        "_on_rate",
+        "_on_resumed",
+        "_socket",
+        "_timer",
+        "_transport",
+        "_wait_s",
+        "is_paused",
+        "room_bytes",
+        "write",
+    )
+
     def __init__(
         self,
         transport: asyncio.Transport,
@@ -40,13 +54,9 @@ class Pacing:
         self._wait_s = 0.0
         self._is_socket_full = False
         self.is_paused = False
-        # what may be written before the link is to be looked at
-        self.unseen_bytes = self._link.window_bytes
-
-    @property
-    def room_bytes(self) -> int:
-        """The bytes that may be written now without filling the link; 1 at least."""
-        return max(1, self.unseen_bytes)
+        # before the link is to be looked at; 0 or less while it is paused
+        self.room_bytes = self._link.window_bytes
+        self.write: Callable[[bytes], object] = transport.write  # does not count what it writes
 
     @property
     def taken_bytes(self) -> int | None:
@@ -60,13 +70,14 @@ class Pacing:
 
     def wrote(self, size: int) -> None:
         """Count bytes that were written, and look at the link when it is time."""
-        self.unseen_bytes -= size
-        if self.unseen_bytes < 0:
+        self.room_bytes -= size
+        if self.room_bytes < 0:
             self.look()
 
     def socket_full(self) -> None:
         """Pause until `socket_ready`."""
         self._is_socket_full = self.is_paused = True
+        self.room_bytes = min(self.room_bytes, 0)
 
     def socket_ready(self) -> None:
         """Go on, unless the link is full."""
@@ -77,7 +88,7 @@ class Pacing:
         """Look at the link, and pause if it is full."""
         reading = read_tcp_info(self._socket)
         if reading is None:
-            self.unseen_bytes = MAX_UNSEEN_BYTES
+            self.room_bytes = self._most_room_bytes
             return
         link = self._link
         known = link.bytes_per_s
@@ -86,7 +97,7 @@ class Pacing:
             self._on_rate(link.bytes_per_s)
         on_the_way = reading.on_the_way_bytes + self._transport.get_write_buffer_size()
         room = link.window_bytes - on_the_way
-        self.unseen_bytes = min(room, MAX_UNSEEN_BYTES)
+        self.room_bytes = min(room, self._most_room_bytes)
         if room < 0 and self._timer is None:
             self._wait(0.0 if link.bytes_per_s is None else -room / link.bytes_per_s)
 
@@ -95,6 +106,11 @@ class Pacing:
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
+
+    @property
+    def _most_room_bytes(self) -> int:
+        """The most that may be written before the next look: nothing during a pause."""
+        return 0 if self._is_socket_full or self._timer is not None else MAX_UNSEEN_BYTES
 
     def _wait(self, drained_s: float) -> None:
         self.is_paused = True

@@ -21,8 +21,8 @@ from tests.ros.outside import Outside
 
 SCAN = "sensor_msgs/msg/LaserScan"
 ROOT = str(Path(gateway.__file__).parent)
-MAX_CALLS = 14
-MAX_FILES = 7
+MAX_CALLS = 12
+MAX_FILES = 5
 
 
 class Way:

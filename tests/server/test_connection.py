@@ -202,9 +202,11 @@ def test_little_waits_in_the_kernel_and_not_for_long(wire: Wire):
 @pytest.mark.parametrize("closed_by", ["peer", "gateway"])
 def test_nothing_goes_behind_a_close_frame(wire: Wire, closed_by: str):
     assert wire.connection.session is not None
-    queue = wire.connection.session.outbox.open_queue(1, None)
+    outbox = wire.connection.session.outbox
+    queue = outbox.open_queue(1, None)
     queue.put(Ready())
     assert wire.transport.unsent == b"ready"
+    assert outbox.paced is not None
     if closed_by == "peer":
         wire.receive(masked(Opcode.CLOSE, (1000).to_bytes(2, "big")))
     else:
@@ -215,6 +217,7 @@ def test_nothing_goes_behind_a_close_frame(wire: Wire, closed_by: str):
     queue.put(Ready())
     wire.connection.flush()
     assert wire.transport.unsent == until_closed
+    assert outbox.paced is None
 
 
 def test_a_message_of_10_mib_is_taken_and_a_larger_one_ends_the_connection(wire: Wire):

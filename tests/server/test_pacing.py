@@ -33,12 +33,18 @@ class Paced(Timers):
     def write(self, size: int) -> None:
         self.written += size
         self.pacing.wrote(size)
+        self.check()
+
+    def check(self) -> None:
+        """Whoever looks at the room alone does not write during a pause."""
+        assert not self.pacing.is_paused or self.pacing.room_bytes <= 0
 
     def drain(self, bytes_per_s: float, seconds: float) -> None:
         """Let the peer take something, millisecond by millisecond, while it is written to."""
         for _ in range(round(seconds * 1000)):
             self.acked = min(self.written, self.acked + round(bytes_per_s / 1000))
             self.run(0.001)
+            self.check()
             while not self.pacing.is_paused:
                 self.write(500)
 
@@ -85,6 +91,8 @@ def test_a_link_that_takes_everything_at_once_is_looked_at_once_in_a_while(paced
 def test_a_link_that_was_fast_is_looked_at_often_all_the_same(paced: Paced):
     paced.drain(100e6, 0.5)  # the window is large by now
     paced.acked = paced.written
+    paced.run(0.06)
+    assert not paced.pacing.is_paused
     paced.looks = 0
     for _ in range(10):
         paced.write(MAX_UNSEEN_BYTES + 1)
@@ -134,6 +142,7 @@ def test_a_full_socket_pauses_too_and_both_must_be_ready(paced: Paced):
     paced.acked = paced.written
     paced.run(1)
     assert (paced.pacing.is_paused, paced.resumed) == (True, 0)
+    paced.check()
     paced.pacing.socket_ready()
     assert (paced.pacing.is_paused, paced.resumed) == (False, 1)
 
@@ -143,6 +152,18 @@ def test_a_ready_socket_does_not_resume_a_full_link(paced: Paced):
     paced.write(FIRST_WINDOW_BYTES + 1)
     paced.pacing.socket_ready()
     assert (paced.pacing.is_paused, paced.resumed) == (True, 0)
+
+
+@pytest.mark.parametrize("is_known", [True, False])
+def test_a_full_socket_has_no_room_though_its_link_has(paced: Paced, *, is_known: bool):
+    paced.is_known = is_known
+    paced.pacing.socket_full()
+    paced.check()
+    paced.pacing.look()
+    paced.check()
+    paced.pacing.socket_ready()
+    paced.write(1)
+    assert paced.pacing.room_bytes > 0
 
 
 def test_closed_it_looks_no_more(paced: Paced):

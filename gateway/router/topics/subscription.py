@@ -61,10 +61,12 @@ class Subscription:
         "_throttle",
         "_timer",
         "adaptation",
+        "is_plain",
         "last_refusal",
         "lost_before",
         "offered",
         "options",
+        "outbox",
         "past",
         "queue",
         "requested_name",
@@ -90,12 +92,11 @@ class Subscription:
         *on_step* is called when its pictures are to have another size.
         """
         self.session = session
+        self.outbox = session.outbox
         self.requested_name = requested_name
         self.topic_name = topic_name
         self.requests = requests
         self.options = options
-        self.shares_frames = not options.needs_own_frames
-        self._is_late = False
         self.source: Source | None = None
         self.last_refusal = ""  # of another source, as the client was warned
         self.offered = 0
@@ -108,6 +109,7 @@ class Subscription:
         self._on_step = on_step
         self._throttle = _throttle(options)
         self._timer: asyncio.TimerHandle | None = None  # while the throttle holds an entry
+        self.set_late(is_late=False)
 
     @property
     def newest_request(self) -> Subscribe:
@@ -177,6 +179,7 @@ class Subscription:
         """Note whether it gets retained samples, of which others have got frames long ago."""
         self._is_late = is_late
         self.shares_frames = not (is_late or self.options.needs_own_frames)
+        self.is_plain = self.shares_frames and self._throttle is None
 
     def clear(self) -> None:
         """Deliver nothing of what has come so far."""

@@ -17,6 +17,7 @@ from gateway.protocol.outbox import NOT_READY, NOTHING, Frame
 from gateway.protocol.session import Session
 from gateway.protocol.subscription_options import SubscriptionOptions
 from gateway.router.topic_counts import TopicCounts
+from gateway.router.topics.fan_out import write_at_once
 from gateway.router.topics.subscription import Subscription
 
 LONG = 3_600_000
@@ -41,10 +42,12 @@ class Item:
 class Client:
     """A session whose socket may be busy, and its subscription."""
 
+    room_bytes = 0  # for what is written without asking whether it is busy
+
     def __init__(self, **options: Any) -> None:
         self.session = Session(Limits(send_queue_bytes=64 * 1024), lambda: None)
         self.session.outbox.max_bytes = 60
-        self.session.outbox.write_directly = self._write
+        self.session.outbox.connect(self._write_directly, self)
         self.counts = TopicCounts()
         self.subscription = Subscription(
             *(self.session, "/t", TopicName("/t"), *requested(**options)),
@@ -54,7 +57,11 @@ class Client:
         self.written = 0
         self.offered = 0
 
-    def _write(self, entry: Any) -> int:
+    def write(self, frame: bytes) -> None:
+        assert not self.session.outbox.size
+        self.written += 1
+
+    def _write_directly(self, entry: Any) -> int:
         frame = entry.frame()
         if self.is_busy or not isinstance(frame, bytes):
             return 0
@@ -69,11 +76,14 @@ class Client:
             case ("offer", kind, more):
                 self.offered += 1
                 entry = Item(kind, is_being_encoded=kind == "not ready" and more)
-                self.subscription.offer(entry, self.offered, more=more)
+                for rest in write_at_once(entry, [self.subscription]):
+                    rest.offer(entry, self.offered, more=more)
             case ("take", size):
                 self.take(size)
             case ("busy", is_busy):
                 self.is_busy = is_busy
+            case ("room", size):
+                self.room_bytes = size
             case ("interval",):
                 self.subscription._on_interval()
             case ("change", options):
@@ -111,6 +121,7 @@ steps = st.lists(
         ),
         st.tuples(st.just("take"), st.sampled_from([5, 25, 1000])),
         st.tuples(st.just("busy"), st.booleans()),
+        st.tuples(st.just("room"), st.sampled_from([0, 5, 25, 1000])),
         st.tuples(st.just("interval")),
         st.tuples(st.just("change"), options),
         st.tuples(st.just("clear")),
