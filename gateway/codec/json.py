@@ -7,9 +7,8 @@ that two readers of one frame never see two different messages.
 
 import json
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
-from itertools import chain
 from typing import Any, Final
 
 import orjson
@@ -145,11 +144,14 @@ def _count_names(value: object, max_depth: int) -> int:
         depth += 1
         if depth > max_depth:
             raise _too_deep(max_depth)
-        objects = [each for each in level if type(each) is dict]
-        arrays = [each for each in level if type(each) is list]
-        names += sum(map(len, objects))
-        items = chain(chain.from_iterable(map(dict.values, objects)), chain.from_iterable(arrays))
-        level = [item for item in items if type(item) in _CONTAINERS]
+        parts: list[Iterable[Any]] = []
+        for each in level:
+            if type(each) is dict:
+                names += len(each)
+                parts.append(each.values())
+            else:
+                parts.append(each)
+        level = [item for part in parts for item in part if type(item) in _CONTAINERS]
     return names
 
 
