@@ -52,8 +52,11 @@ class Entry(Protocol):
         """Return the bytes to send, WebSocket header included, or why there are none."""
 
 
-class Paced(Protocol):
-    """A client's socket, for frames that need not wait; see `gateway.server.pacing`."""
+class PacedSocket(Protocol):
+    """A client's socket, for frames that need not wait; see `gateway.server.pacing`.
+
+    Whoever writes takes the bytes off the room, afterwards: `write` may itself leave none.
+    """
 
     room_bytes: int
     """The bytes that may be written now; none or fewer while the socket or the link is full."""
@@ -226,7 +229,7 @@ class Outbox:
         self.max_bytes = max_bytes
         # of a connection, while it is open
         self.write_directly: WriteDirectly | None = None
-        self.paced: Paced | None = None
+        self.socket: PacedSocket | None = None
         self.size = 0
         self.control_sent = 0
         self._control: deque[bytes] = deque()
@@ -271,14 +274,14 @@ class Outbox:
         """The number of frames that were taken, control frames included."""
         return self.control_sent + self._past_sent + sum(queue.sent for queue in self._queues)
 
-    def connect(self, write_directly: WriteDirectly, paced: Paced) -> None:
+    def connect(self, write_directly: WriteDirectly, socket: PacedSocket) -> None:
         """Write past the queues from now on what need not wait."""
         self.write_directly = write_directly
-        self.paced = paced
+        self.socket = socket
 
     def disconnect(self) -> None:
         """Write nothing any more but what is taken."""
-        self.write_directly = self.paced = None
+        self.write_directly = self.socket = None
 
     def open_queue(self, depth: int, max_bytes: int | None) -> Queue:
         """Add a queue."""

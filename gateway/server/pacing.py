@@ -56,7 +56,7 @@ class Pacing:
         self.is_paused = False
         # before the link is to be looked at; 0 or less while it is paused
         self.room_bytes = self._link.window_bytes
-        self.write: Callable[[bytes], object] = transport.write  # does not count what it writes
+        self.write: Callable[[bytes], object] = transport.write  # of a `PacedSocket`
 
     @property
     def taken_bytes(self) -> int | None:

@@ -166,7 +166,7 @@ def test_a_full_socket_has_no_room_though_its_link_has(paced: Paced, *, is_known
     assert paced.pacing.room_bytes > 0
 
 
-def test_a_pong_that_is_written_during_a_pause_does_not_end_it(paced: Paced):
+def test_a_part_of_a_picture_that_is_written_during_a_pause_does_not_end_it(paced: Paced):
     paced.write(FIRST_WINDOW_BYTES + 1)
     paced.acked = paced.written
     paced.write(1)  # looks at the link, which has drained; then checks that there is no room

@@ -61,7 +61,7 @@ class Subscription:
         "_throttle",
         "_timer",
         "adaptation",
-        "is_plain",
+        "is_direct",
         "last_refusal",
         "lost_before",
         "offered",
@@ -93,6 +93,7 @@ class Subscription:
         """
         self.session = session
         self.outbox = session.outbox
+        self._is_late = False
         self.requested_name = requested_name
         self.topic_name = topic_name
         self.requests = requests
@@ -109,7 +110,7 @@ class Subscription:
         self._on_step = on_step
         self._throttle = _throttle(options)
         self._timer: asyncio.TimerHandle | None = None  # while the throttle holds an entry
-        self.set_late(is_late=False)
+        self._note_frames()
 
     @property
     def newest_request(self) -> Subscribe:
@@ -161,7 +162,7 @@ class Subscription:
             self._throttle = _throttle(options)
         self.requests = requests
         self.options = options
-        self.set_late(is_late=self._is_late)
+        self._note_frames()
         self.queue.depth, self.queue.max_bytes = options.queue_bounds
 
     def follow_link(self, *, adapts: bool) -> None:
@@ -178,8 +179,7 @@ class Subscription:
     def set_late(self, *, is_late: bool) -> None:
         """Note whether it gets retained samples, of which others have got frames long ago."""
         self._is_late = is_late
-        self.shares_frames = not (is_late or self.options.needs_own_frames)
-        self.is_plain = self.shares_frames and self._throttle is None
+        self._note_frames()
 
     def clear(self) -> None:
         """Deliver nothing of what has come so far."""
@@ -212,6 +212,11 @@ class Subscription:
         throttle = self._throttle
         if not self.queue.pending and not throttle:
             self._on_timed(arrived_ns)
+
+    def _note_frames(self) -> None:
+        self.shares_frames = not (self._is_late or self.options.needs_own_frames)
+        # each shared frame goes out as it comes, but to ROS#, which says later what it is
+        self.is_direct = self.shares_frames and self._throttle is None
 
     def _fit(self, size: int) -> None:
         """Judge by a picture that is sent whether the next ones need another size."""

@@ -19,7 +19,7 @@ from gateway.router.topics.encoding import (
     SharedFrame,
     make_encoding,
 )
-from gateway.router.topics.fan_out import write_at_once
+from gateway.router.topics.fan_out import write_directly
 from gateway.router.topics.large_samples import EncodedTopic, EncodingResources
 from gateway.router.topics.late_join import LateJoin
 from gateway.router.topics.sample_faults import SampleFaults
@@ -161,7 +161,10 @@ class Topic:
             for seq, sample in enumerate(samples, first_seq):
                 shared = SharedFrame(encoding, sample, seq)
                 size += shared.size
-                for subscription in write_at_once(shared, encoding.subscriptions):
+                everyone = encoding.subscriptions
+                # several go by the queues, where newer ones take the place of older ones
+                others = everyone if more else write_directly(shared, everyone)
+                for subscription in others:
                     if subscription.shares_frames and not subscription.session.is_ros_sharp:
                         has_waiting |= subscription.offer(shared, now_ns, more=more)
                     elif self._passes(subscription, seq, sample):

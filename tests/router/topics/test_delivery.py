@@ -17,7 +17,7 @@ from gateway.protocol.outbox import NOT_READY, NOTHING, Frame
 from gateway.protocol.session import Session
 from gateway.protocol.subscription_options import SubscriptionOptions
 from gateway.router.topic_counts import TopicCounts
-from gateway.router.topics.fan_out import write_at_once
+from gateway.router.topics.fan_out import write_directly
 from gateway.router.topics.subscription import Subscription
 
 LONG = 3_600_000
@@ -42,7 +42,7 @@ class Item:
 class Client:
     """A session whose socket may be busy, and its subscription."""
 
-    room_bytes = 0  # for what is written without asking whether it is busy
+    _room_bytes = 0
 
     def __init__(self, **options: Any) -> None:
         self.session = Session(Limits(send_queue_bytes=64 * 1024), lambda: None)
@@ -57,7 +57,16 @@ class Client:
         self.written = 0
         self.offered = 0
 
+    @property
+    def room_bytes(self) -> int:
+        return 0 if self.is_busy else self._room_bytes
+
+    @room_bytes.setter
+    def room_bytes(self, size: int) -> None:
+        self._room_bytes = size
+
     def write(self, frame: bytes) -> None:
+        assert not self.is_busy
         assert not self.session.outbox.size
         self.written += 1
 
@@ -76,7 +85,7 @@ class Client:
             case ("offer", kind, more):
                 self.offered += 1
                 entry = Item(kind, is_being_encoded=kind == "not ready" and more)
-                for rest in write_at_once(entry, [self.subscription]):
+                for rest in write_directly(entry, [self.subscription]):
                     rest.offer(entry, self.offered, more=more)
             case ("take", size):
                 self.take(size)

@@ -14,7 +14,7 @@ from gateway.protocol.outbox import NOT_READY, NOTHING, Frame
 from gateway.protocol.session import Session
 from gateway.protocol.subscription_options import SubscriptionOptions
 from gateway.router.topic_counts import TopicCounts
-from gateway.router.topics.fan_out import write_at_once
+from gateway.router.topics.fan_out import write_directly
 from gateway.router.topics.subscription import Subscription
 
 FRAME = b"a frame of a sample"
@@ -56,7 +56,7 @@ class Client:
 
 def fan_out(entry: Entry, clients: list[Client]) -> list[Client]:
     """Return the clients that have got nothing."""
-    others = write_at_once(entry, [client.subscription for client in clients])
+    others = write_directly(entry, [client.subscription for client in clients])
     return [client for client in clients if client.subscription in others]
 
 
@@ -126,6 +126,19 @@ def test_whoever_cannot_take_it_now_is_left_to_others_and_delays_nobody(
 def test_who_wants_another_pace_or_frame_is_left_to_others(options: dict[str, Any]):
     clients = [Client(), Client(**options)]
     assert fan_out(Entry(), clients) == [clients[1]]
+
+
+def test_a_socket_that_a_write_fills_has_no_room_left():
+    client = Client()
+
+    def fill(frame: bytes) -> None:
+        client.written.append(frame)
+        client.room_bytes = min(client.room_bytes, 0)  # as a pause of the transport does
+
+    client.write = fill  # type: ignore[method-assign]
+    assert fan_out(Entry(), [client]) == []
+    assert fan_out(Entry(), [client]) == [client]
+    assert client.written == [FRAME]
 
 
 def test_options_that_change_later_count_from_then_on():

@@ -312,6 +312,30 @@ async def test_what_dds_has_lost_is_counted_and_its_numbers_are_left_out(
     late = subscription()
     topic.add(late, PLAIN)
     assert (silent.lost, late.lost) == (7, 0)
+    assert topic._counts.lost == 7  # of /metrics
+
+
+class Socket:
+    """A socket with room for everything."""
+
+    room_bytes = 1 << 20
+
+    def __init__(self) -> None:
+        self.written: list[bytes] = []
+
+    def write(self, frame: bytes) -> None:
+        self.written.append(frame)
+
+
+async def test_of_samples_that_come_together_a_client_gets_what_its_queue_keeps(topic: Topic):
+    socket = Socket()
+    one = subscription(queue_length=1)
+    one.session.outbox.connect(lambda _: 0, socket)
+    topic.add(one, PLAIN)
+    topic._on_samples([sample("a"), sample("b"), sample("c")])
+    assert (socket.written, received(one)) == ([], ["c"])
+    topic._on_samples([sample("d")])
+    assert (len(socket.written), one.delivery.sent) == (1, 2)
 
 
 async def test_a_throttled_subscription_gets_the_newest_at_the_end_and_counts_the_others(
