@@ -21,7 +21,9 @@ class Count:
 
     def __init__(self) -> None:
         self.dropped = 0
+        self.step = 0  # that it grows by with each message
         self.answers_pings = True
+        self.held: list[str] | None = None  # what is on its way to the page, while that is held up
         self.is_sent = asyncio.Event()  # a message with that count
 
     def set(self, dropped: int) -> None:
@@ -29,12 +31,25 @@ class Count:
         self.dropped = dropped
         self.is_sent.clear()
 
+    def release(self) -> None:
+        """Let the page have what is on its way, in its order."""
+        held, self.held = self.held or [], None
+        for message in held:
+            self._send(message)
+
     def take(self, route) -> None:
         server = route.connect_to_server()
 
         def pass_on(message):
-            if self.answers_pings or '"op":"pong"' not in message[:40]:
-                route.send(self._changed(message))
+            if not self.answers_pings and '"op":"pong"' in message[:40]:
+                return
+            changed = self._changed(message)
+            if self.held is None:
+                route.send(changed)
+            else:
+                self.held.append(changed)
+
+        self._send = route.send
 
         server.on_message(pass_on)
 
@@ -42,6 +57,7 @@ class Count:
         if '"op":"publish"' not in message[:40]:
             return message
         self.is_sent.set()
+        self.dropped += self.step
         return json.dumps(json.loads(message) | {"dropped": self.dropped})
 
 
@@ -89,4 +105,20 @@ async def test_what_a_rate_leaves_out_is_no_drop_and_the_rate_is_said(demo, open
         assert await page.evaluate(f"() => {BAR}") == "0"
         count.set(403)
         await until(page, f"() => / 3 dropped/.test({FOOTER})")
+        forgive_the_first_address(page)
+
+
+async def test_what_a_rate_left_out_is_no_drop_where_its_last_messages_come_late(demo, open_page):
+    async with open_page("about:blank") as page:
+        count = await opened_at(page, demo, PLOT.format(rate=5))
+        await until(page, f"() => {FOOTER}.endsWith('limited to 5 Hz by this page')")
+        count.held, count.step = [], 400
+        while sum('"op": "publish"' in message for message in count.held) < 2:
+            await asyncio.sleep(0.01)
+        count.step = 0
+        await page.select_option(f"{card('/imu')} select[aria-label^=rate]", "0")
+        count.release()
+        await until(page, f"() => /^[1-9]\\d Hz/.test({FOOTER}) && !/limited/.test({FOOTER})")
+        assert "dropped" not in await page.evaluate(f"() => {FOOTER}")
+        assert await page.evaluate(f"() => {BAR}") == "0"
         forgive_the_first_address(page)

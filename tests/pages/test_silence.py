@@ -105,3 +105,24 @@ async def test_a_gateway_that_takes_connections_and_answers_nothing_is_tried_aga
         await page.wait_for_function("() => sockets.length > 2")
         await page.evaluate("() => { isNight = false; }")
         await page.wait_for_selector(".state[data-state=open]")
+
+
+async def test_a_page_tries_again_at_the_latest_every_two_seconds(demo, open_page):
+    attempts = """async () => {
+        const { Gateway } = await import("/shared/gateway.js");
+        const pauses = [];
+        window.WebSocket = class {
+            constructor() {
+                queueMicrotask(() => this.onclose({ code: 1006, reason: "" }));
+            }
+        };
+        return new Promise((resolve) => {
+            window.setTimeout = (attempt, pause) => {
+                if (pauses.push(pause) === 6) resolve(pauses);
+                else queueMicrotask(attempt);
+            };
+            new Gateway().connect();
+        });
+    }"""
+    async with open_page(page_address(demo)) as page:
+        assert await page.evaluate(attempts) == [500, 1000, 2000, 2000, 2000, 2000]

@@ -10,7 +10,7 @@ import { Pulse } from "./pulse.js";
 import * as tokens from "./token.js";
 
 const FIRST_RETRY_MS = 500;
-const LAST_RETRY_MS = 8000;
+const LAST_RETRY_MS = 2000; // a person waits, and stands in a hall with holes in its radio
 const WRONG_TOKEN = 4401;
 // What a warning says of the topic, and not of one request for it.
 const OF_TOPIC = [
@@ -160,8 +160,11 @@ export class Gateway extends EventTarget {
     this.#send(subscription);
     if (before && this.throttleOf(topic) === 0) this.#settleDrops(topic);
     return () => {
+      const throttle = this.throttleOf(topic);
       if (this.#subscriptions.delete(id)) this.send({ op: "unsubscribe", id, topic });
-      if (this.#merge(topic)) return;
+      const isHeard = this.#merge(topic);
+      if (throttle && !this.throttleOf(topic)) this.#settleDrops(topic); // what is on its way may be heard by the next subscription
+      if (isHeard) return;
       this.arrivals.delete(topic);
       this.#drops.delete(topic);
     };
