@@ -79,6 +79,23 @@ def test_many_small_topics_leave_the_large_one_its_share():
     assert abs(topics.got[20] / 1_000_000 - LARGE_SHARE) < 0.02
 
 
+@given(
+    st.lists(st.integers(400, LARGE_FRAME_BYTES), min_size=1, max_size=6),
+    st.lists(st.integers(LARGE_FRAME_BYTES + 1, 60_000), max_size=3),
+    st.integers(1, 2000),  # five of the smallest: all topics have so much to send
+)
+def test_whoever_always_has_something_to_send_gets_its_share(small, large, chunk):
+    topics = Topics(*small, *large)
+    topics.send(10 * (sum(small) + sum(large)), chunk)
+    got = [topics.got[topic] for topic in range(len(topics.sizes))]
+    of_small, of_large = got[: len(small)], got[len(small) :]
+    assert max(of_small) - min(of_small) <= 2 * max(small)
+    if large:
+        assert max(of_large) - min(of_large) <= 2 * max(large)
+        behind = sum(of_small) / (1 - LARGE_SHARE) - sum(of_large) / LARGE_SHARE
+        assert abs(behind) <= 2 * (max(small) / (1 - LARGE_SHARE) + max(large) / LARGE_SHARE)
+
+
 def test_a_kind_that_had_nothing_to_send_for_long_is_owed_nothing():
     topics = Topics(45_000)
     topics.send(10_000_000)

@@ -150,7 +150,7 @@ async def is_one_too_many(served: Served) -> None:
         (has_no_key, "INFO", "gateway", "handshake", 400, "400 Failed to open"),
         (closes, "INFO", "client", "closed", 3001, "3001 tired\nof it"),
         (vanishes, "INFO", "network", "lost", None, "no closing handshake"),
-        (is_reset, "INFO", "network", "lost", None, ""),
+        (is_reset, "INFO", "network", "lost", None, "connection reset by peer"),
         (sends_a_broken_frame, "INFO", "gateway", "protocol_error", 1002, "1002 invalid opcode"),
         (sends_no_utf_8, "INFO", "gateway", "invalid_data", 1007, "1007 not UTF-8: byte 0xff"),
         (sends_too_much, "INFO", "gateway", "message_too_big", 1009, "1009 message too large"),
