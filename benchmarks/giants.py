@@ -75,6 +75,7 @@ def marker() -> Marker:
 
 GIANTS: Final[dict[str, Giant]] = {
     "map": Giant(grid),
+    "map-png": Giant(grid, {"image": {"format": "png"}}),
     "map-cbor": Giant(grid, {"compression": "cbor"}),
     "cloud": Giant(cloud),
     "cloud-fields": Giant(cloud, {"fields": ["header", "data"]}),

@@ -21,7 +21,15 @@ _HEAD_END: Final = b"\r\n\r\n"
 class RawConnection:
     """Connected on return; operations go out, payloads come in."""
 
-    def __init__(self, url: str, room: int = 1 << 20, *, handshake_s: float = _HANDSHAKE_S) -> None:
+    def __init__(
+        self,
+        url: str,
+        room: int = 1 << 20,
+        *,
+        handshake_s: float = _HANDSHAKE_S,
+        receive_buffer_bytes: int | None = None,
+    ) -> None:
+        """*room* is what is read at once; the kernel doubles the bytes of its buffer."""
         uri = parse_uri(url)
         self._writing = threading.Lock()
         self._walker = FrameWalker(room)
@@ -29,6 +37,8 @@ class RawConnection:
         self._socket = socket.create_connection((uri.host, uri.port), timeout=handshake_s)
         try:
             self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            if receive_buffer_bytes is not None:
+                self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer_bytes)
             self._shake_hands(ClientProtocol(uri))
         except BaseException:
             self._socket.close()

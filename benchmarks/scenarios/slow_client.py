@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One client that reads nothing beside some that do: the frames of these, and the memory."""
+"""One client that reads nothing, or slowly, beside some that read: their frames, and the memory."""
 
 import contextlib
 import statistics
@@ -18,12 +18,13 @@ _RATES_HZ: Final = {"image": 30.0, "odometry": 100.0}
 _FAST: Final = 3
 _WARM_UP_S: Final = 3.0
 _SECONDS: Final = 20.0  # enough for a server to cut the slow client off
+_SLOW: Final = {"without": None, "one mute": 0, "one at 50 kB/s": 50_000}  # bytes per second
 
 
 def measure(plan: Plan) -> list[Figure]:
     """Print a table and return the figures."""
-    print(f"{_FAST} clients that read, for {_SECONDS:g} s, without and with one that does not")
-    print(f"  {'':16}{'':10}{'memory grows, MB':>18}", end="")
+    print(f"{_FAST} clients that read, for {_SECONDS:g} s, without and with one that is slow")
+    print(f"  {'':16}{'':16}{'memory grows, MB':>18}", end="")
     print("".join(f"{f'{name}, % got':>18}{'p99 ms':>8}" for name in _RATES_HZ))
     figures: list[Figure] = []
     with contextlib.ExitStack() as stack:
@@ -32,13 +33,14 @@ def measure(plan: Plan) -> list[Figure]:
             for name, rate_hz in _RATES_HZ.items()
         }
         for server in plan.servers:
-            figures += _measure(server, publishers, slow=False)
-            figures += _measure(server, publishers, slow=True)
+            for case in _SLOW:
+                figures += _measure(server, publishers, case)
     return figures
 
 
-def _measure(server: MeasuredServer, publishers: dict[str, Process], *, slow: bool) -> list[Figure]:
-    case = "with" if slow else "without"
+def _measure(server: MeasuredServer, publishers: dict[str, Process], case: str) -> list[Figure]:
+    bytes_per_s = _SLOW[case]
+    end = ""
     with contextlib.ExitStack() as stack:
         url, process = stack.enter_context(server.running())
         clients = [stack.enter_context(acting("client", url, *_RATES_HZ)) for _ in range(_FAST)]
@@ -47,16 +49,19 @@ def _measure(server: MeasuredServer, publishers: dict[str, Process], *, slow: bo
             wait_until(partial(_has_all, client), f"a client gets {list(_RATES_HZ)}")
         time.sleep(_WARM_UP_S)
         before_mb = memory_mb(process.pid)
-        if slow:
-            stack.enter_context(acting("mute", url, *_RATES_HZ)).answer()
+        if bytes_per_s is not None:
+            slow = stack.enter_context(acting("slow_reader", url, bytes_per_s, *_RATES_HZ))
+            slow.answer()
         for client in clients:
             client.ask("clear")
         before = {name: one.ask("count") for name, one in publishers.items()}
         most_mb = _most_memory_mb(process)
         seen = [client.ask("report") for client in clients]
         sent = {name: one.ask("count") - before[name] for name, one in publishers.items()}
-    line = f"  {server.name:16}{case:10}{most_mb - before_mb:18.1f}"
-    name = f"{server.name} {case} a slow client"
+        if bytes_per_s:
+            end = ", kept" if slow.ask("is_connected") else ", cut off"
+    line = f"  {server.name:16}{case + end:16}{most_mb - before_mb:18.1f}"
+    name = f"{server.name} beside slow clients, {case}"
     figures = [Figure(_SCENARIO, f"{name}, memory grows", most_mb - before_mb, "MB")]
     for sample in _RATES_HZ:
         # frames in transit at either end count as received

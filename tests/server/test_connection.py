@@ -206,7 +206,7 @@ def test_nothing_goes_behind_a_close_frame(wire: Wire, closed_by: str):
     queue = outbox.open_queue(1, None)
     queue.put(Ready())
     assert wire.transport.unsent == b"ready"
-    assert outbox.paced is not None
+    assert outbox.socket is not None
     if closed_by == "peer":
         wire.receive(masked(Opcode.CLOSE, (1000).to_bytes(2, "big")))
     else:
@@ -217,7 +217,7 @@ def test_nothing_goes_behind_a_close_frame(wire: Wire, closed_by: str):
     queue.put(Ready())
     wire.connection.flush()
     assert wire.transport.unsent == until_closed
-    assert outbox.paced is None
+    assert outbox.socket is None
 
 
 def test_a_message_of_10_mib_is_taken_and_a_larger_one_ends_the_connection(wire: Wire):
