@@ -6,6 +6,7 @@ import json
 
 import pytest
 
+from tests.client import eventually
 from tests.pages.conftest import page_address
 from tests.pages.test_debug_page import card, until
 
@@ -113,8 +114,8 @@ async def test_what_a_rate_left_out_is_no_drop_where_its_last_messages_come_late
         count = await opened_at(page, demo, PLOT.format(rate=5))
         await until(page, f"() => {FOOTER}.endsWith('limited to 5 Hz by this page')")
         count.held, count.step = [], 400
-        while sum('"op": "publish"' in message for message in count.held) < 2:
-            await asyncio.sleep(0.01)
+        of_imu = '"op": "publish"'
+        await eventually(lambda: sum(of_imu in message for message in count.held) >= 2)
         count.step = 0
         await page.select_option(f"{card('/imu')} select[aria-label^=rate]", "0")
         count.release()

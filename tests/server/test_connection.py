@@ -3,7 +3,9 @@
 
 import asyncio
 import errno
+import itertools
 import json
+import random
 import re
 import socket
 from collections.abc import AsyncIterator, Callable
@@ -12,6 +14,8 @@ from typing import Any
 import pytest
 from websockets.frames import Opcode
 
+from gateway.codec.types import Types
+from gateway.ports import Sample
 from gateway.protocol.session import Session
 from gateway.server import connection as connection_module
 from gateway.server import inbound as inbound_module
@@ -20,6 +24,7 @@ from gateway.server.connection import Connection
 from gateway.server.end import End
 from gateway.server.inbound import READ_COST_S
 from gateway.server.server import Server
+from schemas.installed import InstalledDefinitions
 from tests.ros.fake import FakeRos
 from tests.server.conftest import Serve
 from tests.server.test_server import masked, upgrade
@@ -218,6 +223,31 @@ def test_nothing_goes_behind_a_close_frame(wire: Wire, closed_by: str):
     wire.connection.flush()
     assert wire.transport.unsent == until_closed
     assert outbox.socket is None
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_samples_come_in_their_order_whatever_way_they_go(wire: Wire, seed: int):
+    chance = random.Random(seed)
+    subscribe = b'{"op":"subscribe","topic":"/chatter","type":"std_msgs/String","queue_length":100}'
+    wire.receive(masked(Opcode.TEXT, subscribe))
+    (subscription,) = wire.ros.subscriptions
+    encode = Types(InstalledDefinitions()).get("std_msgs/msg/String").encode
+    numbers = iter(range(60))
+    is_full = False
+    while batch := list(itertools.islice(numbers, chance.choice([1, 1, 1, 3]))):
+        cdrs = [encode({"data": f"no {number}."}, now_ns=0) for number in batch]
+        before = wire.transport.unsent
+        subscription.on_samples([Sample(cdr, 0) for cdr in cdrs])
+        assert not is_full or wire.transport.unsent == before
+        if chance.random() < 0.3:
+            is_full = not is_full
+            (wire.connection.pause_writing if is_full else wire.connection.resume_writing)()
+    if is_full:
+        wire.connection.resume_writing()
+    came = [int(found) for found in re.findall(rb"no (\d+)\.", wire.transport.unsent)]
+    assert came == list(range(60))
+    assert wire.connection.session is not None
+    assert wire.connection.session.outbox.sent == 60
 
 
 def test_a_message_of_10_mib_is_taken_and_a_larger_one_ends_the_connection(wire: Wire):
