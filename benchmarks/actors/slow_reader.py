@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A client that subscribes and then reads slowly: ``URL BYTES_PER_S SAMPLE ...`` as arguments.
 
-At 0 bytes per second it reads nothing. The order ``is_connected`` tells whether a reader is.
+At 0 bytes per second it reads nothing. The order ``is_connected`` is for one that reads.
 """
 
 import sys
