@@ -299,10 +299,10 @@ async def test_the_address_keeps_the_type_that_was_chosen(open_page, served):
 
 
 async def test_a_number_without_neighbours_is_a_dot(open_card):
+    # each time anew: a busy machine may lay the card out after the first ones were drawn
+    once_more = "take({ data: 5 }); take({ data: NaN }); drawn()"
     async with open_card("plot", fields=["data"]) as page:
-        for value in ("5", "NaN", "5", "NaN"):
-            await page.evaluate(f"() => {{ take({{ data: {value} }}); drawn(); }}")
-        seen = f"about => ({COUNT})(about) > 20"
+        seen = f"about => {{ {once_more}; return ({COUNT})(about) > 20; }}"
         await until(page, seen, ["article canvas", "--series-1"])
 
 
