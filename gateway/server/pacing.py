@@ -25,20 +25,6 @@ class Pacing:
     second when it has changed; ``None`` when the link is fast again.
     """
 
-    __slots__ = (
-        "_is_socket_full",
-        "_link",
-        "_on_rate",
-        "_on_resumed",
-        "_socket",
-        "_timer",
-        "_transport",
-        "_wait_s",
-        "is_paused",
-        "room_bytes",
-        "write",
-    )
-
     def __init__(
         self,
         transport: asyncio.Transport,

@@ -18,14 +18,15 @@ def write_directly(entry: Entry, subscriptions: Sequence[Subscription]) -> Seque
     frame: bytes | None = None
     size = 0
     for subscription in subscriptions:
-        outbox = subscription.outbox
+        session = subscription.session
+        outbox = session.outbox
         socket = outbox.socket
         if (
             socket is None
             or outbox.size
             or socket.room_bytes <= 0
             or not subscription.is_direct
-            or subscription.session.is_ros_sharp
+            or session.is_ros_sharp
         ):
             others.append(subscription)
             continue

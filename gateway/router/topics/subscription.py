@@ -66,7 +66,6 @@ class Subscription:
         "lost_before",
         "offered",
         "options",
-        "outbox",
         "past",
         "queue",
         "requested_name",
@@ -92,7 +91,6 @@ class Subscription:
         *on_step* is called when its pictures are to have another size.
         """
         self.session = session
-        self.outbox = session.outbox
         self._is_late = False
         self.requested_name = requested_name
         self.topic_name = topic_name
