@@ -24,7 +24,7 @@ _SLOW: Final = {"without": None, "one mute": 0, "one at 50 kB/s": 50_000}  # byt
 def measure(plan: Plan) -> list[Figure]:
     """Print a table and return the figures."""
     print(f"{_FAST} clients that read, for {_SECONDS:g} s, without and with one that is slow")
-    print(f"  {'':16}{'':16}{'memory grows, MB':>18}", end="")
+    print(f"  {'':16}{'':24}{'memory grows, MB':>18}", end="")
     print("".join(f"{f'{name}, % got':>18}{'p99 ms':>8}" for name in _RATES_HZ))
     figures: list[Figure] = []
     with contextlib.ExitStack() as stack:
@@ -60,8 +60,8 @@ def _measure(server: MeasuredServer, publishers: dict[str, Process], case: str) 
         sent = {name: one.ask("count") - before[name] for name, one in publishers.items()}
         if bytes_per_s:
             end = ", kept" if slow.ask("is_connected") else ", cut off"
-    line = f"  {server.name:16}{case + end:16}{most_mb - before_mb:18.1f}"
-    name = f"{server.name} beside slow clients, {case}"
+    line = f"  {server.name:16}{case + end:24}{most_mb - before_mb:18.1f}"
+    name = f"{server.name}, slow client: {case}"
     figures = [Figure(_SCENARIO, f"{name}, memory grows", most_mb - before_mb, "MB")]
     for sample in _RATES_HZ:
         # frames in transit at either end count as received
