@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Callable, Hashable
 from typing import Final, NamedTuple
 
-from pydantic import ValidationError
+from pydantic import TypeAdapter, ValidationError
 
 from gateway.access.permissions import UNLIMITED, Action, Identity
 from gateway.codec import cbor_reader
@@ -37,6 +37,9 @@ ROS_SHARP_FRAGMENT_SIZE: Final = 2**31 - 1  # only ROS# sends it, with every req
 # what people type who do not know what to send; none of it is a JSON object
 _HELP: Final = frozenset({b"help", b"?", b"h", b"/help", b"--help", b'"help"', b"help()"})
 _MAX_HELP_BYTES: Final = 16  # of these, with blanks
+
+# of operations by name; through `model_validate` of the model each takes half a microsecond more
+_VALIDATORS: Final = {op: TypeAdapter(model).validator for op, model in OPERATIONS.items()}
 
 # the operations whose failure has a frame of its own, and the key that names their subject
 _NAMED_BY: Final = {"call_service": "service", "send_action_goal": "action"}
@@ -204,8 +207,7 @@ class Session:
             values = _object(data, self._max_json_depth, self._max_json_items)
             if values.get("fragment_size") == ROS_SHARP_FRAGMENT_SIZE:
                 self.is_ros_sharp = True
-            op = _readable_op(values)
-            return _operation(op, values)
+            return _operation(values)
         except ProtocolError as error:
             self.unreadable += error.code == "bad_json"
             self._refuse(error, _readable(values))
@@ -301,22 +303,24 @@ def _readable(values: dict[str, object]) -> _Asked:
     return _Asked(truncate(op), _readable_id(values.get("id")), values.get(_NAMED_BY.get(op, "")))
 
 
-def _readable_op(values: dict[str, object]) -> str:
+def _operation(values: dict[str, object]) -> ClientOperation | Fragment:
     op = values.get("op")
-    if op is None:
-        raise ProtocolError("bad_request", "op: missing; it names the operation")
-    if not isinstance(op, str):
-        raise ProtocolError("bad_request", "op: expected a string")
-    return truncate(op)
-
-
-def _operation(op: str, values: dict[str, object]) -> ClientOperation | Fragment:
-    model = OPERATIONS.get(op)
-    if model is None:
-        near = difflib.get_close_matches(op.lower(), OPERATIONS, n=1)
-        hint = f"; did you mean {near[0]}?" if near else f"; known are {', '.join(OPERATIONS)}"
-        raise ProtocolError("unknown_op", f"op: {op!r} is unknown{hint}")
+    validator = _VALIDATORS.get(op) if isinstance(op, str) else None
+    if validator is None:
+        raise _unknown(op)
     try:
-        return model.model_validate(values)
+        operation: ClientOperation | Fragment = validator.validate_python(values)
     except ValidationError as error:
         raise ProtocolError("bad_request", explain(error)) from error
+    return operation
+
+
+def _unknown(op: object) -> ProtocolError:
+    if op is None:
+        return ProtocolError("bad_request", "op: missing; it names the operation")
+    if not isinstance(op, str):
+        return ProtocolError("bad_request", "op: expected a string")
+    op = truncate(op)
+    near = difflib.get_close_matches(op.lower(), OPERATIONS, n=1)
+    hint = f"; did you mean {near[0]}?" if near else f"; known are {', '.join(OPERATIONS)}"
+    return ProtocolError("unknown_op", f"op: {op!r} is unknown{hint}")

@@ -9,12 +9,12 @@ socket takes them. So the rest waits in the outbox, where it can be dropped.
 import asyncio
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Final, cast
 
 from websockets.exceptions import InvalidMessage, PayloadTooBig
-from websockets.frames import Frame, Opcode
+from websockets.frames import Frame
 from websockets.http11 import Request, Response
 from websockets.protocol import CONNECTING, OPEN, Event
 
@@ -40,6 +40,7 @@ from gateway.server.end import (
     closed_by_gateway,
     ended_elsewhere,
 )
+from gateway.server.frame_reader import DATA
 from gateway.server.http import new_protocol
 from gateway.server.inbound import READ_CHUNK_BYTES, Inbound
 from gateway.server.inbound_text import receive_text
@@ -51,8 +52,6 @@ from gateway.server.protocol_output import ProtocolOutput
 from gateway.server.socket_options import tune
 
 logger = logging.getLogger(__name__)
-
-_DATA: Final = frozenset({Opcode.TEXT, Opcode.BINARY, Opcode.CONT})
 
 WRITE_HIGH_WATER_BYTES: Final = 64 * 1024  # beyond this, frames wait where they can be dropped
 
@@ -98,7 +97,7 @@ class Connection(asyncio.BufferedProtocol):
         self.spending = self._acceptor.budgets.open(self.address)
         self._inbound = Inbound(self, self._protocol, transport, self.spending)
         self._pacing = Pacing(transport, self._go_on, self._note_rate)
-        self._output = ProtocolOutput(self._protocol, transport, self._pacing)
+        self._output = ProtocolOutput(transport, self._pacing)
         self.is_encrypted = self._output.is_encrypted
         self._acceptor.arrive(self)
 
@@ -280,22 +279,22 @@ class Connection(asyncio.BufferedProtocol):
         """Handle one request or frame, or do what one that was handled has left to do."""
         if isinstance(event, Request):
             self._open(event)
-            return
-        if self._session is None or self._closing_s is not None or isinstance(event, Response):
-            return
-        if not isinstance(event, Frame):
+        elif self._session is None or self._closing_s is not None or isinstance(event, Response):
+            pass  # nobody is there for it any more, or yet
+        elif not isinstance(event, Frame):
             event()
         elif not self._frames.allow(time.monotonic_ns()):
             self.close(POLICY_VIOLATION, f"at most {self._limits.frames_per_s:g} frames per second")
-        elif event.opcode in _DATA:  # `websockets` answers pings, records pongs and closes
+        elif event.opcode in DATA:  # `websockets` answers pings, records pongs and closes
             message = self._assembly.add(event)
             if message is not None:
                 self._receive(message, is_text=self._assembly.is_text)
 
     def end_piece(self) -> None:
-        """Send what `websockets` answers by itself."""
-        self._explain_failure()
-        self._write_protocol_output()
+        """Send what `websockets` answers by itself; if it closes the connection, why, before."""
+        if output := self._protocol.data_to_send():
+            self._explain_failure()
+            self._write_output(output)
 
     def end_turn(self) -> None:
         """Carry out what was deferred until now."""
@@ -394,9 +393,12 @@ class Connection(asyncio.BufferedProtocol):
             session.outbox.drains(bytes_per_s)
 
     def _write_protocol_output(self, *, may_be_large: bool = False) -> None:
+        self._write_output(self._protocol.data_to_send(), may_be_large=may_be_large)
+
+    def _write_output(self, output: Sequence[bytes], *, may_be_large: bool = False) -> None:
         if self._session is not None and self._protocol.state is not OPEN:
             self._session.outbox.disconnect()  # a close frame must be the last one
-        if self._output.write(may_be_large=may_be_large):
+        if self._output.write(output, may_be_large=may_be_large):
             self.abort(Why("gateway", "abuse", "it sends pings and reads nothing"))
 
     # Time

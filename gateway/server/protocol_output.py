@@ -3,9 +3,8 @@
 
 import asyncio
 import contextlib
+from collections.abc import Sequence
 from typing import Final
-
-from websockets.server import ServerProtocol
 
 from gateway.server.pacing import Pacing
 
@@ -15,10 +14,7 @@ MAX_PROTOCOL_BACKLOG_BYTES: Final = 64 * 1024  # pongs for a peer that pings and
 class ProtocolOutput:
     """Writes it to the transport, past the outbox."""
 
-    def __init__(
-        self, protocol: ServerProtocol, transport: asyncio.Transport, pacing: Pacing
-    ) -> None:
-        self._protocol = protocol
+    def __init__(self, transport: asyncio.Transport, pacing: Pacing) -> None:
         self._transport = transport
         self._pacing = pacing
         self.is_encrypted = transport.get_extra_info("sslcontext") is not None
@@ -28,9 +24,11 @@ class ProtocolOutput:
         """Note that the socket has taken what was written so far."""
         self._backlog_bytes = 0
 
-    def write(self, *, may_be_large: bool) -> bool:
-        """Write all there is; return whether too much of it waits for a peer that does not read."""
-        output = self._protocol.data_to_send()
+    def write(self, output: Sequence[bytes], *, may_be_large: bool) -> bool:
+        """Write *output*; return whether too much of it waits for a peer that does not read.
+
+        An empty item is the end of all output.
+        """
         if not output or self._transport.is_closing():
             return False
         before = self._transport.get_write_buffer_size()
