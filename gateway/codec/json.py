@@ -144,14 +144,16 @@ def _count_names(value: object, max_depth: int) -> int:
         depth += 1
         if depth > max_depth:
             raise _too_deep(max_depth)
-        parts: list[Iterable[Any]] = []
+        below: list[Any] = []
         for each in level:
+            items: Iterable[Any] = each
             if type(each) is dict:
                 names += len(each)
-                parts.append(each.values())
-            else:
-                parts.append(each)
-        level = [item for part in parts for item in part if type(item) in _CONTAINERS]
+                items = each.values()
+            for item in items:
+                if type(item) in _CONTAINERS:
+                    below.append(item)  # noqa: PERF401  # a comprehension is a call for each
+        level = below
     return names
 
 
