@@ -25,7 +25,7 @@ namespace Ros2Gateway
         public int FirstPauseMilliseconds = 500;
 
         /// <summary>The longest pause between two attempts, in milliseconds.</summary>
-        public int LongestPauseMilliseconds = 10000;
+        public int LongestPauseMilliseconds = 2000;
 
         /// <summary>
         /// While a ping is unanswered for longer than this, in milliseconds, publishers refuse to send. It
