@@ -2,6 +2,8 @@
 """Slow links: how old are odometry, pictures and commands when they arrive?"""
 
 import contextlib
+import math
+import statistics
 import time
 from collections.abc import Iterator
 from functools import partial
@@ -39,7 +41,7 @@ def measure(plan: Plan) -> list[Figure]:
     for server in plan.servers:
         for bits_per_s in _LINKS_BITS_PER_S:
             for loss_percent in (0, _LOSS_PERCENT):
-                figures += _measure(server, bits_per_s, loss_percent)
+                figures += _measure(server, bits_per_s, loss_percent, plan.rounds)
     print(f"a link of {_OUTAGE_BITS_PER_S / 1e6:g} Mbit/s that was dead for {_OUTAGE_S:g} s")
     for server in plan.servers:
         figures += _return(server)
@@ -75,7 +77,9 @@ def _return(server: MeasuredServer) -> list[Figure]:
     ]
 
 
-def _measure(server: MeasuredServer, bits_per_s: int, loss_percent: int) -> list[Figure]:
+def _measure(
+    server: MeasuredServer, bits_per_s: int, loss_percent: int, rounds: int
+) -> list[Figure]:
     link = f"{bits_per_s / 1e6:g} Mbit/s" + (f", {loss_percent} % lost" if loss_percent else "")
     with two_networks() as networks:
         networks.shape(bits_per_s)
@@ -84,15 +88,15 @@ def _measure(server: MeasuredServer, bits_per_s: int, loss_percent: int) -> list
             return []
         with _receiving(server, networks) as (client, listener):
             time.sleep(_WARM_UP_S)
-            client.ask("clear")
-            listener.ask("clear")
-            time.sleep(_SECONDS)
-            seen = client.ask("report") | {"commands": listener.ask("report")["twist"]}
+            seen = [_round(client, listener) for _ in range(rounds)]
     line = f"  {server.name:16}{link:>18}"
     figures = []
-    for name, one in seen.items():
-        rate_hz = one["count"] / _SECONDS
-        p50_ms, p99_ms = one.get("p50_ms", float("nan")), one.get("p99_ms", float("nan"))
+    for name in seen[0]:
+        rate_hz = statistics.median(one[name]["count"] for one in seen) / _SECONDS
+        p50_ms, p99_ms = (
+            statistics.median(one[name].get(age, math.inf) for one in seen)
+            for age in ("p50_ms", "p99_ms")
+        )
         line += f"{rate_hz:14.1f}{p50_ms:8.0f}{p99_ms:8.0f}"
         case = f"{server.name} at {link}, {name}"
         figures.append(Figure(_SCENARIO, f"{case}, rate", rate_hz, "Hz"))
@@ -100,6 +104,15 @@ def _measure(server: MeasuredServer, bits_per_s: int, loss_percent: int) -> list
         figures.append(Figure(_SCENARIO, f"{case}, p99", p99_ms, "ms"))
     print(line, flush=True)
     return figures
+
+
+def _round(client: Process, listener: Process) -> dict[str, Any]:
+    """Return what came of each kind within `_SECONDS`."""
+    client.ask("clear")
+    listener.ask("clear")
+    time.sleep(_SECONDS)
+    seen: dict[str, Any] = client.ask("report")
+    return seen | {"commands": listener.ask("report")["twist"]}
 
 
 @contextlib.contextmanager
