@@ -152,7 +152,7 @@ def _count_names(value: object, max_depth: int) -> int:
                 items = each.values()
             for item in items:
                 if type(item) in _CONTAINERS:
-                    below.append(item)  # noqa: PERF401  # a comprehension is a call for each
+                    below.append(item)  # noqa: PERF401  # a comprehension is a call on Python 3.11
         level = below
     return names
 

@@ -2,18 +2,20 @@
 """What a client sends is read as `websockets` reads it, however it is cut and whatever is wrong."""
 
 import struct
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
-from websockets.frames import Frame
+from websockets.frames import Frame, Opcode
 from websockets.http11 import Request
-from websockets.protocol import OPEN
+from websockets.protocol import OPEN, Event
 from websockets.server import ServerProtocol
 
 from gateway.server.frame_reader import FrameReader
 from gateway.server.http import new_protocol
+from gateway.server.inbound import PIECE_BYTES
 
 REQUEST = (
     b"GET / HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
@@ -45,6 +47,8 @@ TEXT = frame(0x81, b"whole")
 BEGUN, ENDED = frame(0x01, b"begun"), frame(0x80, b"ended")
 PING, CLOSE = frame(0x89, b""), frame(0x88, b"")
 
+CONVERSATION = TEXT + BEGUN + PING + ENDED + TEXT + frame(0x82, digits(126))
+
 payloads = st.one_of(st.sampled_from(SIZES).map(digits), st.just(TEXT))
 messages = st.builds(frame, st.sampled_from([0x81, 0x82]), payloads)
 others = st.builds(
@@ -68,26 +72,34 @@ def opened(max_bytes: int = MAX_BYTES) -> ServerProtocol:
     return protocol
 
 
-def seen(event: object) -> tuple[object, ...]:
+class Alone:
+    """What `websockets` reads."""
+
+    def __init__(self, protocol: ServerProtocol) -> None:
+        self._protocol = protocol
+
+    def read(self, data: bytes) -> Sequence[Event]:
+        self._protocol.receive_data(data)
+        return self._protocol.events_received()
+
+
+def seen(event: Event) -> tuple[Opcode, bytes, bool]:
     assert isinstance(event, Frame)
-    return (event.opcode, bytes(event.data), event.fin)
+    assert type(event.opcode) is Opcode
+    return event.opcode, bytes(event.data), event.fin
 
 
-def read(stream: bytes, cuts: list[int]) -> tuple[object, ...]:
-    """Return all that comes of a stream that is read in pieces."""
+def read(
+    new: Callable[[ServerProtocol], Alone | FrameReader], *pieces: bytes, closed_before: int = -1
+) -> tuple[object, ...]:
+    """Return all that comes of a stream, which may be closed from here before one of its pieces."""
     protocol = opened()
-    reader = FrameReader(protocol)
-    places = [0, *sorted(cut % (len(stream) + 1) for cut in cuts), len(stream)]
-    pieces = [stream[start:end] for start, end in pairwise(places)]
-    frames = [seen(event) for piece in pieces for event in reader.read(piece)]
-    return frames, protocol.state, protocol.data_to_send(), repr(protocol.parser_exc)
-
-
-def parsed(stream: bytes) -> tuple[object, ...]:
-    """Return what `websockets` alone makes of it."""
-    protocol = opened()
-    protocol.receive_data(stream)
-    frames = [seen(event) for event in protocol.events_received()]
+    reader = new(protocol)
+    frames = []
+    for number, piece in enumerate(pieces):
+        if number == closed_before:
+            protocol.send_close(1000)
+        frames += map(seen, reader.read(piece))
     return frames, protocol.state, protocol.data_to_send(), repr(protocol.parser_exc)
 
 
@@ -103,7 +115,16 @@ def parsed(stream: bytes) -> tuple[object, ...]:
 @example([frame(0x82, digits(MAX_BYTES)), frame(0x82, digits(MAX_BYTES + 1))], [])
 def test_any_stream_in_any_pieces_is_read_as_by_websockets(frames: list[bytes], cuts: list[int]):
     stream = b"".join(frames)
-    assert read(stream, cuts) == parsed(stream)
+    places = [0, *sorted(cut % (len(stream) + 1) for cut in cuts), len(stream)]
+    pieces = [stream[start:end] for start, end in pairwise(places)]
+    assert read(FrameReader, *pieces) == read(Alone, stream)
+
+
+@pytest.mark.parametrize("end", range(len(CONVERSATION)))
+def test_what_comes_while_we_close_is_read_as_by_websockets(end: int):
+    pieces = CONVERSATION[:end], CONVERSATION[end:] + CLOSE + TEXT
+    ours = read(FrameReader, *pieces, closed_before=1)
+    assert ours == read(Alone, *pieces, closed_before=1)
 
 
 class Counted:
@@ -152,3 +173,20 @@ def test_after_a_message_in_several_frames_the_next_is_not_left_to_it_either(cou
     assert counted.passed_on(BEGUN) == [BEGUN]
     assert counted.passed_on(ENDED) == [ENDED]
     assert counted.passed_on(TEXT) == []
+
+
+def test_after_a_length_in_more_bytes_than_it_needs_the_next_is_not_left_to_it_either(
+    counted: Counted,
+):
+    odd = frame(0x82, b"hello", length_bytes=8)
+    assert counted.passed_on(odd + TEXT) == [odd]
+    assert counted.passed_on(TEXT) == []
+
+
+@pytest.mark.parametrize("size", [1, 60, 120, 700])
+def test_of_a_backlog_in_pieces_only_what_is_cut_is_left_to_it(counted: Counted, size: int):
+    message = frame(0x81, digits(size))
+    backlog = message * 1000
+    for start in range(0, len(backlog), PIECE_BYTES):
+        given = counted.passed_on(backlog[start : start + PIECE_BYTES])
+        assert sum(map(len, given)) < 2 * len(message)
