@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """One client's socket: bytes in and out, flow control, keep-alive, orderly closing.
 
-The WebSocket protocol itself is `websockets`' sans-I/O `ServerProtocol`. Outgoing data frames
-bypass it: they are framed once for all clients, and written here in batches, only as far as the
-socket takes them. So the rest waits in the outbox, where it can be dropped.
+The WebSocket protocol itself is `websockets`' sans-I/O `ServerProtocol`. Most input bypasses it, by
+the `FrameReader`, and so do data frames that go out: they are framed once for all clients, and
+written here in batches, only as far as the socket takes them. The rest waits, and can be dropped.
 """
 
 import asyncio
@@ -288,13 +288,15 @@ class Connection(asyncio.BufferedProtocol):
         elif event.opcode in DATA:  # `websockets` answers pings, records pongs and closes
             message = self._assembly.add(event)
             if message is not None:
-                self._receive(message, is_text=self._assembly.is_text)
+                self._receive(self._session, message, is_text=self._assembly.is_text)
 
     def end_piece(self) -> None:
-        """Send what `websockets` answers by itself; if it closes the connection, why, before."""
+        """Send what `websockets` answers by itself; before a close frame of its own, say why."""
         if output := self._protocol.data_to_send():
-            self._explain_failure()
-            self._write_output(output)
+            try:
+                self._explain_failure()
+            finally:  # to encode what waits may fail
+                self._write_output(output)
 
     def end_turn(self) -> None:
         """Carry out what was deferred until now."""
@@ -334,11 +336,9 @@ class Connection(asyncio.BufferedProtocol):
         self._session.waited_s = self._inbound.waited_s
         logger.info("connected", extra={"client": self.name})
 
-    def _receive(self, message: bytes, *, is_text: bool) -> None:
+    def _receive(self, session: Session, message: bytes, *, is_text: bool) -> None:
         # The state may be closing already: a close often comes in one packet with the last message.
-        session, receive = self._session, self._acceptor.receive
-        if session is None:
-            return
+        receive = self._acceptor.receive
         if not is_text:
             receive(session, message)
         elif text := receive_text(session, message, receive):

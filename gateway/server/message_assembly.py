@@ -7,7 +7,7 @@ from websockets.frames import Frame, Opcode
 class MessageAssembly:
     """Joins the frames of a message.
 
-    `websockets` has checked their order, and bounds their total size.
+    `websockets` has checked the order of fragments, and bounds their total size.
     """
 
     __slots__ = ("_fragments", "is_text")

@@ -8,11 +8,12 @@ import json
 import random
 import re
 import socket
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Sequence
 from typing import Any
 
 import pytest
 from websockets.frames import Opcode
+from websockets.protocol import Event
 
 from gateway.codec.types import Types
 from gateway.ports import Sample
@@ -22,6 +23,7 @@ from gateway.server import inbound as inbound_module
 from gateway.server import time_budget as time_budget_module
 from gateway.server.connection import Connection
 from gateway.server.end import End
+from gateway.server.frame_reader import FrameReader
 from gateway.server.inbound import READ_COST_S
 from gateway.server.server import Server
 from schemas.installed import InstalledDefinitions
@@ -123,6 +125,13 @@ class Ready:
 
     def frame(self) -> bytes:
         return b"ready"
+
+
+class Unencodable(Ready):
+    """An entry that a bug keeps from being encoded."""
+
+    def frame(self) -> bytes:
+        raise ZeroDivisionError
 
 
 class Wire(Timers):
@@ -275,6 +284,17 @@ def test_a_message_of_10_mib_is_taken_and_a_larger_one_ends_the_connection(wire:
     assert (1009).to_bytes(2, "big") in wire.transport.unsent
 
 
+def test_a_message_that_is_too_large_ends_it_in_words_even_if_what_waits_cannot_be_encoded(
+    wire: Wire,
+):
+    session = wire.connection.session
+    assert session is not None
+    wire.connection.pause_writing()
+    session.outbox.open_queue(1, None).put(Unencodable())
+    wire.receive(masked(Opcode.TEXT, b"x" * (10 * MIB + 1))[: 16 * 1024])
+    assert (1009).to_bytes(2, "big") in wire.transport.unsent
+
+
 def test_what_takes_longer_than_a_slice_goes_on_in_later_turns_and_in_order(wire: Wire):
     wire.acceptor.cost_s = 0.001
     wire.receive(pings(*range(12)))
@@ -342,16 +362,16 @@ def test_what_a_large_message_asks_for_is_forgotten_with_a_connection_that_ends(
     assert wire.pongs == []
 
 
-def test_no_more_than_4_kib_are_parsed_at_once(wire: Wire):
+def test_no_more_than_4_kib_are_parsed_at_once(wire: Wire, monkeypatch: pytest.MonkeyPatch):
     sizes = []
-    receive_data = wire.connection._protocol.receive_data
+    read = FrameReader.read
 
-    def spy(data: bytes) -> None:
+    def spy(reader: FrameReader, data: bytes) -> Sequence[Event]:
         sizes.append(len(data))
         wire.take(0.005)
-        receive_data(data)
+        return read(reader, data)
 
-    wire.connection._protocol.receive_data = spy  # type: ignore[method-assign]
+    monkeypatch.setattr(FrameReader, "read", spy)
     wire.receive(PONG * 2048)
     assert sizes == [4096]
     wire.until_read()

@@ -10,12 +10,13 @@ namespace Ros2Gateway.Tests
     {
         // the share of a pause that is chance, to either side
         private const double Chance = 0.2;
-        private const long TickMilliseconds = 20;
+        private const long TickMilliseconds = 30;
+        private const long Never = long.MaxValue;
 
         [Test]
         public void AGatewayThatComesBackIsFoundWithinTwoSecondsOrSo()
         {
-            List<long> pauses = Pauses(60000, () => { throw new InvalidOperationException("no network"); });
+            List<long> pauses = Pauses(60000, 0);
             Assert.That(pauses[0], Is.EqualTo(500).Within(500 * Chance + TickMilliseconds));
             Assert.That(pauses[1], Is.EqualTo(1000).Within(1000 * Chance + TickMilliseconds));
             for (int index = 2; index < pauses.Count; index++)
@@ -24,32 +25,40 @@ namespace Ros2Gateway.Tests
             }
         }
 
-        [Test]
-        public void WhatAcceptsAndKeepsSilentIsAskedRarelyInTheEnd()
+        // What gives up by itself after 5 s does so between two ticks; what never does is forgotten after 10.
+        [TestCase(5001, 5001)]
+        [TestCase(Never, 10000)]
+        public void WhatAcceptsAndKeepsSilentIsAskedRarelyInTheEnd(long closedAfter, long takes)
         {
-            List<long> pauses = Pauses(3600000, () => { });
-            Assert.That(pauses.Count, Is.InRange(60, 100));
-            const long GivenUpMilliseconds = 10000; // after so long an attempt is forgotten
-            long last = pauses[pauses.Count - 1] - GivenUpMilliseconds;
-            Assert.That(last, Is.EqualTo(60000).Within(60000 * Chance + 2 * TickMilliseconds));
+            List<long> pauses = Pauses(3600000, closedAfter);
+            double often = 2000 * (1 + Chance) + takes + 2 * TickMilliseconds;
+            Assert.That(pauses.FindAll(pause => pause <= often).Count, Is.EqualTo(121).Within(3));
+            Assert.That(pauses[pauses.Count - 1] - takes,
+                Is.EqualTo(60000).Within(60000 * Chance + 2 * TickMilliseconds));
         }
 
-        /// <summary>The times from one attempt to the next, while each opens so.</summary>
-        private static List<long> Pauses(long milliseconds, Action open)
+        /// <summary>The times from one attempt to the next, if each ends so long after it began.</summary>
+        private static List<long> Pauses(long milliseconds, long closedAfter)
         {
             long now = 0;
             var begun = new List<long>();
+            Silent transport = null;
             var options = new GatewayOptions();
-            options.Transport = _ => new Dead(() =>
+            options.Transport = _ =>
             {
                 begun.Add(now);
-                open();
-            });
+                return transport = new Silent();
+            };
             var link = new Link(options, new Nobody());
             link.Connect(now);
             while (now < milliseconds)
             {
                 now += TickMilliseconds;
+                if (transport != null && now - begun[begun.Count - 1] > closedAfter)
+                {
+                    transport.Listener.OnClosed(0, "not connected");
+                    transport = null;
+                }
                 link.Tick(now);
             }
             var pauses = new List<long>();
@@ -60,19 +69,13 @@ namespace Ros2Gateway.Tests
             return pauses;
         }
 
-        /// <summary>A transport that says nothing.</summary>
-        private sealed class Dead : ITransport
+        private sealed class Silent : ITransport
         {
-            private readonly Action _open;
-
-            internal Dead(Action open)
-            {
-                _open = open;
-            }
+            internal ITransportListener Listener { get; private set; }
 
             public void Open(Uri address, ITransportListener listener)
             {
-                _open();
+                Listener = listener;
             }
 
             public bool TrySend(byte[] buffer, int count)

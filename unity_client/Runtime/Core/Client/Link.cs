@@ -32,10 +32,14 @@ namespace Ros2Gateway
         private const int RoleRemoved = 4403;
         private const int Normal = 1000; // RFC 6455, 7.4.1
 
-        // A server that accepts and keeps silent costs a socket with each attempt, which .NET cannot take
-        // back: after so many in a row they become rare, 60 in an hour.
-        private const int ManyAttempts = 30;
+        // Who accepts and keeps silent costs a socket with each attempt, which .NET cannot take back: after
+        // so many in a row, a quarter of an hour, they become rare, 60 in an hour. Whether it accepted is not
+        // told, so a robot that is out of reach counts like that, too.
+        private const int ManyAttempts = 120;
         private const double SilentPauseMilliseconds = 60000;
+
+        // A transport that gives up by a clock of its own may do so between two ticks.
+        private const long TickMilliseconds = 500;
 
         // Ticks come every 50 ms or every frame. After a longer gap it was this program that slept (a
         // breakpoint, a headset put down), and what the gateway said meanwhile has yet to be read.
@@ -295,7 +299,7 @@ namespace Ros2Gateway
             // Clients that lost the same gateway should not all come back in the same moment.
             double pause = _pause * (0.8 + 0.4 * _random.NextDouble());
             _nextAttempt = _now + (long)pause;
-            bool wasSilent = !wasUp && _now - _attemptBegan >= _options.ConnectMilliseconds;
+            bool wasSilent = !wasUp && _now - _attemptBegan >= _options.ConnectMilliseconds - TickMilliseconds;
             _silentAttempts = wasSilent ? _silentAttempts + 1 : 0;
             _pause = Math.Min(
                 2 * _pause,
