@@ -38,17 +38,17 @@ _LONGEST_HEAD: Final = 10 + _MASK_LENGTH
 class FrameReader:
     """Reads what one client sends as `websockets` does, to which it leaves all but plain messages.
 
-    To know when `websockets` is between two frames and two messages, it looks at the head of each
-    frame that it leaves. The *protocol* has no extensions, and bounds no fragments of their own.
+    To know when `websockets` is between two frames, and between two messages, it looks at the heads
+    of the frames that it leaves. *protocol* has no extensions, and no limit for a frame of its own.
     """
 
     __slots__ = ("_head", "_is_in_message", "_missing_bytes", "_protocol")
 
     def __init__(self, protocol: ServerProtocol) -> None:
         self._protocol = protocol
-        self._head = b""  # the beginning of one, which does not say yet how long its frame is
+        self._head = b""  # the first bytes of it, while they do not say how long the frame is
         self._missing_bytes = 0  # of the frame that `websockets` has begun
-        self._is_in_message = False  # of which more frames come
+        self._is_in_message = False  # of which more frames have to come
 
     def read(self, data: bytes) -> Sequence[Event]:
         """Take the next bytes; return the requests and frames that they complete."""
