@@ -114,7 +114,7 @@ def read(
 @example([frame(0x81, digits(100), is_masked=False)], [])
 @example([frame(0x82, digits(MAX_BYTES)), frame(0x82, digits(MAX_BYTES + 1))], [])
 def test_any_stream_in_any_pieces_is_read_as_by_websockets(frames: list[bytes], cuts: list[int]):
-    stream = b"".join(frames) + TEXT  # so it ends in no head, of which less is refused by websockets
+    stream = b"".join(frames) + TEXT  # so that it ends in no head
     places = [0, *sorted(cut % (len(stream) + 1) for cut in cuts), len(stream)]
     pieces = [stream[start:end] for start, end in pairwise(places)]
     assert read(FrameReader, *pieces) == read(Alone, stream)
