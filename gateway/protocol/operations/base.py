@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The common base of all operations."""
 
-from typing import Annotated, Any, ClassVar, Final
+from typing import Annotated, Any, ClassVar, Final, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
@@ -23,32 +23,21 @@ def _without_zero(value: Any) -> Any:
 FragmentSize = Annotated[Annotated[int, Field(ge=64)] | None, BeforeValidator(_without_zero)]
 
 
-class OperationPart(BaseModel):
-    """An object within an operation; unknown keys are refused.
-
-    A key whose value is null counts as absent, because serialisers such as System.Text.Json write
-    keys that were never set. In a field of type `Any`, null is a value.
-    """
-
+class _Strict(BaseModel):
     # a number of an operation itself is finite; messages in fields of type `Any` may hold others
     model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class OperationPart(_Strict):
+    """An object within an operation; unknown keys are refused, and a null counts as absent."""
 
     @model_validator(mode="before")
     @classmethod
     def _without_nulls(cls, values: Any) -> Any:
-        if not isinstance(values, dict) or None not in values.values():
-            return values
-        return {
-            name: value for name, value in values.items() if value is not None or cls._is_any(name)
-        }
-
-    @classmethod
-    def _is_any(cls, name: str) -> bool:
-        field = cls.model_fields.get(name)
-        return field is not None and field.annotation is Any
+        return _without_nulls(cls, values) if isinstance(values, dict) else values
 
 
-class Operation(OperationPart):
+class Operation(_Strict):
     """An operation: its name, and an id that answers carry back."""
 
     model_config = ConfigDict(extra="ignore")
@@ -58,3 +47,32 @@ class Operation(OperationPart):
     # `permission_checks` knows the permission, or refuses them to roles that have bounds
     needs_permission: ClassVar[bool] = True
     id: Id | None = None
+
+    @classmethod
+    def read(cls, values: dict[str, Any]) -> Self:
+        """Return the operation with these members, of which null counts as absent.
+
+        A `publish` takes half as long as by `model_validate` and a validator as that of a part.
+
+        Raises:
+            ValidationError: it is malformed.
+        """
+        validator = cls.__pydantic_validator__
+        operation: Self = validator.validate_python(_without_nulls(cls, values))
+        return operation
+
+
+def _without_nulls(model: type[BaseModel], values: dict[str, Any]) -> dict[str, Any]:
+    """Leave out the keys whose value is null.
+
+    Serialisers such as System.Text.Json write keys that were never set. In a field of type `Any`,
+    null is a value.
+    """
+    if None not in values.values():
+        return values
+    fields = model.model_fields
+    return {
+        name: value
+        for name, value in values.items()
+        if value is not None or (name in fields and fields[name].annotation is Any)
+    }
