@@ -194,8 +194,5 @@ class Inbound:
             end = head.find(_END_OF_HEAD)
             size = len(self._unparsed) if end < 0 else end + len(_END_OF_HEAD) - len(self._head)
             self._head = head[1 - len(_END_OF_HEAD) :] if end < 0 else None
-        if len(self._unparsed) <= size:
-            piece, self._unparsed = self._unparsed, b""
-        else:
-            piece, self._unparsed = self._unparsed[:size], self._unparsed[size:]
+        piece, self._unparsed = self._unparsed[:size], self._unparsed[size:]
         return piece
