@@ -68,8 +68,9 @@ class Qos:
 
 
 # What a transient-local publisher keeps for so long or shorter is no state that a late subscriber
-# needs: it bridges the time until the two have discovered each other.
-BRIEF_LIFESPAN_NS: Final = 1_000_000_000
+# needs: it bridges the time until the two have discovered each other. Not shorter, or the end of a
+# burst could be lost for good: Fast DDS repairs a loss within 3 s (the period of its heartbeats).
+BRIEF_LIFESPAN_NS: Final = 4_000_000_000
 
 
 class TopicEvent(NamedTuple):

@@ -83,9 +83,9 @@ def adopt(asked: Qos, offers: Sequence[Endpoint], current: Qos | None = None) ->
 def retains(offer: Qos | Endpoint) -> bool:
     """Return whether a publisher keeps samples for late subscribers, and not just briefly.
 
-    rosbridge's publishers are transient local for a second, and clients' through this gateway: to
-    match every subscriber. Who subscribed to them as transient local without need would get some
-    samples twice whenever they come.
+    rosbridge's publishers are transient local for a second, and clients' through this gateway for
+    some more: to match every subscriber. Who subscribed to them as transient local without need
+    would get some samples twice whenever they come.
     """
     lifespan_ns = offer.lifespan_ns
     return offer.durability == "transient_local" and (

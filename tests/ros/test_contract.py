@@ -280,7 +280,7 @@ async def test_a_later_subscription_gets_the_retained_samples(robot: Robot) -> N
     assert subscription.qos.durability == "transient_local"
 
 
-BRIEF = Qos(durability="transient_local", lifespan_ns=1_000_000_000)
+BRIEF = Qos(durability="transient_local", lifespan_ns=4_000_000_000)
 
 
 async def test_a_publisher_that_keeps_briefly_reaches_who_asks_for_transient_local(

@@ -26,8 +26,8 @@ NEEDED_DEPTH = 32
 RELIABLE = Endpoint("/a", TYPE)
 BEST_EFFORT = Endpoint("/b", TYPE, "best_effort")
 LATCHED = Endpoint("/c", TYPE, durability="transient_local")
-BRIEF = replace(LATCHED, lifespan_ns=1_000_000_000)
-LONGER = replace(LATCHED, lifespan_ns=1_000_000_001)
+BRIEF = replace(LATCHED, lifespan_ns=4_000_000_000)
+LONGER = replace(LATCHED, lifespan_ns=4_000_000_001)
 RELIABILITIES: tuple[Reliability, ...] = ("reliable", "best_effort")
 DURABILITIES: tuple[Durability, ...] = ("volatile", "transient_local")
 ALL = [

@@ -65,11 +65,8 @@ def _as_asked(
 def _grid_options(options: SubscriptionOptions) -> ImageOptions | None:
     """Return how a map is encoded, with the values of its cells; ``None`` for a plain message."""
     image = options.image
-    if (
-        options.fields is not None
-        or image.format in {None, "raw"}
-        or options.compression == "cbor-raw"
-    ):
+    is_plain = image.format == "raw" or (image.format is None and not image.asks_for_picture)
+    if is_plain or options.fields is not None or options.compression == "cbor-raw":
         return None
     if image.format != "png" or image.max_width is not None or image.max_height is not None:
         text = 'image: a map comes as png, with all of its cells; ask for {"format":"png"} alone'

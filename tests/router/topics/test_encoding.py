@@ -359,7 +359,13 @@ async def test_a_map_is_plain_where_no_picture_is_asked_for(bench: Bench, option
 
 @pytest.mark.parametrize(
     "image",
-    [{"format": "jpeg"}, {"format": "png", "max_width": 8}, {"format": "png", "max_height": 8}],
+    [
+        {"format": "jpeg"},
+        {"format": "png", "max_width": 8},
+        {"format": "png", "max_height": 8},
+        {"max_width": 8},
+        {"quality": 50},
+    ],
 )
 async def test_a_map_as_a_picture_keeps_its_cells(bench: Bench, image: dict[str, Any]):
     bench.ros.add_publisher("/t", GRID)

@@ -39,11 +39,11 @@ def test_a_queue_size_asks_for_as_many_samples_up_to_1024(queue_size, depth):
 @pytest.mark.parametrize(
     ("qos", "durability", "lifespan_ns"),
     [
-        (None, "transient_local", 1_000_000_000),
-        ({}, "transient_local", 1_000_000_000),
-        ({"durability": "best_available"}, "transient_local", 1_000_000_000),
+        (None, "transient_local", 4_000_000_000),
+        ({}, "transient_local", 4_000_000_000),
+        ({"durability": "best_available"}, "transient_local", 4_000_000_000),
         ({"lifespan": 0.25}, "transient_local", 250_000_000),
-        ({"lifespan": 1.001}, None, 1_001_000_000),  # volatile, or what is old would come
+        ({"lifespan": 4.001}, None, 4_001_000_000),  # volatile, or what is old would come
         ({"durability": "volatile"}, "volatile", None),
         ({"durability": "transient_local"}, "transient_local", None),
     ],
