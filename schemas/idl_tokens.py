@@ -152,12 +152,9 @@ def checked(token: IdlToken, text: str) -> str:
         PlaceError: it has what no string of ROS can hold.
     """
     try:
-        joined = text.encode("utf-16-le", "surrogatepass").decode("utf-16-le")
+        return text.encode("utf-16-le", "surrogatepass").decode("utf-16-le")
     except UnicodeDecodeError:
         raise PlaceError(token.offset, "a string cannot hold a lone surrogate") from None
-    if "\0" in joined:
-        raise PlaceError(token.offset, "a string cannot hold U+0000")
-    return joined
 
 
 def _unescaped(match: re.Match[str]) -> str:
