@@ -131,9 +131,8 @@ class _Moving:
                     self._copy(length * size, size)
                 case _Text(base):
                     self._copy(self._read_count() * _UNITS[base], 1)
-                case _Elements(of_one, length):
+                case _Elements(of_one, length):  # each takes a byte at least, so the source ends it
                     count = self._read_count() if length is None else length
-                    self._check_room(count)  # each has a byte at least
                     if any(self.walk(of_one.steps) for _ in repeat(None, count)):
                         return True
         return False
@@ -147,15 +146,12 @@ class _Moving:
         if length == 0:  # Fast CDR aligns what there is
             return
         self._offset += -self._offset % alignment
-        self._check_room(length)
-        self.target += bytes(-len(self.target) % alignment)
-        self.target += self._source[self._offset : self._offset + length]
-        self._offset += length
-
-    def _check_room(self, length: int) -> None:
         left = len(self._source) - self._offset
         if length > left:
             raise EOFError(f"need {length} bytes at offset {self._offset}, there are {left}")
+        self.target += bytes(-len(self.target) % alignment)
+        self.target += self._source[self._offset : self._offset + length]
+        self._offset += length
 
 
 def _layout(definition: Definition, layouts: Mapping[str, _Layout]) -> _Layout:
