@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Error texts for values that clients sent."""
 
+import difflib
 import json
-from collections.abc import Mapping
+from collections.abc import Container, Iterable, Mapping
 from typing import Final
 
 MAX_ECHO: Final = 128  # characters of a client's own text that come back; logs stay readable
@@ -45,3 +46,22 @@ def kind(value: object) -> str:
 def truncate(text: str) -> str:
     """Shorten a client's own text for an error text."""
     return text if len(text) <= MAX_ECHO else f"{text[: MAX_ECHO - 3]}..."
+
+
+def nearest(name: str, known: Iterable[str]) -> str | None:
+    """Return the known name that a client's unknown one was perhaps meant to be."""
+    # Comparing takes the product of the lengths.
+    near = difflib.get_close_matches(name[:MAX_ECHO], known, n=1)
+    return near[0] if near else None
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """Return the end of a text on a client's unknown name: ``"; did you mean odom?"``, or none."""
+    near = nearest(name, known)
+    return f"; did you mean {near}?" if near else ""
+
+
+def hint(name: str, known: Iterable[str], *, given: Container[str] = ()) -> str:
+    """Return the same end, or all known names; what is *given* already was not meant."""
+    near = did_you_mean(name, (each for each in known if each not in given))
+    return near or f"; known are {', '.join(known)}"

@@ -4,14 +4,13 @@
 The encoder finds out that a value does not fit, and this module where and why.
 """
 
-import difflib
 import math
 from collections.abc import Callable, Iterable, Mapping
 from itertools import islice
 from typing import Any, Final
 
 from gateway.codec.cdr.encoder import MISFITS, Encoder
-from gateway.codec.error_text import MAX_ECHO, truncate
+from gateway.codec.error_text import did_you_mean, truncate
 from gateway.codec.error_text import kind as kind_of
 from gateway.codec.errors import CodecError
 from schemas.definition import (
@@ -247,10 +246,6 @@ def _wrong_length(count: int, kind: FieldType) -> str | None:
 
 def _unknown(name: str, names: list[str], definition: Definition) -> str:
     reason = f"unknown field of {definition.title}"
-    # Comparing takes the product of the lengths.
-    close = difflib.get_close_matches(name[:MAX_ECHO], names, n=1)
-    if close:
-        return f"{reason}; did you mean {close[0]}?"
     if not names:
         return f"{reason}, which is empty"
-    return f"{reason}, which has {truncate(', '.join(names))}"
+    return reason + (did_you_mean(name, names) or f", which has {truncate(', '.join(names))}")

@@ -117,7 +117,7 @@ class Drive:
         out = self._advance(now_ns)
         silence_ns = self._rules.deadline_ns if self._moves else QUIET_NS
         if (refused := self._check(command, now_ns)) is not None:
-            is_stop = command.velocity.is_zero and self._is_held_by(command)
+            is_stop = command.velocity.is_zero and self._has_lease(command.client)
             if self._moves and is_stop:  # late, but never too late
                 self._stop("zero", now_ns, out, is_asked=True)
             if command.age == "stale":  # one that follows closely may be of the same backlog
@@ -134,7 +134,7 @@ class Drive:
     def invalid(self, client: Hashable, now_ns: int) -> Effects:
         """Take note that a client has sent a message that does not fit the type."""
         is_held, out = self._take_back(client), self._advance(now_ns)
-        if (self._moves or is_held) and self._lease and self._lease.holder == client:
+        if (self._moves or is_held) and self._has_lease(client):
             self._stop("invalid_value", now_ns, out)
         return out
 
@@ -255,8 +255,8 @@ class Drive:
             return refusals.stale(command, self._topic)
         return None
 
-    def _is_held_by(self, command: Command) -> bool:
-        return self._lease is not None and self._lease.holder == command.client
+    def _has_lease(self, client: Hashable) -> bool:
+        return self._lease is not None and self._lease.holder == client
 
     def _zero(self, command: Command, now_ns: int, out: Effects) -> None:
         self._take_lease(command, now_ns, out)
@@ -275,7 +275,7 @@ class Drive:
             out += self._latch.spoil()  # it may be one of a backlog behind a zero all the same
             out.append(self._tripped(command))
             return
-        is_new = not self._is_held_by(command)
+        is_new = not self._has_lease(command.client)
         if is_new and self._rules.first_command == "zero" and not self._latch.is_set:
             self._latch.trip("start")
             out.append(Changed())

@@ -133,7 +133,7 @@ def _drive(drive: DriveState) -> Diagnosis:
     values = {
         "motion": drive.motion,
         "tripped": drive.is_tripped,
-        "a client has control": drive.is_held,
+        "a client has control": drive.is_leased,
         "guarded": drive.is_guarded,
         **{f"stops: {cause}": count for cause, count in drive.stops.items()},
     }

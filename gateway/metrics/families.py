@@ -372,7 +372,7 @@ FAMILIES: Final[tuple[Family, ...]] = (
         "drive_held",
         "gauge",
         "1 while a client has the lease.",
-        lambda state: (((each.topic,), each.is_held) for each in state.summary.control.drives),
+        lambda state: (((each.topic,), each.is_leased) for each in state.summary.control.drives),
         _TOPIC,
     ),
     Family(

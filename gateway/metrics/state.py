@@ -64,7 +64,7 @@ class DriveState(NamedTuple):
     motion: str
     is_tripped: bool
     cause: str | None  # of the last stop, in words
-    is_held: bool  # a client has the lease
+    is_leased: bool  # a client has the lease
     is_guarded: bool
     stops: Mapping[str, int]  # by cause
 

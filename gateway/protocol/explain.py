@@ -5,11 +5,12 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from gateway.codec.error_text import EXPECTED, kind, truncate
+from gateway.protocol.operations.base import UNKNOWN_MEMBER
 
 
 def explain(error: ValidationError) -> str:
     """Describe the first wrong field: ``throttle_rate: expected a number, ...``."""
-    details = error.errors(include_url=False)
+    details = [_placed(detail) for detail in error.errors(include_url=False)]
     # A duration is a number, an object or "infinite": who sent an object meant that one.
     same = [each for each in details if each["loc"][:2] == details[0]["loc"][:2]]
     first = next((each for each in same if len(each["loc"]) > _DURATION), details[0])
@@ -19,13 +20,22 @@ def explain(error: ValidationError) -> str:
     expected = list(dict.fromkeys(_expected(detail) for detail in same_field))
     if first["type"] == "missing":
         return f"{name}: missing"
-    if first["type"] == "extra_forbidden":
-        return f"{name}: unknown"
+    if first["type"] == UNKNOWN_MEMBER:
+        return f"{name}: unknown{first['ctx']['hint']}"
     if first["type"] == "value_error":
         return str(first["ctx"]["error"])
     if first["type"].startswith("model") and not first["loc"]:
         return "expected an object"
     return f"{name}: expected {' or '.join(expected)}, got {_value(first)}"
+
+
+def _placed(detail: ErrorDetails) -> ErrorDetails:
+    """Return an error with an unknown member behind its object in the path, as pydantic has it."""
+    if detail["type"] != UNKNOWN_MEMBER:
+        return detail
+    placed = detail.copy()
+    placed["loc"] = (*detail["loc"], detail["ctx"]["name"])
+    return placed
 
 
 def _name(detail: ErrorDetails) -> str:

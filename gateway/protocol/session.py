@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """One client's state: its limits, its fragments and its outbox."""
 
-import difflib
 import itertools
 from collections.abc import Callable, Hashable
 from typing import Final, NamedTuple
@@ -10,7 +9,7 @@ from pydantic import ValidationError
 
 from gateway.access.permissions import UNLIMITED, Action, Identity
 from gateway.codec import cbor_reader
-from gateway.codec.error_text import truncate
+from gateway.codec.error_text import hint, truncate
 from gateway.codec.errors import JsonError
 from gateway.codec.json import ascii_only, loads
 from gateway.config.limits import Limits
@@ -316,7 +315,5 @@ def _unknown(op: object) -> ProtocolError:
         return ProtocolError("bad_request", "op: missing; it names the operation")
     if not isinstance(op, str):
         return ProtocolError("bad_request", "op: expected a string")
-    op = truncate(op)
-    near = difflib.get_close_matches(op.lower(), OPERATIONS, n=1)
-    hint = f"; did you mean {near[0]}?" if near else f"; known are {', '.join(OPERATIONS)}"
-    return ProtocolError("unknown_op", f"op: {op!r} is unknown{hint}")
+    text = f"op: {truncate(op)!r} is unknown{hint(op.lower(), OPERATIONS)}"
+    return ProtocolError("unknown_op", text)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Classes for types whose package is not installed, made at run time.
+"""Classes of types, made at run time: of packages that are not installed, and of services.
 
 rclpy gives rmw a type support: a C structure that a package's generated code holds. Of that
 rmw_fastrtps_cpp reads little: the type's name, its REP-2011 hash, its description, that its size is

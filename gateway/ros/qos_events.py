@@ -131,9 +131,11 @@ def _messages_lost(topic: str, qos: Qos, times: int) -> TopicEvent:
     number = "a message was" if times == 1 else f"{times} messages were"
     remedy = "have it publish less"
     if qos.reliability != "reliable":
-        remedy = f"ask for reliable if its publishers offer that, or {remedy}"
+        asked = '"qos":{"reliability":"reliable"}'
+        remedy = f"ask for {asked} if its publishers offer that, or {remedy}"
     elif qos.depth is not None and qos.depth < MAX_QUEUE_DEPTH:
-        remedy = f"ask for a depth above {qos.depth}, or {remedy}"
+        depth = min(2 * qos.depth, MAX_QUEUE_DEPTH)
+        remedy = f'ask for "qos":{{"depth":{depth}}}, or {remedy}'
     return TopicEvent("messages_lost", f"topic {topic}: {number} lost on the way here", remedy)
 
 

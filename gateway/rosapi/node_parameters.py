@@ -3,12 +3,11 @@
 
 import asyncio
 import contextlib
-import difflib
 from collections.abc import Callable, Coroutine, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from gateway.codec.error_text import MAX_ECHO, truncate
+from gateway.codec.error_text import did_you_mean, truncate
 from gateway.codec.types import Types
 from gateway.deadline import Deadline
 from gateway.ports import RosError, RosGraph
@@ -216,9 +215,8 @@ class Parameters:
         node = requested if requested.startswith("/") else f"/{requested}"
         nodes = self._ros.graph().nodes
         if node not in nodes:
-            near = difflib.get_close_matches(node[:MAX_ECHO], nodes, n=1)
-            hint = f"; did you mean {near[0]}?" if near else ""
-            raise ProtocolError("not_found", f"node {truncate(node)} does not exist{hint}")
+            near = did_you_mean(node, nodes)
+            raise ProtocolError("not_found", f"node {truncate(node)} does not exist{near}")
         return self._with(node, timeout_s)
 
     def _with(self, node: str, timeout_s: float) -> "_Conversation":
@@ -275,8 +273,7 @@ class _Conversation:
             reason = f"node {self._node} has not declared parameter {truncate(first)}"
             if len(undeclared) > 1:
                 reason += f" (nor {len(undeclared) - 1} more)"
-            near = difflib.get_close_matches(first[:MAX_ECHO], sorted(declared), n=1)
-            reason += f"; did you mean {near[0]}?" if near else ""
+            reason += did_you_mean(first, sorted(declared))
             raise ProtocolError("not_found", reason)
 
     async def set(self, messages: Mapping[str, object]) -> dict[str, SetResult]:

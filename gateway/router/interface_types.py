@@ -2,10 +2,10 @@
 """Service and action types by name, or as the ROS graph has them."""
 
 import contextlib
-import difflib
 from collections.abc import Callable, Iterable
 from typing import Literal, TypeVar, get_args
 
+from gateway.codec.error_text import did_you_mean
 from gateway.codec.types import ActionType, ServiceType, Types
 from gateway.ports import Ros
 from gateway.protocol.bad_type import bad_type
@@ -121,9 +121,8 @@ class InterfaceTypes:
         """Choose among the types that the graph has found for a name."""
         if not found:
             others = (each for each in known if each != name)  # it may have gone just now
-            near = difflib.get_close_matches(name, others, n=1)
-            hint = f"; did you mean {near[0]}?" if near else ""
-            raise ProtocolError("not_found", f"{kind} {name} does not exist{hint}")
+            near = did_you_mean(name, others)
+            raise ProtocolError("not_found", f"{kind} {name} does not exist{near}")
         if requested is None:
             if len(found) > 1:
                 types = " and ".join(found)

@@ -2,13 +2,12 @@
 """The parameters of `/snapshot` and `/stream`, as the subscription that they ask for."""
 
 import contextlib
-import difflib
 import re
 from collections.abc import Callable
 from typing import Final, Literal, NamedTuple
 from urllib.parse import parse_qs, urlsplit
 
-from gateway.codec.error_text import truncate
+from gateway.codec.error_text import hint, truncate
 from gateway.protocol.operations.base import MIN_RATE_HZ
 from gateway.protocol.operations.topics import ImageRequest, Subscribe
 
@@ -60,9 +59,7 @@ def picture_request(target: str) -> Subscribe:
         raise PictureRequestError(f"at most {MAX_PARAMETERS} parameters") from error
     for name in query:
         if name not in known:
-            near = difflib.get_close_matches(name, known, n=1)
-            hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(known)}"
-            raise PictureRequestError(f"{truncate(name)}: unknown; {hint}")
+            raise PictureRequestError(f"{truncate(name)}: unknown{hint(name, known)}")
         if len(query[name]) > 1 and name != _IGNORED:
             raise PictureRequestError(f"{name}: given {len(query[name])} times; give it once")
     topic = query.get("topic", [""])[0]

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reasons why a transform is not known, as exceptions that say what is known instead."""
 
-import difflib
 import heapq
 from collections.abc import Collection, Sequence
 from typing import Final
 
-from gateway.codec.error_text import MAX_ECHO, truncate
+from gateway.codec.error_text import MAX_ECHO, did_you_mean, truncate
 
 # difflib takes up to 0.1 ms for two names of links that differ in a number, and a robot may have
 # hundreds: so compare only names that begin and end like the unknown one.
@@ -31,9 +30,7 @@ class UnknownFrameError(TransformError):
         alike = heapq.nlargest(
             _MAX_COMPARED, sorted(self.known), key=lambda name: _ends_alike(asked, name)
         )
-        near = difflib.get_close_matches(asked, alike, n=1)
-        hint = f"; did you mean {near[0]}?" if near else ""
-        return f"frame {self.frame!r} is unknown{hint}"
+        return f"frame {self.frame!r} is unknown{did_you_mean(asked, alike)}"
 
 
 class NotConnectedError(TransformError):

@@ -24,7 +24,7 @@ DRIVE = DriveState(
     motion="stopped",
     is_tripped=False,
     cause=None,
-    is_held=False,
+    is_leased=False,
     is_guarded=True,
     stops={},
 )

@@ -8,7 +8,7 @@ from gateway.protocol.errors import ProtocolError
 from gateway.protocol.operations.actions import SendActionGoal
 from gateway.protocol.operations.gateway import Ping
 from gateway.protocol.operations.services import CallService
-from gateway.protocol.operations.topics import Subscribe
+from gateway.protocol.operations.topics import QosRequest, Subscribe
 from gateway.protocol.rosbridge_fragments import MAX_AGE_NS
 from gateway.protocol.session import Session
 from tests.wire import unpacked, websocket_frames
@@ -294,11 +294,19 @@ def test_an_unknown_operation_is_answered_with_the_nearest_in_capitals_too(op):
         ),
         (
             {"op": "subscribe", "topic": "/a", "qos": {"x" * 300: 1}},
-            f"qos.{'x' * 121}...: unknown",
+            f"qos.{'x' * 121}...: unknown; known are {', '.join(QosRequest.model_fields)}",
+        ),
+        (
+            {"op": "subscribe", "topic": "/a", "image": {"width": 640, "format": 5}},
+            "image.width: unknown; did you mean max_width?",
+        ),
+        (
+            {"op": "advertise", "topic": "/a", "type": "b", "image": {"format": "png", "fmt": 1}},
+            "image.fmt: unknown; known are format",
         ),
         (
             {"op": "subscribe", "topic": "/a", "qos": {"deadline": {"sec": 1}}},
-            "qos.deadline.sec: unknown",
+            "qos.deadline.sec: unknown; did you mean secs?",
         ),
         (
             {"op": "subscribe", "topic": "/a", "qos": {"lifespan": {"secs": -1}}},
@@ -311,7 +319,7 @@ def test_an_unknown_operation_is_answered_with_the_nearest_in_capitals_too(op):
         (
             {"op": "lookup_transform", "target_frame": "a", "source_frame": "b"}
             | {"time": {"secs": 1, "nsec": 2}},
-            "time.nsec: unknown",
+            "time.nsec: unknown; did you mean nanosec?",
         ),
         (
             {"op": "subscribe", "topic": "/a", "image": {"depth_range_m": [2, 1]}},

@@ -154,8 +154,8 @@ async def test_messages_that_are_lost_on_the_way_are_told(outside: Outside):
         await listening
     lost = next(line for line in told if line.startswith("messages_lost "))
     assert lost.endswith(
-        " lost on the way here; ask for reliable if its publishers offer that,"
-        " or have it publish less"
+        ' lost on the way here; ask for "qos":{"reliability":"reliable"} if its publishers offer'
+        " that, or have it publish less"
     )
 
 

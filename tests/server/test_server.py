@@ -110,7 +110,7 @@ async def test_a_message_too_large_gets_one_status_and_1009(serve: Serve, size, 
     [
         b'{"op":"\xff"}',
         b'{"op":"pin\xe4"',  # no JSON either
-        b"\xa1\x62op\x64ping",  # a map of CBOR, which comes in binary frames
+        b"\xa1\x62op\x64ping",  # a map of CBOR
         b'{"op":"publish","topic":"/t","msg":{"data":"' + b"\xc3\xa4" * 300_000 + b'\xff"}}',
         b'{"op":"ping","x":NaN,"y":"\xff"}',
     ],
@@ -123,6 +123,7 @@ async def test_a_text_frame_that_is_not_utf_8_gets_a_status_and_1007(serve: Serv
         answer = await reader.read()
         assert b'"code":"bad_json"' in answer
         assert (1007).to_bytes(2, "big") + b"not UTF-8: byte 0x" in answer
+        assert (b"; CBOR goes into binary frames" in answer) == (frame[0] == 0xA1)
         assert await other.sync() == []
         writer.close()
 

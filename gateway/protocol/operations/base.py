@@ -4,6 +4,9 @@
 from typing import Annotated, Any, ClassVar, Final, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from gateway.codec.error_text import hint
 
 # rosbridge clients build ids from a topic and a counter, or a UUID
 MAX_ID_CHARACTERS: Final = 256
@@ -12,6 +15,8 @@ Id = Annotated[str, Field(max_length=MAX_ID_CHARACTERS)] | int
 # A quarter of an hour: JSON can write rates so small that the time between two is infinite.
 MIN_RATE_HZ: Final = 0.001
 Seconds = Annotated[float, Field(ge=0, le=1e9)]
+
+UNKNOWN_MEMBER: Final = "unknown_member"  # pydantic's type of an error, beside its own
 
 
 def _without_zero(value: Any) -> Any:
@@ -33,8 +38,16 @@ class OperationPart(_Strict):
 
     @model_validator(mode="before")
     @classmethod
-    def _null_is_absent(cls, values: Any) -> Any:
-        return _without_nulls(cls, values) if isinstance(values, dict) else values
+    def _take_members(cls, values: Any) -> Any:
+        if not isinstance(values, dict):
+            return values
+        values = _without_nulls(cls, values)
+        fields = cls.model_fields
+        unknown = next((name for name in values if name not in fields), None)
+        if unknown is not None and cls.model_config["extra"] == "forbid":
+            context = {"name": unknown, "hint": hint(unknown, fields, given=values)}
+            raise PydanticCustomError(UNKNOWN_MEMBER, "{name}: unknown; {hint}", context)
+        return values
 
 
 class Operation(_Strict):

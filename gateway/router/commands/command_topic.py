@@ -269,7 +269,7 @@ class CommandTopic:
             motion=status.motion,
             is_tripped=status.is_tripped,
             cause=None if status.cause is None else CAUSE_TEXTS[status.cause],
-            is_held=status.holder is not None,
+            is_leased=status.holder is not None,
             is_guarded=self._guarded_type is not None and status.guard == "ready",
             stops=dict(self._stops),
         )

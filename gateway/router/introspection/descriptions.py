@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Types as `describe` shows them, by their own name or by that of what has them."""
 
-import difflib
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from gateway.codec.error_text import truncate
+from gateway.codec.error_text import nearest, truncate
 from gateway.codec.types import ActionType, MessageType, ServiceType
 from gateway.ports import Graph, ServerInfo, TopicInfo
 from gateway.protocol.errors import ProtocolError
@@ -126,9 +125,8 @@ class Descriptions:
     def _unknown_name(self, requested: str, graph: Graph) -> ProtocolError:
         name = truncate(requested)
         known = [each.name for each in _entries(graph)]
-        near = difflib.get_close_matches(name, known, n=1)
-        near = near or [each for each in known if each.startswith(f"{name}/")]
-        guess = near[0] if near else self.definitions.meant(requested)
+        below = (each for each in known if each.startswith(f"{name}/"))
+        guess = nearest(name, known) or next(below, None) or self.definitions.meant(requested)
         hint = f"; did you mean {guess}?" if guess else ""
         return ProtocolError("not_found", f"no topic, service or action is called {name}{hint}")
 

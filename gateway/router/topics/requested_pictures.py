@@ -9,7 +9,7 @@ from gateway.codec.picture import COMPRESSED_IMAGE, IMAGE
 from gateway.codec.picture_formats import PICTURE_FORMATS
 from gateway.codec.types import MessageType
 from gateway.protocol.errors import ProtocolError
-from gateway.protocol.operations.topics import ImageFormat
+from gateway.protocol.operations.topics import ImageFormat, Subscribe
 from gateway.protocol.picture_adaptation import Step
 from gateway.protocol.subscription_options import SubscriptionOptions
 
@@ -32,6 +32,22 @@ def requested_picture(
         return image
     quality = min(image.quality, step.quality)
     return replace(image, quality=quality, reduction=step.reduction)
+
+
+def why_plain(request: Subscribe, type_name: str, image: ImageOptions | None) -> str:
+    """Say why what a request asks of pictures does nothing; "" if it does, or asks for none.
+
+    *type_name* and *image* are what has become of the topic and its pictures.
+    """
+    asked = request.image
+    if image is not None or asked is None or asked.format == "raw" or not asked.asks_for_picture:
+        return ""
+    if type_name not in {IMAGE, COMPRESSED_IMAGE, GRID}:
+        return f"image: {type_name} has no pictures; sending plain messages"
+    return (
+        "image: with fields, with cbor-raw, and without a format where raw is the default, there"
+        " are no pictures; sending plain messages"
+    )
 
 
 def fits_link(options: SubscriptionOptions, image: ImageOptions) -> bool:

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The subscriptions of all clients, and the topics that feed them."""
 
-import difflib
 from collections.abc import Iterator, Mapping
 from concurrent.futures import Executor
 from functools import partial
 
-from gateway.codec.error_text import truncate
+from gateway.codec.error_text import did_you_mean, truncate
 from gateway.codec.errors import FieldError
 from gateway.codec.picture import COMPRESSED_IMAGE, IMAGE
 from gateway.codec.types import MessageType
@@ -23,7 +22,7 @@ from gateway.router.topic_counts import CountsByTopic
 from gateway.router.topic_events import TopicEvents
 from gateway.router.topic_types import TopicTypes, TypeAskedError
 from gateway.router.topics.large_samples import EncodingResources
-from gateway.router.topics.requested_pictures import fits_link, requested_picture
+from gateway.router.topics.requested_pictures import fits_link, requested_picture, why_plain
 from gateway.router.topics.requested_qos import subscribed
 from gateway.router.topics.silence_watch import SilenceWatch
 from gateway.router.topics.subscription import EncodingKey, Source, Subscription, TopicKey
@@ -140,7 +139,7 @@ class Subscriptions:
         name = resolve_topic(request.topic, session.limits.max_name_characters)
         message_type = self._types.on_topic(name, None) if session.sees(name) else None
         if message_type is None:
-            hint = _did_you_mean(name, self._ros.graph(), session)
+            hint = _topic_meant(name, self._ros.graph(), session)
             raise ProtocolError("not_found", f"topic {name} is not known{hint}")
         if message_type.name not in {IMAGE, COMPRESSED_IMAGE}:
             text = f"topic {name} is {message_type.name}; pictures are {IMAGE} or CompressedImage"
@@ -354,11 +353,14 @@ class Subscriptions:
             text = f"topic {name}: {asked.question}; waiting for it"
             session.inform(text, request.op, request.id)
         elif source is None:
-            hint = _did_you_mean(name, self._ros.graph(), session)
+            hint = _topic_meant(name, self._ros.graph(), session)
             text = f"topic {name} is not known yet{hint}; waiting for it"
             session.warn(ProtocolError("not_found", text), request.op, request.id)
         else:
-            text = f"subscribed to {name} ({source.topic.type_name})"
+            type_name = source.topic.type_name
+            if text := why_plain(request, type_name, source.encoding.image):
+                session.warn(ProtocolError("bad_request", text), request.op, request.id)
+            text = f"subscribed to {name} ({type_name})"
             session.inform(text, request.op, request.id)
 
 
@@ -375,7 +377,5 @@ def _check_fields(
         raise ProtocolError("bad_request", text)
 
 
-def _did_you_mean(topic: str, graph: Graph, session: Session) -> str:
-    known = [known.name for known in graph.topics if session.sees(known.name)]
-    near = difflib.get_close_matches(topic, known, n=1)
-    return f"; did you mean {near[0]}?" if near else ""
+def _topic_meant(topic: str, graph: Graph, session: Session) -> str:
+    return did_you_mean(topic, (each.name for each in graph.topics if session.sees(each.name)))

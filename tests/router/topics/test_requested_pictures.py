@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from gateway.codec.grid_picture import GRID
 from gateway.codec.picture import COMPRESSED_IMAGE, IMAGE
 from tests.client import Frame
 from tests.router.conftest import Bench, Socketless
@@ -14,6 +15,7 @@ from tests.router.conftest import Bench, Socketless
 WIDTH, HEIGHT = 320, 240
 PIXELS = np.random.default_rng(1).integers(0, 255, (HEIGHT, WIDTH, 3), dtype=np.uint8)
 SLOW = 50e3
+ODOMETRY = "nav_msgs/msg/Odometry"
 
 
 class Camera:
@@ -139,6 +141,46 @@ async def test_who_has_left_meanwhile_is_not_fed_again(camera: Camera, bench: Be
     await bench.settle()
     assert bench.ros.entity_count() == 0
     assert subscription.source is None
+
+
+async def test_who_asks_for_pictures_in_vain_is_told_why(bench: Bench):
+    for topic, type_name in (("/camera", IMAGE), ("/map", GRID), ("/odom", ODOMETRY)):
+        bench.ros.add_publisher(topic, type_name)
+    client = bench.client()
+    for options in (
+        {"topic": "/odom", "image": {"quality": 50}},
+        {"topic": "/camera", "image": {"quality": 50}, "fields": ["width"]},
+        {"topic": "/map", "image": {"format": "png"}, "compression": "cbor-raw"},
+    ):
+        client.send(op="subscribe", **options)
+    in_vain = (
+        "image: with fields, with cbor-raw, and without a format where raw is the default, there"
+        " are no pictures; sending plain messages"
+    )
+    assert client.statuses == [
+        ("bad_request", "image: nav_msgs/msg/Odometry has no pictures; sending plain messages"),
+        ("bad_request", in_vain),
+        ("bad_request", in_vain),
+    ]
+    assert len(bench.ros.subscriptions) == 3
+
+
+@pytest.mark.parametrize(
+    ("topic", "image"),
+    [
+        ("/camera", {"quality": 50}),
+        ("/camera", {"format": "raw", "quality": 50}),
+        ("/map", {"format": "png"}),
+        ("/odom", {"max_fps": 5}),
+        ("/odom", None),
+    ],
+)
+async def test_nobody_else_is(bench: Bench, topic: str, image: Any):
+    for name, type_name in (("/camera", IMAGE), ("/map", GRID), ("/odom", ODOMETRY)):
+        bench.ros.add_publisher(name, type_name)
+    client = bench.client()
+    client.send(op="subscribe", topic=topic, image=image)
+    assert client.statuses == []
 
 
 async def test_a_compressed_image_is_not_touched_unless_somebody_says_so(bench: Bench):
