@@ -602,7 +602,7 @@ def test_an_encoder_that_refuses_raises_image_error(monkeypatch):
 @pytest.mark.parametrize(
     ("option", "reason"),
     [
-        ({"format": "gif"}, "unknown picture format 'gif', known are jpeg and png"),
+        ({"format": "gif"}, "unknown picture format 'gif', known are jpeg"),
         ({"quality": 0}, "quality is 0, needs 1 to 100"),
         ({"quality": 101}, "quality is 101, needs 1 to 100"),
         ({"max_width": 0}, "max_width is 0, needs at least 1 px"),

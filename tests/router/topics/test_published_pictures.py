@@ -169,12 +169,12 @@ async def test_only_images_are_made_of_pictures(bench: Bench):
     client.send(op="advertise", topic="/a", type="std_msgs/String", image={"format": "jpeg"})
     client.send(op="advertise", topic="/b", type=IMAGE, image={"format": "gif"})
     client.send(op="advertise", topic="/b", type=IMAGE, image={})
+    of_string, gif, missing = client.statuses
     text = "image: std_msgs/msg/String takes no pictures, only sensor_msgs/msg/Image does"
-    assert client.statuses == [
-        ("bad_request", text),
-        ("bad_request", "image.format: expected 'jpeg', 'png' or 'raw', got 'gif'"),
-        ("bad_request", "image.format: missing"),
-    ]
+    assert of_string == ("bad_request", text)
+    assert gif[0] == "bad_request"
+    assert gif[1].startswith("image.format: expected 'jpeg', ")
+    assert missing == ("bad_request", "image.format: missing")
     assert bench.ros.publishers == []
 
 
