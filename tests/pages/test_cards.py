@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Cards of the debug page: what they say, what goes on beside a broken one, and what drives."""
 
+import base64
 import json
 
 import pytest
@@ -8,7 +9,7 @@ import pytest
 from tests.client import client
 from tests.gateway_process import gateway_process
 from tests.pages.conftest import page_address
-from tests.pages.test_debug_page import NOTE_SENT, card, until, until_painted
+from tests.pages.test_debug_page import NOTE_SENT, PHONE, card, until, until_painted
 from tests.pages.test_drive_page import Watched, drive_by, watched
 
 __all__ = ["watched"]  # a fixture
@@ -174,6 +175,24 @@ async def test_frames_are_shown_as_they_came(open_page, nowhere):
         await speaker.send(op="publish", topic="/large", msg={"data": 2**53 + 1})
         shown = "document.querySelector('.raw')?.textContent"
         await until(page, f"() => {shown}?.includes('\"data\":9007199254740993')")
+
+
+async def test_a_picture_has_its_room_before_it_comes(open_page, nowhere):
+    canvas = f"{card('/camera')} canvas"
+    size = "canvas => [canvas.getBoundingClientRect().width, canvas.getBoundingClientRect().height]"
+    image = {"width": 640, "height": 480, "encoding": "mono8", "step": 640}
+    image["data"] = base64.b64encode(bytes(range(256)) * 1200).decode()
+    async with (
+        gateway_process("serve", *nowhere) as gateway,
+        client(gateway.url) as camera,
+        open_page(f"{page_address(gateway)}#card=image+0+/camera", PHONE) as page,
+    ):
+        await page.wait_for_selector(canvas)
+        before = await page.eval_on_selector(canvas, size)
+        await camera.send(op="advertise", topic="/camera", type="sensor_msgs/Image", latch=True)
+        await camera.send(op="publish", topic="/camera", msg=image)
+        await until_painted(page, canvas)
+        assert await page.eval_on_selector(canvas, size) == before
 
 
 async def test_pictures_come_as_cbor_which_the_view_of_frames_says(demo, open_page):

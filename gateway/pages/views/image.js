@@ -5,7 +5,8 @@ import { Newest } from "./newest.js";
 /** Pictures: the newest one, decoded beside the page's own thread. */
 export class ImageView {
   options = { compression: "cbor", image: { quality: 70, max_width: 640, adapt: true } };
-  #canvas = element("canvas", { className: "picture", width: 320, height: 240, role: "img" });
+  // the size in which most come: nothing below moves with the first one
+  #canvas = element("canvas", { className: "picture", width: 640, height: 480, role: "img" });
   #newest;
 
   constructor(card) {
