@@ -20,6 +20,6 @@ def test_the_format_of_pictures_is_in_the_address(target, expected):
 
 @pytest.mark.parametrize("value", ["", "gif", "RAW", "x" * 1000])
 def test_a_format_that_is_none_is_refused_with_those_that_are(value):
-    with pytest.raises(UrlOptionError, match="expected jpeg, .* or raw") as caught:
+    with pytest.raises(UrlOptionError, match=r"expected jpeg, .* or raw") as caught:
         image_format(f"/?images={value}")
     assert len(str(caught.value)) < 100
