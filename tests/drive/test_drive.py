@@ -146,6 +146,14 @@ def test_a_zero_stops_at_once_and_the_client_may_drive_on(bench: Bench):
     assert bench.moves
 
 
+def test_who_drives_on_at_once_is_not_held_back_by_the_zeros_of_the_stop(bench: Bench):
+    bench.stream()
+    bench.command(ZERO)
+    bench.sent()
+    bench.stream(5)
+    assert bench.sent() == [AHEAD] * 5
+
+
 def test_zeros_of_a_robot_that_stands_pass(bench: Bench):
     bench.stream(3, ZERO)
     assert bench.sent() == [ZERO] * 3
@@ -504,12 +512,34 @@ def test_a_single_command_may_be_sent_again_after_its_deadline(bench: Bench):
     assert bench.sent() == [ZERO]
 
 
-def test_a_single_command_that_is_followed_closely_was_in_a_backlog(bench: Bench):
+def test_single_commands_may_be_sent_one_after_another(bench: Bench):
+    for _ in range(3):
+        bench.command()
+        bench.wait(5000)
+    assert bench.refusals() == []
+    assert bench.sent().count(AHEAD) == 3
+
+
+def test_a_single_command_closely_behind_a_zero_does_not_wait_and_spoils_the_reset(bench: Bench):
+    bench.command()
+    bench.wait(5000)
+    bench.command(ZERO)
+    bench.wait(100)
+    bench.sent()
+    bench.command()
+    assert bench.refusals() == ["tripped"]
+    bench.wait(1000)
+    bench.command()
+    assert bench.sent() == []
+
+
+@pytest.mark.parametrize("gap_ms", [0.1, 2.9])
+def test_a_single_command_that_is_followed_closely_was_in_a_backlog(bench: Bench, gap_ms: float):
     bench.command()
     bench.wait(5000)
     bench.sent()
     bench.command()
-    bench.wait(2)
+    bench.wait(gap_ms)
     bench.command()
     assert bench.refusals() == ["tripped", "tripped"]
     bench.wait(300)
@@ -524,6 +554,16 @@ def test_a_stream_that_follows_a_single_command_begins_a_little_later(bench: Ben
     bench.stream(10)
     assert bench.refusals() == []
     assert bench.sent() == [AHEAD] * 6
+
+
+def test_an_uneven_stream_of_120_hz_behind_a_single_command_is_no_backlog(bench: Bench):
+    bench.command()
+    bench.wait(5000)
+    for late_ms in (0, 5) * 60:
+        bench.command()
+        bench.wait(1000 / 120 - 2.5 + late_ms)
+    assert bench.refusals() == []
+    assert bench.moves
 
 
 def test_a_command_that_waits_for_the_guard_as_well_waits_no_longer_than_the_deadline(bench: Bench):
@@ -688,6 +728,17 @@ def test_a_client_that_only_sends_zeros_keeps_nobody_out_who_drives(bench: Bench
     assert bench.moves
 
 
+def test_a_client_that_has_driven_keeps_others_out_by_zeros_for_the_lease_alone(bench: Bench):
+    bench.command()
+    bench.stream(39, ZERO)
+    bench.command(client="b")
+    assert bench.refusals() == ["not_lease_holder"]
+    bench.stream(1, ZERO)
+    bench.sent()
+    bench.command(client="c")
+    assert bench.sent() == [AHEAD]
+
+
 def test_control_that_was_asked_for_is_kept_by_zeros(bench: Bench):
     bench.take(bench.drive.acquire("a", bench.now))
     bench.stream(100, ZERO)
@@ -740,6 +791,16 @@ def test_where_the_first_command_must_be_zero_nothing_else_takes_control():
     assert bench.sent() == [AHEAD]
     bench.command(client="b")
     assert bench.refusals() == ["not_lease_holder"]
+
+
+def test_where_the_first_command_must_be_zero_a_push_does_not_trip_who_has_sent_it():
+    bench = Bench(first_command="zero")
+    bench.stream(10, ZERO)
+    bench.command(client="b")
+    assert bench.refusals() == ["not_lease_holder"]
+    bench.sent()
+    bench.command()
+    assert bench.sent() == [AHEAD]
 
 
 def changes_on_command(bench: Bench, **how: object) -> bool:
