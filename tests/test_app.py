@@ -4,6 +4,7 @@
 import asyncio
 import contextlib
 import dataclasses
+import json
 import logging
 import signal
 import socket
@@ -20,7 +21,7 @@ from gateway.config.control import ControlConfig
 from gateway.config.limits import Limits
 from gateway.config.model import Config, RosConfig
 from gateway.definitions import known_definitions
-from gateway.guard import supervisor
+from gateway.guard import MARGIN_S, supervisor
 from gateway.log_rate import BURST
 from gateway.ros import RosOptions, deferred_destruction
 from gateway.server import server
@@ -59,6 +60,13 @@ def test_every_value_of_the_configuration_reaches_its_place():
             assert getattr(ROS_OPTIONS, field.name) != field.default, field.name
     values = [repr(value) for value in dataclasses.astuple(ROS_OPTIONS)]
     assert len(set(values)) == len(values)
+
+
+def test_the_guard_gets_the_configured_deadline_and_the_nodes_domain():
+    config = Config(ros=CONFIG.ros, control=ControlConfig(deadline_s=1.25))
+    options = json.loads(app._guard(config).command[-1])
+    assert options["silence_ns"] == pytest.approx((1.25 + MARGIN_S) * 1e9)
+    assert options["domain_id"] == 7
 
 
 async def test_no_traceback_if_the_server_closed_before_asyncio_accepts_again(
@@ -196,6 +204,23 @@ async def test_sigterm_ends_the_process_in_time_whatever_clients_do():
         for each in clients:
             each.socket.transport.abort()
     assert not [line for line in gateway.log if "Traceback" in line or "by force" in line]
+
+
+async def test_a_shutdown_stops_robots_before_it_waits_for_clients():
+    async with contextlib.AsyncExitStack() as stack:
+        deadline = ("--set", "control.deadline_s=2")
+        gateway = await stack.enter_async_context(gateway_process("serve", *deadline))
+        page = await stack.enter_async_context(client(gateway.url))
+        await page.send(op="control", watch=True)
+        await page.send(op="advertise", topic="/cmd_vel", type="geometry_msgs/Twist")
+        await page.receive(lambda frame: frame.get("guard") == "ready")
+        await page.send(op="publish", topic="/cmd_vel", msg={"linear": {"x": 0.2}})
+        await page.sync()
+        page.socket.transport.pause_reading()  # it never answers the close
+        assert await gateway.stop(signal.SIGTERM) == 0
+        page.socket.transport.abort()
+    (stop,) = [line for line in gateway.log if "stopped: " in line]
+    assert "stopped: the gateway shuts down" in stop  # neither a client that left, nor a deadline
 
 
 def test_what_a_shutdown_waits_for_of_clients_guard_and_ros_has_room_in_its_time():

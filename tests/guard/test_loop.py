@@ -92,8 +92,8 @@ def pipe(monkeypatch: pytest.MonkeyPatch) -> Pipe:
     return Pipe(monkeypatch)
 
 
-def opening(readers: int) -> tuple[float, list[Any]]:
-    return (0.0, ["open", TOPIC, TWIST, readers])
+def opening(readers: int, after_s: float = 0.0) -> tuple[float, list[Any]]:
+    return (after_s, ["open", TOPIC, TWIST, readers])
 
 
 def test_a_guard_that_is_spoken_to_all_the_time_answers_ten_times_a_second(pipe: Pipe) -> None:
@@ -119,6 +119,15 @@ def test_whether_readers_have_come_is_looked_at_50_times_a_second(pipe: Pipe) ->
     (opened_s,) = pipe.answered("opened")
     assert opened_s - 2.0 <= 0.021
     assert 90 <= pipe.polls <= 105
+
+
+def test_a_robot_that_comes_up_after_the_topic_was_opened_is_waited_for(pipe: Pipe) -> None:
+    pipe.written = [opening(0), opening(1, after_s=10.0), opening(1, after_s=20.0)]
+    pipe.end_s = 60.0
+    pipe.has_readers_after_s = 12.0
+    pipe.run()
+    times_s = [pytest.approx(seconds, abs=0.021) for seconds in (0.0, 12.0, 20.0)]
+    assert pipe.answered("opened") == times_s
 
 
 def test_the_last_zero_is_waited_for_within_the_time_that_the_gateway_has(pipe: Pipe) -> None:

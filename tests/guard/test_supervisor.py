@@ -11,6 +11,7 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 from types import SimpleNamespace
 
+import orjson
 import pytest
 
 from gateway.drive.effects import GuardState
@@ -182,6 +183,13 @@ async def test_a_guard_that_does_not_end_is_killed(monkeypatch):
 def test_the_guard_acts_after_the_deadline_and_before_150_ms_more():
     # a command may follow the last `moving` by REPEAT_S
     assert REPEAT_S < MARGIN_S < 0.1
+
+
+@pytest.mark.parametrize("deadline_s", [0.1, 0.5, 2.0])
+def test_the_guard_waits_for_the_configured_deadline_and_its_margin(deadline_s: float):
+    guard = GuardProcess("_guard", "/", None, deadline_s=deadline_s)
+    silence_s = orjson.loads(guard.command[-1])["silence_ns"] / 1e9
+    assert silence_s == pytest.approx(deadline_s + MARGIN_S)
 
 
 async def test_a_lost_guard_is_a_fault_until_another_is_ready():

@@ -83,6 +83,21 @@ def test_zeros_that_nobody_hears_do_not_count_for_a_while():
     assert sent[-1] == UNHEARD_NS + (ZEROS - 1) * 50 * MS
 
 
+def test_a_robot_that_misses_one_announcement_of_the_guard_hears_the_whole_stop():
+    guard = watch()
+    guard.moving(T, 0)
+    guard.lost(0)
+    sent = zeros(guard, 0, 20_000 * MS, heard_from_ns=3000 * MS)  # when DDS repeats it
+    assert sum(each >= 3000 * MS for each in sent) == ZEROS
+
+
+def test_where_there_is_no_robot_a_guard_ends_soon_after_4_s():
+    guard = watch()
+    guard.moving(T, 0)
+    guard.lost(0)
+    assert zeros(guard, 0, 20_000 * MS, heard_from_ns=10**18)[-1] <= 4200 * MS
+
+
 def test_a_topic_that_is_not_open_is_not_watched():
     guard = CommandWatch(SILENCE_NS)
     guard.moving(T, 0)
