@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """Operations on command topics, down to what ROS, the guard and the client get."""
 
+import asyncio
 import json
 import math
 import time
+from types import SimpleNamespace
 
 import pytest
 
 from gateway.access.permissions import Identity, Policy
 from gateway.config.access import AccessConfig, OperatorConfig
 from gateway.ports import Qos
+from gateway.router.commands import command_topic, commands
 from gateway.router.commands.command_topic import COMMAND_QOS
 from tests.client import eventually
 from tests.clock import StoppedClock
@@ -23,6 +26,16 @@ def is_tripped(client: Socketless) -> bool:
     return bool(client.of("control")[-1]["tripped"])
 
 
+@pytest.fixture
+async def clock(monkeypatch: pytest.MonkeyPatch) -> StoppedClock:
+    """Stop the time of the command topics with that of the loop."""
+    clock, loop = StoppedClock(monkeypatch), asyncio.get_running_loop()
+    stopped = SimpleNamespace(monotonic_ns=lambda: round(loop.time() * 1e9))
+    for module in (command_topic, commands):
+        monkeypatch.setattr(module, "time", stopped)
+    return clock
+
+
 async def test_a_command_reaches_the_robot_and_its_end_stops_it(scene: Scene):
     heard = scene.listen()
     client = scene.client()
@@ -33,6 +46,39 @@ async def test_a_command_reaches_the_robot_and_its_end_stops_it(scene: Scene):
     assert client.frames == []
     assert scene.guard.verbs[0] == "open"
     assert scene.guard.verbs[-1] == "rest"
+
+
+async def test_control_that_was_asked_for_delays_neither_the_deadline_nor_the_zeros(
+    scene: Scene, clock: StoppedClock
+):
+    heard = scene.listen()
+    client = scene.client()
+    client.send(op="acquire_control")
+    push(client)
+    await clock.advance(0.49)
+    assert speeds(heard) == [0.2]
+    await clock.advance(0.02)
+    assert speeds(heard) == [0.2, 0.0]
+    for _ in range(4):
+        await clock.advance(0.051)
+    assert speeds(heard) == [0.2] + [0.0] * 5
+
+
+async def test_one_command_that_fails_does_not_keep_the_next_ones_back(
+    scene: Scene, clock: StoppedClock, monkeypatch: pytest.MonkeyPatch
+):
+    errors: list[object] = []
+    asyncio.get_running_loop().set_exception_handler(lambda _, context: errors.append(context))
+    heard = scene.listen()
+    client = scene.client()
+    with monkeypatch.context() as broken:
+        broken.setattr(command_topic, "encode", lambda *_: 1 // 0)
+        push(client)
+        await clock.advance(0.01)
+    assert len(errors) == 1
+    push(client, 0.1)
+    await clock.advance(0.01)
+    assert speeds(heard) == [0.1]
 
 
 async def test_who_drives_hears_of_a_robot_that_no_command_reaches(scene: Scene):
@@ -179,6 +225,42 @@ async def test_a_speed_beyond_the_limit_is_clamped_and_the_client_told(build: Bu
     assert watcher.of("control")[-1]["clamped"] is True
 
 
+async def test_a_turn_beyond_the_limit_is_clamped_and_the_client_told(
+    build: Build, clock: StoppedClock
+):
+    scene = build(max_angular_rad_s=0.25)
+    heard = scene.listen()
+    client = scene.client()
+    client.send(op="publish", topic="/cmd_vel", msg={"angular": {"z": 7}})
+    await clock.advance(0.01)
+    assert [each["angular"]["z"] for each in heard] == [0.25]
+    (status,) = client.statuses
+    assert status == ("invalid_value", "topic /cmd_vel: clamped to 10 m/s and 0.25 rad/s")
+
+
+async def test_where_the_first_command_must_be_zero_nothing_moves_before_it(build: Build):
+    scene = build(first_command="zero")
+    scene.listen()
+    client = scene.client()
+    push(client)
+    [(code, text)] = client.statuses
+    assert code == "tripped"
+    assert "this gateway wants a command to stop before the first to move" in text
+
+
+async def test_who_drives_keeps_others_out_for_the_configured_lease(
+    build: Build, clock: StoppedClock
+):
+    scene = build(lease_s=5)
+    scene.listen()
+    driver, other = scene.client(), scene.client()
+    push(driver)
+    for seconds, holder in ((4.9, "other"), (0.2, None)):
+        await clock.advance(seconds)
+        other.send(op="control")
+        assert other.of("control")[-1]["holder"] == holder
+
+
 async def test_a_client_that_leaves_stops_the_robot_and_leaves_nothing_open(scene: Scene):
     heard = scene.listen()
     client = scene.client()
@@ -287,6 +369,19 @@ async def test_a_watcher_gets_the_changes_and_no_more_after_it_has_ended_it(scen
     await eventually(lambda: len(heard) == 12)
     assert len(watcher.of("control")) == count
     assert driver.frames == []
+
+
+async def test_a_watcher_that_has_left_gets_nothing_more(scene: Scene):
+    heard = scene.listen()
+    driver, gone, watcher = scene.client(), scene.client(), scene.client()
+    for each in (gone, watcher):
+        each.send(op="control", watch=True)
+    scene.router.leave(gone.session)
+    count = len(gone.frames)
+    push(driver)
+    await eventually(lambda: len(heard) == 6)
+    await eventually(lambda: watcher.of("control")[-1]["cause"] == "deadline")
+    assert len(gone.frames) == count
 
 
 async def test_a_watcher_gets_one_notice_of_what_changes_within_50_ms(
