@@ -287,6 +287,12 @@ class CommandTopic:
     # What the drive wants done
 
     def _apply(self, effects: Iterable[Effect]) -> None:
+        try:
+            self._carry_out(effects)
+        finally:  # whatever fails, what has moved the robot is stopped in time
+            self._set_timer()
+
+    def _carry_out(self, effects: Iterable[Effect]) -> None:
         for effect in effects:
             match effect:
                 case Send():
@@ -310,7 +316,6 @@ class CommandTopic:
             self._is_guarded = False
             self._guard.rest(self.name)
         self._close_if_idle()  # also after the zeros of a stop while nothing moved
-        self._set_timer()
 
     def _record_holder(self) -> None:
         holder = self._drive.status.holder
