@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every bound and rate has a test that fails without it: a mutant names each of them.
+"""Every bound and rate has a test that fails where it is another: a mutant changes each of them.
 
-A bound is a number with a unit, or with ``MAX`` or the like, in its name. A mutant names what is in
-the line that it breaks.
+A bound is a number with a unit, or with ``MAX`` or the like, in its name. A mutant that breaks only
+the line where it is used shows that there is a bound, and not that it is the one that is promised.
 """
 
 import ast
@@ -17,6 +17,7 @@ from tools.mutants.mutant import ROOT, Mutant, load
 UNITS: Final = ("S", "MS", "NS", "BYTES", "HZ", "PER_S")
 EXTREMES: Final = ("MAX", "MOST", "MIN", "LEAST")
 BOUND: Final = re.compile(rf"_?(?:(?:{'|'.join(EXTREMES)})_\w+|\w*_(?:{'|'.join(UNITS)})|PER_S)")
+DEFINITION: Final = re.compile(r"^(\w+): Final\b(.*)", re.MULTILINE)
 
 
 class Bound(NamedTuple):
@@ -38,6 +39,10 @@ NO_BOUNDS: Final = {
     Bound("gateway/server/link.py", "_NS_PER_S"): "a unit in another",
     Bound("gateway/ros/rclpy_private/handles.py", "SPIN_S"): "stands for no time-out at all",
 }
+
+# What may have about any value, as nobody notices which it is, and why. A mutant breaks the line
+# where it is used.
+ABOUT: Final[dict[Bound, str]] = {}
 
 
 def bounds_of(file: str, source: str) -> Iterator[Bound]:
@@ -73,6 +78,12 @@ def named_by_mutant(mutant: Mutant) -> set[Bound]:
     return {Bound(mutant.file, name) for name in re.findall(r"\w+", mutant.old)}
 
 
+def changed_by_mutant(mutant: Mutant) -> set[Bound]:
+    """Return what is defined in the line that it breaks, and has another value there."""
+    old, new = (set(DEFINITION.findall(text)) for text in (mutant.old, mutant.new))
+    return {Bound(mutant.file, name) for name, _ in old - new}
+
+
 @pytest.fixture(scope="module")
 def bounds() -> set[Bound]:
     paths = sorted((ROOT / "gateway").rglob("*.py"))
@@ -86,15 +97,29 @@ def named() -> set[Bound]:
     return {bound for mutant in load() for bound in named_by_mutant(mutant)}
 
 
-def test_every_bound_is_named_by_a_mutant(bounds: set[Bound], named: set[Bound]):
-    missing = sorted(bounds - named - NO_BOUNDS.keys())
-    advice = "write a test that fails without each, and an entry in tools/mutants/"
+@pytest.fixture(scope="module")
+def changed() -> set[Bound]:
+    """All that a mutant gives another value, whatever it is."""
+    return {bound for mutant in load() for bound in changed_by_mutant(mutant)}
+
+
+def test_every_bound_is_changed_by_a_mutant(bounds: set[Bound], changed: set[Bound]):
+    missing = sorted(bounds - changed - NO_BOUNDS.keys() - ABOUT.keys())
+    advice = "write a test that fails where each is another, and an entry in tools/mutants/"
     assert not missing, "\n".join([advice, *map(str, missing)])
 
 
 def test_what_bounds_nothing_is_there_and_no_mutant_names_it(bounds: set[Bound], named: set[Bound]):
     assert NO_BOUNDS.keys() <= bounds, "gone, or with another name: take it out of the list"
     assert not NO_BOUNDS.keys() & named
+
+
+def test_what_may_have_about_any_value_is_there_and_a_mutant_only_names_it(
+    bounds: set[Bound], named: set[Bound], changed: set[Bound]
+):
+    assert ABOUT.keys() <= bounds, "gone, or with another name: take it out of the list"
+    assert ABOUT.keys() <= named, "write a test that fails without it, and an entry"
+    assert not ABOUT.keys() & changed, "a test notices its value: take it out of the list"
 
 
 @pytest.mark.parametrize(
@@ -117,6 +142,21 @@ def test_a_bound_is_known_by_its_name(line: str, names: list[str]):
     assert [bound.name for bound in bounds_of("x.py", line)] == names
 
 
-def test_a_mutant_names_what_its_line_has():
-    mutant = Mutant("gateway/x.py", "it ends", "now_s > LIMIT_S:", "False:", ("tests/test_x.py",))
-    assert Bound("gateway/x.py", "LIMIT_S") in named_by_mutant(mutant)
+LIMIT: Final = Bound("gateway/x.py", "LIMIT_S")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "is_changed"),
+    [
+        ("LIMIT_S: Final = 3", "LIMIT_S: Final = 30", True),
+        ("LIMIT_S: Final[float] = 3", "LIMIT_S: Final[float] = 30", True),
+        ("PINGS: Final = 3\nLIMIT_S: Final = 3", "PINGS: Final = 3\nLIMIT_S: Final = 30", True),
+        ("PINGS: Final = 3\nLIMIT_S: Final = 3", "PINGS: Final = 30\nLIMIT_S: Final = 3", False),
+        ("PINGS: Final = LIMIT_S", "PINGS: Final = 30", False),
+        ("now_s > LIMIT_S:", "False:", False),
+    ],
+)
+def test_a_mutant_names_what_its_line_has_and_changes_what_is_defined_there(old, new, is_changed):
+    mutant = Mutant("gateway/x.py", "it ends", old, new, ("tests/test_x.py",))
+    assert LIMIT in named_by_mutant(mutant)
+    assert (LIMIT in changed_by_mutant(mutant)) is is_changed
