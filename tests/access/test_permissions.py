@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gateway.access.permissions import ACTIONS, MAX_REMEMBERED, Permissions, Policy
+from gateway.access.permissions import ACTIONS, Permissions, Policy
 from gateway.cli import arguments
 from gateway.config.access import ROLES, AccessConfig, OperatorConfig, RoleConfig, ViewerConfig
 from tests.access.test_globs import GLOBS, NAMES, takes
@@ -69,9 +69,11 @@ def test_only_a_role_without_bounds_is_unlimited():
 
 def test_decisions_on_names_without_end_take_bounded_memory():
     rules = permissions(publish=("/a/**",))
-    for number in range(MAX_REMEMBERED * 2 + 10):
+    remembered = set()
+    for number in range(10_000):
         rules.may("publish", f"/a/n{number}")
-    assert len(rules._decided) <= MAX_REMEMBERED
+        remembered.add(len(rules._decided))
+    assert max(remembered) == 4096
     assert rules.may("publish", "/a/n0")
 
 
