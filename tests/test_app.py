@@ -4,6 +4,7 @@
 import asyncio
 import contextlib
 import dataclasses
+import errno
 import json
 import logging
 import signal
@@ -11,6 +12,7 @@ import socket
 import threading
 from pathlib import Path
 from threading import Timer
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -85,6 +87,18 @@ async def test_no_traceback_if_the_server_closed_before_asyncio_accepts_again(
         assert "Traceback" in caplog.text
     finally:
         loop.close()
+
+
+def test_that_no_client_can_connect_is_said_every_10_s(caplog: pytest.LogCaptureFixture):
+    clock_s = iter([0.0, 0.0, 9.9, 10.1, 10.1, 20.0, 20.2, 20.2])
+    loop: Any = SimpleNamespace(time=lambda: next(clock_s))
+    errors = app._LoopErrors()
+    said = []
+    for _ in range(5):
+        errors(loop, {"exception": OSError(errno.EMFILE, "Too many open files")})
+        said.append(len(caplog.messages))
+    assert said == [1, 1, 2, 2, 3]
+    assert caplog.messages[0] == "no client can connect: too many open files"
 
 
 def test_what_is_configured_goes_before_what_is_shipped(tmp_path: Path):

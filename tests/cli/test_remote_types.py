@@ -7,11 +7,12 @@ import json
 import socket
 import threading
 import time
+from types import SimpleNamespace
 
 import pytest
 import pytest_asyncio
 
-from gateway.cli import remote_connection, remote_types
+from gateway.cli import remote_types
 from gateway.cli.remote_connection import Gateway
 from gateway.errors import GatewayError, UsageError
 from tests.cli.test_main import TIMEOUT_S, refusal, ros2_gateway
@@ -342,14 +343,14 @@ def test_other_frames_do_not_make_it_wait_longer():
         fetch(url, "a/msg/A", timeout_s=0.5)
 
 
-def test_an_answer_has_a_largest_size(monkeypatch):
-    monkeypatch.setattr(remote_connection, "MAX_ANSWER_BYTES", 1000)
-    for size, fits in ((500, True), (1000, False)):
+def test_an_answer_has_a_largest_size():
+    most = 16 * 1024**2
+    for size, fits in ((most - 1000, True), (most, False)):
         with answering(lambda operation, n=size: [described(operation, more="x" * n)]) as url:
             if fits:
                 assert fetch(url, "a/msg/A")[0] == ["a/msg/A"]
                 continue
-            with pytest.raises(GatewayError, match="an answer has over 1000 bytes"):
+            with pytest.raises(GatewayError, match="an answer has over 16777216 bytes"):
                 fetch(url, "a/msg/A")
 
 
@@ -368,6 +369,15 @@ def test_types_have_a_largest_number(monkeypatch, most, fits):
             return
         with pytest.raises(UsageError, match="over 4 types with the nested ones: ask for fewer"):
             fetch(url, "a/msg/A1")
+
+
+def test_of_a_gateway_5000_types_are_kept(tmp_path):
+    connection = SimpleNamespace(ask=lambda operation: described({**operation, "id": 1}))
+    fetched = remote_types._Fetched(connection, "ws://robot", tmp_path)
+    fetched._names.update(f"a/msg/Other{number}" for number in range(4999))
+    assert fetched.named("a/msg/A") == ["a/msg/A"]
+    with pytest.raises(UsageError, match="over 5000 types with the nested ones: ask for fewer"):
+        fetched.named("a/msg/B")
 
 
 @pytest.mark.parametrize(

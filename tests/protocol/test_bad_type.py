@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from gateway.codec.error_text import MAX_ECHO
-from gateway.protocol.bad_type import MAX_DEFINITION_ERROR, bad_type
+from gateway.protocol.bad_type import bad_type
 from schemas.definition import DefinitionError
 from schemas.installed import InstalledDefinitions, UnknownTypeError
 from schemas.table import TypeNameError
@@ -44,9 +44,7 @@ def test_what_is_no_type_name_comes_with_the_type_that_was_meant() -> None:
     assert str(bad_type(error, InstalledDefinitions())).endswith("mean std_srvs/srv/SetBool?")
 
 
-@pytest.mark.parametrize(
-    ("kind", "most"), [(DefinitionError, MAX_DEFINITION_ERROR), (TypeNameError, MAX_ECHO)]
-)
+@pytest.mark.parametrize(("kind", "most"), [(DefinitionError, 512), (TypeNameError, MAX_ECHO)])
 def test_other_faults_are_told_as_they_are_but_shortened(
     kind: type[DefinitionError] | type[TypeNameError], most: int
 ) -> None:

@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gateway.protocol.picture_adaptation import (
-    LARGER_AFTER_NS,
     MAX_HOLD_S,
     ROOM,
     STEPS,
@@ -68,7 +67,7 @@ def test_pictures_become_larger_one_step_after_the_other_while_they_would_fit():
     assert sizes[-1] == WHOLE
     assert camera.changes == 1 + small
     first = next(number for number, size in enumerate(sizes) if size > sizes[0])
-    assert first * PERIOD_NS >= LARGER_AFTER_NS
+    assert first * PERIOD_NS >= 2_000_000_000
     del begin_ns
 
 
@@ -87,7 +86,7 @@ def test_room_for_a_moment_is_no_reason():
     camera = Camera()
     camera.send(50e3, 2)
     for _ in range(100):
-        camera.send(5e6, LARGER_AFTER_NS // PERIOD_NS - 1)
+        camera.send(5e6, 2_000_000_000 // PERIOD_NS - 1)
         camera.send(50e3)
     assert camera.changes == 1
 

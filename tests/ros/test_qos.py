@@ -5,6 +5,7 @@ import itertools
 from dataclasses import replace
 
 import pytest
+from rclpy.duration import Infinite
 
 from gateway.ports import Durability, Qos, Reliability
 from gateway.protocol.operations.topics import Advertise
@@ -98,6 +99,9 @@ def test_a_depth_alone_is_no_other_request() -> None:
 def test_durations_are_kept_within_what_dds_can_watch() -> None:
     adopted = adopt(Qos(deadline_ns=1, lifespan_ns=2**70), [])
     assert (adopted.deadline_ns, adopted.lifespan_ns) == (1_000_000, None)
+    endless_ns = Infinite.nanoseconds
+    adopted = adopt(Qos(deadline_ns=endless_ns, lifespan_ns=endless_ns - 1), [])
+    assert (adopted.deadline_ns, adopted.lifespan_ns) == (None, endless_ns - 1)
 
 
 def test_a_publisher_gets_the_defaults_of_ros() -> None:

@@ -408,12 +408,19 @@ async def test_a_response_that_came_before_dds_had_matched_the_client_is_sent_ag
         else:
             send(response, request_id)
 
+    def call_soon(delay_s: float, *call: Any) -> None:
+        delays_s.append(delay_s)
+        loop.call_soon(*call)
+
+    loop, delays_s = asyncio.get_running_loop(), []
+    replier._loop = SimpleNamespace(time=loop.time, call_later=call_soon)
     replier._send_response = send_in_vain_at_first
     calling = asyncio.ensure_future(outside.add_client("/arm", SET_BOOL).call(request(True)))
     await eventually(lambda: bool(requests))
     requests[0].answer(response("done"))
     assert text_of(await soon(calling)) == "done"
     assert len(sent) == 2
+    assert delays_s == [1.0]
 
 
 async def test_a_service_that_has_become_silent_sends_what_it_owes(

@@ -168,6 +168,22 @@ async def test_nothing_is_told_of_what_is_closed(node: Node, events: WaitSetRead
     assert not events._awaited
 
 
+async def test_closing_waits_a_second_at_most_for_the_thread_to_let_go(
+    node: Node, events: WaitSetReadyEvents, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    waits_s: list[float | None] = []
+
+    class LetGo(threading.Event):
+        def wait(self, timeout: float | None = None) -> bool:
+            waits_s.append(timeout)
+            return super().wait(timeout)
+
+    subscription = Subscription(node, events)
+    monkeypatch.setattr(threading, "Event", LetGo)
+    subscription.source.close()
+    assert waits_s == [1.0]
+
+
 async def test_a_wait_that_fails_is_tried_again_a_second_later(
     node: Node,
     events: WaitSetReadyEvents,

@@ -6,11 +6,14 @@ import contextlib
 import json
 from collections.abc import AsyncIterator
 from functools import partial
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.frames import Opcode
+from websockets.http11 import Request
 
 from gateway.access.audit import Audit
 from gateway.access.authentication import Authentication
@@ -217,6 +220,34 @@ async def test_before_its_token_a_client_sends_small_messages_alone(serve: Serve
                 await speaker.send(**piece, data="x" * 3000)
             statuses = [await speaker.status() for _ in range(10)]
             assert {status["code"] for status in statuses} == {"forbidden"}
+
+
+class Waiting:
+    """A client that has yet to send its token."""
+
+    name, address = "10.0.0.5#1", "10.0.0.5"
+
+    def __init__(self, refused: int) -> None:
+        self.session: Any = SimpleNamespace(identity=None, refused=refused)
+        self.closed: list[int] = []
+
+    def close(self, code: int, reason: str) -> None:
+        self.closed.append(code)
+
+    def limit_messages(self, max_bytes: int) -> None:
+        pass
+
+
+def test_64_operations_without_a_token_are_no_abuse_yet():
+    authentication = Authentication(Tokens((OPERATOR,)), Policy(AccessConfig()), None)
+    admission = Admission(authentication, AccessConfig(), Audit(lambda: 0), lambda _: None)
+    waiting = Waiting(refused=64)
+    admission.enter(waiting, waiting.session, Request("/", Headers()), 0.0)
+    admission.tick(0.1)
+    assert waiting.closed == []
+    waiting.session.refused += 1
+    admission.tick(0.2)
+    assert waiting.closed == [1008]
 
 
 async def test_too_many_operations_without_a_token_are_abuse(serve: Serve):

@@ -9,6 +9,7 @@ from gateway.router.introspection import client_code
 from schemas.generate.request import ClientCodeError
 from schemas.installed import InstalledDefinitions
 from tests.cli.test_main import ros2_gateway
+from tests.client import eventually
 from tests.clock import StoppedClock
 from tests.router.conftest import Bench
 
@@ -73,11 +74,16 @@ async def test_a_request_beyond_its_bounds_is_refused(bench: Bench, members):
 
 
 async def test_more_code_than_a_client_reads_is_refused(bench: Bench, monkeypatch):
-    monkeypatch.setattr(client_code, "MAX_BYTES", 1000)
+    code = "x" * 4 * 1024**2
+    monkeypatch.setattr(client_code, "_written", lambda *_: ({"Limit.cs": code}, []))
     client = bench.client()
     client.send(op="generate", language="csharp", types=[LIMIT])
+    await eventually(lambda: len(client.frames) == 1)
+    assert client.frames[0].get("files") == {"Limit.cs": code}
+    code += "x"
+    client.send(op="generate", language="csharp", types=[LIMIT])
     await client.sees(1, "status")
-    text = "the code has over 1000 bytes: ask for fewer types at once"
+    text = "the code has over 4194304 bytes: ask for fewer types at once"
     assert client.statuses == [("limit_exceeded", text)]
 
 

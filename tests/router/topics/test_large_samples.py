@@ -21,7 +21,6 @@ from gateway.router.topics.encoding import Encoding, SharedFrame
 from gateway.router.topics.large_samples import (
     LARGE_ELEMENTS_BYTES,
     LARGE_SAMPLE_BYTES,
-    PIECE_BYTES,
     EncodedTopic,
     EncodingResources,
     LargeSamples,
@@ -211,7 +210,7 @@ async def test_a_frame_stays_in_pieces_and_its_message_is_shared(bench: Bench):
     one, other = (client.wires for client in shared)
     assert all(mine is theirs for mine, theirs in zip(one, other, strict=True))
     assert all(mine is theirs for mine, theirs in zip(one[1:], meta.wires[1:], strict=True))
-    assert {len(piece) >= PIECE_BYTES for piece in one[1:-2]} == {True}
+    assert {len(piece) >= 64 * 1024 for piece in one[1:-2]} == {True}
     assert (shared[0].session.outbox.sent, meta.of("publish")[0]["seq"]) == (1, 1)
 
 
