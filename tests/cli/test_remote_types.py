@@ -8,6 +8,7 @@ import socket
 import threading
 import time
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 import pytest_asyncio
@@ -372,7 +373,7 @@ def test_types_have_a_largest_number(monkeypatch, most, fits):
 
 
 def test_of_a_gateway_5000_types_are_kept(tmp_path):
-    connection = SimpleNamespace(ask=lambda operation: described({**operation, "id": 1}))
+    connection: Any = SimpleNamespace(ask=lambda operation: described({**operation, "id": 1}))
     fetched = remote_types._Fetched(connection, "ws://robot", tmp_path)
     fetched._names.update(f"a/msg/Other{number}" for number in range(4999))
     assert fetched.named("a/msg/A") == ["a/msg/A"]

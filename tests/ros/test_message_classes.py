@@ -190,7 +190,7 @@ async def test_a_process_that_fails_or_crashes_is_told_of(monkeypatch, script: s
     monkeypatch.setattr(message_classes, "_CHECK", ("-c", script))
     if "sleep" in script:  # a minute is a second
         timeout = asyncio.timeout
-        monkeypatch.setattr(message_classes.asyncio, "timeout", lambda s: timeout(s / 60))
+        monkeypatch.setattr(asyncio, "timeout", lambda s: timeout(s / 60))
     assert await why_types_cannot_be_made() == words
 
 

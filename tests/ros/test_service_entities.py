@@ -398,8 +398,10 @@ async def test_a_response_that_came_before_dds_had_matched_the_client_is_sent_ag
 ) -> None:
     requests: list[Request] = []
     service = ros.serve("/arm", SET_BOOL, requests.append)
-    replier = service._replier
+    replier: Any = service._replier
     send, sent = replier._send_response, []
+    loop = asyncio.get_running_loop()
+    delays_s: list[float] = []
 
     def send_in_vain_at_first(response: Any, request_id: Any) -> None:
         sent.append(response)
@@ -412,7 +414,6 @@ async def test_a_response_that_came_before_dds_had_matched_the_client_is_sent_ag
         delays_s.append(delay_s)
         loop.call_soon(*call)
 
-    loop, delays_s = asyncio.get_running_loop(), []
     replier._loop = SimpleNamespace(time=loop.time, call_later=call_soon)
     replier._send_response = send_in_vain_at_first
     calling = asyncio.ensure_future(outside.add_client("/arm", SET_BOOL).call(request(True)))
