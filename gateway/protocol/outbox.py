@@ -85,7 +85,7 @@ FRESH_S: Final = 0.05
 
 
 class Queue:
-    """The entries of one subscription that wait, oldest first; the oldest is dropped when full.
+    """Entries that wait, oldest first, of one subscription or the like; full, it drops the oldest.
 
     ``depth`` bounds their number and ``max_bytes`` their size, but one entry always fits.
     """
@@ -97,6 +97,8 @@ class Queue:
         "depth",
         "discarded",
         "dropped",
+        "finish_bytes",
+        "finish_kind",
         "is_latched",
         "max_bytes",
         "on_sent",
@@ -104,8 +106,6 @@ class Queue:
         "sent",
         "sent_bytes",
         "size",
-        "turn",
-        "turn_kind",
         "waiting",
     )
 
@@ -125,8 +125,9 @@ class Queue:
         # whether its topic says each thing once: then no entry stands for an older one
         self.is_latched: Callable[[], bool] = lambda: False
         self.on_sent: OnSent | None = None  # gets all of what has waited
-        self.turn = 0.0  # the bytes after which it is served, by the clock of this kind:
-        self.turn_kind: _Kind | None = None
+        # where what it has sent ends, by the clock of this kind: start-time fair queueing
+        self.finish_bytes = 0.0
+        self.finish_kind: _Kind | None = None
 
     @property
     def pending(self) -> int:
@@ -238,7 +239,7 @@ class Outbox:
         self._queues: list[Queue] = []
         self.small = _Kind(1 - LARGE_SHARE)
         self.large = _Kind(LARGE_SHARE)
-        self._clock = 0.0  # the turn of the kind that was served last
+        self._clock = 0.0  # where the kind that was served last began
         # of queues that were closed
         self._past_coalesced = 0
         self._past_dropped = 0
@@ -325,7 +326,7 @@ class Outbox:
         return self._take_queued(taken, left) if self.size else taken
 
     def _take_queued(self, taken: list[Piece], left: int) -> list[Piece]:
-        """Add frames of the queues, those first whose turn comes first; each waits in a heap."""
+        """Add frames of the queues, those first that have had least; each waits in a heap."""
         order = itertools.count()
         waiting: dict[_Kind, list[tuple[float, int, Queue]]] = {self.small: [], self.large: []}
 
@@ -338,9 +339,9 @@ class Outbox:
                 enter(queue)
         while left > 0 and (kinds := [kind for kind, queues in waiting.items() if queues]):
             for kind in kinds:  # one that had nothing to send is owed nothing
-                kind.turn = max(kind.turn, self._clock)
-            kind = min(kinds, key=lambda kind: kind.turn)
-            self._clock = kind.turn
+                kind.finish_bytes = max(kind.finish_bytes, self._clock)
+            kind = min(kinds, key=lambda kind: kind.finish_bytes)
+            self._clock = kind.finish_bytes
             start, _, queue = heappop(waiting[kind])
             frame = queue.next()
             size = 0 if frame is None else len(frame)
@@ -387,22 +388,22 @@ class Outbox:
 class _Kind:
     """Queues whose next entry is small, or large; they share their part of the link equally."""
 
-    __slots__ = ("_clock", "share", "turn")
+    __slots__ = ("_clock", "finish_bytes", "share")
 
     def __init__(self, share: float) -> None:
         self.share = share
-        self.turn = 0.0  # bytes of the whole link, by the clock of the outbox
-        self._clock = 0.0  # the turn of the queue that was served last
+        self.finish_bytes = 0.0  # of the whole link, by the clock of the outbox
+        self._clock = 0.0  # where the queue that was served last began
 
     def start(self, queue: Queue) -> float:
-        """Return the turn of a queue; one that had nothing of this kind to send is owed nothing."""
-        return max(queue.turn, self._clock) if queue.turn_kind is self else self._clock
+        """Return where a queue goes on; for a time with nothing of this kind it is owed nothing."""
+        return max(queue.finish_bytes, self._clock) if queue.finish_kind is self else self._clock
 
     def serve(self, queue: Queue, start: float, size: int) -> None:
-        """Count a frame that was taken from a queue at its turn."""
+        """Count a frame that was taken from a queue."""
         self._clock = max(self._clock, start)
-        queue.turn, queue.turn_kind = start + size, self
-        self.turn += size / self.share
+        queue.finish_bytes, queue.finish_kind = start + size, self
+        self.finish_bytes += size / self.share
 
 
 def _fair_part(wanted: Sequence[float], room: float) -> float:
