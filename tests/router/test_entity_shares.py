@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The shares of clients and addresses, in a gateway with 16 entities: 4 and 8."""
 
+import gc
+import weakref
 from typing import Any
 
 import pytest
@@ -89,3 +91,14 @@ async def test_what_is_given_back_may_be_used_again(crowd: Bench):
     crowd.router.leave(client.session)
     for name in "bc":
         fill(crowd.client(), name)
+
+
+async def test_of_a_client_that_has_left_nothing_is_kept(crowd: Bench):
+    client = crowd.client()
+    fill(client, "a")
+    session = weakref.ref(client.session)
+    crowd.router.leave(client.session)
+    await crowd.settle()  # what is under way may know it
+    del client
+    gc.collect()
+    assert session() is None

@@ -19,6 +19,7 @@ from gateway.router.commands import command_topic, commands
 from gateway.router.commands.command_topic import COMMAND_QOS
 from tests.client import eventually
 from tests.clock import StoppedClock
+from tests.ros.fake_services import FakeService
 from tests.router.commands.conftest import STAMPED, TWIST, Build, Scene, push, speeds
 from tests.router.conftest import Socketless
 
@@ -321,6 +322,27 @@ async def test_a_client_that_leaves_stops_the_robot_and_leaves_nothing_open(scen
     assert scene.ros.entity_count() == 0
     assert scene.guard.verbs[-1] == "rest"
     assert scene.router.counts()["publishers"] == 0
+
+
+async def test_a_robot_stops_before_anything_else_of_its_driver_is_closed(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+):
+    published: list[int] = []
+    close = FakeService.close
+
+    def note(service: FakeService) -> None:
+        published.append(scene.ros.published)
+        close(service)
+
+    monkeypatch.setattr(FakeService, "close", note)
+    scene.listen()
+    client = scene.client()
+    client.send(op="advertise_service", service="/s", type="std_srvs/srv/Trigger")
+    push(client)
+    await scene.settle()
+    assert scene.ros.published == 1
+    scene.router.leave(client.session)
+    assert published == [2]  # the zero, too
 
 
 async def test_a_client_that_stops_what_stands_and_leaves_leaves_nothing_open(scene: Scene):

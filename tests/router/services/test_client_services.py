@@ -134,6 +134,20 @@ async def test_a_client_that_leaves_lets_its_calls_fail(bench: Bench) -> None:
     assert bench.ros.entity_count() == 0
 
 
+async def test_calls_of_a_service_that_has_ended_have_no_deadline_any_more(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    clock = StoppedClock(monkeypatch)
+    client = provider(bench)
+    response = Caller(bench).call()
+    await bench.settle()
+    client.send(op="unadvertise_service", service="arm")
+    assert (await response)["message"] == "service was withdrawn"
+    await clock.advance(2 * LIMITS.service_timeout_s)
+    assert client.statuses == []
+    assert caplog.messages == []
+
+
 async def test_a_withdrawn_service_lets_its_calls_fail(bench: Bench) -> None:
     client = provider(bench)
     response = Caller(bench).call()

@@ -5,7 +5,7 @@ import cv2
 import numpy as np
 import pytest
 
-from gateway.ports import Qos
+from gateway.ports import Qos, RosError
 from tests.client import eventually
 from tests.router.conftest import Bench
 
@@ -129,6 +129,19 @@ async def test_a_type_that_contradicts_the_topic_is_refused(bench: Bench):
     client.send(op="subscribe", id=1, topic="/odom", type=STRING)
     assert client.statuses == [("type_conflict", f"topic /odom has type {ODOMETRY}, not {STRING}")]
     assert bench.ros.entity_count() == 0
+
+
+async def test_a_topic_that_ros_refuses_is_not_counted(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+):
+    def refuse(*_: object) -> None:
+        raise RosError("internal", "no memory")
+
+    monkeypatch.setattr(bench.ros, "subscribe", refuse)
+    client = bench.client()
+    client.send(op="subscribe", topic="/t", type=STRING)
+    assert client.statuses == [("internal", "no memory")]
+    assert "/t" not in [counted.topic for counted in bench.router.traffic().topics]
 
 
 @pytest.mark.parametrize(
