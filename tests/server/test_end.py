@@ -15,6 +15,7 @@ from websockets.frames import Opcode
 
 from gateway.router.router import Router
 from gateway.server.close_codes import GOING_AWAY, INTERNAL_ERROR, POLICY_VIOLATION
+from gateway.server.connection import Connection
 from gateway.server.end import Why
 from tests.client import TIMEOUT_S, client, eventually
 from tests.server.conftest import Serve, Served
@@ -237,6 +238,35 @@ async def test_a_bug_is_an_end_by_the_gateway(serve: Serve, caplog, monkeypatch)
     assert bug.client == "127.0.0.1#1"
     (record,) = ends(caplog)
     assert (record.by, record.reason, record.code) == ("gateway", "internal_error", INTERNAL_ERROR)
+
+
+async def test_a_bug_in_keeping_the_times_of_a_client_ends_it_alone(
+    serve: Serve, caplog, monkeypatch
+):
+    ticks: list[str] = []
+    tick = Connection.tick
+
+    def fail_for_the_first(connection: Connection, now_s: float) -> None:
+        ticks.append(connection.name)
+        if connection.name == "127.0.0.1#1":
+            raise ZeroDivisionError
+        tick(connection, now_s)
+
+    caplog.set_level("INFO", LOGGER)
+    async with serve() as served, client(served.url) as first:
+        await first.sync()
+        async with client(served.url) as other:
+            await other.sync()
+            monkeypatch.setattr(Connection, "tick", fail_for_the_first)
+            await closing(first)
+            ticks.clear()
+            await eventually(lambda: len(ticks) > 1)
+            await other.sync()
+    (bug,) = [each for each in caplog.records if each.exc_info]
+    assert bug.client == "127.0.0.1#1"
+    assert set(ticks) == {"127.0.0.1#2"}
+    record = ends(caplog)[0]
+    assert (record.client, record.by, record.reason) == (bug.client, "gateway", "internal_error")
 
 
 async def test_the_shutdown_ends_clients_and_half_open_sockets(serve: Serve, caplog):

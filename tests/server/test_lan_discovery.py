@@ -84,6 +84,20 @@ async def test_a_flood_costs_the_loop_a_bounded_part_of_its_time(
         await heard(asking)
 
 
+async def test_one_that_closes_between_its_turns_does_not_listen_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    discovery = LanDiscovery(answer(GATEWAY), port=0)
+    resumed: list[bool] = []
+    monkeypatch.setattr("gateway.server.lan_discovery.PAUSE_S", 0.0)
+    monkeypatch.setattr(discovery, "_resume", lambda: resumed.append(True))
+    discovery._read()
+    discovery.close()
+    for _ in range(10):
+        await asyncio.sleep(0)
+    assert resumed == []
+
+
 async def test_gateways_of_one_machine_share_the_port(asking: socket.socket) -> None:
     first = LanDiscovery(answer(GATEWAY), port=0)
     second = LanDiscovery(b"{}", port=first.port)
