@@ -147,6 +147,9 @@ class Server:
         """Listen on a door, and add what does so to *listeners*; return its addresses."""
         if door.tls is not None:
             log_failed_handshakes(door.tls)
+        open_s = self.limits.open_timeout_s
+        # no sooner than a connection ends by itself: until then a slow peer may take its page
+        page_s = open_s + self.limits.send_deadline_s
         addresses: list[tuple[str, int]] = []
         for host in hosts:
             port = addresses[0][1] if addresses else door.port
@@ -156,8 +159,8 @@ class Server:
                     host,
                     port,
                     ssl=door.tls,
-                    ssl_handshake_timeout=self.limits.open_timeout_s if door.tls else None,
-                    ssl_shutdown_timeout=self.limits.send_deadline_s if door.tls else None,
+                    ssl_handshake_timeout=open_s if door.tls else None,
+                    ssl_shutdown_timeout=page_s if door.tls else None,
                 )
             except OSError as error:
                 if not addresses:

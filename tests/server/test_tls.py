@@ -5,7 +5,9 @@ import asyncio
 import contextlib
 import socket
 import ssl
+from collections.abc import Coroutine
 from pathlib import Path
+from typing import Any
 
 import pytest
 from websockets.frames import Opcode
@@ -78,6 +80,22 @@ async def test_what_comes_with_the_end_of_the_handshake_is_read(serve: Serve, tl
                 continue
             incoming.write(await reader.read(65536))
         writer.close()
+
+
+async def test_tls_has_the_time_of_a_handshake_to_begin_and_that_of_a_page_to_end(
+    serve: Serve, tls, monkeypatch
+):
+    loop = asyncio.get_running_loop()
+    create_server = loop.create_server
+    given: dict[str, object] = {}
+
+    def note(*arguments: Any, **options: Any) -> Coroutine[Any, Any, asyncio.Server]:
+        given.update(options)
+        return create_server(*arguments, **options)
+
+    monkeypatch.setattr(loop, "create_server", note)
+    async with serve({"open_timeout_s": 7, "send_deadline_s": 11}, tls=tls):
+        assert (given["ssl_handshake_timeout"], given["ssl_shutdown_timeout"]) == (7, 18)
 
 
 async def test_a_socket_that_never_begins_is_cut_off_after_a_while(serve: Serve, tls):
