@@ -6,6 +6,7 @@ import contextlib
 import os
 import threading
 from collections.abc import AsyncIterator, Iterator
+from functools import partial
 from typing import Any
 
 import pytest
@@ -365,6 +366,23 @@ async def test_after_a_take_that_has_failed_the_loop_takes_what_has_come_meanwhi
     held.let.release()
     await eventually(lambda: len(received) == 2)
     assert raised == [held.error]
+    reader.close()
+
+
+async def test_what_arrives_while_the_thread_takes_brings_one_further_take_and_no_more(
+    samples: Samples, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(samples.large_takes, "_take", lambda *_: None)  # all has been taken
+    reader = samples.read(TEXT, "/cloud", to_profile(adopt(Qos(), ())), lambda _: None)
+    steps: list[str] = []
+    for name in ("notify_again", "resume"):
+        monkeypatch.setattr(reader._source, name, partial(steps.append, name))
+    reader._take_large()
+    reader._take_large()  # more has arrived
+    await eventually(lambda: steps == ["notify_again"])
+    reader._take_large()
+    await eventually(lambda: len(steps) == 2)
+    assert steps == ["notify_again", "resume"]
     reader.close()
 
 

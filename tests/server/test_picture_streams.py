@@ -287,6 +287,17 @@ async def test_at_most_so_many_look_and_one_that_leaves_makes_room(
         await eventually(lambda: viewers(served) == 2)
 
 
+async def test_16_look_at_pictures_at_once(serve: Serve):
+    path = f"/stream?topic={CAMERA}"
+    async with serve() as served, contextlib.AsyncExitStack() as others:
+        camera(served)
+        for _ in range(16):
+            await others.enter_async_context(view(served, path))
+        await eventually(lambda: viewers(served) == 16)
+        status, text = await answer(served, f"/snapshot?topic={CAMERA}")  # which has an end
+        assert (status, text.partition(";")[0]) == (503, "busy: 16 others look at pictures")
+
+
 async def test_viewers_are_neither_half_open_nor_do_they_take_the_pages_of_metrics(serve: Serve):
     async with serve({"open_timeout_s": 60.0}) as served:
         publisher = camera(served)

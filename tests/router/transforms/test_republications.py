@@ -297,14 +297,18 @@ async def test_arrays_are_limited_per_client(robot: Robot, client: Socketless):
     assert len(client.of("action_result")) == 2  # the one of goal 0
 
 
-async def test_what_does_not_fit_into_a_slice_goes_on_in_the_next_turn_of_the_loop(
+@pytest.mark.parametrize(("look_s", "is_split"), [(0.0039, False), (0.0041, True)])
+async def test_what_does_not_fit_into_a_slice_of_4_ms_goes_on_in_the_next_turn_of_the_loop(
     stage: Stage,
     client: Socketless,
     looks: list[tuple[str, str]],
     monkeypatch: pytest.MonkeyPatch,
+    look_s: float,
+    is_split: bool,
 ):
     await stage.begin(client)
-    monkeypatch.setattr(republications, "SLICE_S", -1.0)
+    clock = SimpleNamespace(monotonic=lambda: 1000.0 + look_s * len(looks))
+    monkeypatch.setattr(republications, "time", clock)
     turns: list[list[tuple[str, str]]] = []
     loop = asyncio.get_running_loop()
 
@@ -316,7 +320,7 @@ async def test_what_does_not_fit_into_a_slice_goes_on_in_the_next_turn_of_the_lo
     looks.clear()
     loop.call_soon(look_on)
     await stage.drive(2, 2.0)
-    assert [("odom", "base_link")] in turns  # others had their turn between the two
+    assert ([("odom", "base_link")] in turns) == is_split  # others had their turn in between
     assert looks == [("odom", "base_link"), ("odom", "laser")]
     assert xs(transforms(client)[1:]) == [{"base_link": 2.0, "laser": 3.0}]
 
