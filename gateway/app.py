@@ -173,8 +173,10 @@ async def _serve(
             name = config.ros.node_prefix
             stack.enter_context(publishing(ros, types, server.summary, name))
         await stop.wait()
-        router.stop_robots()  # first: closing the connections takes up to a second
-        end_by_force()
+        try:
+            router.stop_robots()  # first: closing the connections takes up to a second
+        finally:
+            end_by_force()
         logger.info("shutting down")
     return 0
 

@@ -6,7 +6,6 @@ import logging
 import time
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterable
-from dataclasses import dataclass, field
 from typing import Any, Final
 
 from gateway.access.audit import Audit, Fact
@@ -23,7 +22,6 @@ from gateway.drive.effects import (
     Send,
     Stopped,
 )
-from gateway.drive.freshness import Freshness
 from gateway.drive.refusals import CAUSE_TEXTS
 from gateway.drive.stop import LIFESPAN_NS
 from gateway.drive.twist_cdr import COMMAND_TYPES, TWIST_STAMPED, encode
@@ -35,6 +33,7 @@ from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import TopicName
 from gateway.protocol.operations.base import Operation
 from gateway.protocol.session import Session
+from gateway.router.commands.driver import Driver
 from gateway.router.commands.guard import Guard
 from gateway.router.commands.twist_values import TwistValues
 from gateway.router.topic_counts import TopicCounts
@@ -43,22 +42,10 @@ from gateway.router.topic_events import warning
 # Reliable, as a zero must arrive; the newest only, and not when it is old; and never retained: a
 # base that restarts must not get the last command before it did.
 COMMAND_QOS: Final = Qos("reliable", "volatile", "keep_last", 1, lifespan_ns=LIFESPAN_NS)
-# A refused stream is answered once in so long: a client that holds a stick sends 120 a second.
-REPEAT_NS: Final = 1_000_000_000
 # Between two `control` frames: a client that toggles must not fill the others' queues.
 NOTICE_S: Final = 0.05
 
 logger = logging.getLogger(__name__)
-
-
-@dataclass(slots=True)
-class Driver:
-    """One client that has the topic open."""
-
-    ids: set[str | int | None] = field(default_factory=set)  # of its advertisements
-    commands: int = 0  # that came, also those refused
-    freshness: Freshness = field(default_factory=Freshness)
-    answered_ns: dict[str, int] = field(default_factory=dict)  # by the code of the answer
 
 
 class CommandTopic:
@@ -100,6 +87,7 @@ class CommandTopic:
         self._readers = 0  # the subscriptions that ROS knows
         self._frame_id = ""
         self._is_guarded = False
+        self._has_failed = False  # the last command, on its way out
         self._timer: asyncio.TimerHandle | None = None
         self._timer_ns = 0
         self._notice: asyncio.TimerHandle | None = None
@@ -234,11 +222,10 @@ class CommandTopic:
                 timer.cancel()
         self._timer = self._notice = None
         if self._is_guarded:
-            self._publish(Send(ZERO))
-            self._is_guarded = False
-            self._guard.rest(self.name)
+            self._apply([Send(ZERO)])
+            self._rest()
         self._close()
-        if self._guarded_type is not None:
+        if self._guarded_type is not None and not self._is_guarded:
             self._guard.close(self.name)
             self._guarded_type = None
 
@@ -287,35 +274,41 @@ class CommandTopic:
     # What the drive wants done
 
     def _apply(self, effects: Iterable[Effect]) -> None:
-        try:
-            self._carry_out(effects)
-        finally:  # whatever fails, what has moved the robot is stopped in time
-            self._set_timer()
-
-    def _carry_out(self, effects: Iterable[Effect]) -> None:
         for effect in effects:
-            match effect:
-                case Send():
-                    self._publish(effect)
-                case Refused():
-                    self._refuse(effect)
-                case Clamped():
-                    self._tell_clamped(effect)
-                case Stopped(cause):
-                    self._stops[cause] += 1
-                    level = logging.WARNING if effect.is_tripped else logging.DEBUG
-                    extra: dict[str, str] = {"topic": self.name}
-                    if isinstance(effect.client, Session):
-                        extra["client"] = effect.client.client
-                    logger.log(level, "stopped: %s", CAUSE_TEXTS[cause], extra=extra)
-                    self._record("stop", effect.client, cause=cause, tripped=effect.is_tripped)
-                case Changed():
-                    self._record_holder()
-                    self._notify()
-        if self._is_guarded and not self._drive.needs_guard:
+            try:
+                self._carry_out(effect)
+            except Exception:  # our bug: it keeps nothing else back, least of all another stop
+                logger.exception("a command topic failed", extra={"topic": self.name})
+        if not self._drive.needs_guard:
+            self._rest()
+        self._close_if_idle()  # also after the zeros of a stop while nothing moved
+        self._set_timer()
+
+    def _carry_out(self, effect: Effect) -> None:
+        match effect:
+            case Send():
+                self._publish(effect)
+            case Refused():
+                self._refuse(effect)
+            case Clamped():
+                self._tell_clamped(effect)
+            case Stopped(cause):
+                self._stops[cause] += 1
+                level = logging.WARNING if effect.is_tripped else logging.DEBUG
+                extra: dict[str, str] = {"topic": self.name}
+                if isinstance(effect.client, Session):
+                    extra["client"] = effect.client.client
+                logger.log(level, "stopped: %s", CAUSE_TEXTS[cause], extra=extra)
+                self._record("stop", effect.client, cause=cause, tripped=effect.is_tripped)
+            case Changed():
+                self._record_holder()
+                self._notify()
+
+    def _rest(self) -> None:
+        """Let the guard rest, unless the last zero has not gone out: then it stops the robot."""
+        if self._is_guarded and not self._has_failed:
             self._is_guarded = False
             self._guard.rest(self.name)
-        self._close_if_idle()  # also after the zeros of a stop while nothing moved
 
     def _record_holder(self) -> None:
         holder = self._drive.status.holder
@@ -340,6 +333,7 @@ class CommandTopic:
             self._is_guarded = True
             offset_ns = stamp_ns - time.monotonic_ns() if stamp_ns else 0
             self._guard.moving(self.name, offset_ns, self._frame_id)
+        self._has_failed = True
         cdr = encode(self.message_type.name, effect.velocity, stamp_ns, self._frame_id)
         # The guard was found lost just now, or the gateway stood still here while the guard stopped
         # the robot: asked by the clock, not as of this turn, and as late as can be.
@@ -347,6 +341,7 @@ class CommandTopic:
             return
         try:
             self._publisher.publish(cdr)
+            self._has_failed = False
         except RosError as error:
             logger.error("%s", error, extra={"topic": self.name})
 
@@ -374,17 +369,9 @@ class CommandTopic:
             session.warn(ProtocolError("invalid_value", text), request.op, request.id)
 
     def _is_to_be_answered(self, session: Session, request: Operation, code: str) -> bool:
-        """Return whether an answer is due: with an id always, else once in `REPEAT_NS`."""
-        driver = self.drivers.get(session)
-        if driver is None:  # it has withdrawn or left meanwhile, and must not be one again
-            return request.id is not None
-        now_ns = self._now_ns()
-        answered_ns = driver.answered_ns
-        last_ns = answered_ns.get(code)
-        if request.id is None and last_ns is not None and now_ns - last_ns < REPEAT_NS:
-            return False
-        answered_ns[code] = now_ns
-        return True
+        driver = self.drivers.get(session)  # None: it has withdrawn or left meanwhile
+        is_due = driver is not None and driver.is_due(code, self._now_ns())
+        return is_due or request.id is not None
 
     def _forget(self, session: Session) -> None:
         driver = self.drivers.pop(session, None)

@@ -3,7 +3,7 @@
 
 import asyncio
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterator
 from functools import partial
 
 from gateway.access.audit import Audit
@@ -140,15 +140,12 @@ class Commands:
         """
         chosen = [self._named(session, request.topic)] if request.topic else self._topics.values()
         stopped = []
-
-        def stop(topic: CommandTopic) -> None:
+        for topic in chosen:
             if not topic.is_open and not self._opens(topic):
-                return  # neither a client nor a robot has ever named its type
+                continue  # neither a client nor a robot has ever named its type
             topic.driver(session)
             topic.stop(session)
             stopped.append(topic.name)
-
-        _have_each(chosen, stop)
         session.answer("stop", request.id, topics=list(filter(session.sees, stopped)))
 
     def acquire(self, session: Session, request: AcquireControl) -> None:
@@ -192,19 +189,23 @@ class Commands:
 
     def revoke(self, session: Session) -> None:
         """Stop whatever a client moves: it may not any more."""
-        _have_each(self._topics.values(), lambda topic: topic.revoke(session))
+        for topic in self._topics.values():
+            topic.revoke(session)
 
     def leave(self, session: Session) -> None:
         """Stop whatever a client moves, and forget it."""
-        _have_each(self._topics.values(), lambda topic: topic.leave(session))
+        for topic in self._topics.values():
+            topic.leave(session)
 
     def shut_down(self) -> None:
         """Stop every robot now; from now on nothing moves."""
-        _have_each(self._topics.values(), CommandTopic.shut_down)
+        for topic in self._topics.values():
+            topic.shut_down()
 
     def close(self) -> None:
         """Release everything; what is stopping gets a last zero."""
-        _have_each(self._topics.values(), CommandTopic.close)
+        for topic in self._topics.values():
+            topic.close()
 
     def _named(self, session: Session, requested: str | None) -> CommandTopic:
         """Return a topic by its name, or the only one there is."""
@@ -271,21 +272,10 @@ class Commands:
         # anew: what was taken before a stop of this process must not go out after it
         self._turn_ns = time.monotonic_ns()
         try:
-            _have_each(self._topics.values(), CommandTopic.end_turn)
+            for topic in self._topics.values():
+                topic.end_turn()
         finally:  # or time would stand still
             self._turn_ns = None
-
-
-def _have_each(topics: Iterable[CommandTopic], act: Callable[[CommandTopic], None]) -> None:
-    """Have each topic act, also behind one at which a bug of ours shows; then raise that."""
-    bug = None
-    for topic in topics:
-        try:
-            act(topic)
-        except Exception as error:  # noqa: BLE001  # it must not keep another robot from stopping
-            bug = bug or error
-    if bug is not None:
-        raise bug
 
 
 def _ignored(request: Advertise) -> Iterator[str]:

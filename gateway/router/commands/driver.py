@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A client of a command topic."""
+
+from dataclasses import dataclass, field
+from typing import Final
+
+from gateway.drive.freshness import Freshness
+
+# A refused stream is answered once in so long: a client that holds a stick sends 120 a second.
+REPEAT_NS: Final = 1_000_000_000
+
+
+@dataclass(slots=True)
+class Driver:
+    """One client that has the topic open."""
+
+    ids: set[str | int | None] = field(default_factory=set)  # of its advertisements
+    commands: int = 0  # that came, also those refused
+    freshness: Freshness = field(default_factory=Freshness)
+    _answered_ns: dict[str, int] = field(default_factory=dict)  # by the code of the answer
+
+    def is_due(self, code: str, now_ns: int) -> bool:
+        """Return whether an answer with this code is due, `REPEAT_NS` after the last; note it."""
+        last_ns = self._answered_ns.get(code)
+        if last_ns is not None and now_ns - last_ns < REPEAT_NS:
+            return False
+        self._answered_ns[code] = now_ns
+        return True
