@@ -75,9 +75,9 @@ def named_by_mutant(mutant: Mutant) -> set[Bound]:
 
 
 def changed_by_mutant(mutant: Mutant) -> set[Bound]:
-    """Return what is defined in the line that it breaks, and has another value there."""
-    old, new = (set(DEFINITION.findall(text)) for text in (mutant.old, mutant.new))
-    return {Bound(mutant.file, name) for name, _ in old - new}
+    """Return what is defined in the line that it breaks, and has another value then."""
+    old, new = (dict(DEFINITION.findall(text)) for text in (mutant.old, mutant.new))
+    return {Bound(mutant.file, name) for name in old if new.get(name, old[name]) != old[name]}
 
 
 @pytest.fixture(scope="module")
@@ -142,6 +142,7 @@ LIMIT: Final = Bound("gateway/x.py", "LIMIT_S")
         ("PINGS: Final = 3\nLIMIT_S: Final = 3", "PINGS: Final = 3\nLIMIT_S: Final = 30", True),
         ("PINGS: Final = 3\nLIMIT_S: Final = 3", "PINGS: Final = 30\nLIMIT_S: Final = 3", False),
         ("PINGS: Final = LIMIT_S", "PINGS: Final = 30", False),
+        ("LIMIT_S: Final = 3", "pass", False),
         ("now_s > LIMIT_S:", "False:", False),
     ],
 )

@@ -62,6 +62,11 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
 
 
 def hint(name: str, known: Iterable[str], *, given: Container[str] = ()) -> str:
-    """Return the same end, or all known names; what is *given* already was not meant."""
-    near = did_you_mean(name, (each for each in known if each not in given))
-    return near or f"; known are {', '.join(known)}"
+    """Return the end of such a text: the nearest known name, or all of them.
+
+    What is *given* already was not meant: where that is the nearest, all are named.
+    """
+    near = nearest(name, known)
+    if near is None or near in given:
+        return f"; known are {', '.join(known)}"
+    return f"; did you mean {near}?"

@@ -131,11 +131,11 @@ def _messages_lost(topic: str, qos: Qos, times: int) -> TopicEvent:
     number = "a message was" if times == 1 else f"{times} messages were"
     remedy = "have it publish less"
     if qos.reliability != "reliable":
-        asked = '"qos":{"reliability":"reliable"}'
+        asked = '"reliability":"reliable" in "qos"'
         remedy = f"ask for {asked} if its publishers offer that, or {remedy}"
     elif qos.depth is not None and qos.depth < MAX_QUEUE_DEPTH:
         depth = min(2 * qos.depth, MAX_QUEUE_DEPTH)
-        remedy = f'ask for "qos":{{"depth":{depth}}}, or {remedy}'
+        remedy = f'ask for "depth":{depth} in "qos", or {remedy}'
     return TopicEvent("messages_lost", f"topic {topic}: {number} lost on the way here", remedy)
 
 

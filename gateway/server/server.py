@@ -149,7 +149,7 @@ class Server:
             log_failed_handshakes(door.tls)
         open_s = self.limits.open_timeout_s
         # no sooner than a connection ends by itself: until then a slow peer may take its page
-        page_s = open_s + self.limits.send_deadline_s
+        page_s = open_s + self.limits.send_deadline_s + self.limits.close_timeout_s
         addresses: list[tuple[str, int]] = []
         for host in hosts:
             port = addresses[0][1] if addresses else door.port

@@ -60,8 +60,13 @@ def test_any_text_is_compared_and_is_no_token(text):
 
 def test_a_text_longer_than_any_token_is_not_even_hashed(monkeypatch):
     _, tokens = some(1)
-    monkeypatch.setattr(module, "digest_of", lambda text: pytest.fail("hashed"))
-    assert tokens.find("x" * 257) is None
+    hashed: list[int] = []
+    digest_of = module.digest_of
+    monkeypatch.setattr(
+        module, "digest_of", lambda text: hashed.append(len(text)) or digest_of(text)
+    )
+    assert [tokens.find("x" * length) for length in (256, 257)] == [None, None]
+    assert hashed == [256]
 
 
 def test_every_known_hash_is_compared_whole_whichever_fits(monkeypatch):

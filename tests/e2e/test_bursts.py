@@ -87,6 +87,6 @@ async def test_what_is_lost_of_a_burst_is_counted_and_told(url: str, outside: Ou
         told = await listener.receive(lambda frame: frame.get("code") == "messages_lost")
         assert told["level"] == "warning"
         assert told["msg"].endswith(
-            'messages were lost on the way here; ask for "qos":{"depth":10},'
+            'messages were lost on the way here; ask for "depth":10 in "qos",'
             " or have it publish less"
         )

@@ -8,7 +8,7 @@ from gateway.protocol.errors import ProtocolError
 from gateway.protocol.operations.actions import SendActionGoal
 from gateway.protocol.operations.gateway import Ping
 from gateway.protocol.operations.services import CallService
-from gateway.protocol.operations.topics import QosRequest, Subscribe
+from gateway.protocol.operations.topics import ImageRequest, QosRequest, Subscribe
 from gateway.protocol.rosbridge_fragments import MAX_AGE_NS
 from gateway.protocol.session import Session
 from tests.wire import unpacked, websocket_frames
@@ -319,7 +319,11 @@ def test_an_unknown_operation_is_answered_with_the_nearest_in_capitals_too(op):
         (
             {"op": "lookup_transform", "target_frame": "a", "source_frame": "b"}
             | {"time": {"secs": 1, "nsec": 2}},
-            "time.nsec: unknown; did you mean nanosec?",
+            "time.nsec: unknown; known are sec, nanosec",
+        ),
+        (
+            {"op": "subscribe", "topic": "/a", "image": {"max_width": 2, "max_widht": 1}},
+            f"image.max_widht: unknown; known are {', '.join(ImageRequest.model_fields)}",
         ),
         (
             {"op": "subscribe", "topic": "/a", "image": {"depth_range_m": [2, 1]}},

@@ -188,9 +188,9 @@ async def test_this_ros_takes_made_types():
 )
 async def test_a_process_that_fails_or_crashes_is_told_of(monkeypatch, script: str, words: str):
     monkeypatch.setattr(message_classes, "_CHECK", ("-c", script))
-    if "sleep" in script:  # a minute is a second
+    if "sleep" in script:  # a minute is a tenth of a second
         timeout = asyncio.timeout
-        monkeypatch.setattr(asyncio, "timeout", lambda s: timeout(s / 60))
+        monkeypatch.setattr(asyncio, "timeout", lambda s: timeout(s / 600))
     assert await why_types_cannot_be_made() == words
 
 

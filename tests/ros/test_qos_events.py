@@ -155,7 +155,7 @@ async def test_messages_that_are_lost_on_the_way_are_told(outside: Outside):
         await listening
     lost = next(line for line in told if line.startswith("messages_lost "))
     assert lost.endswith(
-        ' lost on the way here; ask for "qos":{"reliability":"reliable"} if its publishers offer'
+        ' lost on the way here; ask for "reliability":"reliable" in "qos" if its publishers offer'
         " that, or have it publish less"
     )
 

@@ -94,8 +94,9 @@ async def test_tls_has_the_time_of_a_handshake_to_begin_and_that_of_a_page_to_en
         return create_server(*arguments, **options)
 
     monkeypatch.setattr(loop, "create_server", note)
-    async with serve({"open_timeout_s": 7, "send_deadline_s": 11}, tls=tls):
-        assert (given["ssl_handshake_timeout"], given["ssl_shutdown_timeout"]) == (7, 18)
+    times = {"open_timeout_s": 7, "send_deadline_s": 11, "close_timeout_s": 2}
+    async with serve(times, tls=tls):
+        assert (given["ssl_handshake_timeout"], given["ssl_shutdown_timeout"]) == (7, 20)
 
 
 async def test_a_socket_that_never_begins_is_cut_off_after_a_while(serve: Serve, tls):

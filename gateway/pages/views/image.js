@@ -5,7 +5,7 @@ import { Newest } from "./newest.js";
 /** Pictures: the newest one, decoded beside the page's own thread. */
 export class ImageView {
   options = { compression: "cbor", image: { quality: 70, max_width: 640, adapt: true } };
-  // the size in which most come: nothing below moves with the first one
+  // as most cameras have it: then nothing below moves with the first one
   #canvas = element("canvas", { className: "picture", width: 640, height: 480, role: "img" });
   #newest;
 

@@ -46,7 +46,7 @@ class OperationPart(_Strict):
         unknown = next((name for name in values if name not in fields), None)
         if unknown is not None and cls.model_config["extra"] == "forbid":
             context = {"name": unknown, "hint": hint(unknown, fields, given=values)}
-            raise PydanticCustomError(UNKNOWN_MEMBER, "{name}: unknown; {hint}", context)
+            raise PydanticCustomError(UNKNOWN_MEMBER, "{name}: unknown{hint}", context)
         return values
 
 

@@ -34,20 +34,22 @@ def requested_picture(
     return replace(image, quality=quality, reduction=step.reduction)
 
 
-def why_plain(request: Subscribe, type_name: str, image: ImageOptions | None) -> str:
-    """Say why what a request asks of pictures does nothing; "" if it does, or asks for none.
+def why_plain(request: Subscribe, options: SubscriptionOptions, type_name: str) -> str:
+    """Say why a request for pictures brings plain messages; "" for one that asks for none.
 
-    *type_name* and *image* are what has become of the topic and its pictures.
+    *options* are those of all requests, which bring plain messages of type *type_name*.
     """
-    asked = request.image
-    if image is not None or asked is None or asked.format == "raw" or not asked.asks_for_picture:
+    if request.image is None or not request.image.asks_for_picture or options.image.format == "raw":
         return ""
     if type_name not in {IMAGE, COMPRESSED_IMAGE, GRID}:
-        return f"image: {type_name} has no pictures; sending plain messages"
-    return (
-        "image: with fields, with cbor-raw, and without a format where raw is the default, there"
-        " are no pictures; sending plain messages"
-    )
+        why = f"{type_name} has no pictures"
+    elif options.compression == "cbor-raw":
+        why = "cbor-raw has no pictures"
+    elif options.fields is not None:
+        why = "with fields there are no pictures"
+    else:
+        why = "raw is the format here unless another one is asked for"
+    return f"image: {why}; sending plain messages"
 
 
 def fits_link(options: SubscriptionOptions, image: ImageOptions) -> bool:

@@ -127,7 +127,7 @@ class Subscriptions:
         self._apply(subscription, requests, options, source)
         if source is not None and former is not None and source.topic == former.topic:
             self._topics[source.topic].welcome_again(subscription)
-        self._report(session, request, name, source, asked)
+        self._report(subscription, request, source, asked)
 
     def view(self, session: Session, request: Subscribe) -> None:
         """Subscribe to a topic of pictures that is there.
@@ -338,13 +338,13 @@ class Subscriptions:
 
     def _report(
         self,
-        session: Session,
+        subscription: Subscription,
         request: Subscribe,
-        name: TopicName,
         source: Source | None,
         asked: TypeAskedError | None,
     ) -> None:
         """Tell a client what has become of its request."""
+        session, name = subscription.session, subscription.topic_name
         if compression(request) == "none" and request.compression not in _NO_COMPRESSION:
             unknown = truncate(request.compression or "")
             text = f"compression: {unknown!r} is not available; sending plain JSON"
@@ -358,7 +358,8 @@ class Subscriptions:
             session.warn(ProtocolError("not_found", text), request.op, request.id)
         else:
             type_name = source.topic.type_name
-            if text := why_plain(request, type_name, source.encoding.image):
+            is_plain = source.encoding.image is None
+            if is_plain and (text := why_plain(request, subscription.options, type_name)):
                 session.warn(ProtocolError("bad_request", text), request.op, request.id)
             text = f"subscribed to {name} ({type_name})"
             session.inform(text, request.op, request.id)
