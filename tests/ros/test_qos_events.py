@@ -18,7 +18,7 @@ from std_msgs.msg import Int32
 from gateway.ports import Qos, TopicEvent
 from gateway.ros import RosOptions
 from gateway.ros.port import RclpyRos
-from gateway.ros.qos_events import QosEvents, QosWatch, _Count
+from gateway.ros.qos_events import QosEvents, QosWatch, _Count, _messages_lost
 from tests.client import eventually
 from tests.ros.lossy_subscriber import LOSSY
 from tests.ros.outside import Outside
@@ -158,6 +158,22 @@ async def test_messages_that_are_lost_on_the_way_are_told(outside: Outside):
         ' lost on the way here; ask for "reliability":"reliable" in "qos" if its publishers offer'
         " that, or have it publish less"
     )
+
+
+@pytest.mark.parametrize(
+    ("qos", "remedy"),
+    [
+        (Qos("best_effort", depth=5), '"reliability":"reliable" in "qos" if its publishers offer'),
+        (Qos("reliable", depth=5), 'ask for "depth":10 in "qos", or have it publish less'),
+        (Qos("reliable", depth=600), 'ask for "depth":1024 in "qos", or have it publish less'),
+        (Qos("reliable", depth=1024), "here; have it publish less"),
+        (Qos("reliable", history="keep_all"), "here; have it publish less"),
+    ],
+)
+def test_what_is_lost_is_told_with_what_may_help(qos: Qos, remedy: str):
+    event = _messages_lost("/odom", qos, 7)
+    assert event.problem == "topic /odom: 7 messages were lost on the way here"
+    assert remedy in event.text
 
 
 async def test_a_middleware_without_these_events_serves_topics_all_the_same(
