@@ -173,10 +173,8 @@ async def _serve(
             name = config.ros.node_prefix
             stack.enter_context(publishing(ros, types, server.summary, name))
         await stop.wait()
-        try:
-            router.stop_robots()  # first: closing the connections takes up to a second
-        finally:
-            end_by_force()
+        end_by_force()
+        router.stop_robots()  # first: closing the connections takes up to a second
         logger.info("shutting down")
     return 0
 

@@ -5,17 +5,27 @@ Beside a browser that draws in software a busy machine holds each up for seconds
 is rightly stopped for it arrives nowhere. What stops a robot in time has tests of its own.
 """
 
+from typing import Any
+
 from gateway.drive import freshness
+from gateway.drive.effects import Rules
 from gateway.guard import supervisor
+from gateway.router.commands import commands
 from tests.patient_gateway import main
 
 PATIENT = (
-    *("--set", "control.deadline_s=2"),
     *("--set", "control.lease_s=60"),
     *("--set", "limits.ping_timeout_s=60"),
 )
 
+
+def patient(**rules: Any) -> Rules:
+    """Return rules with a deadline that is longer than may be configured."""
+    return Rules(**rules | {"deadline_ns": 10 * 10**9})
+
+
 if __name__ == "__main__":
+    commands.Rules = patient  # type: ignore[misc]
     freshness.MAX_AGE_NS = 60 * 10**9  # type: ignore[misc]  # final everywhere else
     supervisor.MARGIN_S = 30  # type: ignore[misc]
     supervisor.UNANSWERED_S = 60  # type: ignore[misc]
