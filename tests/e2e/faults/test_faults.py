@@ -25,6 +25,7 @@ from tests.e2e.faults.scene import Base, Gateway, until, until_it_moves
 pytestmark = [pytest.mark.asyncio(loop_scope="module"), pytest.mark.timeout(3600)]
 
 DEADLINE_S = 0.5
+ZEROS_S = 0.2  # from the first of a stop to the last
 REPETITIONS = range(REPEAT)
 QUIET_S = 1.0  # a backlog of 20 s takes milliseconds
 # the last one outlives the connection, which is ended after ten seconds of silence
@@ -120,6 +121,27 @@ async def test_after_a_blackout_nothing_moves_until_the_stick_is_let_go(
             assert robot.moved_after(zero_ns) == []
             driver.send_signal(signal.SIGUSR1)
             await until_it_moves(robot, driver)
+
+
+@pytest.mark.brief
+async def test_a_stop_whose_zeros_do_not_go_out_is_the_guards(robot, measured):
+    async with scene.gateway() as own:
+
+        async def has(words: str) -> None:
+            while await scene.line(own.process) != f"{words}\n":
+                pass
+
+        for _ in REPETITIONS:
+            async with scene.operator(own.url) as driver:
+                await injected(robot, driver, lambda: own.process.send_signal(signal.SIGRTMIN))
+                await has("zeros are kept back")
+                at_ns = time.monotonic_ns()
+                driver.kill()
+                took_s = (await stopped(robot, at_ns) - at_ns) / 1e9
+                measured("zeros kept back", took_s, after_s=DEADLINE_S + ZEROS_S, allowed_s=0.15)
+                assert took_s > DEADLINE_S
+            own.process.send_signal(signal.SIGRTMIN)
+            await has("zeros go out")
 
 
 @pytest.fixture(scope="module")
