@@ -109,6 +109,8 @@ async def test_one_thread_writes_for_all_and_goes_on_when_a_client_leaves(
     first.send(op="generate", language="csharp", types=[LIMIT])
     await running.wait()
     bench.router.leave(first.session)
+    await bench.settle()
+    assert bench.router._introspection._client_code._turn.locked()  # the thread still writes
     second.send(op="generate", language="csharp", types=[LIMIT])
     await bench.settle()
     go_on.set()
