@@ -55,15 +55,17 @@ class History:
     def add(self, stamp_ns: int, parent: str, transform: Rigid, heard_ns: int = 0) -> bool:
         """Add a sample; return whether anything has changed.
 
-        Of two samples with one stamp the first one stays, as in tf2. A sample from long before the
-        newest begins a new history: time has jumped back.
+        A sample replaces an earlier one with the same stamp, as in tf2: without a clock, all stamps
+        are 0. A sample from long before the newest begins a new history: time has jumped back.
         """
         self.heard_ns = heard_ns
         if stamp_ns < self.newest_ns - JUMP_BACK_NS:
             self._drop(len(self._stamps))
         at = bisect_left(self._stamps, stamp_ns)
         if at < len(self._stamps) and self._stamps[at] == stamp_ns:
-            return False
+            if (self.parent(stamp_ns), self._value(at)) == (parent, transform):
+                return False
+            self._remove(at)
         self._hand_over(at, stamp_ns, parent)
         self._stamps.insert(at, stamp_ns)
         self._values[at * _WIDTH : at * _WIDTH] = array("d", transform)
@@ -104,6 +106,19 @@ class History:
             self._parents.insert(run, self._parents[run - 1])
         self._starts.insert(run, stamp_ns)
         self._parents.insert(run, parent)
+
+    def _remove(self, at: int) -> None:
+        """Remove one sample; the others keep their parents."""
+        stamp_ns = self._stamps.pop(at)
+        del self._values[at * _WIDTH : (at + 1) * _WIDTH]
+        run = bisect_right(self._starts, stamp_ns) - 1
+        if self._starts[run] != stamp_ns:
+            return
+        following = self._stamps[at : at + 1]
+        if following and following != self._starts[run + 1 : run + 2]:
+            self._starts[run] = following[0]
+        else:
+            del self._starts[run], self._parents[run]
 
     def _drop(self, count: int) -> None:
         if count > 0:

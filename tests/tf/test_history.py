@@ -32,10 +32,11 @@ def test_samples_may_come_out_of_order():
     assert frame.at(3 * SECOND // 2) == at(2.5)
 
 
-def test_of_two_samples_of_one_time_the_first_stays():
+def test_of_two_samples_of_one_time_the_last_stays():
     frame = History(0, "odom", at(0))
+    assert frame.add(0, "odom", at(1))
     assert not frame.add(0, "odom", at(1))
-    assert frame.at(0) == at(0)
+    assert frame.at(0) == at(1)
 
 
 def test_between_two_parents_it_is_where_it_was_in_the_earlier():
@@ -50,6 +51,7 @@ def test_between_two_parents_it_is_where_it_was_in_the_earlier():
 @given(st.lists(st.tuples(st.integers(0, 15), st.sampled_from("abc")), min_size=1, max_size=20))
 @example([(0, "a"), (2, "a"), (1, "b")])
 @example([(0, "b"), (11, "b"), (9, "a")])
+@example([(0, "a"), (0, "b"), (1, "b"), (0, "c"), (1, "a")])
 def test_every_sample_keeps_its_parent_in_whatever_order_they_come(samples):
     second_ns = HISTORY_NS // 10  # so that some expire, and some begin a new history
     frame = None
@@ -62,7 +64,7 @@ def test_every_sample_keeps_its_parent_in_whatever_order_they_come(samples):
             frame.add(stamp_ns, parent, at(0))
         if stamp_ns < max(parents, default=0) - JUMP_BACK_NS:
             parents = {}
-        parents.setdefault(stamp_ns, parent)
+        parents[stamp_ns] = parent
         newest = max(parents)
         parents = {s: parent for s, parent in parents.items() if s >= newest - HISTORY_NS}
         assert {s: frame.parent(s) for s in parents} == parents
