@@ -40,6 +40,11 @@ TESTS = {
     "Types are checked": [
         f"{PUBLICATIONS}::test_a_message_that_does_not_fit_its_type_is_refused_with_its_path",
     ],
+    "If `type` of `call_service` differs": [
+        f"{CALLS}::test_a_service_of_another_type_is_not_called",
+        f"{CALLS}::test_the_type_may_be_said",
+        f"{CALLS}::test_rosapi_takes_any_type",
+    ],
     "A duplicate key in JSON is refused": [
         "codec/test_json.py::test_a_duplicate_key_raises_json_error_naming_it",
     ],

@@ -123,7 +123,7 @@ class InterfaceTypes:
             others = (each for each in known if each != name)  # it may have gone just now
             near = did_you_mean(name, others)
             raise ProtocolError("not_found", f"{kind} {name} does not exist{near}")
-        if requested is None:
+        if not requested:  # some clients write an empty one
             if len(found) > 1:
                 types = " and ".join(found)
                 raise ProtocolError("type_conflict", f"{kind} {name} has types {types}: choose one")
@@ -131,5 +131,6 @@ class InterfaceTypes:
         named = self._resolved(requested, "srv" if kind == "service" else "action")
         if named not in found:
             types = " and ".join(found)
-            raise ProtocolError("type_conflict", f"{kind} {name} has type {types}, not {named}")
+            text = f"{kind} {name} has type {types}, not {named}; use its type, or leave it out"
+            raise ProtocolError("type_conflict", text)
         return named

@@ -262,14 +262,29 @@ async def test_a_message_is_written_as_json_too(demo, open_page):
         assert await field(page, title, "pose", "position", "y").input_value() == "3"
 
 
+# keeps what the page sends in `sent`
+RECORD = """() => {
+    window.sent = [];
+    const { send } = WebSocket.prototype;
+    WebSocket.prototype.send = function (text) {
+        sent.push(text);
+        send.call(this, text);
+    };
+}"""
+
+
 async def test_a_service_is_called_and_what_it_refuses_is_shown(demo, open_page):
     async with open_page(page_address(demo)) as page:
+        await page.evaluate(RECORD)
         await page.click("#tab-services")
         await page.click("#services button:has-text('/motor_power')")
         title = "Call /motor_power"
         await field(page, title, "data").select_option("true")
         await page.click(f"{form(title)} button:text-is('Call')")
         await until(page, '() => /"success": true/.test(cards.textContent)')
+        assert '"type":"std_srvs/srv/SetBool"' in await page.evaluate(
+            "sent.find((text) => text.includes('call_service'))"
+        )
         await page.click(f"{form(title)} button:text-is('JSON')")
         await page.fill(f"{form(title)} textarea", '{"data": "on"}')
         await page.click(f"{form(title)} button:text-is('Call')")
@@ -369,8 +384,12 @@ async def test_a_goal_tells_its_feedback_and_is_cancelled(demo, open_page):
         await page.click("#actions button:has-text('/navigate_to_pose')")
         title = "Goal of /navigate_to_pose"
         await field(page, title, "pose", "pose", "position", "x").fill("3")
+        await page.evaluate(RECORD)
         await page.click(f"{form(title)} button:text-is('Send goal')")
         await until(page, "() => /distance_remaining/.test(cards.textContent)")
+        assert '"action_type":"nav2_msgs/action/NavigateToPose"' in await page.evaluate(
+            "sent.find((text) => text.includes('send_action_goal'))"
+        )
         await page.click(f"{form(title)} button:text-is('Send goal')")
         await until(page, "() => cards.textContent.includes('a goal is on its way')")
         await page.click(f"{form(title)} button:text-is('Cancel')")

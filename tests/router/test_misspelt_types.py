@@ -79,16 +79,17 @@ async def test_a_service_or_an_action_to_describe(bench: Bench, requested, meant
     assert_meant(client, meant)
 
 
-async def test_the_type_of_a_call_is_warned_of_with_the_one_that_the_service_has(bench: Bench):
+async def test_the_type_of_a_call_is_refused_with_the_one_that_the_service_has(bench: Bench):
     bench.ros.add_service("/arm", "std_srvs/srv/SetBool", lambda request: None)
     client = bench.client()
     client.send(op="call_service", service="/arm", type="std_srvs/SetBol", args={"data": True})
     client.send(op="call_service", service="/arm", type="set_bool", args={"data": True})
-    first, second = client.statuses
-    assert first[1].startswith(
-        "service /arm has type std_srvs/srv/SetBool, not std_srvs/srv/SetBol"
+    first, second = client.of("service_response")
+    assert first["values"] == (
+        "service /arm has type std_srvs/srv/SetBool, not std_srvs/srv/SetBol; "
+        "use its type, or leave it out"
     )
-    assert "did you mean std_srvs/srv/SetBool?; calling it all the same" in second[1]
+    assert second["values"].endswith("did you mean std_srvs/srv/SetBool?")
 
 
 async def test_the_type_of_a_goal_is_refused_with_the_one_that_the_action_has(bench: Bench):

@@ -33,7 +33,7 @@ def call_frame(
 ) -> dict[str, Any]:
     """Return a call of a service."""
     args = example(service_type.request.definition, definitions)
-    return {"op": "call_service", "service": service, "args": args}
+    return {"op": "call_service", "service": service, "type": service_type.name, "args": args}
 
 
 def goal_frame(
@@ -41,7 +41,14 @@ def goal_frame(
 ) -> dict[str, Any]:
     """Return a goal of an action."""
     args = example(action_type.goal.definition, definitions)
-    return {"op": "send_action_goal", "id": 1, "action": action, "args": args, "feedback": True}
+    return {
+        "op": "send_action_goal",
+        "id": 1,
+        "action": action,
+        "action_type": action_type.name,
+        "args": args,
+        "feedback": True,
+    }
 
 
 def example(definition: Definition, definitions: InstalledDefinitions) -> dict[str, Any]:

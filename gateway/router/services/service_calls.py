@@ -5,10 +5,8 @@ from collections.abc import Callable
 from typing import Final
 
 from gateway.codec.nonfinite import named
-from gateway.codec.types import ServiceType
 from gateway.deadline import Deadline
 from gateway.protocol import messages
-from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import ServiceName, resolve_service
 from gateway.protocol.operations.services import CallService
 from gateway.protocol.session import Session
@@ -51,7 +49,7 @@ class ServiceCalls:
         if rosapi.has(service):
             self._answer(rosapi, session, request, service, deadline)
             return
-        service_type = self._find_type(session, service, request)
+        service_type = self._types.of_service(service, request.type, session.sees)
 
         async def call() -> None:
             values = await self._service_clients.call(service, service_type, request.args, deadline)
@@ -77,23 +75,6 @@ class ServiceCalls:
             _respond(session, request, await answer())
 
         self._asking.start(session, request, ask, deadline)
-
-    def _find_type(
-        self, session: Session, service: ServiceName, request: CallService
-    ) -> ServiceType:
-        """Return the type that the service has; warn a client that names another one.
-
-        rosbridge does not look at it, so many a page names a wrong one and has never noticed.
-        """
-        try:
-            return self._types.of_service(service, request.type, session.sees)
-        except ProtocolError as error:
-            if error.code not in {"type_conflict", "bad_type"} or request.type is None:
-                raise
-            found = self._types.of_service(service, None, session.sees)
-            warning = ProtocolError(error.code, f"{error}; calling it all the same")
-            session.warn(warning, request.op, request.id)
-            return found
 
 
 def _timeout_s(session: Session, request: CallService) -> float:

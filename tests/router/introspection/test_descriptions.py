@@ -48,12 +48,13 @@ async def test_examples_are_for_what_was_asked_for(robot: Bench):
         "/odom",
         "/example/nav_msgs/msg/Odometry",
     )
-    call = {"op": "call_service", "service": "/power", "args": {"data": False}}
+    call = {"op": "call_service", "service": "/power", "type": SET_BOOL, "args": {"data": False}}
     assert services == [call, call]
     assert first == second
-    assert (first["op"], first["action"], first["args"]) == (
+    assert (first["op"], first["action"], first["action_type"], first["args"]) == (
         "send_action_goal",
         "/fib",
+        FIBONACCI,
         {"order": 0},
     )
 
@@ -62,7 +63,8 @@ async def test_an_example_has_a_line_of_its_own(robot: Bench):
     client = robot.client()
     client.send(op="describe", id="d", type="/power")
     lines = client.wires[0].partition(b"{")[2].splitlines()
-    assert lines[1] == b'{"op":"call_service","service":"/power","args":{"data":false}}'
+    call = '{"op":"call_service","service":"/power","type":"%s","args":{"data":false}}'
+    assert lines[1].decode() == call % SET_BOOL
 
 
 async def test_a_service_that_nobody_provides_has_no_example(robot: Bench):

@@ -63,27 +63,39 @@ async def test_arguments_may_come_in_order_or_not_at_all(
     assert "id" not in frame
 
 
-@pytest.mark.parametrize("form", ["std_srvs/SetBool", "std_srvs/srv/SetBool"])
-async def test_the_type_may_be_said(bench: Bench, form: str) -> None:
+@pytest.mark.parametrize("form", ["std_srvs/SetBool", "std_srvs/srv/SetBool", "", None])
+async def test_the_type_may_be_said(bench: Bench, form: str | None) -> None:
     Arm(bench)
     client = bench.client()
     client.send(op="call_service", service="/arm", type=form)
     (frame,) = await client.sees(1, "service_response")
     assert frame["result"] is True
+    assert client.statuses == []
 
 
-@pytest.mark.parametrize("form", ["std_srvs/Trigger", "SetBool", "none_msgs/None"])
-async def test_a_wrong_type_is_a_warning_for_rosbridge_does_not_look_at_it(
-    bench: Bench, form: str
-) -> None:
-    Arm(bench)
+@pytest.mark.parametrize(
+    "form",
+    ["std_srvs/Trigger", "std_srvs/srv/SetBol", "SetBool", "none_msgs/None", "std_msgs/msg/Bool"],
+)
+async def test_a_service_of_another_type_is_not_called(bench: Bench, form: str) -> None:
+    arm = Arm(bench, at_once=False)
     client = bench.client()
     client.send(op="call_service", id="c1", service="/arm", type=form, args=[True])
-    (frame,) = await client.sees(1, "service_response")
-    assert frame["values"]["message"] == "got true"
-    (status,) = client.of("status")
-    assert (status["level"], status["id"]) == ("warning", "c1")
-    assert "calling it all the same" in status["msg"]
+    (refused,) = await client.sees(1, "service_response")
+    assert (refused["id"], refused["result"]) == ("c1", False)
+    assert "type" in refused["values"]
+    client.send(op="call_service", id="c2", service="/arm")
+    await eventually(lambda: bool(arm.requests))
+    assert len(arm.requests) == 1
+    assert client.statuses == []
+
+
+@pytest.mark.parametrize("form", ["rosapi/ActionServers", "rosapi_msgs/srv/GetActionServers"])
+async def test_rosapi_takes_any_type(bench: Bench, form: str) -> None:
+    client = bench.client()
+    client.send(op="call_service", service="/rosapi/action_servers", type=form)
+    (answer,) = client.of("service_response")
+    assert answer["values"] == {"action_servers": []}
 
 
 @pytest.mark.parametrize(

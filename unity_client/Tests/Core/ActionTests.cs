@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 using System.Collections.Generic;
 using NUnit.Framework;
+using Ros2Gateway.Messages.StdSrvs;
+using Ros2Gateway.Navigation;
 
 namespace Ros2Gateway.Tests
 {
@@ -61,6 +63,21 @@ namespace Ros2Gateway.Tests
         }
 
         [Test]
+        public void AnActionOfAnotherTypeGetsNoGoal()
+        {
+            using (Live live = Live.Connected())
+            {
+                Reached(live, new List<FibonacciSequence>());
+                foreach (IMessage goal in new IMessage[] { new EmptyRequest(), new NavigateToPoseGoal() })
+                {
+                    GoalResult<FibonacciSequence> end = Send(live, goal, null);
+                    Assert.AreEqual(GoalStatus.Unknown, end.Status);
+                    StringAssert.Contains("type", end.Error);
+                }
+            }
+        }
+
+        [Test]
         public void AGoalOfALostConnectionIsEnded()
         {
             using (Live live = Live.Connected(Live.Rogue, "/through"))
@@ -90,7 +107,7 @@ namespace Ros2Gateway.Tests
         }
 
         private static GoalResult<FibonacciSequence> Send(
-            Live live, FibonacciGoal goal, List<FibonacciSequence> feedback)
+            Live live, IMessage goal, List<FibonacciSequence> feedback)
         {
             GoalResult<FibonacciSequence>? end = null;
             live.Client.SendGoal<FibonacciSequence, FibonacciSequence>(

@@ -38,6 +38,25 @@ namespace Ros2Gateway.Tests
         }
 
         [Test]
+        public void AServiceOfAnotherTypeIsNotCalled()
+        {
+            using (Live live = Live.Connected())
+            {
+                live.Until(() => Call<SetBoolResponse>(live, "/motor_power", new SetBoolRequest { data = true }).Ok, "for the robot");
+                Reply<TriggerResponse> reply = Call<TriggerResponse>(live, "/motor_power", new TriggerRequest());
+                Assert.IsFalse(reply.Ok);
+                StringAssert.StartsWith(
+                    "service /motor_power has type std_srvs/srv/SetBool, not std_srvs/srv/Trigger", reply.Error);
+                JsonValue on = JsonValue.Object().With("data", true);
+                foreach (string type in new[] { "", "std_srvs/SetBool", "std_srvs/srv/SetBool_Request" })
+                {
+                    reply = Call<TriggerResponse>(live, "/motor_power", new DynamicMessage(type) { Value = on });
+                    Assert.IsTrue(reply.Ok, reply.Error);
+                }
+            }
+        }
+
+        [Test]
         public void AnswersToManyCallsFindTheirCallers()
         {
             using (Live live = Live.Connected())

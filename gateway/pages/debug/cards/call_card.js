@@ -40,7 +40,7 @@ export class CallCard extends FormCard {
 
   async #answerTo(args) {
     try {
-      const { result, values } = await this.gateway.ask({ op: "call_service", service: this.topic, nonfinite: "string" }, { args });
+      const { result, values } = await this.gateway.ask({ op: "call_service", service: this.topic, type: this.type, nonfinite: "string" }, { args });
       return result ? { text: json(values, 2) } : { problem: String(values) };
     } catch (error) {
       return { problem: error.message };

@@ -35,7 +35,7 @@ export class GoalCard extends FormCard {
     this.tell("");
     this.#feedback.textContent = this.#result.textContent = "";
     this.#goal = this.gateway.listen((frame) => this.#heard(frame));
-    const request = { op: "send_action_goal", id: this.#goal.id, action: this.topic, feedback: true, nonfinite: "string" };
+    const request = { op: "send_action_goal", id: this.#goal.id, action: this.topic, action_type: this.type, feedback: true, nonfinite: "string" };
     if (!this.gateway.send(request, { args })) {
       this.#end(NOT_CONNECTED);
       return;

@@ -370,8 +370,7 @@ namespace Ros2Gateway
                 frame =>
                 {
                     frame.Member("service", name);
-                    frame.Name("args");
-                    request.Write(frame);
+                    Names.WriteArguments(frame, request, "request", "type", "_Request");
                     frame.Member("nonfinite", "string");
                     frame.Member("timeout", timeout / 1000.0);
                 },

@@ -56,8 +56,7 @@ namespace Ros2Gateway
             JsonWriter frame = Begin("send_action_goal", sent);
             try
             {
-                frame.Name("args");
-                goal.Write(frame);
+                Names.WriteArguments(frame, goal, "goal", "action_type", "_Goal");
                 frame.Member("feedback", onFeedback != null);
                 frame.Member("nonfinite", "string");
                 if (keep)

@@ -54,7 +54,15 @@ namespace Ros2Gateway
         {
             TRequest request = new TRequest();
             request.Read(reader);
-            return id => Answer(id, _handler(request));
+            return id =>
+            {
+                TResponse response = _handler(request);
+                if (response == null)
+                {
+                    throw new InvalidOperationException("the handler of " + Service + " returned null; return a response");
+                }
+                Answer(id, response);
+            };
         }
     }
 }
