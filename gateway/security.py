@@ -74,7 +74,11 @@ def open_security(config: Config) -> Iterator[Security]:
     new_token = None
     if posture.needs_token and not authentication.tokens.known:
         new_token = _make_first(authentication, path)
-    rules = WebRules(own_names(), config.allowed_hosts, config.allowed_origins)
+    # a proxy may bring pages of other machines, whose localhost is another one
+    is_local = not posture.is_open and not config.trusted_proxies
+    rules = WebRules(
+        own_names(), config.allowed_hosts, config.allowed_origins, welcomes_local=is_local
+    )
     with _audit(config, is_wanted=posture.is_open or posture.needs_token) as (audit, faults):
         yield Security(posture, authentication, audit, rules, tls, path, new_token, faults)
 

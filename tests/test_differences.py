@@ -106,6 +106,12 @@ TESTS = {
     "A node that is killed stays in the ROS graph": [
         f"{GOALS}::test_a_goal_whose_server_dies_is_answered",
     ],
+    "The `Origin` of a web page is checked": [
+        "access/test_web_rules.py::test_a_page_of_another_server_on_this_machine_is_local",
+        f"{PERMISSIONS}::test_a_local_page_watches_and_calls_but_does_not_drive",
+        "server/test_server.py::test_only_own_pages_and_allowed_ones_connect",
+        "server/test_server.py::test_a_refused_page_is_logged_once_with_the_setting_that_allows_it",
+    ],
     "A robot is stopped when commands": [
         f"{DRIVE}::test_after_the_deadline_five_zeros_come_within_250_ms_and_then_nothing",
         f"{DRIVE}::test_a_client_that_drives_keeps_others_out_until_it_is_silent_for_the_lease",

@@ -39,6 +39,19 @@ def test_without_a_network_nothing_is_read_or_written(path: Path):
         assert security.authentication.anonymous.role == "admin"
 
 
+@pytest.mark.usefixtures("path")
+@pytest.mark.parametrize(
+    ("settings", "standing"),
+    [({}, "local"), ({"lan": True}, "foreign"), ({"trusted_proxies": ("::1",)}, "foreign")],
+)
+def test_pages_of_localhost_are_of_this_machine_only_if_no_other_reaches_the_gateway(
+    settings, standing
+):
+    with open_security(Config(**settings)) as security:
+        page = security.rules.standing("http://localhost:1", "localhost:2", is_encrypted=False)
+    assert page == standing
+
+
 def test_a_first_token_is_made_once_of_an_operator_and_kept_as_a_hash(path: Path):
     with open_security(config()) as security:
         first = security.new_token

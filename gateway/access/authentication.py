@@ -36,6 +36,16 @@ class Authentication:
             return None
         return Identity(ANONYMOUS, self.policy.of(self._anonymous_role))
 
+    def without_token(self, *, is_local_page: bool) -> Identity | None:
+        """Return who a client without a token is, as `anonymous` does.
+
+        A page of another server on this machine gets no more than the role `page` permits.
+        """
+        anonymous = self.anonymous
+        if anonymous is None or not is_local_page or anonymous.role == "viewer":
+            return anonymous
+        return Identity(ANONYMOUS, self.policy.of("page"))
+
     @property
     def looks_at_tokens(self) -> bool:
         """True if a token makes a difference: not where everybody may do everything."""
@@ -64,7 +74,7 @@ class Authentication:
     def current(self, identity: Identity) -> Identity | None:
         """Return who a client is after a reload; ``None`` if its token was revoked."""
         if identity.digest is None:
-            return self.anonymous
+            return Identity(identity.name, self.policy.of(identity.role))
         found = self.tokens.with_digest(identity.digest)
         if found is None:
             return None

@@ -10,13 +10,14 @@ from types import MappingProxyType
 from typing import Final, Literal
 
 from gateway.access.globs import compile_globs
-from gateway.config.access import ROLES, AccessConfig, Role, RoleConfig
+from gateway.config.access import ROLES, AccessConfig, AnyRole, Role, RoleConfig
 
 Action = Literal["subscribe", "publish", "call"]
 ACTIONS: Final[tuple[Action, ...]] = ("subscribe", "publish", "call")
 
 # rcl offers an action as services and topics below this part of its name
 _BEHIND_ACTION: Final = "/_action/"
+SEND_GOAL: Final = f"{_BEHIND_ACTION}send_goal"  # what sends a goal calls this service
 # Decisions that are kept, by action and name: those of a large robot. A client may make up names
 # without end, so the memory is bounded.
 MAX_REMEMBERED: Final = 4096
@@ -27,9 +28,9 @@ class Permissions:
 
     def __init__(
         self,
-        role: Role,
+        role: AnyRole,
         rules: RoleConfig,
-        all_roles: Mapping[Role, "Permissions"] = MappingProxyType({}),
+        all_roles: Mapping[AnyRole, "Permissions"] = MappingProxyType({}),
     ) -> None:
         self.role = role
         self.rules = rules
@@ -62,8 +63,9 @@ class Permissions:
         return any(self.may(action, name) for action in ACTIONS)
 
     def roles_that_may(self, action: Action, name: str) -> list[Role]:
-        """List the roles that may do this."""
-        return [role for role, other in self._all_roles.items() if other.may(action, name)]
+        """List the roles that may do this, of those that can be given."""
+        all_roles = self._all_roles
+        return [role for role in ROLES if role in all_roles and all_roles[role].may(action, name)]
 
     def _decide(self, action: Action, name: str) -> bool:
         # who may not send an action goals must not reach the services behind it, either
@@ -78,11 +80,12 @@ class Policy:
     """The permissions of all roles."""
 
     def __init__(self, config: AccessConfig) -> None:
-        self._by_role: dict[Role, Permissions] = {}
-        for role in ROLES:
+        self._by_role: dict[AnyRole, Permissions] = {}
+        every: tuple[AnyRole, ...] = ("page", *ROLES)
+        for role in every:
             self._by_role[role] = Permissions(role, config.rules(role), self._by_role)
 
-    def of(self, role: Role) -> Permissions:
+    def of(self, role: AnyRole) -> Permissions:
         """Return the permissions of a role."""
         return self._by_role[role]
 
@@ -96,7 +99,7 @@ class Identity:
     digest: bytes | None = None  # of its token, if it has one
 
     @property
-    def role(self) -> Role:
+    def role(self) -> AnyRole:
         """The role."""
         return self.permissions.role
 

@@ -7,15 +7,23 @@ under a name of its own, either, that it makes point here once the page is loade
 """
 
 import ipaddress
+import re
 from collections.abc import Iterable, Sequence
-from typing import Final
+from typing import Final, Literal
 from urllib.parse import urlsplit
+
+from gateway.access.posture import is_loopback
 
 ANY: Final = "*"
 NO_ORIGIN: Final = "null"  # what browsers send for pages from disk and for sandboxed frames
 MAX_LOGGED_ORIGINS: Final = 64  # an attacker may make up names without end
 MAX_ORIGIN_CHARACTERS: Final = 128
 _DEFAULT_PORTS: Final = {"http": 80, "https": 443}
+# written out, as browsers write it: names such as localhost.evil.example belong to anybody
+_LOOPBACK_ORIGIN: Final = re.compile(r"https?://(localhost|127\.0\.0\.1|\[::1\])(:[0-9]{1,5})?")
+
+Standing = Literal["trusted", "local", "foreign"]
+"""The trust in a page: as a program, as the role `page` says, or not at all."""
 
 
 class WebRules:
@@ -23,6 +31,8 @@ class WebRules:
 
     *own_names* are this machine's, *allowed_hosts* further names under which it is reached,
     *allowed_origins* exact origins such as ``https://ui.example``, ``null``, or ``*`` for all.
+    With *welcomes_local*, pages of other servers on this machine may connect: only for a gateway
+    that no other machine reaches, as a page of their `localhost` would look the same.
     """
 
     def __init__(
@@ -30,11 +40,14 @@ class WebRules:
         own_names: Iterable[str],
         allowed_hosts: Sequence[str] = (),
         allowed_origins: Sequence[str] = (),
+        *,
+        welcomes_local: bool = False,
     ) -> None:
         self._names = {name.lower().rstrip(".") for name in (*own_names, *allowed_hosts)}
         self._any_host = ANY in allowed_hosts
         self._allowed_hosts = tuple(allowed_hosts)
         self._allowed_origins = tuple(allowed_origins)
+        self._welcomes_local = welcomes_local
         self._logged: set[str] = set()
 
     def is_own_host(self, host: str) -> bool:
@@ -43,7 +56,7 @@ class WebRules:
         Raises:
             ValueError: it is neither a name nor an address.
         """
-        name = urlsplit(f"//{host}").hostname
+        name = _name_in(host)
         if not name:
             raise ValueError("no host")
         if self._any_host or name.rstrip(".") in self._names:
@@ -54,20 +67,31 @@ class WebRules:
             return False
         return True
 
-    def is_welcome(self, origin: str, host: str) -> bool:
-        """Return whether a page may connect: an allowed one, or one of the gateway's own.
-
-        A page is the gateway's own if its host *and port* are those of the request, whose `Host`
-        is one of ours: what else runs on this machine is not the gateway.
+    def standing(self, origin: str | None, host: str, *, is_encrypted: bool) -> Standing:
+        """Return how far a page is trusted; a program has no *origin*.
 
         Raises:
             ValueError: *origin* is malformed.
         """
-        if ANY in self._allowed_origins or origin in self._allowed_origins:
-            return True
-        if origin == NO_ORIGIN:
-            return False
+        if origin is None or ANY in self._allowed_origins or origin in self._allowed_origins:
+            return "trusted"
+        if self._is_own(origin, host, is_encrypted=is_encrypted):
+            return "trusted"
+        # behind a proxy that passes `Host` on, another machine's localhost may ask
+        is_local = _LOOPBACK_ORIGIN.fullmatch(origin) and is_loopback(_name_in(host))
+        return "local" if self._welcomes_local and is_local else "foreign"
+
+    def _is_own(self, origin: str, host: str, *, is_encrypted: bool) -> bool:
+        """Return whether a page is the gateway's own.
+
+        It is if its host *and port* are those of the request, whose `Host` is one of ours: what
+        else runs on this machine is not the gateway. A page that came without encryption may be
+        anybody's on the network, so it is not own where the gateway encrypts. A page that came with
+        it may be own also where the gateway does not, as a proxy may do it.
+        """
         parsed = urlsplit(origin)
+        if is_encrypted and parsed.scheme != "https":
+            return False
         default = _DEFAULT_PORTS.get(parsed.scheme)
         own = urlsplit(f"//{host}")
         return (
@@ -77,7 +101,7 @@ class WebRules:
         )
 
     def setting_for(self, origin: str) -> str:
-        """Return the setting that would allow a page, beside those that are allowed."""
+        """Return the setting that allows a page, in addition to those that are allowed."""
         origins = ",".join((*self._allowed_origins, origin))
         return f"--set 'allowed_origins={origins}'"
 
@@ -96,6 +120,10 @@ class WebRules:
     def is_last_logged(self) -> bool:
         """True if no further origin will be remembered."""
         return len(self._logged) >= MAX_LOGGED_ORIGINS
+
+
+def _name_in(host: str) -> str:
+    return urlsplit(f"//{host}").hostname or ""
 
 
 def is_plain(origin: str) -> bool:

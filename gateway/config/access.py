@@ -9,6 +9,7 @@ from gateway.config.section import Section
 
 Role = Literal["viewer", "operator", "admin"]  # each may more than the one before, by default
 ROLES: Final[tuple[Role, ...]] = ("viewer", "operator", "admin")
+AnyRole = Role | Literal["page"]  # which nobody is given: a page of another local server has it
 
 # `**`, or a path of segments; within one, `*` stands for any characters
 Glob = Annotated[str, StringConstraints(pattern=r"^(\*\*|(/(\*\*|[A-Za-z0-9_*]+))+)$")]
@@ -72,6 +73,18 @@ class OperatorConfig(RoleConfig):
     )
 
 
+class PageConfig(RoleConfig):
+    """By default it watches and calls, but drives nothing and changes no parameters."""
+
+    publish: Globs = Field(
+        (), description="topics it may publish, services and actions it may provide"
+    )
+    deny_call: Globs = Field(
+        ("/**/_action/send_goal", "/**/set_parameters", "/**/set_parameters_atomically"),
+        description="exceptions from `call`; `/**/_action/send_goal` are all goals",
+    )
+
+
 class AccessConfig(Section):
     """The rules of who may connect, and do what."""
 
@@ -103,10 +116,11 @@ class AccessConfig(Section):
         " larger one ends its connection with code 1009",
     )
     viewer: ViewerConfig = ViewerConfig()
+    page: PageConfig = PageConfig()
     operator: OperatorConfig = OperatorConfig()
     admin: RoleConfig = RoleConfig()
 
-    def rules(self, role: Role) -> RoleConfig:
+    def rules(self, role: AnyRole) -> RoleConfig:
         """Return the rules of a role."""
         rules: RoleConfig = getattr(self, role)
         return rules

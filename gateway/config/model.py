@@ -171,9 +171,10 @@ class Config(Section):
     path: UrlPath = Field("/", description="the path of the WebSocket")
     allowed_origins: Origins = Field(
         (),
-        description="web sites whose pages may connect, beside the gateway's own; without this"
-        " rule any web site could drive the robot of whoever visits it; `null` allows pages from"
-        " disk, and pages that another site has in a sandbox; `*` allows all",
+        description="origins of web pages that may connect as a program may, in addition to the"
+        " gateway's own pages; `null` allows pages on disk, and with them a page of any web site in"
+        " a sandboxed frame; `*` allows all. Pages of other servers on this machine may watch and"
+        " call without it (role `page`), if only this machine can connect",
     )
     trusted_proxies: Networks = Field(
         (),

@@ -8,7 +8,7 @@ a client gets the answer that a name which does not exist would get.
 
 from typing import Final, NamedTuple
 
-from gateway.access.permissions import Action, Permissions
+from gateway.access.permissions import SEND_GOAL, Action, Permissions
 from gateway.protocol.errors import ProtocolError, unknown_topic
 from gateway.protocol.names import resolve_action, resolve_service, resolve_topic
 from gateway.protocol.operations import (
@@ -22,6 +22,7 @@ from gateway.protocol.operations import (
 from gateway.protocol.session import NOT_AUTHENTICATED, Session
 
 _TRANSFORMS: Final = ("/tf", "/tf_static")
+_TO_TRUST: Final = "; to let this page do more, add its origin to the setting allowed_origins"
 
 
 class _Need(NamedTuple):
@@ -32,6 +33,7 @@ class _Need(NamedTuple):
     doing: str
     absent: str | None  # None: an operation that makes names is refused in any case,
     makes: bool = False  # as this one would be, of a name that is absent
+    part: str = ""  # of what a name stands for: the service that takes an action's goals
 
 
 def may_carry_out(session: Session, operation: ClientOperation, *, is_of_tf: bool = False) -> bool:
@@ -51,7 +53,7 @@ def may_carry_out(session: Session, operation: ClientOperation, *, is_of_tf: boo
     need = _need(operation, session.limits.max_name_characters)
     if need is not None and is_of_tf:
         need = need._replace(
-            action="subscribe", names=_TRANSFORMS, doing="subscribing to", makes=False
+            action="subscribe", names=_TRANSFORMS, doing="subscribing to", makes=False, part=""
         )
     for name in need.names if need else ():
         assert need is not None  # noqa: S101  # else there are no names
@@ -62,7 +64,7 @@ def may_carry_out(session: Session, operation: ClientOperation, *, is_of_tf: boo
                     session.warn(absent, operation.op, operation.id)
                 return False
             raise absent
-        _check(permissions, need.action, name, need.doing)
+        _check(permissions, need.action, name, need.doing, need.part)
     return True
 
 
@@ -87,12 +89,14 @@ def check_publish(session: Session, topic: str) -> None:
         _check(session.identity.permissions, "publish", topic, "publishing on")
 
 
-def _check(permissions: Permissions, action: Action, name: str, doing: str) -> None:
-    if permissions.may(action, name):
+def _check(permissions: Permissions, action: Action, name: str, doing: str, part: str = "") -> None:
+    if permissions.may(action, name + part):
         return
-    roles = permissions.roles_that_may(action, name)
+    roles = permissions.roles_that_may(action, name + part)
     who = f"takes role {' or '.join(roles)}" if roles else "is allowed to no role"
-    raise ProtocolError("forbidden", f"{doing} {name} {who}, and this client is {permissions.role}")
+    remedy = _TO_TRUST if roles and permissions.role == "page" else ""
+    client = f"and this client is {permissions.role}"
+    raise ProtocolError("forbidden", f"{doing} {name} {who}, {client}{remedy}")
 
 
 def _need(operation: ClientOperation, longest: int) -> _Need | None:
@@ -112,7 +116,8 @@ def _need(operation: ClientOperation, longest: int) -> _Need | None:
             return _Need("call", (service,), "calling", f"service {service} does not exist")
         case actions.SendActionGoal():
             action = resolve_action(operation.action, longest)
-            return _Need("call", (action,), "sending goals to", f"action {action} does not exist")
+            absent = f"action {action} does not exist"
+            return _Need("call", (action,), "sending goals to", absent, part=SEND_GOAL)
         case services.AdvertiseService():
             service = resolve_service(operation.service, longest)
             return _Need("publish", (service,), "providing service", None)

@@ -6,7 +6,7 @@ from functools import partial
 
 from gateway.access.permissions import Permissions
 from gateway.codec.types import Types
-from gateway.config.access import Role
+from gateway.config.access import AnyRole
 from gateway.ports import Ros
 from gateway.protocol.session import Session
 from gateway.rosapi import Parameters, Rosapi
@@ -34,7 +34,7 @@ class RoleViews:
         parameters = Parameters(ros, types, service_clients)
         rosapi = Rosapi(ros, types.definitions, parameters)
         self.unlimited = RoleView(rosapi, ParameterOperations(parameters))
-        self._by_role: dict[Role, tuple[Permissions, RoleView]] = {}
+        self._by_role: dict[AnyRole, tuple[Permissions, RoleView]] = {}
 
     def of(self, session: Session) -> RoleView:
         """Return the view of a client."""

@@ -13,8 +13,9 @@ from websockets.http11 import Request
 from gateway.access.audit import Audit
 from gateway.access.authentication import Authentication, AuthenticationError
 from gateway.access.credentials import token_in
-from gateway.access.permissions import UNLIMITED, Identity, Policy
+from gateway.access.permissions import Identity, Policy
 from gateway.access.tokens import Tokens
+from gateway.access.web_rules import WebRules
 from gateway.config.access import AccessConfig
 from gateway.protocol.errors import ProtocolError, StatusCode
 from gateway.protocol.operations.gateway import Auth
@@ -26,7 +27,7 @@ from gateway.server.close_codes import (
     ROLE_REMOVED,
     UNAUTHENTICATED,
 )
-from gateway.server.http import offered_subprotocols
+from gateway.server.http import Asker, offered_subprotocols
 
 # Operations that are answered with a refusal before a client is cut off: a page that subscribes to
 # all it shows, and authenticates only then, learns why each was refused.
@@ -37,6 +38,7 @@ class Entrant(Protocol):
     """A connection, as far as its admission is concerned."""
 
     address: str
+    is_encrypted: bool  # by TLS
 
     @property
     def name(self) -> str:
@@ -68,7 +70,8 @@ class TurnedAwayError(Exception):
 class Admission:
     """Admits clients; knows those that have yet to send their token, and bounds them.
 
-    *room_for* returns the reason why there is no room for another client, or ``None``.
+    *room_for* returns the reason why there is no room for another client, or ``None``; *rules* say
+    which pages get less than a program would.
     """
 
     def __init__(
@@ -77,11 +80,13 @@ class Admission:
         config: AccessConfig,
         audit: Audit,
         room_for: RoomFor,
+        rules: WebRules,
     ) -> None:
         self._authentication = authentication
         self._config = config
         self._audit = audit
         self._room_for = room_for
+        self._rules = rules
         self.failures: Counter[str] = Counter()  # of authentication, by kind
         self._waiting: dict[Entrant, float] = {}  # since when, the oldest first
 
@@ -95,7 +100,7 @@ class Admission:
         Raises:
             TurnedAwayError: its token is not valid, or there is no room.
         """
-        identity = self._authentication.anonymous
+        identity = self._without_token(entrant, headers)
         token = token_in(headers.get_all("Authorization"), offered_subprotocols(headers))
         if token is not None and self._authentication.looks_at_tokens:
             identity = self._identify(entrant.address, token, entrant.name)
@@ -103,14 +108,14 @@ class Admission:
             self._check_room(entrant)
         return identity
 
-    def identify_scraper(self, address: str, headers: Headers) -> Identity:
+    def identify_scraper(self, asker: Asker, address: str, headers: Headers) -> Identity:
         """Return who asks by plain HTTP for what only clients may see: metrics, pictures.
 
         Raises:
             TurnedAwayError: it has no token where one is needed, or a wrong one.
             CredentialsError: it has several.
         """
-        identity = self._authentication.anonymous
+        identity = self._without_token(asker, headers)
         token = token_in(headers.get_all("Authorization"), ())
         if token is not None and self._authentication.looks_at_tokens:
             return self._identify(address, token, None)
@@ -230,6 +235,11 @@ class Admission:
         entrant.limit_messages(session.limits.max_message_bytes)
         self._record_connected(session, None)
 
+    def _without_token(self, entrant: Entrant | Asker, headers: Headers) -> Identity | None:
+        origin, host = headers.get("Origin"), headers["Host"]
+        standing = self._rules.standing(origin, host, is_encrypted=entrant.is_encrypted)
+        return self._authentication.without_token(is_local_page=standing == "local")
+
     def _identify(self, address: str, token: str, client: str | None) -> Identity:
         try:
             return self._authentication.identify(token, address, time.monotonic())
@@ -268,12 +278,12 @@ class Admission:
         )
 
 
-def everybody(room_for: RoomFor) -> Admission:
+def everybody(room_for: RoomFor, rules: WebRules) -> Admission:
     """Return an admission that asks nobody for a token."""
     policy = Policy(AccessConfig())
     audit = Audit(time.time_ns, level=logging.DEBUG)
-    authentication = Authentication(Tokens(), policy, UNLIMITED.role)
-    return Admission(authentication, AccessConfig(), audit, room_for)
+    authentication = Authentication(Tokens(), policy, "admin")
+    return Admission(authentication, AccessConfig(), audit, room_for, rules)
 
 
 def _shown_origin(headers: Headers) -> str | None:

@@ -16,7 +16,7 @@ from websockets.server import ServerProtocol
 from websockets.typing import Subprotocol
 
 from gateway.access.credentials import SUBPROTOCOL, CredentialsError, check_target, token_in
-from gateway.access.web_rules import WebRules, is_plain
+from gateway.access.web_rules import NO_ORIGIN, WebRules, is_plain
 from gateway.protocol.session import Session
 from gateway.server import health
 from gateway.server.health import Health
@@ -170,7 +170,7 @@ class HttpFront:
             return response
         if path in self._answer_later:
             check_target(request.path)
-            return self._origin_refusal(protocol, request, host) or self._answer_later[path](
+            return self._origin_refusal(protocol, request, asker) or self._answer_later[path](
                 protocol, request, asker
             )
         if request.headers.get("Upgrade") is None and (
@@ -185,7 +185,7 @@ class HttpFront:
             request.headers.get_all("Authorization"), offered_subprotocols(request.headers)
         )  # refuses contradictions while there is a response to do it by
         return (
-            self._origin_refusal(protocol, request, host)
+            self._origin_refusal(protocol, request, asker)
             or _version_refusal(protocol, request)
             or protocol.accept(request)
         )
@@ -213,15 +213,20 @@ class HttpFront:
             logger.warning("refused a request for host %s; allow it by  %s", name, setting)
 
     def _origin_refusal(
-        self, protocol: ServerProtocol, request: Request, host: str
+        self, protocol: ServerProtocol, request: Request, asker: Asker
     ) -> Response | None:
-        origin = request.headers.get("Origin")  # a program sends none
-        if origin is None or self._rules.is_welcome(origin, host):
+        origin, host = request.headers.get("Origin"), request.headers["Host"]
+        standing = self._rules.standing(origin, host, is_encrypted=asker.is_encrypted)
+        if origin is None or standing != "foreign":
             return None
         shown = origin if is_plain(origin) else "this site"
-        setting = self._rules.setting_for(shown)
+        remedy = "allow them by"
+        if origin == NO_ORIGIN:
+            shown = f"origin {NO_ORIGIN} (a page on disk, or in a sandboxed frame of any web site)"
+            remedy = f"serve the page by a web server on this machine, or {remedy}"
         if is_plain(origin) and self._rules.first_refusal(origin):
-            logger.warning("pages from %s may not connect; allow them by  %s", origin, setting)
+            setting = self._rules.setting_for(origin)
+            logger.warning("pages from %s may not connect; %s  %s", shown, remedy, setting)
             if self._rules.is_last_logged:
                 logger.warning("further origins and hosts are refused without a line here")
         return protocol.reject(

@@ -49,7 +49,7 @@ from gateway.server.time_budget import Spending, TimeBudgets
 from gateway.server.tls_handshakes import log_failed_handshakes
 from gateway.server.url_options import image_format
 
-MakeAdmission = Callable[[RoomFor], Admission]
+MakeAdmission = Callable[[RoomFor, WebRules], Admission]
 
 logger = logging.getLogger(__name__)
 
@@ -106,7 +106,7 @@ class Server:
         self._scrapes = Scrapes(self.state)
         self._pictures = Pictures(router)
         self._counters = ServerCounters()
-        self._admission = admission(self._room_for)
+        self._admission = admission(self._room_for, rules)
         self._version = version
         self.numbers: Iterator[int] = itertools.count(1)
         self._connections: dict[Connection, None] = {}  # the oldest first
@@ -290,7 +290,7 @@ class Server:
     def _identify(self, request: Request, asker: Asker) -> tuple[str, Identity]:
         """Return the address and the identity of who asks by plain HTTP."""
         address = self.client_address(asker.address, request)
-        return address, self._admission.identify_scraper(address, request.headers)
+        return address, self._admission.identify_scraper(asker, address, request.headers)
 
     def client_address(self, peer: str, request: Request) -> str:
         """Return the address of a client, which may be behind proxies."""

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gateway.access.permissions import ACTIONS, Permissions, Policy
+from gateway.access.permissions import ACTIONS, SEND_GOAL, Permissions, Policy
 from gateway.cli import arguments
 from gateway.config.access import ROLES, AccessConfig, OperatorConfig, RoleConfig, ViewerConfig
 from tests.access.test_globs import GLOBS, NAMES, takes
@@ -30,6 +30,22 @@ def permissions(**rules) -> Permissions:
 )
 def test_by_default_viewers_look_operators_drive_and_admins_change_parameters(action, name, roles):
     assert DEFAULT.of("viewer").roles_that_may(action, name) == roles
+
+
+@pytest.mark.parametrize(
+    ("action", "name", "may"),
+    [
+        ("subscribe", "/odom", True),
+        ("call", "/reset", True),
+        ("call", f"/ns/dock{SEND_GOAL}", False),
+        ("call", "/base/get_parameters", True),
+        ("call", "/base/set_parameters", False),
+        ("publish", "/cmd_vel", False),
+    ],
+)
+def test_by_default_a_local_page_watches_and_calls(action, name, may):
+    assert DEFAULT.of("page").may(action, name) is may
+    assert "page" not in DEFAULT.of("page").roles_that_may(action, name)
 
 
 @given(st.lists(GLOBS, max_size=3), st.lists(GLOBS, max_size=3), NAMES)

@@ -37,8 +37,9 @@ def test_further_names_and_all_names_can_be_allowed():
 
 
 @pytest.mark.parametrize(
-    ("origin", "host", "is_welcome"),
+    ("origin", "host", "is_own"),
     [
+        (None, "localhost:9090", True),
         ("http://localhost:9090", "localhost:9090", True),
         ("https://robot.local", "robot.local", True),
         ("http://robot.local", "robot.local:80", True),
@@ -52,8 +53,44 @@ def test_further_names_and_all_names_can_be_allowed():
         ("file://localhost:9090", "localhost:9090", False),
     ],
 )
-def test_a_page_of_the_same_host_and_port_is_own(origin, host, is_welcome):
-    assert WebRules(OWN).is_welcome(origin, host) is is_welcome
+def test_a_page_of_the_same_host_and_port_is_own(origin, host, is_own):
+    standing = WebRules(OWN).standing(origin, host, is_encrypted=False)
+    assert standing == ("trusted" if is_own else "foreign")
+
+
+def test_a_page_that_came_without_encryption_is_not_own_where_the_gateway_encrypts():
+    rules = WebRules(OWN)
+    host = "robot.local:9443"
+    assert rules.standing(f"http://{host}", host, is_encrypted=True) == "foreign"
+    assert rules.standing(f"https://{host}", host, is_encrypted=True) == "trusted"
+    assert rules.standing(f"https://{host}", host, is_encrypted=False) == "trusted"  # by a proxy
+
+
+@pytest.mark.parametrize(
+    ("origin", "host", "is_local"),
+    [
+        ("http://localhost:3000", "localhost:9090", True),
+        ("http://localhost", "127.0.0.1:9090", True),
+        ("https://127.0.0.1:8443", "localhost:9090", True),
+        ("http://[::1]:8000", "[::1]:9090", True),
+        ("http://127.0.0.1:9090", "localhost:9090", True),  # perhaps another server's
+        ("http://localhost:3000", "robot.lan:9090", False),  # by a proxy, from another machine
+        ("http://localhost:3000", "192.168.1.7:9090", False),
+        ("http://localhost.evil.example", "localhost:9090", False),
+        ("http://127.0.0.1.evil.example", "localhost:9090", False),
+        ("http://evil.example#localhost", "localhost:9090", False),
+        ("http://user@localhost:3000", "localhost:9090", False),
+        ("http://127.0.0.2:3000", "localhost:9090", False),
+        ("file://localhost", "localhost:9090", False),
+        ("chrome-extension://localhost", "localhost:9090", False),
+        ("null", "localhost:9090", False),
+    ],
+)
+def test_a_page_of_another_server_on_this_machine_is_local(origin, host, is_local):
+    rules = WebRules((*OWN, "robot.lan"), welcomes_local=True)
+    assert rules.standing(origin, host, is_encrypted=False) == ("local" if is_local else "foreign")
+    unwelcoming = WebRules((*OWN, "robot.lan"))
+    assert unwelcoming.standing(origin, host, is_encrypted=False) == "foreign"
 
 
 @pytest.mark.parametrize(
@@ -70,7 +107,8 @@ def test_a_page_of_the_same_host_and_port_is_own(origin, host, is_welcome):
 )
 def test_an_allowed_page_is_welcome(allowed, origin, is_welcome):
     rules = WebRules(OWN, allowed_origins=allowed)
-    assert rules.is_welcome(origin, "localhost:9090") is is_welcome
+    standing = rules.standing(origin, "localhost:9090", is_encrypted=False)
+    assert standing == ("trusted" if is_welcome else "foreign")
 
 
 def test_the_setting_for_a_page_keeps_the_others():

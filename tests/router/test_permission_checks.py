@@ -8,11 +8,19 @@ from typing import Any, get_args
 import pytest
 
 from gateway.access.permissions import Identity, Policy
-from gateway.config.access import AccessConfig, OperatorConfig, Role, RoleConfig, ViewerConfig
+from gateway.config.access import (
+    AccessConfig,
+    AnyRole,
+    OperatorConfig,
+    Role,
+    RoleConfig,
+    ViewerConfig,
+)
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.operations import ClientOperation
 from gateway.protocol.operations.base import Operation
 from gateway.router.permission_checks import may_carry_out
+from tests.client import eventually
 from tests.rosapi.scripted import ScriptedNodes
 from tests.router.conftest import Bench, Socketless
 
@@ -28,7 +36,7 @@ HIDING = AccessConfig(
 )
 
 
-def identity(role: Role, config: AccessConfig | None = None) -> Identity:
+def identity(role: AnyRole, config: AccessConfig | None = None) -> Identity:
     return Identity("tablet", Policy(config or AccessConfig()).of(role))
 
 
@@ -91,6 +99,29 @@ async def test_a_viewer_calls_no_service_of_ros_and_sends_no_goal(bench: Bench) 
         f"sending goals to /dock {forbidden}",
     ]
     assert [frame["result"] for frame in client.frames] == [False, False, False, True]
+
+
+async def test_a_local_page_watches_and_calls_but_does_not_drive(bench: Bench) -> None:
+    publisher, called = bench.ros.add_publisher("/chatter", STRING), []
+    bench.ros.add_service("/reset", TRIGGER, called.append)
+    bench.ros.add_action_server("/go", FIBONACCI, lambda _: None, lambda _: None)
+    page = bench.client(identity=identity("page"))
+    page.send(op="subscribe", topic="/chatter")
+    page.send(op="call_service", id=0, service="/reset")
+    publisher.publish(bench.cdr(STRING, data="x"))
+    await page.sees(1)
+    await eventually(lambda: len(called) == 1)
+    page.send(op="send_action_goal", id=1, action="go", action_type=FIBONACCI)
+    page.send(op="call_service", id=2, service="/go/_action/send_goal")
+    page.send(op="publish", id=3, topic="/cmd_vel", type="geometry_msgs/msg/Twist", msg={})
+    forbidden = (
+        "takes role operator or admin, and this client is page;"
+        " to let this page do more, add its origin to the setting allowed_origins"
+    )
+    refused = {frame["id"]: frame for frame in page.frames if "id" in frame}
+    assert refused[1]["values"] == f"sending goals to /go {forbidden}"
+    assert refused[2]["values"] == f"calling /go/_action/send_goal {forbidden}"
+    assert refused[3]["msg"] == f"publishing on /cmd_vel {forbidden}"
 
 
 @pytest.mark.parametrize("name", ["estop", "/estop"])

@@ -76,20 +76,17 @@ def serve() -> Serve:
     async def open_server(
         limits: dict[str, Any] | None = None,
         allowed_origins: tuple[str, ...] = (),
+        welcomes_local: bool = False,
         tls: ssl.SSLContext | None = None,
         **options: Any,
     ) -> AsyncIterator[Served]:
         ros = FakeRos()
         types = Types(InstalledDefinitions(folders=[SHIPPED]))
+        rules = WebRules(own_names(), (), allowed_origins, welcomes_local=welcomes_local)
         all_limits = Limits(**{"max_clients": 8, "max_clients_per_address": 8, **(limits or {})})
         with ThreadPoolExecutor(2) as workers:
             router = Router(ros, types, TABLE, limits=all_limits, workers=workers, version="test")
-            server = Server(
-                router,
-                limits=all_limits,
-                web_rules=WebRules(own_names(), (), allowed_origins),
-                **options,
-            )
+            server = Server(router, limits=all_limits, web_rules=rules, **options)
             async with server.listening(["127.0.0.1"], Door(0, tls)) as (((_, port),),):
                 yield Served(server, ros, types, port)
             assert server.health()["clients"] == 0

@@ -19,7 +19,8 @@ from gateway.access.audit import Audit
 from gateway.access.authentication import Authentication
 from gateway.access.permissions import Policy
 from gateway.access.tokens import Token, Tokens, make_token
-from gateway.config.access import AccessConfig, OperatorConfig, Role
+from gateway.access.web_rules import WebRules
+from gateway.config.access import AccessConfig, OperatorConfig, PageConfig, Role
 from gateway.server.admission import Admission
 from tests.client import TIMEOUT_S, Client, client, eventually
 from tests.server.conftest import Serve, Served
@@ -38,6 +39,7 @@ class Door:
         self.events: list[dict[str, Any]] = []
         self.anonymous_role: Role | None = config.pop("anonymous_role", None)
         self.limits: dict[str, Any] = config.pop("limits", {})
+        self.rules: dict[str, Any] = config.pop("rules", {})
         # a busy machine takes longer than people do
         self.config = AccessConfig(**{"auth_timeout_s": 60.0} | config)
         self._serve = serve
@@ -49,7 +51,7 @@ class Door:
         )
         audit = Audit(lambda: 0, lambda line: self.events.append(json.loads(line)))
         admission = partial(Admission, authentication, self.config, audit)
-        async with self._serve(self.limits, admission=admission) as served:
+        async with self._serve(self.limits, admission=admission, **self.rules) as served:
             yield served
 
     def of(self, event: str) -> list[dict[str, Any]]:
@@ -84,6 +86,39 @@ async def test_a_token_in_the_header_gives_its_role(serve: Serve, token, role):
     assert [each["event"] for each in door.events] == ["connected", "disconnected"]
     assert (door.events[0]["role"], door.events[0]["address"]) == (role, "127.0.0.1")
     assert without_token(door.events)
+
+
+LOCAL = {"welcomes_local": True}
+PAGE = "http://localhost:3000"  # of another server on this machine
+
+
+@pytest.mark.parametrize(
+    ("rules", "config", "role"),
+    [
+        (LOCAL, {"anonymous_role": "admin"}, "page"),
+        (LOCAL, {"anonymous_role": "viewer"}, "viewer"),
+        (LOCAL | {"allowed_origins": (PAGE,)}, {"anonymous_role": "admin"}, "admin"),
+    ],
+)
+async def test_a_local_page_has_the_role_page_unless_its_origin_is_allowed_or_others_have_less(
+    serve: Serve, rules, config, role
+):
+    door = Door(serve, rules=rules, **config)
+    async with door.open() as served, client(served.url, origin=PAGE) as speaker:
+        assert await role_of(speaker) == role
+        (connected,) = door.of("connected")
+        assert (connected["role"], connected["origin"]) == (role, PAGE)
+
+
+async def test_after_a_reload_a_local_page_has_the_role_page_still(serve: Serve):
+    door = Door(serve, rules=LOCAL, anonymous_role="admin")
+    async with door.open() as served, client(served.url, origin=PAGE) as page:
+        await page.sync()
+        served.server.reload(Tokens(), Policy(door.config))
+        assert await role_of(page) == "page"
+        permitted = AccessConfig(page=PageConfig(publish=("/cmd_vel",)))
+        served.server.reload(Tokens(), Policy(permitted))
+        assert (await closing(page))[0] == 1001
 
 
 async def test_a_token_among_the_subprotocols_is_taken_and_never_repeated(serve: Serve):
@@ -240,7 +275,8 @@ class Waiting:
 
 def test_64_operations_without_a_token_are_no_abuse_yet():
     authentication = Authentication(Tokens((OPERATOR,)), Policy(AccessConfig()), None)
-    admission = Admission(authentication, AccessConfig(), Audit(lambda: 0), lambda _: None)
+    parts = AccessConfig(), Audit(lambda: 0), lambda _: None, WebRules(())
+    admission = Admission(authentication, *parts)
     waiting = Waiting(refused=64)
     admission.enter(waiting, waiting.session, Request("/", Headers()), 0.0)
     admission.tick(0.1)

@@ -556,7 +556,8 @@ async def test_a_refused_page_is_logged_once_with_the_setting_that_allows_it(ser
             "  --set 'allowed_origins=https://ui.example,http://localhost:3000'"
         ),
         (
-            "pages from null may not connect; allow them by"
+            "pages from origin null (a page on disk, or in a sandboxed frame of any web site) may"
+            " not connect; serve the page by a web server on this machine, or allow them by"
             "  --set 'allowed_origins=https://ui.example,null'"
         ),
     ]

@@ -36,11 +36,11 @@ TEXT = "r2g_known"
 TOKENS = Tokens((Token(name="pad", role="viewer", created="", sha256=digest_of(TEXT).hex()),))
 
 
-def guarded(room_for: RoomFor) -> Admission:
+def guarded(room_for: RoomFor, rules: WebRules) -> Admission:
     """Return an admission of clients with a token, each time without a memory of failures."""
     config = AccessConfig()
     audit = Audit(lambda: 0, level=logging.DEBUG)
-    return Admission(Authentication(TOKENS, Policy(config), None), config, audit, room_for)
+    return Admission(Authentication(TOKENS, Policy(config), None), config, audit, room_for, rules)
 
 
 class Transport(asyncio.Transport):

@@ -16,7 +16,8 @@ from gateway.server.http import offered_subprotocols
 from tests.fuzz.choices import Choices
 from tests.fuzz.target import Target, check
 
-RULES = WebRules(["localhost", "robot"], ["ui.example"], ["https://ui.example", "null"])
+ALLOWED = ("https://ui.example", "null")
+RULES = WebRules(["localhost", "robot"], ["ui.example"], ALLOWED, welcomes_local=True)
 PROXIES = [ipaddress.ip_network("127.0.0.0/8"), ipaddress.ip_network("fe80::/10")]
 FILE = (
     b'{"version":1,"tokens":[{"name":"tablet","role":"operator","created":"2026-01-01",'
@@ -115,12 +116,14 @@ def apply_rules(choices: Choices) -> None:
     is_plain(origin)
     try:
         is_own = RULES.is_own_host(host)
-        is_welcome = RULES.is_welcome(origin, host)
+        standing = RULES.standing(origin, host, is_encrypted=bool(len(target) % 2))
         check_target(target)
     except ValueError:  # CredentialsError is one; both are answered with 400
         return
-    if is_welcome and is_own:
-        check(origin in {"https://ui.example", "null"} or "http" in origin.lower(), origin)
+    if standing != "foreign" and is_own:
+        check(origin in ALLOWED or "http" in origin.lower(), origin)
+    if standing == "local":
+        check(any(name in origin for name in ("//localhost", "//127.0.0.1", "//[::1]")), origin)
 
 
 def corpus() -> list[bytes]:
