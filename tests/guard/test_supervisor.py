@@ -24,10 +24,10 @@ TOPIC, TWIST = "/cmd_vel", "geometry_msgs/msg/Twist"
 
 # Guards that open what they are asked to, and then answer, do not answer, end, or write nonsense.
 OBEDIENT = """
-import json, sys
+import json, os, sys
 def say(*message):
-    try:
-        print(json.dumps(message), flush=True)
+    try:  # by the descriptor: what a stream could not write it would write again at its end
+        os.write(1, json.dumps(message).encode() + b"\\n")
     except BrokenPipeError:
         pass  # the gateway's side is closed first
 say("ready")

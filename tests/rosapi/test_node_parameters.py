@@ -11,6 +11,8 @@ from gateway.codec.json import dumps
 from gateway.ports import Request, Ros
 from gateway.protocol.errors import ProtocolError
 from gateway.rosapi import Parameters, SetResult, node_parameters
+from gateway.rosapi.node_parameters import EACH_NODE_TIMEOUT_S
+from gateway.rosapi.unresponsive_nodes import FRESH_S
 from tests.client import TIMEOUT_S, eventually
 from tests.clock import StoppedClock
 from tests.ros.fake_services import FakeClient
@@ -404,13 +406,15 @@ async def test_all_nodes_together_have_two_seconds(
 async def test_nodes_that_were_silent_before_are_asked_last(
     nodes: ScriptedNodes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("gateway.rosapi.node_parameters.EACH_NODE_TIMEOUT_S", 0.05)
-    monkeypatch.setattr("gateway.rosapi.unresponsive_nodes.FRESH_S", -1.0)
     nodes.add_silent("/dead")
     nodes.add("/living", "speed")
-    parameters = nodes.parameters
+    clock = StoppedClock(monkeypatch)
     for _ in range(2):
-        assert await parameters.names_by_node() == {"/living": ["speed"]}
+        looking = asyncio.ensure_future(nodes.parameters.names_by_node())
+        await clock.advance(0)
+        await clock.advance(EACH_NODE_TIMEOUT_S)
+        assert await looking == {"/living": ["speed"]}
+        await clock.advance(2 * FRESH_S)
     dead, living = "/dead/list_parameters", "/living/list_parameters"
     assert nodes.calls.asked == [dead, living, living, dead]
 

@@ -51,6 +51,16 @@ namespace Ros2Gateway.Unity.Tests
             return Connection;
         }
 
+        /// <summary>Another program, whose messages a busy machine may hold up. Connect and dispose it.</summary>
+        internal GatewayClient OtherProgram()
+        {
+            return new GatewayClient(new GatewayOptions
+            {
+                Address = Connection.Settings.Address,
+                FreshMilliseconds = TimeoutMilliseconds,
+            });
+        }
+
         /// <summary>An object that is not active yet, so that components on it can be set up.</summary>
         internal GameObject Inactive(string name)
         {

@@ -182,8 +182,7 @@ namespace Ros2Gateway.Unity.Tests
             _scene.Connect();
             MarkerArrayDisplay display = _scene.Display<MarkerArrayDisplay>(
                 "/markers_of_a_burst", MarkerArrayMsg.Type, made => made.GetComponent<TopicSubscriber>().Reuse = true);
-            GatewayOptions options = new GatewayOptions { Address = _scene.Connection.Settings.Address };
-            using (GatewayClient other = new GatewayClient(options))
+            using (GatewayClient other = _scene.OtherProgram())
             {
                 other.Connect();
                 Publisher<MarkerArrayMsg> markers = other.Advertise<MarkerArrayMsg>("/markers_of_a_burst");

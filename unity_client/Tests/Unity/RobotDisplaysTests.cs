@@ -100,7 +100,7 @@ namespace Ros2Gateway.Unity.Tests
         public IEnumerator AnArmAndItsGripperMayPublishTheirJointsApart()
         {
             LogAssert.Expect(LogType.Warning, new Regex("no model for package://arm/hand.v2.stl: a small box"));
-            GatewayClient client = _scene.Connect().Client;
+            _scene.Connect();
             RobotDescriptionDisplay robot = _scene.Display<RobotDescriptionDisplay>(setUp: made => made.FetchMeshes = false);
             robot.Show(new StringMsg { data = Arm });
             yield return null;
@@ -108,19 +108,23 @@ namespace Ros2Gateway.Unity.Tests
                 "/joints_apart", JointStateMsg.Type, made => made.Robot = robot);
             List<string> heard = new List<string>();
             joints.Subscriber.MessageReceived += message => heard.Add(((JointStateMsg)message).name[0]);
-            Publisher<JointStateMsg> states = client.Advertise<JointStateMsg>("/joints_apart");
-            yield return _scene.Until(() => client.IsConnected, "to be connected");
-            yield return _scene.Until(
-                () => heard.Count > 0, "for the first", () => states.Publish(State("wrist", 0), evenLate: true));
-            for (int i = 1; i <= 10; i++)
+            using (GatewayClient client = _scene.OtherProgram())
             {
-                states.Publish(State("elbow", 0.1 * i));
-                states.Publish(State("grip", 0.2 * i));
-                yield return _scene.Until(() => heard.FindAll(one => one == "grip").Count == i, "for the gripper");
-                Assert.AreEqual(i, heard.FindAll(one => one == "elbow").Count);
-                Quaternion turned = Quaternion.Euler(0, -0.1f * i * Mathf.Rad2Deg, 0);
-                Assert.Less(Quaternion.Angle(turned, robot.Link("upper").localRotation), 0.01f);
-                AreClose(new Vector3(0, 0, 0.2f * i), robot.Link("finger").localPosition);
+                client.Connect();
+                Publisher<JointStateMsg> states = client.Advertise<JointStateMsg>("/joints_apart");
+                yield return _scene.Until(() => client.IsConnected, "to be connected", () => client.Pump());
+                yield return _scene.Until(
+                    () => heard.Count > 0, "for the first", () => states.Publish(State("wrist", 0), evenLate: true));
+                for (int i = 1; i <= 10; i++)
+                {
+                    states.Publish(State("elbow", 0.1 * i));
+                    states.Publish(State("grip", 0.2 * i));
+                    yield return _scene.Until(() => heard.FindAll(one => one == "grip").Count == i, "for the gripper");
+                    Assert.AreEqual(i, heard.FindAll(one => one == "elbow").Count);
+                    Quaternion turned = Quaternion.Euler(0, -0.1f * i * Mathf.Rad2Deg, 0);
+                    Assert.Less(Quaternion.Angle(turned, robot.Link("upper").localRotation), 0.01f);
+                    AreClose(new Vector3(0, 0, 0.2f * i), robot.Link("finger").localPosition);
+                }
             }
         }
 
