@@ -20,9 +20,8 @@ INTEGER_RANGES: Final = {
     "uint32": (0, 2**32 - 1),
     "int64": (-(2**63), 2**63 - 1),
     "uint64": (0, 2**64 - 1),
-    # the two historical names: an octet and, in ROS 2, an unsigned 8-bit character
     "byte": (0, 2**8 - 1),
-    "char": (0, 2**8 - 1),
+    "char": (0, 2**8 - 1),  # of IDL alone: in `.msg` files the word means uint8
 }
 # The first double that rounds to infinity in single precision. The largest float32 is a
 # little below, but prints as 3.4028235e38, which must come back in.
@@ -160,8 +159,9 @@ CONSTANT_NAME: Final = FIELD_NAME
 _STRING_ITEM = re.compile(
     r"""(?P<item>"(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*'|[^"',][^,]*)\s*(?:,\s*|$)"""
 )
-# Types of ROS 1 that the ROS 2 generators still accept.
+# Names of ROS 1 that the ROS 2 generators still accept.
 _ALIASES: Final = {
+    "char": "uint8",
     "time": "builtin_interfaces/msg/Time",
     "duration": "builtin_interfaces/msg/Duration",
 }
@@ -290,9 +290,9 @@ def parse_field_type(text: str, package: str) -> FieldType:
     match = _TYPE.fullmatch(text)
     if match is None:
         raise ValueError(f"{text!r} is no type")
-    base = match["base"]
+    base = _ALIASES.get(match["base"], match["base"])
     if base not in PRIMITIVES:
-        base = _ALIASES.get(base) or _qualified(base, package)
+        base = _qualified(base, package)
     elif match["string_bound"] and base not in STRINGS:
         raise ValueError(f"{base} takes no length")
     size = int(match["size"]) if match["size"] else None

@@ -8,6 +8,7 @@ anything.
 
 import contextlib
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 from schemas.definition import Definition, DefinitionError, FieldType, parse_definition
@@ -41,7 +42,7 @@ def _definition(
     name: str, fields: Sequence[Mapping[str, Any]], source: Mapping[str, Any]
 ) -> Definition:
     """Read the source if it says what the description says, else the description."""
-    described = parse_definition(name, _text(name, fields))
+    described = _described(name, fields)
     parse = _PARSERS.get(source.get("encoding", ""))
     text = source.get("raw_file_contents", "")
     if parse is not None and 0 < len(text) <= MAX_TEXT_CHARACTERS:
@@ -52,14 +53,20 @@ def _definition(
     return described
 
 
-def _text(name: str, fields: Sequence[Mapping[str, Any]]) -> str:
-    """Write a description as a `.msg` file; what the names are worth its reader finds out."""
-    named = (each for each in fields if each["name"] != PLACEHOLDER.name)
-    lines = (f"{_type(name, each['type'])} {each['name']}" for each in named)
-    text = "".join(f"{line}\n" for line in lines)
+def _described(name: str, fields: Sequence[Mapping[str, Any]]) -> Definition:
+    """Read a description as a `.msg` file, whose parser finds out what the names are worth."""
+    types = {
+        each["name"]: _type(name, each["type"])
+        for each in fields
+        if each["name"] != PLACEHOLDER.name
+    }
+    text = "".join(f"{type_} {field}\n" for field, type_ in types.items())
     if len(text) > MAX_TEXT_CHARACTERS:
         raise DefinitionError(f"{name}: its text has over {MAX_TEXT_CHARACTERS} characters")
-    return text
+    read = parse_definition(name, text)
+    # a `.msg` file has no word for the char of IDL
+    typed = (replace(field, type=types.get(field.name, field.type)) for field in read.fields)
+    return replace(read, fields=tuple(typed))
 
 
 def _type(name: str, described: Mapping[str, Any]) -> FieldType:

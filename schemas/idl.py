@@ -32,7 +32,7 @@ _MAX_NAMED: Final = 4  # structs in an error text
 _BASES: Final = {
     "boolean": "bool",
     "octet": "byte",
-    "char": "char",  # 8 bits, like that of .msg files
+    "char": "char",
     "float": "float32",
     "double": "float64",
     "short": "int16",

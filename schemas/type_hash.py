@@ -25,7 +25,7 @@ _IDS: Final = {
     "uint64": 9,
     "float32": 10,
     "float64": 11,
-    "char": 3,  # a uint8 in the interface definition language of ROS 2
+    "char": 13,
     "bool": 15,
     "byte": 16,
     "string": 17,
@@ -37,8 +37,7 @@ _FIXED_ARRAY: Final = 48
 _BOUNDED_SEQUENCE: Final = 96
 _SEQUENCE: Final = 144
 
-# `char` is left out: its number is that of uint8.
-_NAMES: Final = {number: name for name, number in _IDS.items() if name != "char"}
+_NAMES: Final = {number: name for name, number in _IDS.items()}
 _NAMES_OF_BOUNDED: Final = {number: name for name, number in _BOUNDED_STRINGS.items()}
 
 # IDL has no empty structure, so a message without fields gets this one.

@@ -91,9 +91,9 @@ def test_a_default_middleware_that_is_missing_is_told_of_with_what_to_do(monkeyp
     middleware = Path(sys.prefix) / "lib/librmw_fastrtps_cpp.so"
     if not middleware.exists():
         pytest.skip("rclpy is not from the wheels")
-    gateway = f"{sys.executable} -m gateway serve --port 0"
-    script = f"mount --bind /dev/null {middleware}; {gateway}"
-    command = ["unshare", "--mount", "sh", "-c", script]
+    script = 'mount --bind /dev/null "$0"; exec "$@"'
+    gateway = [sys.executable, "-m", "gateway", "serve", "--port", "0"]
+    command = ["unshare", "--mount", "sh", "-c", script, str(middleware), *gateway]
     finished = subprocess.run(command, capture_output=True, text=True, check=False)
     assert finished.returncode == 3
     # first, it may tidy up after killed programs

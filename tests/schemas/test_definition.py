@@ -77,7 +77,7 @@ def test_a_default_is_read_in_every_notation(line, default):
         "int32 x 010",
         "int64 x -0x10",
         "uint8 X=0b101",
-        "char x 1_0",
+        "uint8 x 1_0",
         "float32 x\t1e-3",
         "bool[2] x [True,\t0]",
         "string[] x ['a', \"b, c\", d e]",

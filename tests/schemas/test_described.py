@@ -47,10 +47,8 @@ def test_a_description_has_the_fields_of_every_installed_message():
         told = described_definitions(answer(name))
         assert told.keys() == {each.name for each in INSTALLED.closure([name])}
         for each in told.values():
-            expected = [
-                (field.name, str(field.type).replace("char", "uint8"))
-                for field in INSTALLED.get(each.name).fields
-            ]
+            fields = INSTALLED.get(each.name).fields
+            expected = [(field.name, str(field.type)) for field in fields]
             assert [(field.name, str(field.type)) for field in each.fields] == expected
 
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """IDL is read as rosidl reads it, and else refused with the place and a way out."""
 
-from dataclasses import replace
-
 import pytest
 
 from schemas.definition import DefinitionError, FieldType, parse_definition
@@ -42,14 +40,9 @@ def as_in_msg(name, text):
 
 
 def contents(definition):
-    """Return all but the comments; rosidl writes the char of .msg files as uint8."""
-    fields = [
-        (f.name, replace(f.type, base={"char": "uint8"}.get(f.type.base, f.type.base)), f.default)
-        for f in definition.fields
-    ]
-    constants = [
-        (c.name, {"char": "uint8"}.get(c.type, c.type), c.value) for c in definition.constants
-    ]
+    """Return all but the comments."""
+    fields = [(f.name, f.type, f.default) for f in definition.fields]
+    constants = [(c.name, c.type, c.value) for c in definition.constants]
     return definition.name, fields, constants
 
 

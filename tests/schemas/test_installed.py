@@ -114,7 +114,7 @@ def idl_type(field_type):
     base = {"float64": "double", "float32": "float", "bool": "boolean", "byte": "octet"}.get(
         field_type.base, field_type.base
     )
-    base = {"char": "uint8"}.get(base, base.replace("/msg/", "/"))
+    base = base.replace("/msg/", "/")
     if field_type.string_bound is not None:
         base = f"{base}<{field_type.string_bound}>"
     if field_type.length is not None:

@@ -5,6 +5,7 @@ import asyncio
 import contextlib
 import json
 import os
+import shlex
 import signal
 import socket
 import subprocess
@@ -51,7 +52,7 @@ def in_a_full_disk(tmp_path: Path, *commands: str, before: str = "true") -> tupl
     """Run ros2-gateway in shells on a disk that is full; return exit codes, files and errors."""
     disk = tmp_path / "disk"
     disk.mkdir()
-    gateway = f"{sys.executable} -m gateway"
+    gateway = f"{shlex.quote(sys.executable)} -m gateway"
     script = "; ".join(
         [
             f"mount -t tmpfs -o size=64k,mode=700 tmpfs {disk}",
@@ -244,7 +245,7 @@ async def test_an_audit_log_without_room_is_said_once_and_goes_on_when_there_is_
 
 @needs_namespaces
 def test_a_machine_without_any_shared_memory_is_told_of_in_words(tmp_path: Path):
-    gateway = f"{sys.executable} -m gateway serve --port 0"
+    gateway = f"{shlex.quote(sys.executable)} -m gateway serve --port 0"
     script = f"mount -t tmpfs -o size=4k tmpfs /dev/shm; echo > /dev/shm/filler; {gateway}"
     command = ["unshare", "--mount", "sh", "-c", script]
     finished = subprocess.run(command, capture_output=True, text=True, check=False)

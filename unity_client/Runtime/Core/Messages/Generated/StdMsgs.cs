@@ -435,7 +435,7 @@ namespace Ros2Gateway.Messages.StdMsgs
         /// <summary>The name of this type.</summary>
         public const string Type = "std_msgs/msg/Char";
 
-        /// <summary><c>char</c></summary>
+        /// <summary><c>uint8</c></summary>
         public byte data;
 
         private static readonly JsonMembers Members = new JsonMembers(
