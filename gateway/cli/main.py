@@ -216,6 +216,7 @@ def _run_gateway(
 
             browser.open_page(announcement.own_page(listening))
 
+    loaded.warn()
     return app.run(
         _with_certificate(loaded.config),
         announce=announce,
@@ -405,6 +406,7 @@ def _check_config(arguments: argparse.Namespace) -> int:
         print(reference(), end="")
         return EXIT_OK
     loaded = load(environment=os.environ, file=arguments.file)
+    loaded.warn()
     posture_of(loaded.config)  # an error if values contradict each other
     read_access(_without_own_certificate(loaded.config))
     if paths := loaded.config.types.paths:

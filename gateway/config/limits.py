@@ -141,18 +141,19 @@ class Limits(Section):
         " beyond, and answers beyond close it with code 4503",
     )
     slow_consumer_s: Seconds = Field(
-        5,
+        30,
         description="seconds a client may stay over half of `send_queue_bytes` before it is"
         " closed with code 4503",
     )
     send_deadline_s: Seconds = Field(
-        5, description="seconds a client may take nothing at all before its connection is cut"
+        30,
+        description="seconds a client may take nothing of what waits for it, before its connection"
+        " is cut; 10 if its computer does not answer, either",
     )
     ping_interval_s: Seconds = Field(
-        5, description="seconds between the WebSocket pings that find dead connections"
-    )
-    ping_timeout_s: Seconds = Field(
-        5, description="seconds a client may take to answer a ping before it is disconnected"
+        5,
+        description="seconds between the WebSocket pings that measure the round trip; a client"
+        " need not answer them",
     )
     close_timeout_s: Annotated[float, Field(gt=0, le=2, allow_inf_nan=False)] = Field(
         1, description="seconds for the closing handshake; the whole shutdown has 2"

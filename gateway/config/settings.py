@@ -7,6 +7,7 @@ an error names the flag, the variable, or the file and key.
 
 import difflib
 import json
+import logging
 import reprlib
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -22,6 +23,8 @@ from gateway.config.model import Config
 from gateway.config.section import Section
 from gateway.errors import ConfigError, system_reason
 
+logger = logging.getLogger(__name__)
+
 PREFIX: Final = "ROS2_GATEWAY_"
 FILE_VARIABLE: Final = "ROS2_GATEWAY_CONFIG"
 # of clients: `ros2-gateway generate --from` shows it to a gateway
@@ -32,9 +35,17 @@ _REPLACED: Final = {
     "limits.operations_per_s": "limits.client_time_share, as time is limited instead of counts",
     "limits.operation_burst": "limits.client_time_share, as time is limited instead of counts",
 }
-_REPLACED_VARIABLES: Final = {
-    PREFIX + key.replace(".", "__").upper(): text for key, text in _REPLACED.items()
+# such that mean nothing, and need not keep a gateway from starting
+_IGNORED: Final = {
+    "limits.ping_timeout_s": "a client that answers no ping stays connected",
 }
+
+
+def _variable(key: str) -> str:
+    return PREFIX + key.replace(".", "__").upper()
+
+
+_REPLACED_VARIABLES: Final = {_variable(key): text for key, text in _REPLACED.items()}
 
 _DEFAULT: Final = "default"
 _JSON_TYPES: Final = {
@@ -64,7 +75,7 @@ class Setting:
     @property
     def variable(self) -> str:
         """The environment variable that sets it."""
-        return PREFIX + self.key.replace(".", "__").upper()
+        return _variable(self.key)
 
     @property
     def description(self) -> str:
@@ -114,6 +125,12 @@ class Loaded(NamedTuple):
 
     config: Config
     origins: Mapping[str, str]
+    ignored: Sequence[str] = ()  # what was given and means nothing, in words
+
+    def warn(self) -> None:
+        """Write to the log what is ignored."""
+        for text in self.ignored:
+            logger.warning("%s", text)
 
 
 def settings(section: type[Section] = Config, prefix: str = "") -> Iterator[Setting]:
@@ -142,12 +159,17 @@ def load(
     values: dict[str, object] = {}
     origins = dict.fromkeys(known, _DEFAULT)
     problems: list[str] = []
+    ignored: list[str] = []
     for given in [
         *(() if file is None else _from_file(file, known, problems)),
         *_from_environment(environment, known, problems),
         *flags,
     ]:
         setting = known.get(given.key)
+        if given.key in _IGNORED:
+            why = _IGNORED[given.key]
+            ignored.append(f"{given.source}: {given.key} is ignored, because {why}: remove it")
+            continue
         if setting is None:
             hint = _hint(given.key, known)
             problems.append(f"{given.source}: unknown key {given.key}{hint}")
@@ -159,7 +181,7 @@ def load(
         origins[given.key] = given.source
     if problems:
         raise ConfigError(*problems)
-    return Loaded(Config.model_validate(_nested(values)), origins)
+    return Loaded(Config.model_validate(_nested(values)), origins, ignored)
 
 
 def to_toml(loaded: Loaded) -> str:
@@ -223,10 +245,10 @@ def _flattened(
 def _from_environment(
     environment: Mapping[str, str], known: Mapping[str, Setting], problems: list[str]
 ) -> Iterator[Given]:
-    by_variable = {setting.variable: setting for setting in known.values()}
+    by_variable = {_variable(key): key for key in [*known, *_IGNORED]}
     for variable, value in sorted(environment.items()):
         if variable in by_variable:
-            yield Given(by_variable[variable].key, value, variable)
+            yield Given(by_variable[variable], value, variable)
         elif variable.startswith(PREFIX) and variable not in {FILE_VARIABLE, TOKEN_VARIABLE}:
             hint = _hint(variable, [*by_variable, FILE_VARIABLE])
             problems.append(f"unknown environment variable {variable}{hint}")

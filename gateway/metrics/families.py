@@ -44,10 +44,13 @@ def _of_clients(value: Callable[[ClientState], float]) -> Callable[[State], Rows
     return lambda state: (((each.client,), value(each)) for each in state.summary.clients)
 
 
-def _links(state: State) -> Iterator[tuple[tuple[str, ...], float]]:
-    for each in state.summary.clients:
-        if each.link_bytes_per_s is not None:
-            yield (each.client,), each.link_bytes_per_s
+def _of_clients_known(value: Callable[[ClientState], float | None]) -> Callable[[State], Rows]:
+    def rows(state: State) -> Iterator[tuple[tuple[str, ...], float]]:
+        for each in state.summary.clients:
+            if (known := value(each)) is not None:
+                yield (each.client,), known
+
+    return rows
 
 
 def _of_topics(value: Callable[[TopicState], float]) -> Callable[[State], Rows]:
@@ -221,7 +224,14 @@ FAMILIES: Final[tuple[Family, ...]] = (
         "client_link_bytes_per_second",
         "gauge",
         "Rate of the link to a client, once it was too slow for what the client gets.",
-        _links,
+        _of_clients_known(lambda client: client.link_bytes_per_s),
+        _CLIENT,
+    ),
+    Family(
+        "client_round_trip_seconds",
+        "gauge",
+        "Time from the newest WebSocket ping that a client has answered to its answer.",
+        _of_clients_known(lambda client: client.round_trip_s),
         _CLIENT,
     ),
     Family(

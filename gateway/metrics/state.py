@@ -110,6 +110,7 @@ class ClientState(NamedTuple):
     pauses: int
     latency: Observed
     link_bytes_per_s: float | None  # None: it was never too slow for what goes there
+    round_trip_s: float | None  # None: it has answered no ping
 
 
 class AddressState(NamedTuple):

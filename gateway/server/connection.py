@@ -14,7 +14,7 @@ from dataclasses import replace
 from typing import Final, cast
 
 from websockets.exceptions import InvalidMessage, PayloadTooBig
-from websockets.frames import Frame
+from websockets.frames import Frame, Opcode
 from websockets.http11 import Request, Response
 from websockets.protocol import CONNECTING, OPEN, Event
 
@@ -44,7 +44,7 @@ from gateway.server.frame_reader import DATA
 from gateway.server.http import new_protocol
 from gateway.server.inbound import READ_CHUNK_BYTES, Inbound
 from gateway.server.inbound_text import receive_text
-from gateway.server.keep_alive import Abort, Close, KeepAlive, Sending, SendPing
+from gateway.server.keep_alive import Close, KeepAlive, SendPing
 from gateway.server.message_assembly import MessageAssembly
 from gateway.server.pacing import Pacing
 from gateway.server.picture_streams import Viewer
@@ -75,7 +75,7 @@ class Connection(asyncio.BufferedProtocol):
         now_ns = time.monotonic_ns()
         self._frames = TokenBucket(self._limits.frames_per_s, self._limits.frame_burst, now_ns)
         self._opened_s = now_ns / 1e9
-        self._keep_alive = KeepAlive(self._limits, self._opened_s)
+        self.keep_alive = KeepAlive(self._limits, self._opened_s)
         self._closing_s: float | None = None
         self._why: Why | None = None  # it ends
         self._start = b""  # of the HTTP request
@@ -93,7 +93,7 @@ class Connection(asyncio.BufferedProtocol):
         transport.set_write_buffer_limits(high=WRITE_HIGH_WATER_BYTES)
         peer = transport.get_extra_info("peername")
         self.address = str(peer[0]) if peer else "?"
-        tune(transport.get_extra_info("socket"), self._limits.send_deadline_s)
+        tune(transport.get_extra_info("socket"))
         self.spending = self._acceptor.budgets.open(self.address)
         self._inbound = Inbound(self, self._protocol, transport, self.spending)
         self._pacing = Pacing(transport, self._go_on, self._note_rate)
@@ -109,7 +109,6 @@ class Connection(asyncio.BufferedProtocol):
     def buffer_updated(self, nbytes: int) -> None:
         """Process the bytes read."""
         now_s = time.monotonic()
-        self._keep_alive.heard(now_s)
         self._bytes_in += nbytes
         if self._session is None:
             self._start = self._start or bytes(self._buffer[: min(nbytes, 16)])
@@ -136,7 +135,6 @@ class Connection(asyncio.BufferedProtocol):
     def pause_writing(self) -> None:
         """Stop taking from the outbox: the socket is full."""
         self._pacing.socket_full()
-        self._keep_alive.blocked(time.monotonic())
 
     def resume_writing(self) -> None:
         """Continue: the socket has sent most of its bytes."""
@@ -285,7 +283,9 @@ class Connection(asyncio.BufferedProtocol):
             event()
         elif not self._frames.allow(time.monotonic_ns()):
             self.close(POLICY_VIOLATION, f"at most {self._limits.frames_per_s:g} frames per second")
-        elif event.opcode in DATA:  # `websockets` answers pings, records pongs and closes
+        elif event.opcode is Opcode.PONG:
+            self.keep_alive.ponged(time.monotonic())
+        elif event.opcode in DATA:  # `websockets` answers pings and records closes
             message = self._assembly.add(event)
             if message is not None:
                 self._receive(self._session, message, is_text=self._assembly.is_text)
@@ -414,13 +414,11 @@ class Connection(asyncio.BufferedProtocol):
         return replace(end, messages_in=session.received, frames_out=session.outbox.sent)
 
     def _check(self, now_s: float, session: Session) -> None:
-        sending = Sending(session.outbox, self._pacing.taken_bytes)
-        is_read = self._viewer is None and not self._inbound.is_paused  # a viewer says nothing
-        match self._keep_alive.check(now_s, sending, is_read=is_read):
-            case SendPing():
+        match self.keep_alive.check(now_s, session.outbox, self._pacing):
+            case SendPing() if self._viewer is None:
                 self._protocol.send_ping(b"")
                 self._write_protocol_output()
             case Close(code, reason):
                 self.close(code, reason)
-            case Abort(reason):
-                self.abort(Why("gateway", "send_timeout", f"it {reason}"))
+            case Why() as why:
+                self.abort(why)

@@ -11,7 +11,6 @@ from websockets.server import ServerProtocol
 from gateway.codec.error_text import truncate
 from gateway.server.close_codes import (
     GOING_AWAY,
-    HEARTBEAT_TIMEOUT,
     INTERNAL_ERROR,
     INVALID_DATA,
     MESSAGE_TOO_BIG,
@@ -35,7 +34,6 @@ Reason = Literal[
     "over_capacity",
     "unauthenticated",
     "role_removed",
-    "heartbeat_timeout",
     "slow_consumer",
     "send_timeout",  # the client takes nothing
     "abuse",  # more frames or pings, or refused operations, than are allowed
@@ -55,7 +53,6 @@ _REASONS: Final[dict[int, Reason]] = {
     OVER_CAPACITY: "over_capacity",
     UNAUTHENTICATED: "unauthenticated",
     ROLE_REMOVED: "role_removed",
-    HEARTBEAT_TIMEOUT: "heartbeat_timeout",
     SLOW_CONSUMER: "slow_consumer",
 }
 _LEVELS: Final[dict[Reason, int]] = {

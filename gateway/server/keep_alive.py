@@ -1,28 +1,38 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Judgement of an open client by time: is it there, does it take what it is sent, and fast enough?
+"""Judgement of an open client by time: is its link alive, does it take what it is sent?
 
-The library's own keep-alive misses a client that is frozen while it is being streamed to.
+A client that answers no ping may stand at a breakpoint, so pings decide nothing. Its kernel does:
+it acknowledges what it accepts, and says so if it accepts nothing, as the client does not read.
 """
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Protocol
 
 from gateway.config.limits import Limits
 from gateway.protocol.outbox import Outbox
-from gateway.server.close_codes import HEARTBEAT_TIMEOUT, SLOW_CONSUMER
+from gateway.server.close_codes import SLOW_CONSUMER
+from gateway.server.end import Why
+from gateway.server.link import Reading
+
+# Time for a hole in the radio. While nothing is on the way, the kernel asks and judges by itself:
+# see `gateway.server.socket_options`.
+DEAD_LINK_S: Final = 10.0
+# From one look at the kernel's figures to the next, 3 us each.
+LOOK_S: Final = 1.0
 
 
-@dataclass(frozen=True, slots=True)
-class Sending:
-    """The way out of a connection, as it is now."""
+class WayOut(Protocol):
+    """The way of bytes to a client."""
 
-    outbox: Outbox
-    taken_bytes: int | None  # while socket or link are full: grows as the client takes something
+    is_paused: bool  # the socket or the link is full
+
+    def read(self) -> Reading:
+        """Return what is known of it now."""
 
 
 @dataclass(frozen=True, slots=True)
 class SendPing:
-    """A verdict: ask the client whether it is there."""
+    """A verdict: send a ping, to measure the round trip and to keep proxies from hanging up."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,14 +43,8 @@ class Close:
     reason: str
 
 
-@dataclass(frozen=True, slots=True)
-class Abort:
-    """A verdict: cut off, as a closing handshake would wait behind what is not taken."""
-
-    reason: str
-
-
-Verdict = SendPing | Close | Abort
+# `Why` is to cut off for this cause: a closing handshake would wait behind what is not taken.
+Verdict = SendPing | Close | Why
 PING: Final = SendPing()
 
 
@@ -49,47 +53,49 @@ class KeepAlive:
 
     def __init__(self, limits: Limits, now_s: float) -> None:
         self._limits = limits
-        self._heard_s = now_s
-        self._pinged_s: float | None = None
-        self._progress_s = now_s
-        self._taken_bytes = 0
+        self._looked_s = now_s
+        self._stuck_s: float | None = None  # since when nothing is taken of what is on the way
+        self._acked_bytes = 0
         self._crowded_s: float | None = None
+        self._pinged_s = now_s
+        self._unanswered_s: float | None = None  # when the oldest ping left that has no answer
+        self.round_trip_s: float | None = None  # of the newest ping that was answered
 
-    def heard(self, now_s: float) -> None:
-        """Note that the client has sent something."""
-        self._heard_s = now_s
-        self._pinged_s = None
+    def ponged(self, now_s: float) -> None:
+        """Note that the client has answered."""
+        if self._unanswered_s is not None:
+            self.round_trip_s = now_s - self._unanswered_s
+            self._unanswered_s = None
 
-    def blocked(self, now_s: float) -> None:
-        """Note that the socket is full from now on."""
-        self._progress_s = now_s
-
-    def check(self, now_s: float, sending: Sending, *, is_read: bool) -> Verdict | None:
-        """Return what is to be done with the client; *is_read* is false while we do not read it."""
+    def check(self, now_s: float, outbox: Outbox, way: WayOut) -> Verdict | None:
+        """Return what is to be done with the client."""
         return (
-            self._check_progress(now_s, sending)
-            or self._check_backlog(now_s, sending)
-            or self._check_silence(now_s, is_read=is_read)
+            self._check_link(now_s, way)
+            or self._check_backlog(now_s, outbox, way)
+            or self._check_ping(now_s, way)
         )
 
-    def _check_progress(self, now_s: float, sending: Sending) -> Verdict | None:
-        if sending.taken_bytes is None:
-            self._progress_s = now_s
+    def _check_link(self, now_s: float, way: WayOut) -> Why | None:
+        if now_s - self._looked_s < LOOK_S:
             return None
-        taken_bytes, self._taken_bytes = self._taken_bytes, sending.taken_bytes
-        if sending.taken_bytes > taken_bytes:
-            self._progress_s = now_s
-            if self._pinged_s is not None:
-                self._pinged_s = now_s  # our ping is still behind the bytes being taken
-        elif now_s - self._progress_s > self._limits.send_deadline_s:
-            return Abort(f"took nothing for {self._limits.send_deadline_s:g} s")
+        self._looked_s = now_s
+        reading = way.read()
+        acked_bytes, self._acked_bytes = self._acked_bytes, reading.acked_bytes
+        if reading.unanswered_s > DEAD_LINK_S:
+            return Why("network", "lost", f"nothing acknowledged for {DEAD_LINK_S:g} s")
+        if not reading.on_the_way_bytes:
+            self._stuck_s = None
+        elif self._stuck_s is None or reading.acked_bytes > acked_bytes:
+            self._stuck_s = now_s
+        elif now_s - self._stuck_s > self._limits.send_deadline_s:
+            text = f"it took nothing for {self._limits.send_deadline_s:g} s"
+            return Why("gateway", "send_timeout", text)
         return None
 
-    def _check_backlog(self, now_s: float, sending: Sending) -> Verdict | None:
-        outbox = sending.outbox
+    def _check_backlog(self, now_s: float, outbox: Outbox, way: WayOut) -> Close | None:
         if outbox.overflowed:
             return Close(SLOW_CONSUMER, "slow consumer: answers alone exceed the send queue")
-        if sending.taken_bytes is None or outbox.excess <= outbox.max_bytes // 2:
+        if not way.is_paused or outbox.excess <= outbox.max_bytes // 2:
             # While the socket takes bytes, the queue waits for us: a picture being encoded, say.
             self._crowded_s = None
         elif self._crowded_s is None:
@@ -102,13 +108,10 @@ class KeepAlive:
             )
         return None
 
-    def _check_silence(self, now_s: float, *, is_read: bool) -> Verdict | None:
-        if not is_read:  # a pong could not be read
-            self._heard_s, self._pinged_s = now_s, None
-        elif self._pinged_s is None:
-            if now_s - self._heard_s > self._limits.ping_interval_s:
-                self._pinged_s = now_s
-                return PING
-        elif now_s - self._pinged_s > self._limits.ping_timeout_s:
-            return Close(HEARTBEAT_TIMEOUT, f"no pong within {self._limits.ping_timeout_s:g} s")
-        return None
+    def _check_ping(self, now_s: float, way: WayOut) -> SendPing | None:
+        if way.is_paused or now_s - self._pinged_s < self._limits.ping_interval_s:
+            return None
+        self._pinged_s = now_s
+        if self._unanswered_s is None:
+            self._unanswered_s = now_s
+        return PING

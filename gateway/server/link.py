@@ -36,6 +36,7 @@ class Reading(NamedTuple):
     acked_bytes: int  # that the peer has acknowledged, of all that were sent
     on_the_way_bytes: int  # written, and not acknowledged yet
     min_rtt_s: float
+    unanswered_s: float = 0.0  # since the last word of its kernel, while some is unacknowledged
 
 
 class Link:

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from typing import Final
 
-from gateway.server.link import Link
+from gateway.server.link import Link, Reading
 from gateway.server.tcp_info import read_tcp_info
 
 # The link is looked at after so many bytes at the latest, 1 to 3 us each time: one that has become
@@ -44,15 +44,10 @@ class Pacing:
         self.room_bytes = self._link.window_bytes
         self.write: Callable[[bytes], object] = transport.write  # of a `PacedSocket`
 
-    @property
-    def taken_bytes(self) -> int | None:
-        """While it is paused, a number that grows as the peer takes what it is sent."""
-        if not self.is_paused:
-            return None  # nobody waits for the peer, and to read it takes time
-        reading = read_tcp_info(self._socket)
-        if reading is None:
-            return -self._transport.get_write_buffer_size()
-        return reading.acked_bytes
+    def read(self) -> Reading:
+        """Return what the kernel knows, or else what the transport does."""
+        waiting = self._transport.get_write_buffer_size()
+        return read_tcp_info(self._socket) or Reading(-waiting, waiting, 0.0)
 
     def wrote(self, size: int) -> None:
         """Count bytes that were written, and look at the link when it is time."""

@@ -208,7 +208,7 @@ class Server:
     def summary(self) -> Summary:
         """Return the state of the gateway, without the traffic of its topics."""
         clients = tuple(
-            _client_state(each.session, each.spending)
+            _client_state(each.session, each.spending, each.keep_alive.round_trip_s)
             for each in self._connections
             if each.session is not None
         )
@@ -401,7 +401,7 @@ def _unauthenticated(protocol: ServerProtocol, error: TurnedAwayError) -> Respon
     return response
 
 
-def _client_state(session: Session, spending: Spending) -> ClientState:
+def _client_state(session: Session, spending: Spending, round_trip_s: float | None) -> ClientState:
     return ClientState(
         client=session.client,
         address=session.address,
@@ -410,6 +410,7 @@ def _client_state(session: Session, spending: Spending) -> ClientState:
         pauses=spending.pauses,
         latency=session.latency.observed(),
         link_bytes_per_s=session.outbox.bytes_per_s,
+        round_trip_s=round_trip_s,
     )
 
 

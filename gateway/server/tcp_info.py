@@ -14,6 +14,7 @@ with contextlib.suppress(ImportError):  # Windows has neither, nor TCP_INFO
 
 # its members, and where Linux 4.9 and later have them
 _READ_BYTES: Final = 152
+_UNACKED: Final = struct.Struct("=24xI28xI")  # tcpi_unacked, tcpi_last_ack_recv in ms
 _ACKED: Final = struct.Struct("=120xQ")  # tcpi_bytes_acked
 _MIN_RTT: Final = struct.Struct("=148xI")  # tcpi_min_rtt in us
 _QUEUED: Final = struct.Struct("=i")
@@ -33,7 +34,10 @@ def read_tcp_info(sock: socket.socket | None) -> Reading | None:
         return None
     if len(info) < _READ_BYTES:  # an older kernel
         return None
+    unacked, last_ack_ms = _UNACKED.unpack_from(info)
     (acked,) = _ACKED.unpack_from(info)
     (min_rtt_us,) = _MIN_RTT.unpack_from(info)
     min_rtt_s = 0.0 if min_rtt_us == _UNKNOWN_RTT_US else min_rtt_us / 1e6
-    return Reading(acked, _QUEUED.unpack(queued)[0], min_rtt_s)
+    # with a closed window nothing is unacknowledged: the peer's kernel lives, and takes nothing
+    unanswered_s = last_ack_ms / 1e3 if unacked else 0.0
+    return Reading(acked, _QUEUED.unpack(queued)[0], min_rtt_s, unanswered_s)

@@ -32,7 +32,7 @@ def test_with_nothing_given_all_is_default():
 def test_a_flag_beats_the_environment_which_beats_the_file_which_beats_the_default(tmp_path):
     path = toml(tmp_path, 'port = 1\nhost = "file"\n[limits]\nmax_clients = 3\n')
     environment = {"ROS2_GATEWAY_PORT": "2", "ROS2_GATEWAY_HOST": "environment"}
-    config, origins = load([Given("port", "4", "--port")], environment, path)
+    config, origins, _ = load([Given("port", "4", "--port")], environment, path)
     assert (config.port, config.host, config.limits.max_clients) == (4, "environment", 3)
     assert config.path == "/"
     assert origins["port"] == "--port"
@@ -62,6 +62,14 @@ def test_a_key_of_former_versions_is_answered_by_the_one_that_replaced_it(key, t
         f"{path}: unknown key {key}, {hint}",
         f"--set {key}: unknown key {key}, {hint}",
     )
+
+
+def test_a_key_that_means_nothing_by_now_keeps_no_gateway_from_starting(tmp_path, caplog):
+    path = toml(tmp_path, "[limits]\nping_timeout_s = 5")
+    key, variable = "limits.ping_timeout_s", "ROS2_GATEWAY_LIMITS__PING_TIMEOUT_S"
+    load([Given(key, "5", f"--set {key}")], {variable: "5"}, path).warn()
+    why = f"{key} is ignored, because a client that answers no ping stays connected: remove it"
+    assert caplog.messages == [f"{source}: {why}" for source in (path, variable, f"--set {key}")]
 
 
 @pytest.mark.parametrize("value", ["10.0.0.1/8", "proxy.example", "10.0.0.0/40", "x"])

@@ -33,7 +33,7 @@ DRIVE = DriveState(
 def client_state(client: str = "10.0.0.1#1", **counts: int) -> ClientState:
     """Return the state of a client with some counts changed."""
     changed = ClientCounts(operations=1, frames=5)._replace(**counts)
-    return ClientState(client, "10.0.0.1", changed, 0.5, 2, NOTHING_OBSERVED, 50_000.0)
+    return ClientState(client, "10.0.0.1", changed, 0.5, 2, NOTHING_OBSERVED, 50_000.0, 0.25)
 
 
 def summary(**changed: Any) -> Summary:

@@ -52,13 +52,14 @@ def test_the_values_of_a_state_are_read_back():
     assert read["ros2_gateway_drive_guarded", "topic=/cmd_vel"] == 1
     assert read["ros2_gateway_client_latency_seconds_count", "client=10.0.0.0#0"] == 0
     assert read["ros2_gateway_client_link_bytes_per_second", "client=10.0.0.0#0"] == 50_000
+    assert read["ros2_gateway_client_round_trip_seconds", "client=10.0.0.0#0"] == 0.25
     assert read["process_resident_memory_bytes",] > 1e6
 
 
-def test_a_link_that_was_never_full_has_no_rate():
-    fast = client_state()._replace(link_bytes_per_s=None)
+def test_a_link_that_was_never_full_has_no_rate_and_who_answers_no_ping_no_round_trip():
+    fast = client_state()._replace(link_bytes_per_s=None, round_trip_s=None)
     read = samples(State(summary(clients=(fast,)), state().traffic))
-    assert not [name for name, *_ in read if "link" in name]
+    assert not [name for name, *_ in read if "link" in name or "round_trip" in name]
 
 
 def test_a_family_of_several_pieces_is_introduced_once():

@@ -13,10 +13,7 @@ from gateway.guard import supervisor
 from gateway.router.commands import commands
 from tests.patient_gateway import main
 
-PATIENT = (
-    *("--set", "control.lease_s=60"),
-    *("--set", "limits.ping_timeout_s=60"),
-)
+PATIENT = ("--set", "control.lease_s=60")
 
 
 def patient(**rules: Any) -> Rules:

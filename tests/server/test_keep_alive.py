@@ -5,41 +5,42 @@ import pytest
 
 from gateway.config.limits import Limits
 from gateway.protocol.outbox import Outbox
-from gateway.server.close_codes import HEARTBEAT_TIMEOUT, SLOW_CONSUMER
-from gateway.server.keep_alive import PING, Abort, Close, KeepAlive, Sending, Verdict
+from gateway.server.close_codes import SLOW_CONSUMER
+from gateway.server.end import Why
+from gateway.server.keep_alive import PING, Close, KeepAlive, Verdict
+from gateway.server.link import Reading
 
-LIMITS = Limits(
-    ping_interval_s=5,
-    ping_timeout_s=5,
-    send_deadline_s=5,
-    slow_consumer_s=5,
-    send_queue_bytes=100_000,
-)
-NO_PONG = Close(HEARTBEAT_TIMEOUT, "no pong within 5 s")
+LIMITS = Limits(ping_interval_s=5, slow_consumer_s=5, send_queue_bytes=100_000)
+DEAD_LINK = Why("network", "lost", "nothing acknowledged for 10 s")
+TOOK_NOTHING = Why("gateway", "send_timeout", "it took nothing for 30 s")
+HOUR_S = 3600
 
 
 class Judged:
-    """A client, what waits for it, and the time."""
+    """A client, its link, what waits for it, and the time."""
 
     def __init__(self) -> None:
         self.now_s = 1000.0
         self.keep_alive = KeepAlive(LIMITS, self.now_s)
         self.outbox = Outbox(LIMITS.send_queue_bytes)
-        self.unsent_bytes = 0
-        self.is_read = True
         self.is_paused = False
+        self.taken_bytes = self.waiting_bytes = 0
+        self.unanswered_s = 0.0
+        self.looks = 0
 
-    def block(self, unsent_bytes: int) -> None:
-        self.is_paused, self.unsent_bytes = True, unsent_bytes
-        self.keep_alive.blocked(self.now_s)
+    def read(self) -> Reading:
+        self.looks += 1
+        return Reading(self.taken_bytes, self.waiting_bytes, 0.0, self.unanswered_s)
 
-    def after(self, seconds: float, *, taken: int = 0, heard: bool = False) -> Verdict | None:
+    def after(self, seconds: float, *, taken: int = 0) -> Verdict | None:
         self.now_s += seconds
-        self.unsent_bytes -= taken
-        if heard:
-            self.keep_alive.heard(self.now_s)
-        sending = Sending(self.outbox, -self.unsent_bytes if self.is_paused else None)
-        return self.keep_alive.check(self.now_s, sending, is_read=self.is_read)
+        self.taken_bytes += taken
+        return self.keep_alive.check(self.now_s, self.outbox, self)
+
+    def during(self, seconds: int, *, taken: int = 0) -> list[Verdict]:
+        """Let time pass in the server's ticks, in each of which some bytes are taken."""
+        found = (self.after(0.25, taken=taken) for _ in range(4 * seconds))
+        return [verdict for verdict in found if verdict is not None]
 
 
 class Waiting:
@@ -57,79 +58,90 @@ def judged() -> Judged:
     return Judged()
 
 
-def test_who_is_silent_is_pinged_once_and_has_its_time_to_answer(judged: Judged):
-    assert judged.after(5) is None
-    assert judged.after(0.1) is PING
-    assert judged.after(5) is None
-    assert judged.after(0.1) == NO_PONG
+@pytest.mark.parametrize("waiting_bytes", [0, 2])  # of a ping that is on its way whenever one looks
+def test_who_answers_no_ping_stays_for_an_hour_while_its_kernel_takes(judged, waiting_bytes: int):
+    judged.waiting_bytes = waiting_bytes
+    assert judged.during(HOUR_S, taken=1) == [PING] * (HOUR_S // 5)
+    assert judged.keep_alive.round_trip_s is None
 
 
-def test_whatever_a_client_sends_is_an_answer(judged: Judged):
-    assert judged.after(5.1) is PING
-    assert judged.after(5, heard=True) is None
-    assert judged.after(5) is None
-    assert judged.after(0.1) is PING
+def test_the_round_trip_is_from_the_oldest_unanswered_ping_to_the_next_answer(judged: Judged):
+    judged.keep_alive.ponged(judged.now_s)
+    assert judged.keep_alive.round_trip_s is None
+    judged.during(12)
+    for _ in range(2):  # it answers both
+        judged.keep_alive.ponged(judged.now_s)
+        assert judged.keep_alive.round_trip_s == 7
+    judged.after(3)
+    judged.keep_alive.ponged(judged.now_s + 0.5)
+    assert judged.keep_alive.round_trip_s == 0.5
 
 
-def test_who_is_not_read_is_not_pinged_and_has_all_its_time_once_it_is(judged: Judged):
-    assert judged.after(5.1) is PING
-    judged.is_read = False
+def test_no_ping_is_put_behind_what_is_not_taken(judged: Judged):
+    judged.is_paused, judged.waiting_bytes = True, 100
+    assert judged.during(20) == []
+
+
+def test_who_takes_nothing_of_what_waits_is_cut_off_after_30_s_and_who_takes_a_byte_is_not(
+    judged: Judged,
+):
+    judged.is_paused, judged.waiting_bytes = True, 100
     for _ in range(3):
-        assert judged.after(5.1) is None
-    judged.is_read = True
-    assert judged.after(5) is None
-    assert judged.after(0.1) is PING
+        assert judged.during(30) == []
+        assert judged.after(1, taken=1) is None
+    assert judged.during(30) == []
+    assert judged.after(1) == TOOK_NOTHING
 
 
-def test_who_takes_nothing_is_cut_off_and_who_takes_a_byte_is_not(judged: Judged):
-    judged.block(100)
-    for taken in (1, 1, 1):
-        assert judged.after(5, taken=taken, heard=True) is None
-    assert judged.after(5, heard=True) is None
-    assert judged.after(0.1, heard=True) == Abort("took nothing for 5 s")
+def test_that_is_so_of_the_little_that_waits_while_the_socket_takes_more(judged: Judged):
+    judged.waiting_bytes = 100
+    assert next(verdict for verdict in judged.during(33) if verdict != PING) == TOOK_NOTHING
 
 
-def test_a_full_socket_has_its_time_from_when_it_is_full(judged: Judged):
-    judged.after(60, heard=True)
-    judged.now_s += 60
-    judged.block(100)
-    assert judged.after(4, heard=True) is None
+def test_who_has_taken_all_has_the_time_again_when_something_waits(judged: Judged):
+    judged.is_paused, judged.waiting_bytes = True, 100
+    assert judged.during(29) == []
+    judged.waiting_bytes = 0
+    assert judged.after(1) is None
+    judged.waiting_bytes = 100
+    assert judged.during(30) == []
 
 
-def test_a_ping_behind_bytes_that_are_being_taken_has_its_time_yet(judged: Judged):
-    judged.block(100)
-    assert judged.after(5, taken=1) is None
-    assert judged.after(0.1, taken=1) is PING
-    for _ in range(5):
-        assert judged.after(5, taken=1) is None
-    judged.is_paused = False
-    assert judged.after(5.1) == NO_PONG
+def test_a_link_that_acknowledges_nothing_is_dead_after_10_s_however_often_it_has(judged: Judged):
+    judged.unanswered_s = 10
+    assert judged.after(1, taken=1) is None
+    judged.unanswered_s = 10.1
+    assert judged.after(1, taken=1) == DEAD_LINK
+
+
+def test_the_kernel_is_asked_once_a_second(judged: Judged):
+    judged.during(60)
+    assert judged.looks == 60
 
 
 def test_half_of_the_send_queue_is_no_backlog_and_more_has_its_time(judged: Judged):
-    judged.block(100)
+    judged.is_paused = True
     queue = judged.outbox.open_queue(100, None)
     queue.put(Waiting())
-    assert judged.after(5, taken=1, heard=True) is None
+    assert judged.after(5, taken=1) is None
     queue.put(Waiting())
-    assert judged.after(5, taken=1, heard=True) is None
-    assert judged.after(5, taken=1, heard=True) is None
-    verdict = judged.after(0.1, taken=1, heard=True)
+    assert judged.after(5, taken=1) is None
+    assert judged.after(5, taken=1) is None
     reason = "slow consumer: over half of 100000 bytes waiting for 5 s"
-    assert verdict == Close(SLOW_CONSUMER, reason)
+    assert judged.after(0.1, taken=1) == Close(SLOW_CONSUMER, reason)
 
 
 def test_a_backlog_has_all_its_time_again_once_the_socket_takes(judged: Judged):
-    judged.block(100)
+    judged.is_paused = True
     queue = judged.outbox.open_queue(100, None)
     for _ in range(2):
         queue.put(Waiting())
-    assert judged.after(0, heard=True) is None
+    assert judged.after(0) is None
     judged.is_paused = False
-    assert judged.after(5, heard=True) is None
-    judged.block(100)
-    assert judged.after(0, heard=True) is None
-    assert judged.after(5, taken=1, heard=True) is None
+    assert judged.after(4) is None
+    judged.is_paused = True
+    assert judged.after(1) is None
+    assert judged.after(5, taken=1) is None
 
 
 def test_answers_alone_beyond_the_send_queue_end_it_at_once(judged: Judged):

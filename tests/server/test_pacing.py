@@ -186,20 +186,5 @@ def test_where_the_kernel_says_nothing_only_the_socket_pauses(paced: Paced):
     for _ in range(10):
         paced.write(FIRST_WINDOW_BYTES)
     assert not paced.pacing.is_paused
-    paced.pacing.socket_full()
-    before, paced.unsent = paced.pacing.taken_bytes, 1000
-    now = paced.pacing.taken_bytes
-    assert now is not None
-    assert before is not None
-    assert now < before
-    paced.unsent = 0
-    assert paced.pacing.taken_bytes == before
-
-
-def test_what_the_peer_has_taken_is_what_it_has_acknowledged(paced: Paced):
-    paced.write(1000)
-    assert paced.pacing.taken_bytes is None
-    paced.pacing.socket_full()
-    assert paced.pacing.taken_bytes == 0
-    paced.acked = 600
-    assert paced.pacing.taken_bytes == 600
+    paced.unsent = 1000
+    assert paced.pacing.read() == Reading(-1000, 1000, 0.0)

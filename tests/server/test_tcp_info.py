@@ -53,6 +53,8 @@ def test_what_the_kernel_keeps_is_on_the_way(pair):
     assert reading is not None
     assert reading.on_the_way_bytes == unacknowledged(near) > 0
     assert reading.acked_bytes + reading.on_the_way_bytes == written
+    while read_tcp_info(near).unanswered_s:  # its window is closed, and it has said so
+        pass
     del far
 
 
