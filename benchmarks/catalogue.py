@@ -23,6 +23,7 @@ from benchmarks.scenarios import (
     inbound,
     links,
     many_topics,
+    one_more,
     robot,
     slow_client,
     start_up,
@@ -68,6 +69,9 @@ SCENARIOS: Final[dict[str, Scenario]] = {
     "giant": Scenario("Odometry beside messages of 16 MB", "3 min", giant.measure),
     "start-up": Scenario("from start to the first handshake", "15 s", start_up.measure),
     "idle": Scenario("60 subscriptions to silent topics", "40 s", idle.measure),
+    "one-more": Scenario(
+        "one more subscription, advertisement and connection", "1 min", one_more.measure
+    ),
     "growth": Scenario("cost by rate, clients, idle topics and uptime", "5 min", growth.measure),
     "hostile": Scenario("the frames that hold the event loop longest", "1 min", hostile.measure),
     "steps": Scenario("where the time goes, for Odometry and Image", "8 min", steps.measure),
