@@ -23,10 +23,11 @@ class Limits(Section):
     """
 
     max_clients: Count = Field(
-        32, description="connections at once; one more is turned away with close code 1013"
+        128,  # a class of 100; each costs 40 KB, 2 ms to connect, and what waits for it
+        description="connections at once; one more is turned away with close code 1013",
     )
     max_clients_per_address: Count = Field(
-        32,
+        128,
         description="connections at once from one IP address; all of them by default, as a class"
         " behind one router, or behind a proxy that `trusted_proxies` does not name, shares its"
         " address; one more is turned away with close code 1013",
@@ -66,13 +67,15 @@ class Limits(Section):
         serialization_alias="frames_burst",
         description="frames a client may send at once, 1 s of `frames_per_s` caught up",
     )
+    # a recorder on a robot of 300 topics; each costs 180 KB, 2 ms to open, and 15 us with every
+    # change of the ROS graph
     max_subscriptions: Count = Field(
-        64,
+        320,
         serialization_alias="subscriptions",
         description="subscriptions a client may hold; one more is refused as `limit_exceeded`",
     )
     max_advertisements: Count = Field(
-        64,
+        320,  # what such a recorder plays; each costs 55 KB and 2 ms to open
         serialization_alias="advertisements",
         description="topics a client may advertise, and as many services and actions;"
         " one more is refused as `limit_exceeded`",
@@ -100,8 +103,10 @@ class Limits(Section):
         description="seconds a service has to answer, of ROS where a call does not say and of"
         " a client in any case; then the caller is told so",
     )
+    # 320 for each client; all of them cost 230 MB here, 4 MB in every node of the system, and 20 ms
+    # of the event loop with every change of the ROS graph
     max_ros_entities: Count = Field(
-        512,
+        1280,
         description="ROS subscriptions, publishers, services and actions of all clients together,"
         " each of which costs every node of the system discovery traffic; one more is refused as"
         " `limit_exceeded`, and so is what exceeds a quarter of them for one client or half for"

@@ -41,6 +41,12 @@ class ProtocolError(Exception):
         self.code: StatusCode = code
 
 
+def over_limit(limit: int, what: str, setting: str) -> ProtocolError:
+    """Return the refusal of one more than a setting of `gateway.config.limits` allows."""
+    text = f"at most {limit} {what}: end one, or raise limits.{setting}"
+    return ProtocolError("limit_exceeded", text)
+
+
 def unknown_topic(topic: str) -> str:
     """Return the reason for a topic that is absent or, which a client must not notice, hidden."""
     return f"topic {topic} is not known: name its type by `type`, or advertise it"

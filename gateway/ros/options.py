@@ -17,7 +17,7 @@ class RosOptions:
     namespace: str = "/"  # of the nodes; topics do not move
     domain_id: int | None = None  # None: the environment's ROS_DOMAIN_ID
     use_sim_time: bool = False
-    max_entities: int = 512  # ~100 KB of DDS each, an action 500; discovery traffic for every node
+    max_entities: int = 1280  # ~180 KB of DDS each, an action 500; see `gateway.config.limits`
     reserved_entities: int = 16  # of these, for publishers of reserved topics
     reserved_topics: tuple[str, ...] = ("/cmd_vel",)
     arguments: tuple[str, ...] = ()  # as ROS takes them: ("--ros-args", "-r", "a:=b")
@@ -37,8 +37,8 @@ def check_room(open_entities: int, options: RosOptions, *, is_reserved: bool) ->
     """
     most = options.max_entities
     kept = min(options.reserved_entities, most // 4)  # where there are few, others need them too
-    if open_entities >= most:
-        raise RosError("limit_exceeded", f"at most {most} ROS entities")
-    if open_entities >= most - kept and not is_reserved:
-        text = f"at most {most} ROS entities, of which {kept} are kept for command topics"
+    is_full = open_entities >= most
+    if is_full or (open_entities >= most - kept and not is_reserved):
+        reserve = "" if is_full else f", of which {kept} are kept for command topics"
+        text = f"at most {most} ROS entities{reserve}: end some, or raise limits.max_ros_entities"
         raise RosError("limit_exceeded", text)

@@ -23,7 +23,9 @@ from gateway.ports import (
 # what the loop takes in one turn: DDS need not drop while a turn takes 32 ms at 1 kHz; a topic
 # of 1 MB images holds at most 32 MB
 NEEDED_DEPTH: Final = MAX_TAKES_PER_TURN
-PUBLISHER_DEPTH: Final = 10  # the default of ROS
+# rosbridge's: what a client publishes in one go is written faster than subscribers take it, and the
+# 10 of ROS lose some of it
+PUBLISHER_DEPTH: Final = 100
 # DDS watches a deadline with a timer of its own, 1000 times a second at most
 MIN_PERIOD_NS: Final = 1_000_000
 MAX_PERIOD_NS: Final = 2**63 - 1  # rmw's number for an infinite duration
@@ -103,7 +105,7 @@ def is_same_request(one: Qos, other: Qos) -> bool:
 
 
 def complete_offer(asked: Qos) -> Qos:
-    """Fill what *asked* leaves open with the defaults of ROS publishers.
+    """Fill what *asked* leaves open with the defaults of rosbridge's publishers.
 
     A publisher that keeps all waits for its slowest reader while it writes, and would stop the
     event loop: it keeps the last `MAX_QUEUE_DEPTH` instead.

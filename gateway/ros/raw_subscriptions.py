@@ -169,6 +169,8 @@ class RawSubscription:
         """Adopt what the publishers offer now, and report those that cannot be matched."""
         if self._reader is None:
             return
+        if offers == self._offers and not self._refusals:  # most are, of a change elsewhere
+            return
         before, self._offers = self._matching(self._offers), offers
         qos = adopt(self._asked, self._matching(offers), self.qos)
         self._refusals.clear()

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from gateway.config.limits import Limits
-from gateway.protocol.errors import ProtocolError
+from gateway.protocol.errors import ProtocolError, over_limit
 from gateway.protocol.session import Session
 
 
@@ -44,13 +44,16 @@ class EntityShares:
             ProtocolError: ``limit_exceeded``.
         """
         if self._count(session) >= self._per_client:
-            text = f"at most {self._per_client} ROS entities per client, of all kinds together"
-            raise ProtocolError("limit_exceeded", text)
+            raise _too_many(self._per_client, "client")
         address = self._addresses.get(session)
         same = [other for other, at in self._addresses.items() if at == address]
         if sum(map(self._count, same)) >= self._per_address:
-            text = f"at most {self._per_address} ROS entities per address, of all kinds together"
-            raise ProtocolError("limit_exceeded", text)
+            raise _too_many(self._per_address, "address")
 
     def _count(self, session: Session) -> int:
         return sum(part.count(session) for part in self._parts)
+
+
+def _too_many(limit: int, per: str) -> ProtocolError:
+    what = f"ROS entities per {per}, of all kinds together"
+    return over_limit(limit, what, "max_ros_entities")

@@ -11,7 +11,7 @@ from typing import Any, Final
 from gateway.codec.error_text import truncate
 from gateway.deadline import Deadline
 from gateway.ports import RosError
-from gateway.protocol.errors import ProtocolError
+from gateway.protocol.errors import ProtocolError, over_limit
 from gateway.protocol.operations import ClientOperation
 from gateway.protocol.session import Session
 
@@ -61,7 +61,7 @@ class Tasks:
             own = self._own[session] = _Own(asyncio.Semaphore(session.limits.max_pending_calls))
         limit = session.limits.max_pending_calls + MAX_WAITING_CALLS
         if len(own.tasks) >= limit:
-            raise ProtocolError("limit_exceeded", f"at most {limit} calls under way per client")
+            raise over_limit(limit, "calls under way per client", "max_pending_calls")
         loop = asyncio.get_running_loop()
         running = _run(own.slots, session, operation, work, deadline)
         task = loop.create_task(Metered(running, session))

@@ -312,10 +312,13 @@ class Server:
         clients = [each for each, session in sessions if session and session.identity]
         limits = self.limits
         if len(clients) >= limits.max_clients:
-            return f"over capacity: at most {limits.max_clients} clients"
+            return f"over capacity: at most {limits.max_clients} clients (limits.max_clients)"
         same = sum(other.address == entrant.address for other in clients)
         if same >= limits.max_clients_per_address:
-            return f"over capacity: at most {limits.max_clients_per_address} clients per address"
+            return (
+                f"over capacity: at most {limits.max_clients_per_address} clients per address"
+                " (limits.max_clients_per_address)"
+            )
         return None
 
     def enter(self, connection: Connection, request: Request) -> Session | None:

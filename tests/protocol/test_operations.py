@@ -140,7 +140,6 @@ def with_value(operation: dict[str, Any], path: str, value: Any) -> dict[str, An
         (SUBSCRIBE, "queue_length", 0, -1),
         (SUBSCRIBE, "fragment_size", 64, 63),
         (SUBSCRIBE, "fields", ["x"] * 64, ["x"] * 65),
-        (QOS, "qos.depth", 1024, 1025),
         (QOS, "qos.depth", 1, 0),
         (QOS, "qos.deadline", 1e9, 1.1e9),
         (LIFESPAN, "qos.lifespan.secs", 10**9, 10**9 + 1),

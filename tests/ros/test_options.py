@@ -5,13 +5,13 @@ from gateway.ports import RosError
 from gateway.ros.options import RosOptions, check_room
 
 
-def test_there_are_512_entities_of_which_16_are_kept():
-    check_room(495, RosOptions(), is_reserved=False)
-    with pytest.raises(RosError, match="at most 512 ROS entities, of which 16 are kept"):
-        check_room(496, RosOptions(), is_reserved=False)
-    check_room(511, RosOptions(), is_reserved=True)
-    with pytest.raises(RosError, match=r"^at most 512 ROS entities$"):
-        check_room(512, RosOptions(), is_reserved=True)
+def test_there_are_1280_entities_of_which_16_are_kept():
+    check_room(1263, RosOptions(), is_reserved=False)
+    with pytest.raises(RosError, match="at most 1280 ROS entities, of which 16 are kept"):
+        check_room(1264, RosOptions(), is_reserved=False)
+    check_room(1279, RosOptions(), is_reserved=True)
+    with pytest.raises(RosError, match=r"^at most 1280 ROS entities: end some, or raise limits"):
+        check_room(1280, RosOptions(), is_reserved=True)
 
 
 def test_where_there_are_few_no_more_than_a_quarter_is_kept():

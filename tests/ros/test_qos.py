@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 from rclpy.duration import Infinite
 
+from gateway.codec.types import Types
 from gateway.ports import Durability, Qos, Reliability
 from gateway.protocol.operations.topics import Advertise
 from gateway.ros.qos import (
@@ -20,7 +21,9 @@ from gateway.ros.qos import (
 )
 from gateway.ros.type_versions import other_versions
 from gateway.router.topics.requested_qos import offered
+from schemas.installed import InstalledDefinitions
 
+SMALL = Types(InstalledDefinitions()).get("std_msgs/msg/String")
 TYPE = "std_msgs/msg/String"
 MAX_QUEUE_DEPTH = 1024
 NEEDED_DEPTH = 32
@@ -105,7 +108,7 @@ def test_durations_are_kept_within_what_dds_can_watch() -> None:
 
 
 def test_a_publisher_gets_the_defaults_of_ros() -> None:
-    assert complete_offer(Qos()) == Qos("reliable", "volatile", "keep_last", 10)
+    assert complete_offer(Qos()) == Qos("reliable", "volatile", "keep_last", 100)
     asked = Qos("best_effort", "transient_local", "keep_last", 3)
     assert complete_offer(asked) == asked
 
@@ -187,7 +190,7 @@ def test_a_subscription_to_another_type_is_told_to_the_publisher() -> None:
 def test_what_a_client_offers_unless_it_says_otherwise_matches_every_subscription(
     asked: Endpoint,
 ) -> None:
-    qos = complete_offer(offered(Advertise(topic="/t", type=TYPE)))
+    qos = complete_offer(offered(Advertise(topic="/t", type=TYPE), SMALL))
     assert unmatched_subscribers("/t", TYPE, qos, [asked]) == []
 
 

@@ -14,8 +14,9 @@ from tests.router.conftest import Bench, Socketless
 STRING = "std_msgs/msg/String"
 TRIGGER = "std_srvs/srv/Trigger"
 FIBONACCI = "test_msgs/action/Fibonacci"
-PER_CLIENT = ("limit_exceeded", "at most 4 ROS entities per client, of all kinds together")
-PER_ADDRESS = ("limit_exceeded", "at most 8 ROS entities per address, of all kinds together")
+KINDS = "of all kinds together: end one, or raise limits.max_ros_entities"
+PER_CLIENT = ("limit_exceeded", f"at most 4 ROS entities per client, {KINDS}")
+PER_ADDRESS = ("limit_exceeded", f"at most 8 ROS entities per address, {KINDS}")
 
 
 @pytest.fixture

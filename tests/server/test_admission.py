@@ -356,7 +356,7 @@ async def test_a_full_gateway_turns_away_also_who_has_a_token(serve: Serve):
         client(served.url, additional_headers=bearer(VIEWERS)) as first,
     ):
         await first.sync()
-        full = (1013, "over capacity: at most 1 clients")
+        full = (1013, "over capacity: at most 1 clients (limits.max_clients)")
         async with client(served.url, additional_headers=bearer(VIEWERS)) as second:
             assert await closing(second) == full
         async with client(served.url) as third:

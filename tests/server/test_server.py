@@ -21,6 +21,8 @@ from tests.client import TIMEOUT_S, Client, client, eventually
 from tests.server.conftest import Serve, Served
 
 STRING = "std_msgs/msg/String"
+FULL = "over capacity: at most 2 clients (limits.max_clients)"
+FULL_ADDRESS = "over capacity: at most 1 clients per address (limits.max_clients_per_address)"
 END = End("10.0.0.1#1", Why("network", "lost", "no closing handshake"), 1.0, 0)
 
 
@@ -221,8 +223,8 @@ async def test_one_client_too_many_is_told_so(serve: Serve):
     async with serve({"max_clients": 2}) as served:
         async with client(served.url) as one, client(served.url) as two:
             async with client(served.url) as three:
-                assert await closing(three) == (1013, "over capacity: at most 2 clients")
-                assert three.seen[-1]["msg"] == "over capacity: at most 2 clients"
+                assert await closing(three) == (1013, FULL)
+                assert three.seen[-1]["msg"] == FULL
             await one.sync()
             await two.sync()
         await eventually(lambda: served.clients == 0)
@@ -236,7 +238,7 @@ async def test_one_address_cannot_take_all_places(serve: Serve):
         client(served.url),
         client(served.url) as second,
     ):
-        assert (await closing(second))[1] == "over capacity: at most 1 clients per address"
+        assert (await closing(second))[1] == FULL_ADDRESS
 
 
 async def test_sockets_that_never_shake_hands_are_cut_off_and_bounded(serve: Serve):
@@ -343,7 +345,7 @@ async def test_behind_a_trusted_proxy_the_clients_own_addresses_count(serve: Ser
     ):
         await one.sync()
         await two.sync()
-        assert (await closing(three))[1] == "over capacity: at most 1 clients per address"
+        assert (await closing(three))[1] == FULL_ADDRESS
 
 
 async def test_a_proxy_that_is_not_trusted_is_the_client(serve: Serve):

@@ -235,7 +235,10 @@ async def test_a_second_port_with_tls_shares_clients_and_their_limits(serve: Ser
             await eventually(lambda: served.ros.publishers)
             assert served.server.health()["clients"] == 2
             async with client(secure, ssl=trusting) as third:
-                assert await closing(third) == (1013, "over capacity: at most 2 clients")
+                assert await closing(third) == (
+                    1013,
+                    "over capacity: at most 2 clients (limits.max_clients)",
+                )
 
 
 async def test_the_text_for_people_names_the_scheme_of_its_port(serve: Serve, tls, trusting):

@@ -8,7 +8,6 @@ from pydantic_core import core_schema
 
 from gateway.codec.nonfinite import NonFinite
 from gateway.codec.picture_formats import PICTURE_FORMATS
-from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.protocol.operations.base import (
     MIN_RATE_HZ,
     FragmentSize,
@@ -39,7 +38,7 @@ class QosRequest(OperationPart):
     reliability: Literal["reliable", "best_effort", "best_available"] | None = None
     durability: Literal["transient_local", "volatile", "best_available"] | None = None
     history: Literal["keep_last", "keep_all"] | None = None
-    depth: Annotated[int, Field(ge=1, le=MAX_QUEUE_DEPTH)] | None = None
+    depth: Annotated[int, Field(ge=1)] | None = None  # ROS gets `MAX_QUEUE_DEPTH` at most
     deadline: Duration = None
     lifespan: Duration = None
 

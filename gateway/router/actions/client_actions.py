@@ -16,7 +16,7 @@ from gateway.codec.errors import CodecError
 from gateway.codec.types import ActionType
 from gateway.ports import Ros, RosError
 from gateway.protocol import messages
-from gateway.protocol.errors import ProtocolError
+from gateway.protocol.errors import ProtocolError, over_limit
 from gateway.protocol.names import ActionName, resolve_action
 from gateway.protocol.operations.actions import (
     ActionFeedback,
@@ -80,7 +80,7 @@ class ClientActions:
         former = self._provided.get(action)
         if former is None and self.count(session) >= session.limits.max_advertisements:
             limit = session.limits.max_advertisements
-            raise ProtocolError("limit_exceeded", f"at most {limit} actions provided per client")
+            raise over_limit(limit, "actions provided per client", "max_advertisements")
         if former is None or former.session is not session:
             session.check_share()
         if former is not None:

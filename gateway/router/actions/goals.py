@@ -14,7 +14,7 @@ from gateway.codec.types import ActionType
 from gateway.deadline import Deadline
 from gateway.ports import Ros
 from gateway.protocol import messages
-from gateway.protocol.errors import ProtocolError
+from gateway.protocol.errors import ProtocolError, over_limit
 from gateway.protocol.names import ActionName, resolve_action
 from gateway.protocol.operations.actions import CancelActionGoal, SendActionGoal
 from gateway.protocol.outbox import NOTHING, Frame, Queue
@@ -96,7 +96,7 @@ class Goals:
         own = self._sent.get(session, set())
         if len(own) >= session.limits.max_goals:
             limit = session.limits.max_goals
-            raise ProtocolError("limit_exceeded", f"at most {limit} goals under way per client")
+            raise over_limit(limit, "goals under way per client", "max_goals")
         session.check_share()
         if request.id is not None and any(other.request.id == request.id for other in own):
             raise ProtocolError("bad_request", f"id: {request.id!r} is a goal under way already")

@@ -11,7 +11,7 @@ from gateway.codec.errors import CodecError
 from gateway.codec.types import ServiceType
 from gateway.ports import Request, Ros, RosError, Service
 from gateway.protocol import messages
-from gateway.protocol.errors import ProtocolError
+from gateway.protocol.errors import ProtocolError, over_limit
 from gateway.protocol.names import ServiceName, resolve_service
 from gateway.protocol.operations.services import (
     AdvertiseService,
@@ -94,7 +94,7 @@ class ClientServices:
         former = self._provided.get(service)
         if former is None and self.count(session) >= session.limits.max_advertisements:
             limit = session.limits.max_advertisements
-            raise ProtocolError("limit_exceeded", f"at most {limit} services provided per client")
+            raise over_limit(limit, "services provided per client", "max_advertisements")
         if former is None or former.session is not session:
             session.check_share()
         if former is not None:

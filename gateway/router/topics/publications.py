@@ -9,7 +9,7 @@ from gateway.codec.errors import CodecError
 from gateway.codec.types import MessageType
 from gateway.metrics.state import ClientPublication
 from gateway.ports import Publisher, Ros, RosError, TopicEvent
-from gateway.protocol.errors import ProtocolError, unknown_topic
+from gateway.protocol.errors import ProtocolError, over_limit, unknown_topic
 from gateway.protocol.names import TopicName, resolve_topic
 from gateway.protocol.operations.topics import Advertise, Publish, Unadvertise
 from gateway.protocol.session import Session
@@ -176,7 +176,7 @@ class Publications:
         limit = session.limits.max_advertisements
         own = self._advertised.get(session, {})
         if len(own) >= limit:
-            raise ProtocolError("limit_exceeded", f"at most {limit} advertisements per client")
+            raise over_limit(limit, "advertisements per client", "max_advertisements")
         session.check_share()
         message_type = self._types.on_topic(topic, request.type)
         if message_type is None:
@@ -185,7 +185,7 @@ class Publications:
             request = Advertise(topic=request.topic, type=message_type.name, latch=request.latch)
         if request.has_pictures:
             self._pictures.check(message_type)
-        qos = offered(request)
+        qos = offered(request, message_type)
         publisher = self._open_publisher(session, topic, request, message_type)
         keeps_newest = qos.depth == 1 and qos.history != "keep_all"
         counts = self._counts.open(topic)
@@ -199,7 +199,8 @@ class Publications:
         self, session: Session, topic: TopicName, request: Advertise, message_type: MessageType
     ) -> Publisher:
         on_event = partial(self._on_event, topic, session, request)
-        return self._ros.advertise(topic, message_type.name, offered(request), on_event)
+        qos = offered(request, message_type)
+        return self._ros.advertise(topic, message_type.name, qos, on_event)
 
     def _on_event(
         self, topic: TopicName, session: Session, request: Advertise, event: TopicEvent

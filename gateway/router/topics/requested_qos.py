@@ -2,12 +2,17 @@
 """Translation of the quality of service in clients' requests to that of ROS."""
 
 from dataclasses import replace
+from typing import Final
 
 from gateway.codec.types import MessageType
 from gateway.config.limits import MAX_QUEUE_DEPTH
 from gateway.ports import BRIEF_LIFESPAN_NS, MAX_TAKES_PER_TURN, Qos
 from gateway.protocol.operations.topics import Advertise, Duration, QosRequest, SecsNsecs
 from gateway.protocol.subscription_options import SubscriptionOptions
+
+# What a publisher keeps of messages that may be large, such as pictures of 10 MB: DDS frees none of
+# that memory before the publisher ends.
+LARGE_DEPTH: Final = 10
 
 
 def subscribed(options: SubscriptionOptions, message_type: MessageType) -> Qos:
@@ -38,15 +43,15 @@ def requested(request: QosRequest) -> Qos:
     )
 
 
-def offered(request: Advertise) -> Qos:
+def offered(request: Advertise, message_type: MessageType) -> Qos:
     """Return the offer of a publisher: `qos` if given, else one from latch and queue_size."""
     asked = requested(request.qos or QosRequest())
     if request.latch:
         # a latched topic of ROS 1: the last message, for all later subscribers
         durability = asked.durability or "transient_local"
         return replace(asked, durability=durability, depth=asked.depth or 1)
-    if request.queue_size and asked.depth is None:
-        asked = replace(asked, depth=min(request.queue_size, MAX_QUEUE_DEPTH))
+    usual = LARGE_DEPTH if message_type.may_be_large else None
+    asked = replace(asked, depth=asked.depth or request.queue_size or usual)
     lifespan_ns = asked.lifespan_ns or BRIEF_LIFESPAN_NS
     if asked.durability is None and lifespan_ns <= BRIEF_LIFESPAN_NS:
         # Subscribers that ask for transient local match it, too, and nothing old reaches them.

@@ -11,7 +11,7 @@ from gateway.codec.picture import COMPRESSED_IMAGE, IMAGE
 from gateway.codec.types import MessageType
 from gateway.metrics.state import ClientTopic, Delivery
 from gateway.ports import Graph, Ros, RosError
-from gateway.protocol.errors import ProtocolError
+from gateway.protocol.errors import ProtocolError, over_limit
 from gateway.protocol.names import TopicName, resolve_topic
 from gateway.protocol.operations.topics import Subscribe, Unsubscribe
 from gateway.protocol.picture_adaptation import STEPS, Step
@@ -92,6 +92,7 @@ class Subscriptions:
         """
         name = resolve_topic(request.topic, session.limits.max_name_characters)
         subscription = self._subscriptions.get(session, {}).get(request.topic)
+        request = _with_bounded_queue(request, session)
         requests = dict(subscription.requests) if subscription else {}
         if request.id not in requests:
             self._check_room(session)
@@ -100,12 +101,6 @@ class Subscriptions:
         requests.pop(request.id, None)  # so that what replaces it counts as the newest
         requests[request.id] = request
         options = SubscriptionOptions.merge(requests.values())
-        longest = session.limits.max_queue_length
-        if options.queue_length is not None and options.queue_length > longest:
-            raise ProtocolError(
-                "limit_exceeded",
-                f"queue_length: {options.queue_length}, at most {longest} allowed",
-            )
         source, asked = None, None
         try:
             step = STEPS[0] if subscription is None else subscription.adaptation.step
@@ -213,7 +208,7 @@ class Subscriptions:
         limit = session.limits.max_subscriptions
         own = self._subscriptions.get(session, {}).values()
         if sum(len(subscription.requests) for subscription in own) >= limit:
-            raise ProtocolError("limit_exceeded", f"at most {limit} subscriptions per client")
+            raise over_limit(limit, "subscriptions per client", "max_subscriptions")
 
     def _find_source(
         self,
@@ -363,6 +358,17 @@ class Subscriptions:
                 session.warn(ProtocolError("bad_request", text), request.op, request.id)
             text = f"subscribed to {name} ({type_name})"
             session.inform(text, request.op, request.id)
+
+
+def _with_bounded_queue(request: Subscribe, session: Session) -> Subscribe:
+    """Return a request whose `queue_length` is allowed; warn the client of a longer one."""
+    longest = session.limits.max_queue_length
+    if request.queue_length is None or request.queue_length <= longest:
+        return request
+    text = f"queue_length: {request.queue_length} is longer than allowed, {longest} messages wait"
+    warning = ProtocolError("limit_exceeded", f"{text}; for more, raise limits.max_queue_length")
+    session.warn(warning, request.op, request.id)
+    return request.model_copy(update={"queue_length": longest})
 
 
 def _check_fields(

@@ -8,7 +8,7 @@ from typing import Any, Final, NamedTuple
 import orjson
 
 from gateway.codec.json import dumps
-from gateway.protocol.errors import ProtocolError
+from gateway.protocol.errors import ProtocolError, over_limit
 from gateway.protocol.operations.transforms import CancelTransform, LookupTransform
 from gateway.protocol.outbox import Queue
 from gateway.protocol.session import Session
@@ -74,7 +74,7 @@ class TransformLookups:
         own = self._periodic.get(session, {})
         limit = session.limits.max_transforms
         if request.id not in own and len(own) >= limit:
-            raise ProtocolError("limit_exceeded", f"at most {limit} repeated lookups per client")
+            raise over_limit(limit, "repeated lookups per client", "max_transforms")
         self._listener.acquire()
         if request.id in own:
             self._end(session, request.id)

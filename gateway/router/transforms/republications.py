@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
 from gateway.codec.json import dumps
-from gateway.protocol.errors import ProtocolError
+from gateway.protocol.errors import ProtocolError, over_limit
 from gateway.protocol.operations import ClientOperation
 from gateway.protocol.outbox import NOTHING, Frame, Queue
 from gateway.protocol.republish_requests import RepublishRequest
@@ -129,8 +129,7 @@ class Republications:
         own = self._own.get(session, set())
         limit = session.limits.max_transforms
         if len(own) >= limit:
-            text = f"at most {limit} arrays of transforms per client: end one first"
-            raise ProtocolError("limit_exceeded", text)
+            raise over_limit(limit, "arrays of transforms per client", "max_transforms")
         self._listener.acquire()
         queue = session.outbox.open_queue(1, None)  # what waits is replaced by more
         key = ArrayKey.of(request)

@@ -4,7 +4,7 @@
 from typing import Final
 
 from gateway.protocol import messages
-from gateway.protocol.errors import ProtocolError
+from gateway.protocol.errors import ProtocolError, over_limit
 from gateway.protocol.operations.topics import Subscribe, Unsubscribe
 from gateway.protocol.session import Session
 
@@ -44,7 +44,7 @@ class VirtualTopic:
         own = self._requests.get(request.topic, {})
         limit = session.limits.max_subscriptions
         if request.id not in own and sum(map(len, self._requests.values())) >= limit:
-            raise ProtocolError("limit_exceeded", f"at most {limit} subscriptions per client")
+            raise over_limit(limit, "subscriptions per client", "max_subscriptions")
         self._requests.setdefault(request.topic, own)[request.id] = request.fragment_size
         if ignored := _ignored(request):
             text = f"{', '.join(ignored)}: not available on {self._name}; sending plain JSON"

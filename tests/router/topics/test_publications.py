@@ -109,10 +109,10 @@ async def test_publishers_go_with_their_client(bench: Bench):
 @pytest.mark.parametrize(
     ("extra", "durability", "depth"),
     [
-        ({}, "transient_local", 10),
+        ({}, "transient_local", 100),
         ({"queue_size": 3}, "transient_local", 3),
         ({"queue_size": 10**6}, "transient_local", 1024),
-        ({"qos": {"durability": "volatile"}}, "volatile", 10),
+        ({"qos": {"durability": "volatile"}}, "volatile", 100),
         ({"latch": True, "queue_size": 100}, "transient_local", 1),
         ({"qos": {"durability": "transient_local", "depth": 7}}, "transient_local", 7),
     ],
@@ -127,7 +127,8 @@ async def test_advertisements_are_limited_per_client(bench: Bench):
     client = bench.client()
     for number in range(4):
         client.send(op="advertise", topic=f"/t{number}", type=STRING)
-    assert client.statuses == [("limit_exceeded", "at most 3 advertisements per client")]
+    text = "at most 3 advertisements per client: end one, or raise limits.max_advertisements"
+    assert client.statuses == [("limit_exceeded", text)]
 
 
 @pytest.mark.parametrize(

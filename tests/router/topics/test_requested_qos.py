@@ -8,6 +8,7 @@ from gateway.router.topics.requested_qos import offered, requested, subscribed
 from schemas.installed import InstalledDefinitions
 
 TYPES = Types(InstalledDefinitions())
+SMALL = TYPES.get("std_msgs/msg/String")
 
 
 @pytest.mark.parametrize(
@@ -31,9 +32,15 @@ def test_dds_keeps_many_small_messages_and_of_large_ones_what_a_client_asks_for(
     assert subscribed(merged, TYPES.get(type_name)).depth == depth
 
 
-@pytest.mark.parametrize(("queue_size", "depth"), [(0, None), (1, 1), (1024, 1024), (1025, 1024)])
-def test_a_queue_size_asks_for_as_many_samples_up_to_1024(queue_size, depth):
-    assert offered(Advertise(topic="/t", type="x", queue_size=queue_size)).depth == depth
+@pytest.mark.parametrize(("queue_size", "depth"), [(0, None), (1, 1), (1025, 1025)])
+def test_a_queue_size_asks_for_as_many_samples(queue_size, depth):
+    assert offered(Advertise(topic="/t", type="x", queue_size=queue_size), SMALL).depth == depth
+
+
+def test_a_publisher_of_large_messages_keeps_few_of_them():
+    large = TYPES.get("sensor_msgs/msg/Image")
+    assert offered(Advertise(topic="/t", type="x"), large).depth == 10
+    assert offered(Advertise(topic="/t", type="x", queue_size=20), large).depth == 20
 
 
 @pytest.mark.parametrize(
@@ -52,7 +59,7 @@ def test_who_says_nothing_matches_late_subscribers_too_and_keeps_nothing_old(
     qos, durability, lifespan_ns
 ):
     request = Advertise(topic="/t", type="x", qos=qos and QosRequest(**qos))
-    offer = offered(request)
+    offer = offered(request, SMALL)
     assert (offer.durability, offer.lifespan_ns) == (durability, lifespan_ns)
 
 
@@ -68,5 +75,5 @@ def test_the_shortest_duration_is_a_limit(short):
 
 
 def test_a_latched_topic_keeps_the_last_message():
-    offer = offered(Advertise(topic="/t", type="x", latch=True, queue_size=9))
+    offer = offered(Advertise(topic="/t", type="x", latch=True, queue_size=9), SMALL)
     assert (offer.depth, offer.durability, offer.lifespan_ns) == (1, "transient_local", None)

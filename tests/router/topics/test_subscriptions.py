@@ -10,6 +10,7 @@ from tests.client import eventually
 from tests.router.conftest import Bench
 
 STRING = "std_msgs/msg/String"
+MANY = "at most 4 subscriptions per client: end one, or raise limits.max_subscriptions"
 ODOMETRY = "nav_msgs/msg/Odometry"
 LATCHED = Qos(durability="transient_local", depth=1)
 
@@ -152,7 +153,6 @@ async def test_a_topic_that_ros_refuses_is_not_counted(
         ({"type": 4711}, "bad_type", "no number 4711"),
         ({"type": STRING, "topic": "/a b"}, "bad_name", "is no topic name"),
         ({"type": STRING, "fields": ["date"]}, "bad_request", "fields: "),
-        ({"type": STRING, "queue_length": 5000}, "limit_exceeded", "at most 1024"),
         ({"type": STRING, "qos": {"depth": 0}}, "bad_request", "qos.depth: expected at least 1"),
         ({"type": STRING, "qos": {"dept": 1}}, "bad_request", "qos.dept: unknown"),
         ({"type": 5, "image": {"quality": 101}}, "bad_request", "image.quality: expected at most"),
@@ -186,7 +186,7 @@ async def test_subscriptions_are_limited_per_client(bench: Bench):
     client = bench.client()
     for number in range(5):
         client.send(op="subscribe", topic=f"/t{number}", type=STRING)
-    assert client.statuses == [("limit_exceeded", "at most 4 subscriptions per client")]
+    assert client.statuses == [("limit_exceeded", MANY)]
     assert bench.ros.entity_count() == 4
 
 
@@ -194,14 +194,29 @@ async def test_each_request_counts_as_a_subscription(bench: Bench):
     client = bench.client()
     for number in range(5):
         client.send(op="subscribe", id=number, topic="/t", type=STRING)
-    assert client.statuses == [("limit_exceeded", "at most 4 subscriptions per client")]
+    assert client.statuses == [("limit_exceeded", MANY)]
 
 
 async def test_a_queue_is_no_longer_than_its_limit(bench: Bench):
     client = bench.client()
     for length in (1024, 1025):
-        client.send(op="subscribe", topic="/t", type=STRING, queue_length=length)
-    assert client.statuses == [("limit_exceeded", "queue_length: 1025, at most 1024 allowed")]
+        client.send(op="subscribe", topic=f"/t{length}", type=STRING, queue_length=length)
+    (warning,) = client.of("status")
+    assert (warning["level"], warning["code"]) == ("warning", "limit_exceeded")
+    assert warning["msg"] == (
+        "queue_length: 1025 is longer than allowed, 1024 messages wait; for more, raise "
+        "limits.max_queue_length"
+    )
+    assert {each.options.queue_length for each in bench.router._subscriptions._all()} == {1024}
+
+
+async def test_a_depth_beyond_what_dds_keeps_is_no_reason_to_refuse(bench: Bench):
+    client = bench.client()
+    client.send(op="subscribe", topic="/t", type=STRING, qos={"depth": 5000})
+    client.send(op="advertise", topic="/u", type=STRING, qos={"depth": 5000})
+    client.send(op="advertise", topic="/v", type=STRING, queue_size=5000)
+    assert client.statuses == []
+    assert bench.ros.entity_count() == 3
 
 
 async def test_what_a_subscription_names_comes_back_truncated(bench: Bench):

@@ -370,9 +370,9 @@ async def test_repeated_lookups_are_limited_per_client_and_replaced_by_id(
     ask(client, id=0, rate=2)
     assert client.statuses == []
     ask(client, id="more", rate=1)
-    assert client.statuses == [
-        ("limit_exceeded", f"at most {LIMITS.max_transforms} repeated lookups per client")
-    ]
+    text = f"at most {LIMITS.max_transforms} repeated lookups per client"
+    refusal = ("limit_exceeded", f"{text}: end one, or raise limits.max_transforms")
+    assert client.statuses == [refusal]
 
 
 async def test_repeated_lookups_are_counted_until_their_client_leaves(

@@ -290,7 +290,8 @@ async def test_arrays_are_limited_per_client(robot: Robot, client: Socketless):
     [refusal] = client.of("action_result")
     assert refusal["id"] == "more"
     assert refusal["values"] == (
-        f"at most {LIMITS.max_transforms} arrays of transforms per client: end one first"
+        f"at most {LIMITS.max_transforms} arrays of transforms per client: end one, or raise "
+        "limits.max_transforms"
     )
     client.send(op="cancel_action_goal", id="0", action=ACTION)
     send_goal(client, "again", source_frames=["laser"])

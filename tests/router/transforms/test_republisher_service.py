@@ -163,7 +163,8 @@ async def test_subscriptions_to_a_topic_are_limited(robot: Robot, client: Socket
     for number in range(LIMITS.max_subscriptions + 1):
         client.send(op="subscribe", id=number, topic=FIRST)
     client.send(op="subscribe", id=0, topic=FIRST)
-    assert client.statuses == [("limit_exceeded", "at most 4 subscriptions per client")]
+    text = "at most 4 subscriptions per client: end one, or raise limits.max_subscriptions"
+    assert client.statuses == [("limit_exceeded", text)]
 
 
 @pytest.mark.parametrize(
