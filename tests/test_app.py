@@ -172,7 +172,7 @@ async def test_the_limits_and_the_path_reach_the_router_and_the_server():
             await one.send(op="hello")
             hello = await one.receive()
             assert hello["limits"]["goals"] == 5
-            with pytest.raises(ConnectionClosed, match="at most 2 clients per address"):
+            with pytest.raises(ConnectionClosed, match="2 clients of one address"):
                 async with client(gateway.url) as third:
                     await third.sync()
 

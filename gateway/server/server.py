@@ -315,10 +315,7 @@ class Server:
             return f"over capacity: at most {limits.max_clients} clients (limits.max_clients)"
         same = sum(other.address == entrant.address for other in clients)
         if same >= limits.max_clients_per_address:
-            return (
-                f"over capacity: at most {limits.max_clients_per_address} clients per address"
-                " (limits.max_clients_per_address)"
-            )
+            return f"over capacity: {same} clients of one address (limits.max_clients_per_address)"
         return None
 
     def enter(self, connection: Connection, request: Request) -> Session | None:

@@ -22,7 +22,7 @@ from tests.server.conftest import Serve, Served
 
 STRING = "std_msgs/msg/String"
 FULL = "over capacity: at most 2 clients (limits.max_clients)"
-FULL_ADDRESS = "over capacity: at most 1 clients per address (limits.max_clients_per_address)"
+FULL_ADDRESS = "over capacity: 1 clients of one address (limits.max_clients_per_address)"
 END = End("10.0.0.1#1", Why("network", "lost", "no closing handshake"), 1.0, 0)
 
 
