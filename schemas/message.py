@@ -7,6 +7,7 @@ missing ones default. Pydantic's compiled core checks nearly all of it; it calls
 a comment says so.
 """
 
+import base64
 import math
 from collections.abc import Callable, Iterable, Mapping
 from typing import Annotated, Any, ClassVar, Final, TypeAlias, TypeVar
@@ -20,6 +21,7 @@ from pydantic import (
     Field,
     GetCoreSchemaHandler,
     GetPydanticSchema,
+    PlainSerializer,
     ValidationInfo,
     model_validator,
 )
@@ -74,6 +76,7 @@ class Message(BaseModel):
     ``model_validate(value, context={"now_ns": ...})`` takes a decoded JSON object and the ROS time
     for ``"now"`` and for headers without a stamp, or a function that returns it, called for each
     of them. Without the context ``"now"`` is refused and such headers keep the stamp 0.
+    ``model_dump_json()`` writes what a client sends.
     """
 
     model_config = ConfigDict(
@@ -81,6 +84,8 @@ class Message(BaseModel):
         extra="forbid",
         frozen=True,
         allow_inf_nan=False,  # see `_as_non_finite`
+        ser_json_inf_nan="strings",
+        serialize_by_alias=True,
         protected_namespaces=(),  # attribute() keeps clear of what BaseModel uses
         defer_build=True,  # a module of 30 messages imports in the time of the few in use
     )
@@ -185,8 +190,14 @@ def _octets(value: object) -> bytes:
         raise PydanticCustomError("octets", "{text}", {"text": str(error)}) from error
 
 
+def _base64(value: bytes) -> str:
+    return base64.b64encode(value).decode()  # the core's own is that of URLs
+
+
 # uint8[], byte[] and char[].
-Octets: TypeAlias = Annotated[bytes, BeforeValidator(_octets)]
+Octets: TypeAlias = Annotated[
+    bytes, BeforeValidator(_octets), PlainSerializer(_base64, when_used="json")
+]
 
 
 # One bad element is enough: collecting 100,000 errors about one frame takes 0.1 s.

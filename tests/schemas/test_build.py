@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Models of any type: checked in, or built at run time."""
 
+import itertools
 import json
 import subprocess
 import sys
@@ -14,7 +15,7 @@ from schemas.definition import DefinitionError
 from schemas.installed import InstalledDefinitions, UnknownTypeError, installed_prefixes
 from schemas.models import geometry_msgs, nav_msgs, std_msgs, std_srvs
 from schemas.naming import attribute
-from tests.messages import ros_class
+from tests.messages import RandomMessages, ros_class, to_json
 
 
 @pytest.fixture(scope="module")
@@ -250,3 +251,26 @@ def test_one_model_imports_only_the_packages_it_needs():
         "schemas.models.geometry_msgs",
         "schemas.models.std_msgs",
     ]
+
+
+@pytest.mark.parametrize("kind", ["msg", "srv", "action"])
+def test_a_message_of_every_type_is_written_as_a_client_sends_it(kind):
+    definitions = InstalledDefinitions()
+    models = Models(definitions)
+    names = definitions.names(kind=kind)
+    if kind != "msg":
+        interfaces = map(definitions.interface, names)
+        names = [part.name for each in interfaces for part in each.parts.values()]
+    for name, seed in itertools.product(names, range(3)):
+        sent = to_json(RandomMessages(definitions, seed).message(name))
+        message = models.get(name).model_validate(sent)
+        text = message.model_dump_json()
+        assert json.loads(text) == message.model_dump(mode="json") == sent, name
+        assert models.get(name).model_validate_json(text) == message
+
+
+@pytest.mark.parametrize("value", ["NaN", "Infinity", "-Infinity", None])
+def test_a_float_that_is_no_number_is_written_as_a_client_sends_it(value):
+    sent = {"ranges": [value, 1.5], "angle_min": value}
+    scan = Models.installed().get("sensor_msgs/msg/LaserScan").model_validate(sent)
+    assert json.loads(scan.model_dump_json(exclude_unset=True)) == sent
