@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Definitions in any folder, such as a workspace's ``src``, ``install`` or ``share``.
 
-A file of definitions is ``PACKAGE/KIND/NAME.EXTENSION`` at any depth. The package's name stands in
-``package.xml``, as the folder may be called otherwise; without one it is the folder's.
+A file of definitions is ``PACKAGE/KIND/NAME.EXTENSION`` at any depth, also below KIND.
+The package's name stands in the nearest ``package.xml`` above. Without one it is that of the folder.
+
+A package with a ``package.xml`` may have files in other folders, such as ``ros2/``: colcon builds
+what its CMakeLists.txt names.
 """
 
 import os
@@ -19,6 +22,7 @@ MAX_FOLDERS: Final = 20_000  # half a second; a home directory has more
 _PACKAGE: Final = re.compile(r"[a-z][a-z0-9_]*")
 _TYPE: Final = re.compile(r"[A-Z][A-Za-z0-9]*")
 _NAME_IN_XML: Final = re.compile(rb"<name>\s*([a-z][a-z0-9_]*)\s*</name>")
+_ROS_1: Final = "ros1"  # beside ``ros2/`` in a package for both
 _MAX_XML_BYTES: Final = 64 * 1024
 _IGNORED: Final = frozenset({"COLCON_IGNORE", "AMENT_IGNORE"})  # colcon's marks in its own folders
 
@@ -39,7 +43,8 @@ class Found(NamedTuple):
 def find_definitions(folder: Path) -> Iterator[Found]:
     """Yield the files below a folder in the order of their paths, `.msg` before `.idl`.
 
-    Links are followed. Hidden folders, and those that colcon is told to ignore, are left out.
+    Files outside of a folder named by a KIND come last. Links are followed. Hidden folders, and
+    those that colcon is told to ignore, are left out.
 
     Raises:
         OSError: the folder cannot be read, or is a file.
@@ -47,6 +52,8 @@ def find_definitions(folder: Path) -> Iterator[Found]:
     """
     os.scandir(folder).close()  # `os.walk` is silent about the first one, too
     seen: set[tuple[int, int]] = set()  # links may lead round in a circle
+    places: dict[Path, _Place] = {}
+    elsewhere: list[Found] = []
     for place, names, files in os.walk(folder, followlinks=True):
         here = Path(place)
         try:
@@ -62,8 +69,30 @@ def find_definitions(folder: Path) -> Iterator[Found]:
         if len(seen) > MAX_FOLDERS:
             raise TooManyFoldersError(0, f"over {MAX_FOLDERS} folders below it", str(folder))
         names[:] = sorted(name for name in names if not name.startswith("."))
-        if here.name in KINDS:
-            yield from _in(here, sorted(files, key=_plain_first))
+        places[here] = _place(here, places.get(here.parent, _Place()))
+        found = _in(here, places[here], sorted(files, key=_plain_first))
+        if places[here].kind is None:
+            elsewhere += found
+        else:
+            yield from found
+    yield from elsewhere
+
+
+class _Place(NamedTuple):
+    """The package and the KIND of a folder, as far as the folders above it say."""
+
+    package: str | None = None
+    kind: str | None = None
+
+
+def _place(here: Path, above: _Place) -> _Place:
+    own = _named_in_xml(here)
+    if own is not None:
+        return _Place(own, here.name if here.name in KINDS else None)
+    if here.name not in KINDS:
+        return above
+    package = above.package or _named_in_xml(here.parent) or here.parent.name
+    return _Place(package, here.name)
 
 
 def _plain_first(file: str) -> tuple[str, bool]:
@@ -71,23 +100,21 @@ def _plain_first(file: str) -> tuple[str, bool]:
     return name, extension == "idl"
 
 
-def _in(place: Path, files: list[str]) -> Iterator[Found]:
-    kind = place.name
-    package = _package(place.parent)
-    if package is None:
+def _in(here: Path, place: _Place, files: list[str]) -> Iterator[Found]:
+    if not _PACKAGE.fullmatch(place.package or "") or (place.kind is None and here.name == _ROS_1):
         return
+    extensions = KINDS if place.kind is None else (place.kind, "idl")
     for file in files:
         name, _, extension = file.rpartition(".")
-        path = place / file
-        if extension in {kind, "idl"} and _TYPE.fullmatch(name) and path.is_file():
-            yield Found(package, kind, name, path)
+        path = here / file
+        if extension in extensions and _TYPE.fullmatch(name) and path.is_file():
+            yield Found(str(place.package), place.kind or extension, name, path)
 
 
-def _package(folder: Path) -> str | None:
+def _named_in_xml(folder: Path) -> str | None:
     try:
         with (folder / "package.xml").open("rb") as file:
             found = _NAME_IN_XML.search(file.read(_MAX_XML_BYTES))
     except OSError:
-        found = None
-    name = found[1].decode() if found else folder.name
-    return name if _PACKAGE.fullmatch(name) else None
+        return None
+    return found[1].decode() if found else None

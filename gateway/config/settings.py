@@ -5,6 +5,7 @@ Keys that none of them sets have their defaults. Every value is checked with its
 an error names the flag, the variable, or the file and key.
 """
 
+import contextlib
 import difflib
 import json
 import logging
@@ -91,7 +92,7 @@ class Setting:
         return _expectation(schema)
 
     def parse(self, given: Given) -> object:
-        """Return the value in the field's type; text of several values has commas.
+        """Return the value in the field's type; see `_items` for a text of several values.
 
         Raises:
             ConfigError: the value does not fit.
@@ -99,7 +100,7 @@ class Setting:
         value = given.value
         try:
             if self._is_list and isinstance(value, str) and given.is_text:
-                value = tuple(part.strip() for part in value.split(",") if part)
+                value = _items(value)
             elif self._is_list and isinstance(value, list):
                 value = tuple(value)
             elif given.is_text and isinstance(value, str):
@@ -260,6 +261,14 @@ def _hint(name: str, known: Iterable[str]) -> str:
         return f", it is replaced by {replaced}"
     close = difflib.get_close_matches(name, known, n=1)
     return f", did you mean {close[0]}" if close else ""
+
+
+def _items(text: str) -> tuple[object, ...]:
+    """Return the values in a text such as ``a,b`` or ``["a", "b"]``."""
+    if text.lstrip().startswith("["):
+        with contextlib.suppress(tomllib.TOMLDecodeError):
+            return tuple(tomllib.loads(f"items = {text}")["items"])
+    return tuple(part.strip() for part in text.split(",") if part)
 
 
 def _nested(values: Mapping[str, object]) -> dict[str, Any]:

@@ -108,9 +108,16 @@ def test_several_values_are_an_array_in_toml_and_have_commas_in_text(tmp_path):
     wanted = ("https://a.example", "http://b.example:8080")
     path = toml(tmp_path, f"allowed_origins = {list(wanted)}")
     assert load(file=path).config.allowed_origins == wanted
-    environment = {"ROS2_GATEWAY_ALLOWED_ORIGINS": ", ".join(wanted)}
-    assert load(environment=environment).config.allowed_origins == wanted
+    for text in (", ".join(wanted), f' ["{wanted[0]}", "{wanted[1]}"]'):
+        environment = {"ROS2_GATEWAY_ALLOWED_ORIGINS": text}
+        assert load(environment=environment).config.allowed_origins == wanted
     assert load(environment={"ROS2_GATEWAY_ALLOWED_ORIGINS": ""}).config.allowed_origins == ()
+
+
+@pytest.mark.parametrize("text", ['["https://a.example"', "[https://a.example]", "[1]", "[[]]"])
+def test_what_is_no_array_of_texts_is_refused(text):
+    (problem,) = problems([Given("allowed_origins", text, "--set")])
+    assert problem.startswith("--set: got")
 
 
 @pytest.mark.parametrize(

@@ -56,6 +56,27 @@ def test_the_package_is_named_by_its_file(tmp_path: Path):
     assert names(tmp_path) == [NAME]
 
 
+@pytest.mark.parametrize(
+    "place", ["msg/lights", "lights/msg", "ros2", "lights/msg/of/houses", "interfaces/msg/msg"]
+)
+def test_a_package_may_have_its_definitions_in_any_of_its_folders(tmp_path: Path, place: str):
+    write(tmp_path / "lamps-2.0/package.xml", "<package><name>my_msgs</name></package>")
+    write(tmp_path / "lamps-2.0" / place / "Lamp.msg", "bool on\n")
+    write(tmp_path / "lamps-2.0/ros1/Lamp.msg", "time stamp\n")
+    write(tmp_path / "lamps-2.0/ros1/Old.msg", "time stamp\n")
+    assert names(tmp_path) == [NAME]
+    assert InstalledDefinitions([], [tmp_path]).get(NAME).text == "bool on\n"
+
+
+def test_what_a_folder_named_by_the_kind_has_goes_before_the_others_of_its_package(tmp_path: Path):
+    write(tmp_path / "package.xml", "<package><name>my_msgs</name></package>")
+    write(tmp_path / "example/Lamp.msg", "bool other\n")
+    write(tmp_path / "msg/Lamp.msg", "bool on\n")
+    write(tmp_path / "plain/Set.idl")  # whose kind nothing says
+    assert names(tmp_path) == [NAME, NAME]
+    assert InstalledDefinitions([], [tmp_path]).get(NAME).text == "bool on\n"
+
+
 def test_each_kind_has_its_files_and_plain_ones_come_before_idl(tmp_path: Path):
     for file in ("msg/Lamp.idl", "msg/Lamp.msg", "msg/Lamp.json", "msg/lamp.msg", "msg/A.srv"):
         write(tmp_path / "my_msgs" / file)

@@ -3,6 +3,9 @@
 
 import importlib.util
 import json
+import re
+import tomllib
+from pathlib import Path
 
 import pytest
 
@@ -10,6 +13,7 @@ from schemas.generate.__main__ import main
 from schemas.generate.csharp_messages import CSHARP_FOLDER
 from schemas.installed import InstalledDefinitions, installed_prefixes
 
+REPOSITORY = Path(__file__).parents[3]
 TABLE = """\
 messages = [
   { number = 0, name = "std_msgs/msg/String", directions = "both", purpose = "Text" },
@@ -55,6 +59,22 @@ def generated_module(tmp_path, package):
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
+
+
+def test_the_rows_that_the_page_shows_work_on_the_types_that_the_wheels_have(tmp_path):
+    page = (REPOSITORY / "docs/adding-a-type.md").read_text(encoding="utf-8")
+    message, interface = re.findall(r"^```toml\n(  \{ .*\},)\n^```", page, re.MULTILINE)
+    table = (REPOSITORY / "schemas/messages.toml").read_text(encoding="utf-8")
+    messages, _, interfaces = table.partition("\n]\n")
+    ends = interfaces.rstrip().removesuffix("]")
+    (tmp_path / "messages.toml").write_text(f"{messages}\n{message}\n]\n{ends}{interface}\n]\n")
+    arguments = ["--table", str(tmp_path / "messages.toml"), "--root", str(tmp_path / "tree")]
+    assert main(arguments) == 0
+    written = (tmp_path / "tree/docs/messages.md", tmp_path / "tree/docs/services.md")
+    for row, path in zip((message, interface), written, strict=True):
+        name = tomllib.loads(f"rows = [{row}]")["rows"][0]["name"]
+        assert name not in table
+        assert name in path.read_text(encoding="utf-8")
 
 
 def test_what_is_checked_in_is_what_would_be_generated(capsys):
