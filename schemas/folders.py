@@ -2,7 +2,7 @@
 """Definitions in any folder, such as a workspace's ``src``, ``install`` or ``share``.
 
 A file of definitions is ``PACKAGE/KIND/NAME.EXTENSION`` at any depth, also below KIND.
-The package's name stands in the nearest ``package.xml`` above. Without one it is that of the folder.
+The package's name stands in the nearest ``package.xml`` above, else it is that of the folder.
 
 A package with a ``package.xml`` may have files in other folders, such as ``ros2/``: colcon builds
 what its CMakeLists.txt names.
