@@ -155,6 +155,9 @@ async def test_an_allowed_page_may_connect_and_a_foreign_one_gets_403():
     async with gateway_process("serve", "--set", f"allowed_origins={origins}") as gateway:
         async with client(gateway.url, origin="https://wall.example") as page:
             await page.sync()
+        async with client(gateway.url, origin="http://localhost:1") as local:
+            await local.send(op="hello")
+            assert (await local.receive(lambda frame: frame["op"] == "hello"))["role"] == "page"
         with pytest.raises(InvalidStatus) as refused:
             async with client(gateway.url, origin="https://foreign.example"):
                 pass
