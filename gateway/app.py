@@ -61,6 +61,7 @@ class Listening:
     new_token: str | None
     certificate: str | None
     tls_port: int | None = None  # if TLS has one of its own
+    token_in: Path | None = None  # the file with the new token, if it is not to be shown
 
     @property
     def port(self) -> int:

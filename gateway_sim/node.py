@@ -41,7 +41,7 @@ _DEPTH: Final = 5  # samples kept for a slow reader: a second of the lidar
 _COMMAND_DEPTH: Final = 10  # a third of a second of commands at 30 Hz
 _SERIES_NS: Final = 10_000_000_000  # commands dismissed closer together are logged once
 _MAX_CAMERA_HZ: Final = 60.0  # at 3 ms per picture a fifth of a core
-_NAMESPACE: Final = re.compile(r"(/?[A-Za-z]\w*(/[A-Za-z]\w*)*)?", re.ASCII)
+_NAMESPACE: Final = re.compile(r"(/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*)?", re.ASCII)
 _WARNINGS: Final = frozenset({Event.HIT, Event.GOAL_BLOCKED, Event.GOAL_POWERLESS, Event.SILENCE})
 
 

@@ -55,12 +55,17 @@ def change(path: Path, changed: Callable[[Tokens], Tokens]) -> None:
     try:
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         with _locked(path.parent):
-            _replace(path, to_json(changed(read(path))))
+            replace(path, to_json(changed(read(path))))
     except OSError as error:
         raise TokenFileError(f"cannot write {path}, {system_reason(error)}") from error
 
 
-def _replace(path: Path, data: bytes) -> None:
+def replace(path: Path, data: bytes) -> None:
+    """Write a file that its owner alone can read, in one step.
+
+    Raises:
+        OSError: it cannot be written; what was there stays.
+    """
     new = path.with_name(f".{path.name}.new")
     new.unlink(missing_ok=True)  # of a process that died here; the lock is ours
     descriptor = os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)

@@ -112,10 +112,13 @@ def _token_lines(listening: "Listening", addresses: Sequence[str]) -> Iterator[s
     why = "other machines can connect, so " if listening.posture.is_open else ""
     if listening.new_token:
         yield f"{why}clients need a token; this operator's is new, and shown only once:"
+    elif listening.token_in:
+        yield f"{why}clients need a token; this operator's is new, and in {listening.token_in}"
     else:
         yield f"{why}clients need a token; the hashes of valid ones are in {listening.tokens}"
     yield f"  wscat   {_wscat(listening, url)}"
-    yield f"  Unity   Address: {url}   Token: {listening.new_token or 'TOKEN'}"
+    token = f"in {listening.token_in}" if listening.token_in else listening.new_token or "TOKEN"
+    yield f"  Unity   Address: {url}   Token: {token}"
     yield "  more    ros2-gateway token create NAME --role viewer, then SIGHUP"
 
 
@@ -123,7 +126,9 @@ def _wscat(listening: "Listening", url: str) -> str:
     command = f"npx wscat -c {url}"
     if listening.is_encrypted:
         command += f" --ca {shlex.quote(listening.certificate or '')}"
-    if listening.posture.needs_token:
+    if listening.token_in:
+        command += f' -H "Authorization: Bearer $(cat {shlex.quote(str(listening.token_in))})"'
+    elif listening.posture.needs_token:
         command += f" -H 'Authorization: Bearer {listening.new_token or 'TOKEN'}'"
     return command
 

@@ -92,7 +92,8 @@ def argument_parser() -> argparse.ArgumentParser:
         command(
             "demo",
             "serve the topics of a simulated robot, which runs along",
-            "  ros2-gateway demo\n  ros2-gateway demo --lan --port 8080",
+            "  ros2-gateway demo\n  ros2-gateway demo --lan --port 8080\n"
+            "  ros2-gateway demo --namespace /robot1   the robot's names and frames, too",
         )
     )
     _add_sim(

@@ -15,16 +15,60 @@ import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from gateway.errors import BindError, RobotDiedError
 
+if TYPE_CHECKING:
+    from gateway.config.model import Config
+
 STOP_TIMEOUT_S: Final = 1.0  # with the gateway's own second, the 2 s of a shutdown
 
+# NAMESPACE/ is before the names of a robot in a namespace, FRAMES/ before its frames
+_HINT: Final = """\
+in a browser, open  PAGE
+in another terminal, connect with  WSCAT  and paste:
+  {"op":"subscribe","topic":"NAMESPACE/odom","fields":["pose.pose.position"],"throttle_rate":1000}
+  DRIVE
+  {"op":"lookup_transform","target_frame":"FRAMES/map","source_frame":"FRAMES/base_scan","timeout":10}
+  {"op":"send_action_goal","id":"go","action":"NAMESPACE/navigate_to_pose",\
+"args":{"pose":{"pose":{"position":{"x":2.5,"y":1.5}}}},"feedback":true}
+  {"op":"cancel_action_goal","id":"go","action":"NAMESPACE/navigate_to_pose"}
+  help
+Ctrl-C ends the gateway and the robot"""
+_DRIVE: Final = """\
+{"op":"publish","topic":"NAMESPACE/cmd_vel","type":"geometry_msgs/msg/Twist",\
+"msg":{"linear":{"x":0.2}}}"""
+_DRIVE_STAMPED: Final = """\
+{"op":"publish","topic":"NAMESPACE/cmd_vel","type":"geometry_msgs/msg/TwistStamped",\
+"msg":{"twist":{"linear":{"x":0.2}}}}"""
 
-def robot_command(*, twist_stamped: bool = False) -> list[str]:
+
+def with_robot(config: "Config") -> "Config":
+    """Return a configuration that knows what moves the robot, which is in the gateway's namespace.
+
+    Command topics that the operator names stay as they are.
+    """
+    namespace = _namespace(config)
+    if not namespace or "topics" in config.control.model_fields_set:
+        return config
+    control = config.control.model_copy(update={"topics": (f"{namespace}/cmd_vel",)})
+    return config.model_copy(update={"control": control})
+
+
+def lines_to_paste(config: "Config", *, twist_stamped: bool = False) -> str:
+    """Return what a newcomer may try; WSCAT and PAGE stand for how to connect."""
+    namespace = _namespace(config)
+    frames = f"{namespace.strip('/')}/" if namespace else ""
+    lines = _HINT.replace("DRIVE", _DRIVE_STAMPED if twist_stamped else _DRIVE)
+    return lines.replace("NAMESPACE", namespace).replace("FRAMES/", frames)
+
+
+def robot_command(config: "Config", *, twist_stamped: bool = False) -> list[str]:
     """Return the command that runs the simulated robot for as long as we hold its stdin open."""
     command = [sys.executable, "-m", "gateway", "sim", "--until-stdin-closes"]
+    if namespace := _namespace(config):
+        command += ["--namespace", namespace]
     return [*command, "--twist-stamped"] if twist_stamped else command
 
 
@@ -94,6 +138,11 @@ def _running(command: Sequence[str]) -> Iterator[subprocess.Popen[bytes]]:
         watcher.join(STOP_TIMEOUT_S)
         child.kill()
         watcher.join()
+
+
+def _namespace(config: "Config") -> str:
+    """Return the namespace of the robot, empty if it is in none."""
+    return config.ros.namespace.rstrip("/")
 
 
 def _interrupt_main_thread() -> None:

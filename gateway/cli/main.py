@@ -33,24 +33,6 @@ if TYPE_CHECKING:
     from gateway.config.settings import Given, Loaded
     from schemas.installed import InstalledDefinitions
 
-_DEMO_HINT: Final = """\
-in a browser, open  PAGE
-in another terminal, connect with  WSCAT  and paste:
-  {"op":"subscribe","topic":"/odom","fields":["pose.pose.position"],"throttle_rate":1000}
-  DRIVE
-  {"op":"lookup_transform","target_frame":"map","source_frame":"base_scan","timeout":10}
-  {"op":"send_action_goal","id":"go","action":"/navigate_to_pose",\
-"args":{"pose":{"pose":{"position":{"x":2.5,"y":1.5}}}},"feedback":true}
-  {"op":"cancel_action_goal","id":"go","action":"/navigate_to_pose"}
-  help
-Ctrl-C ends the gateway and the robot"""
-_DRIVE: Final = """\
-{"op":"publish","topic":"/cmd_vel","type":"geometry_msgs/msg/Twist","msg":{"linear":{"x":0.2}}}"""
-_DRIVE_STAMPED: Final = """\
-{"op":"publish","topic":"/cmd_vel","type":"geometry_msgs/msg/TwistStamped",\
-"msg":{"twist":{"linear":{"x":0.2}}}}"""
-
-
 _interrupted: Final = threading.Event()  # by a signal; an import may have lost the exception
 
 
@@ -207,6 +189,9 @@ def _run_gateway(
     from gateway import app
 
     def announce(listening: "Listening") -> None:
+        from gateway.cli import tokens
+
+        listening = tokens.kept_from_logs(listening, sys.stdout if own is None else own.stdout)
         if own is None:
             _announce_listening(listening, shows_qr=loaded.config.qr, hint=hint)
         else:
@@ -246,13 +231,15 @@ def _without_own_certificate(config: "Config") -> "Config":
 
 
 def _demo(arguments: argparse.Namespace) -> int:
+    from gateway.cli import demo
+
     loaded = _configuration(arguments)
+    loaded = loaded._replace(config=demo.with_robot(loaded.config))
     if arguments.print_config:
         return _print_config(loaded)
     use_ros(loaded.config.ros.domain_id)  # the robot inherits it
     require_rclpy()
     from gateway.access.posture import posture_of
-    from gateway.cli import demo
 
     config = loaded.config
     for port in (config.port, config.tls.port):
@@ -261,12 +248,11 @@ def _demo(arguments: argparse.Namespace) -> int:
     # the robot on this desk is nobody else's business; read when the middleware starts
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
 
-    is_stamped = arguments.twist_stamped
-    hint = _DEMO_HINT.replace("DRIVE", _DRIVE_STAMPED if is_stamped else _DRIVE)
+    hint = demo.lines_to_paste(config, twist_stamped=arguments.twist_stamped)
     with _log_output(loaded) as own:
         return demo.run(
             lambda: _run_gateway(arguments, loaded, own, hint, opens_page=not arguments.no_browser),
-            demo.robot_command(twist_stamped=is_stamped),
+            demo.robot_command(config, twist_stamped=arguments.twist_stamped),
         )
 
 

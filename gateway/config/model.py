@@ -107,7 +107,9 @@ class RosConfig(Section):
         "ros2_gateway", description="what the names of the gateway's nodes begin with"
     )
     namespace: RosNamespace = Field(
-        "/", description="the namespace of the gateway's nodes; topics of clients do not move"
+        "/",
+        description="the namespace of the gateway's nodes, and of the robot of `ros2-gateway demo`;"
+        " topics of clients do not move",
     )
     domain_id: Annotated[int, Field(ge=0, le=MAX_DOMAIN_ID)] | None = Field(
         None, description="the DDS domain; unset, the environment's ROS_DOMAIN_ID decides"

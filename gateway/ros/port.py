@@ -309,7 +309,7 @@ class RclpyRos:
     ) -> GraphWatches:
         watches = GraphWatches(loop)
         undo.callback(watches.close)
-        self._same_names = SameNames(loop, lambda: read_nodes(self._debug))
+        self._same_names = SameNames(loop, lambda: read_nodes(self._debug), self._own_nodes)
         undo.callback(self._same_names.close)
         watches.add(self._same_names.look)
         return watches

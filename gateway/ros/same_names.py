@@ -8,7 +8,7 @@ drives by the commands that were meant for the other.
 import asyncio
 import logging
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable, Sequence
 from typing import Final
 
 from gateway.ros.qos import UNKNOWN_NODE
@@ -21,11 +21,21 @@ _logger = logging.getLogger(__name__)
 
 
 class SameNames:
-    """Looks at the names of nodes whenever the graph has changed; *read* returns them all."""
+    """Looks at the names of nodes whenever the graph has changed; *read* returns them all.
 
-    def __init__(self, loop: asyncio.AbstractEventLoop, read: Callable[[], Iterable[str]]) -> None:
+    A node with one of the gateway's *own* names is another gateway's, and runs: discovery hears of
+    no node that was killed before this process began.
+    """
+
+    def __init__(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        read: Callable[[], Iterable[str]],
+        own: Collection[str] = (),
+    ) -> None:
         self._loop = loop
         self._read = read
+        self._own = frozenset(own)
         self._suspected: set[str] = set()
         self._warned: set[str] = set()
         self._timer: asyncio.TimerHandle | None = None
@@ -39,6 +49,9 @@ class SameNames:
         """Begin to watch names that are shared now; what is watched already takes its time."""
         shared = self._shared()
         self._warned &= shared  # no more than there are; who comes back is warned of again
+        if (own := shared & self._own) and not self._warned & self._own:
+            _warn(sorted(own))
+        self._warned |= own
         if self._timer is None:
             self._suspect(shared - self._warned)
 
@@ -56,16 +69,20 @@ class SameNames:
         found = sorted(self._suspected & shared)
         if found:
             self._warned.update(found)
-            more = f" and {len(found) - MAX_NAMED} more" if len(found) > MAX_NAMED else ""
-            _logger.warning(
-                "several nodes are named %s%s: a second robot or gateway in this domain? Give it"
-                " another ROS_DOMAIN_ID or a namespace, a gateway another ros.node_prefix",
-                ", ".join(found[:MAX_NAMED]),
-                more,
-            )
-        self._suspect(shared - self._warned)
+            _warn(found)
+        self._suspect(shared - self._warned - self._own)
 
     def _shared(self) -> set[str]:
         # hidden nodes are those of tools, which come and go
         counts = Counter(each for each in self._read() if "/_" not in each and each != UNKNOWN_NODE)
         return {name for name, count in counts.items() if count > 1}
+
+
+def _warn(names: Sequence[str]) -> None:
+    more = f" and {len(names) - MAX_NAMED} more" if len(names) > MAX_NAMED else ""
+    _logger.warning(
+        "several nodes are named %s%s: a second robot or gateway in this domain? Give it"
+        " another ROS_DOMAIN_ID or a namespace, a gateway another ros.node_prefix",
+        ", ".join(names[:MAX_NAMED]),
+        more,
+    )

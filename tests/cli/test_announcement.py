@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
+import io
 import json
+import stat
 from pathlib import Path
 
 import pytest
@@ -8,6 +10,7 @@ from gateway.access.posture import Posture
 from gateway.app import Listening
 from gateway.cli import announcement
 from gateway.cli.announcement import filled, own_url, qr_code, qr_text
+from gateway.cli.tokens import kept_from_logs
 
 LAN = (("0.0.0.0", 9090), ("::", 9090))  # noqa: S104  # of a text, not bound
 HERE = (("127.0.0.1", 9090),)
@@ -15,11 +18,16 @@ HOME = "192.168.1.7"
 
 
 def listening(
-    addresses=LAN, anonymous_role=None, new_token=None, certificate=None, path="/"
+    addresses=LAN,
+    anonymous_role=None,
+    new_token=None,
+    certificate=None,
+    path="/",
+    tokens=Path("/conf/tokens.json"),  # nobody changes it
 ) -> Listening:
     is_open = addresses[:1] != HERE
     posture = Posture(tuple(host for host, _ in addresses), is_open, anonymous_role)
-    return Listening(addresses, path, posture, Path("/conf/tokens.json"), new_token, certificate)
+    return Listening(addresses, path, posture, tokens, new_token, certificate)
 
 
 @pytest.fixture(autouse=True)
@@ -47,6 +55,22 @@ def test_a_new_token_is_in_lines_for_wscat_and_unity():
         f"  Unity   Address: ws://{HOME}:9090/   Token: r2g_x",
         "  more    ros2-gateway token create NAME --role viewer, then SIGHUP",
     ]
+
+
+def test_a_new_token_is_kept_from_an_output_that_is_no_terminal(tmp_path):
+    with_token = listening(new_token="r2g_x", tokens=tmp_path / "tokens.json")  # noqa: S106
+    kept = kept_from_logs(with_token, io.StringIO())
+    path = tmp_path / "first-token"
+    assert (path.read_text(), stat.S_IMODE(path.stat().st_mode)) == ("r2g_x\n", 0o600)
+    text = announcement.announcement(kept) + filled("WSCAT PAGE", kept)
+    assert "r2g_x" not in text
+    assert f'-H "Authorization: Bearer $(cat {path})"' in text
+    assert f"this operator's is new, and in {path}\n" in text
+
+
+def test_a_new_token_that_cannot_be_kept_is_shown_as_nobody_would_know_it():
+    with_token = listening(new_token="r2g_x", tokens=Path("/proc/none/tokens.json"))  # noqa: S106
+    assert kept_from_logs(with_token, io.StringIO()) is with_token
 
 
 def test_without_a_network_it_says_how_to_find_an_address(monkeypatch):

@@ -13,7 +13,8 @@ from pathlib import Path
 import pytest
 
 from gateway.cli import demo
-from gateway.config.model import Config
+from gateway.config.control import ControlConfig
+from gateway.config.model import Config, RosConfig
 from gateway.errors import RobotDiedError
 
 ROOT = Path(__file__).parents[2]
@@ -22,6 +23,28 @@ TIMEOUT_S = 120  # generous: other tests share the machine
 
 def python(source: str) -> list[str]:
     return [sys.executable, "-c", textwrap.dedent(source)]
+
+
+def in_namespace(namespace: str, **control: object) -> Config:
+    return Config(ros=RosConfig(namespace=namespace), control=ControlConfig(**control))  # type: ignore[arg-type]  # of any
+
+
+def test_the_robot_is_in_the_namespace_of_the_gateway_and_its_command_topic_is_known():
+    config = in_namespace("/a/b")
+    assert demo.robot_command(config)[-2:] == ["--namespace", "/a/b"]
+    assert demo.with_robot(config).control.topics == ("/a/b/cmd_vel",)
+    lines = demo.lines_to_paste(config)
+    assert '"target_frame":"a/b/map","source_frame":"a/b/base_scan"' in lines
+    assert '"topic":"/a/b/cmd_vel"' in lines
+    named = in_namespace("/a", topics=("/wheels",))
+    assert demo.with_robot(named) is named
+
+
+def test_without_a_namespace_the_robot_has_the_names_of_the_readme():
+    config = in_namespace("/")
+    assert "--namespace" not in demo.robot_command(config)
+    assert demo.with_robot(config) is config
+    assert '"target_frame":"map","source_frame":"base_scan"' in demo.lines_to_paste(config)
 
 
 # A robot that says when it runs and how it was ended.

@@ -59,7 +59,10 @@ async def command(*arguments: str) -> str:
 
 async def shown_token(gateway: GatewayProcess) -> str:
     await eventually(lambda: "more    " in "".join(gateway.output))
-    found = re.search(r"Bearer (\S+)'", "".join(gateway.output))
+    printed = "".join(gateway.output)
+    if found := re.search(r'Bearer \$\(cat (\S+)\)"', printed):  # this is no terminal
+        return (text_of(Path(found[1])) or "").strip()
+    found = re.search(r"Bearer (\S+)'", printed)
     assert found
     return found[1]
 
@@ -90,6 +93,10 @@ async def test_what_others_can_reach_asks_for_a_token_and_makes_one(tokens: Path
         assert "other machines can connect, so clients need a token" in "".join(gateway.output)
         assert mode_of(tokens) == 0o600
         assert token not in (text_of(tokens) or "")
+        kept = tokens.with_name("first-token")  # as this is no terminal, but perhaps a log
+        assert (mode_of(kept), text_of(kept)) == (0o600, f"{token}\n")
+        assert token not in "".join(gateway.output)
+        await eventually(lambda: logged(gateway, f"token of a new operator is in {kept}"))
         async with client(gateway.url, additional_headers=bearer(token)) as speaker:
             assert await role_of(speaker) == "operator"
             assert not await forbidden_to_drive(speaker)
@@ -98,7 +105,7 @@ async def test_what_others_can_reach_asks_for_a_token_and_makes_one(tokens: Path
             assert (await stranger.status())["code"] == "forbidden"
         await eventually(lambda: logged(gateway, "gateway.audit"))
         assert token not in "".join(gateway.log)
-    # it is kept nowhere, so it is shown no more, but valid
+    # it is shown no more, but valid
     async with gateway_process("serve", *flags) as gateway:
         assert await shown_token(gateway) == "TOKEN"
         async with client(gateway.url, additional_headers=bearer(token)) as speaker:
@@ -284,7 +291,7 @@ async def test_the_demonstration_on_a_network_shows_a_command_that_works(tokens:
         token = await shown_token(gateway)
         await eventually(lambda: "paste:" in "".join(gateway.output))
         (hint,) = [line for line in gateway.output if "paste:" in line]
-        assert f"-H 'Authorization: Bearer {token}'" in hint
+        assert f'-H "Authorization: Bearer $(cat {tokens.with_name("first-token")})"' in hint
         async with client(gateway.url, additional_headers=bearer(token)) as speaker:
             await speaker.send(op="subscribe", topic="/odom")
             await speaker.message("/odom")

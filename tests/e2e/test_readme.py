@@ -8,10 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from gateway.cli.main import _DEMO_HINT, _DRIVE
-from tests.client import Client, client
+from gateway.cli.demo import lines_to_paste
+from gateway.config.model import Config
+from tests.client import Client, client, eventually
 from tests.demonstration import demonstration, until_it_can_be_driven
 from tests.e2e.test_navigation import CANCELED, until_provided
+from tests.gateway_process import gateway_process
 
 README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
 MINUTE = README.partition("## The first minute")[2].partition("\n## ")[0]
@@ -22,14 +24,14 @@ LINES = re.findall(r"^```\n(\{.*\})\n^```", MINUTE, re.MULTILINE)
 def test_the_first_minute_begins_calmly():
     first = json.loads(LINES[0])
     assert (first["op"], first["throttle_rate"]) == ("subscribe", 1000)
-    shown = _DEMO_HINT.replace("DRIVE", _DRIVE)
+    shown = lines_to_paste(Config())
     assert [line for line in LINES if f"  {line}\n" in shown] == LINES[:5]
 
 
-async def drive_by(person: Client, line: str) -> None:
+async def drive_by(person: Client, line: str, odometry: str = "/odom") -> None:
     """Paste a line until it has moved the robot, which may be too busy for half a second."""
     await person.socket.send(line)
-    while (await person.message("/odom"))["pose"]["pose"]["position"]["x"] < 0.02:
+    while (await person.message(odometry))["pose"]["pose"]["position"]["x"] < 0.02:
         await person.socket.send(line)
 
 
@@ -72,6 +74,24 @@ async def test_a_robot_that_takes_stamps_is_driven_by_the_line_that_it_shows():
         await person.message("/odom")
         await drive_by(person, lines[0])
         assert not [frame for frame in person.seen if frame["op"] == "status"]
+
+
+@pytest.mark.brief
+async def test_a_robot_in_a_namespace_does_what_the_lines_say_that_it_shows():
+    demo = gateway_process("demo", "--namespace", "/robot1")
+    async with demo as gateway, client(gateway.url) as person:
+        await eventually(lambda: "Ctrl-C" in "".join(gateway.output))
+        lines = [line.strip() for line in gateway.output if line.startswith("  {")]
+        subscribe, drive, look_up, _, _ = lines
+        assert json.loads(drive)["topic"] == "/robot1/cmd_vel"
+        await person.socket.send(subscribe)
+        await drive_by(person, drive, "/robot1/odom")
+        await person.send(op="control", topic="/robot1/cmd_vel")
+        control = await person.receive(lambda frame: frame["op"] == "control")
+        assert control["guard"] == "ready", "it is a command topic, with all that stops a robot"
+        await person.socket.send(look_up)
+        found = await person.receive(lambda frame: frame["op"] == "lookup_transform")
+        assert found["transform"]["header"]["frame_id"] == "robot1/map"
 
 
 async def test_each_line_of_help_works_in_the_demonstration():

@@ -109,6 +109,40 @@ async def test_after_closing_nothing_is_logged(clock: StoppedClock, warned: Warn
     assert warned() == []
 
 
+async def test_a_second_gateway_is_warned_of_at_once_and_the_rest_of_it_is_not_again(
+    clock: StoppedClock, warned: Warned
+):
+    nodes = ["/gateway_debug", "/gateway_services"]
+    watch = SameNames(asyncio.get_running_loop(), lambda: nodes, own=tuple(nodes))
+    watch.look()
+    assert warned() == []
+    nodes.append("/gateway_debug")
+    watch.look()
+    (text,) = warned()
+    assert text.startswith("several nodes are named /gateway_debug: a second robot or gateway")
+    nodes.append("/gateway_services")
+    watch.look()
+    await clock.advance(LATER)
+    assert len(warned()) == 1
+    assert watch.known == ("/gateway_debug", "/gateway_services")
+    nodes[2:] = []
+    watch.look()
+    nodes += nodes
+    watch.look()
+    assert len(warned()) == 2
+
+
+async def test_two_gateways_in_one_domain_notice_each_other(
+    monkeypatch: pytest.MonkeyPatch, warned: Warned
+):
+    monkeypatch.setattr(same_names, "PERSISTS_S", 1e6)
+    async with open_ros(RosOptions()) as one, open_ros(RosOptions()) as other:
+        await eventually(
+            lambda: all("/ros2_gateway_debug" in ros.shared_names() for ros in (one, other))
+        )
+        assert len(warned()) == 2
+
+
 async def test_two_nodes_of_ros_are_noticed(monkeypatch: pytest.MonkeyPatch, warned: Warned):
     monkeypatch.setattr(same_names, "PERSISTS_S", 0.1)
     async with open_ros(RosOptions()) as ros:
