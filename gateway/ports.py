@@ -189,6 +189,12 @@ class Publisher(Protocol):
     def publish(self, cdr: bytes) -> None:
         """Publish one sample, encapsulation header included. Do not call it after `close`."""
 
+    def new_matches(self) -> int:
+        """Return how many subscriptions were found since the last call, gone or not.
+
+        0 forever if the middleware does not count them.
+        """
+
     def close(self) -> None:
         """Destroy it. Closing twice is harmless."""
 
@@ -273,6 +279,13 @@ class Ros(RosGraph, Protocol):
         """Return the other nodes that publish a type on a topic, then those that subscribe to it.
 
         Nodes that do not show a hash are left out.
+        """
+
+    def readers(self, topic: str) -> frozenset[str]:
+        """Return the ids of the subscriptions that other nodes have to a topic.
+
+        They are the same in all processes, and a subscription is among them before a publisher
+        counts it by `Publisher.new_matches`.
         """
 
     async def make_types(self) -> None:

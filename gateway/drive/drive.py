@@ -6,7 +6,7 @@ It moves the robot only while its holder commands it to, in time:
 - The deadline is judged before each command, by a time that is read once per turn of the event
   loop. So a gateway that stood still, or a link that was cut, stops the robot before it looks at
   what has piled up. Of the commands of one turn the newest goes out.
-- A stop is `ZEROS` commands of zero, then silence.
+- A stop is some commands of zero, then silence (`Zeros`).
 - After a stop that the client did not ask for, the `TripLatch` refuses commands to move.
 - Many commands at once after a silence are a backlog, a few wait to be explained (`Crowd`).
 - What was pushed while another client drove has to be let go of first (`TurnedAway`).
@@ -31,14 +31,12 @@ from gateway.drive.effects import (
     Status,
     Stopped,
 )
-from gateway.drive.held import Held
+from gateway.drive.held import GUARD_WAIT_NS, HOLD_NS, Held
 from gateway.drive.lease import Lease
-from gateway.drive.stop import ZERO_PERIOD_NS, ZEROS
+from gateway.drive.stop import Zeros
 from gateway.drive.trip_latch import QUIET_NS, TripLatch
 from gateway.drive.turned_away import TurnedAway
-from gateway.drive.velocity import ZERO
 
-HOLD_NS: Final = QUIET_NS  # see `Held`
 CROWD_GAP_NS: Final = 3_000_000  # XR's 120 Hz are 8 ms apart
 
 
@@ -69,20 +67,18 @@ class Drive:
         self._held: Held | None = None
         self._crowd = Crowd()
         self._has_moved = False  # in this turn something was to move the robot
-        # the stop
-        self._zeros_left = 0
-        self._next_zero_ns = 0
+        self._zeros = Zeros()
 
     @property
     def status(self) -> Status:
         """The state, for clients that ask."""
-        motion: Motion = "moving" if self._moves else "stopping" if self._zeros_left else "stopped"
+        motion: Motion = "moving" if self._moves else "stopping" if self._zeros.left else "stopped"
         return Status(
             motion,
             self._lease.holder if self._lease else None,
             self._cause,
             self._latch.is_set and not self._latch.allows_single,
-            self._guard,
+            "ready" if self._guard == "prepared" else self._guard,
         )
 
     def may_move(self, now_ns: int) -> bool:
@@ -92,7 +88,12 @@ class Drive:
     @property
     def needs_guard(self) -> bool:
         """Return whether somebody has to stop the robot if this process ends now."""
-        return self._moves or self._zeros_left > 0
+        return self._moves or self._zeros.left > 0
+
+    @property
+    def waits_for_proof(self) -> bool:
+        """Return whether a command waits until the guard has proved that its zeros arrive."""
+        return self._held is not None and self._guard == "prepared"
 
     @property
     def due_ns(self) -> int | None:
@@ -100,12 +101,12 @@ class Drive:
         times = [self._latch.due_ns]
         if self._moves:
             times.append(self._accepted_ns + self._rules.deadline_ns)
-        if self._zeros_left:
-            times.append(self._next_zero_ns)
+        if self._zeros.left:
+            times.append(self._zeros.next_ns)
         if self._waits and self._pending:
             times.append(self._crowd.explained_ns)
         if self._held:
-            times.append(self._held.until_ns or self._held.since_ns + self._rules.deadline_ns)
+            times.append(self._held.due_ns)
         if self._lease:
             times.append(self._lease.renewed_ns + self._rules.lease_ns)
         return min((time for time in times if time is not None), default=None)
@@ -174,9 +175,7 @@ class Drive:
             self._tick_held(self._held, now_ns, out)
         if self._latch.tick(now_ns):
             out.append(Changed())
-        if self._zeros_left and now_ns >= self._next_zero_ns:
-            self._send_zero(now_ns, out)
-        return out
+        return out + self._zeros.tick(now_ns)
 
     def leave(self, client: Hashable, now_ns: int) -> Effects:
         """Stop what a client has moved; it is gone."""
@@ -200,10 +199,13 @@ class Drive:
 
     def acquire(self, client: Hashable, now_ns: int) -> Effects:
         """Give control to a client; what another one has moved is stopped first."""
-        if self._held and self._held.command.client != client:
-            self._held = None
+        held, self._held = self._held, None
         self._turned_away.forget(client)
         out = self._advance(now_ns)
+        if held and held.command.client == client:
+            self._held = held
+        elif held:
+            out.append(refusals.taken_over(held.command, self._topic))
         if self._lease and self._lease.holder != client:
             if self._moves:
                 self._stop("takeover", now_ns, out)
@@ -216,25 +218,34 @@ class Drive:
         return out
 
     def set_guard(self, guard: GuardState, now_ns: int) -> Effects:
-        """Follow the guard process: without it nothing moves."""
+        """Follow the guard process: without it nothing moves.
+
+        It starts again for somebody who begins to listen. That may be a robot, which has to stand
+        until the stick is let go.
+        """
         is_changed, self._guard = guard != self._guard, guard
         out = self._advance(now_ns)
         if is_changed:
             out.append(Changed())
-        if guard != "ready" and self._moves:
-            self._stop("guard", now_ns, out)
-        if self._held and guard == "lost":
-            out.append(self._tripped(self._held.command))
+        held = self._held
+        if guard == "ready":
+            if held and held.until_ns is None:
+                self._send_held(held, now_ns, out)
+        elif guard != "prepared":
+            if self._moves or (held and guard == "starting"):
+                self._stop("guard" if guard == "lost" else "reader", now_ns, out)
             self._held = None
-        elif self._held and guard == "ready" and self._held.until_ns is None:
-            self._send_held(self._held, self._held.since_ns, now_ns, out)
+            if held:
+                out.append(self._tripped(held.command))
         return out
 
     def shut_down(self, now_ns: int) -> Effects:
         """Stop, and refuse to move from now on."""
         self._is_over = True
-        self._held = None
+        held, self._held = self._held, None
         out = self._advance(now_ns)
+        if held:
+            out.append(self._tripped(held.command))
         if self._moves:
             self._stop("shutdown", now_ns, out)
         return out
@@ -295,7 +306,7 @@ class Drive:
         if self._latch.is_set:
             until_ns = self._held.until_ns if self._held else now_ns + HOLD_NS
             self._held = Held(command, now_ns, until_ns or now_ns + HOLD_NS)
-        elif self._guard == "starting":
+        elif self._guard != "ready":
             self._held = Held(command, now_ns, None)
         else:
             self._accept(command, now_ns, out)
@@ -308,20 +319,17 @@ class Drive:
 
     def _tick_held(self, held: Held, now_ns: int, out: Effects) -> None:
         if held.until_ns is None:
-            is_late = now_ns - held.since_ns >= self._rules.deadline_ns
-            if not is_late:
-                return  # `set_guard` sends it
-        elif now_ns < held.until_ns:
-            return
-        else:  # late only if the gateway stood still
-            is_late = now_ns - held.until_ns >= HOLD_NS
-        if is_late:
+            if now_ns - held.since_ns >= GUARD_WAIT_NS:  # else `set_guard` sends it
+                self._held = None
+                out.append(refusals.unguarded(held.command, self._topic, self._guard))
+        elif now_ns - held.until_ns >= HOLD_NS:
             self._held = None
-            out.append(self._tripped(held.command))
-        elif self._guard == "ready":
-            self._send_held(held, now_ns, now_ns, out)
-        else:
-            held.until_ns = None  # the guard comes in time, or it is too late
+            out.append(refusals.stood_still(held.command, self._topic))
+        elif now_ns >= held.until_ns:
+            if self._guard == "ready":
+                self._send_held(held, now_ns, out)
+            else:
+                held.until_ns = None  # the guard comes in time, or it is too late
 
     def _take_back(self, client: Hashable) -> bool:
         """Drop what a client has waiting, and return whether there was something."""
@@ -329,10 +337,10 @@ class Drive:
         self._held = None if is_held else self._held
         return is_held
 
-    def _send_held(self, held: Held, accepted_ns: int, now_ns: int, out: Effects) -> None:
+    def _send_held(self, held: Held, now_ns: int, out: Effects) -> None:
         self._held = None
         self._latch = TripLatch()
-        self._accept(held.command, accepted_ns, out)
+        self._accept(held.command, now_ns, out)
         self._send_pending(now_ns, out)
 
     def _accept(self, command: Command, now_ns: int, out: Effects) -> None:
@@ -358,7 +366,7 @@ class Drive:
             return
         if self._moves:
             self._is_under_way = True
-            self._zeros_left = 0
+            self._zeros.left = 0
         self._pending = None
         out.append(Send(pending.velocity))
 
@@ -388,7 +396,7 @@ class Drive:
         """End a lease that another client takes: nothing of the former one goes out any more."""
         held, self._held = self._held, None
         if held:
-            out.append(self._tripped(held.command))
+            out.append(refusals.taken_over(held.command, self._topic))
         self._pending = None
         out += self._latch.spoil()
         self._lease = None
@@ -410,15 +418,7 @@ class Drive:
         holder = self._lease.holder if self._lease else None
         out.append(Stopped(cause, holder, self._latch.is_set and not self._latch.allows_single))
         out.append(Changed())
-        self._zeros_left = ZEROS
-        self._send_zero(now_ns, out)
-
-    def _send_zero(self, now_ns: int, out: Effects) -> None:
-        out.append(Send(ZERO))
-        self._zeros_left -= 1
-        self._next_zero_ns = now_ns + ZERO_PERIOD_NS
-        if not self._zeros_left:
-            out.append(Changed())
+        out += self._zeros.begin(now_ns)
 
     def _tripped(self, command: Command) -> Refused:
         if self._is_over:

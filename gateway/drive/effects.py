@@ -22,6 +22,7 @@ Cause = Literal[
     "invalid_value",
     "backlog",  # many commands at once, after silence
     "guard",
+    "reader",  # another subscription was discovered, perhaps that of a robot that starts
     "shutdown",
     "start",  # not a stop: the first command has to be zero, as configured
 ]
@@ -82,7 +83,8 @@ class Changed:
 
 Effect = Send | Refused | Stopped | Clamped | Changed
 Effects = list[Effect]
-GuardState = Literal["starting", "ready", "lost"]
+# It is prepared once it has discovered everybody who listens, and ready once they hear it.
+GuardState = Literal["starting", "prepared", "ready", "lost"]
 Motion = Literal["stopped", "moving", "stopping"]
 
 
@@ -94,7 +96,7 @@ class Status:
     holder: Hashable | None
     cause: Cause | None  # of the last stop
     is_tripped: bool
-    guard: GuardState
+    guard: GuardState  # whoever drives may begin once it is prepared: this says ready then
 
 
 @dataclass(frozen=True, slots=True)

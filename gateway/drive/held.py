@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A command to move that may not go out yet.
 
+It meets a guard that is not ready, or it is a single one.
+
 A person who types commands by hand sends a single one and knows that the robot moves for one
 deadline. Such a motion, of one command, ends with a latch that allows a single command: it waits
 for `HOLD_NS`, and goes out unless more come crowded, as those of a backlog do: a segment of TCP
@@ -10,8 +12,13 @@ rule, and do not get it.
 """
 
 from dataclasses import dataclass
+from typing import Final
 
 from gateway.drive.effects import Command
+from gateway.drive.trip_latch import QUIET_NS
+
+HOLD_NS: Final = QUIET_NS
+GUARD_WAIT_NS: Final = 1_000_000_000  # who has sent one command still looks at the robot
 
 
 @dataclass(slots=True)
@@ -21,3 +28,8 @@ class Held:
     command: Command
     since_ns: int  # when it came
     until_ns: int | None
+
+    @property
+    def due_ns(self) -> int:
+        """The time at which it goes out, or no longer does."""
+        return self.until_ns or self.since_ns + GUARD_WAIT_NS

@@ -17,12 +17,15 @@ CAUSE_TEXTS: Final[dict[Cause, str]] = {
     "invalid_value": "a command was invalid",
     "backlog": "many commands came at once after a silence, so they are late",
     "guard": "the gateway's guard process was lost",
+    "reader": "another node began to listen, which may be a robot that starts",
     "shutdown": "the gateway shuts down",
     "start": "this gateway wants a command to stop before the first to move",
 }
 
+_NOT_READY: Final = "is starting: send the command again in a second or so"
 _GUARD_TEXTS: Final[dict[GuardState, str]] = {
-    "starting": "is starting: send the command again in a second or so",
+    "starting": _NOT_READY,
+    "prepared": _NOT_READY,
     "lost": "is not there: publish a command of zero in some seconds, then drive on",
 }
 
@@ -56,21 +59,34 @@ def stale(command: Command, topic: str) -> Refused:
 
 
 def tripped(command: Command, topic: str, cause: Cause | None, guard: GuardState) -> Refused:
-    """Refuse a command to move, as the latch is set or the guard process is not there."""
-    if guard != "ready":
-        return _unguarded(command, topic, guard)
+    """Refuse a command to move: the guard process was lost, or else the latch is set."""
+    if guard == "lost" or cause is None:
+        return unguarded(command, topic, guard)
     reason = (
-        f"topic {topic} is stopped, {CAUSE_TEXTS[cause or 'deadline']}: publish a command of zero"
+        f"topic {topic} is stopped, {CAUSE_TEXTS[cause]}: publish a command of zero"
         ' ("msg":{}), nothing that moves for 250 ms, then drive on'
     )
     return Refused(command, "tripped", reason)
 
 
-def _unguarded(command: Command, topic: str, guard: GuardState) -> Refused:
+def unguarded(command: Command, topic: str, guard: GuardState) -> Refused:
+    """Refuse a command to move, as the guard process is not ready."""
     reason = (
         f"topic {topic}: the process that stops the robot if the gateway dies {_GUARD_TEXTS[guard]}"
     )
     return Refused(command, "tripped", reason)
+
+
+def stood_still(command: Command, topic: str) -> Refused:
+    """Refuse a command that waited, and would go out too late."""
+    reason = f"topic {topic}: the gateway stood still while the command waited: send it again"
+    return Refused(command, "tripped", reason)
+
+
+def taken_over(command: Command, topic: str) -> Refused:
+    """Refuse a command that waited, as another client has control now."""
+    reason = f"topic {topic}: another client took control while the command waited; let go"
+    return Refused(command, "not_lease_holder", reason)
 
 
 def shutting_down(command: Command, topic: str) -> Refused:

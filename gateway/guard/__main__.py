@@ -16,12 +16,15 @@ import orjson
 from gateway.drive.stop import LIFESPAN_NS
 from gateway.drive.twist_cdr import encode
 from gateway.drive.velocity import ZERO
-from gateway.guard import DISCOVERY_S, HEARD_S, MAX_LINE_BYTES
+from gateway.guard import DISCOVERY_S, HEARD_S, MAX_LINE_BYTES, PROOF_S
 from gateway.guard.watch import CommandWatch
 from gateway.ports import RosError
 from gateway.ros.stand_alone import StandAlone, StandAlonePublisher
 
 DISCOVERY_PERIOD_NS: Final = 20_000_000
+PROOF_PERIOD_NS: Final = 5_000_000  # a reader takes as long to acknowledge (heartbeatResponseDelay)
+# Meanwhile a zero that is lost is sent again; a lifespan that ends would count as acknowledged.
+PROOF_ZERO_NS: Final = 100_000_000
 ACKNOWLEDGED_S: Final = 0.5  # a reader that has not got the last zero by then has gone, too
 
 
@@ -32,15 +35,22 @@ class _Output:
     type_name: str
     publisher: StandAlonePublisher
     opened_ns: int
-    expected: int  # subscriptions that the gateway knows
+    number: int  # of the `open`
+    missing: set[str]  # subscriptions that the gateway knows, and are not discovered here
     is_told: bool = False  # that it is open
+    proof_ns: int | None = None  # since when it is proved that zeros arrive
+    proof_zero_ns: int = 0  # when the last zero of the proof went out
     stamp_offset_ns: int = 0
     frame_id: str = ""
 
-    @property
-    def is_heard(self) -> bool:
-        """Return whether anybody would get a zero."""
-        return self.publisher.readers > 0
+    def note_header(self, stamp_offset_ns: int, frame_id: str) -> None:
+        """Take what the header of a TwistStamped needs."""
+        self.stamp_offset_ns, self.frame_id = stamp_offset_ns, frame_id
+
+    def begin_proof(self, now_ns: int) -> None:
+        """Begin to prove that zeros arrive, unless that is under way."""
+        if self.proof_ns is None:
+            self.proof_ns, self.proof_zero_ns = now_ns, 0
 
 
 class GuardLoop:
@@ -76,14 +86,18 @@ class GuardLoop:
                 for topic in self._watch.silent(now_ns):
                     self._say("stopped", topic)
             self._tell_opened(now_ns)
-            self._send(self._watch.zeros(now_ns, lambda topic: self._outputs[topic].is_heard))
+            self._prove()
+            self._send(self._watch.zeros(now_ns, self._is_heard))
         self._ros.flush(ACKNOWLEDGED_S)
 
     def _timeout_ms(self) -> float | None:
         due_ns = self._watch.due_ns
         now_ns = time.monotonic_ns()
-        if any(not output.is_told for output in self._outputs.values()):
-            due_ns = min(due_ns or now_ns + DISCOVERY_PERIOD_NS, now_ns + DISCOVERY_PERIOD_NS)
+        for output in self._outputs.values():
+            if output.proof_ns is not None:
+                due_ns = min(due_ns or now_ns + PROOF_PERIOD_NS, now_ns + PROOF_PERIOD_NS)
+            elif not output.is_told:
+                due_ns = min(due_ns or now_ns + DISCOVERY_PERIOD_NS, now_ns + DISCOVERY_PERIOD_NS)
         if due_ns is None:
             return None
         # rounded up: a poll that returns too early would turn for nothing
@@ -105,40 +119,74 @@ class GuardLoop:
             case ["moving", topic, int(offset_ns), frame_id]:
                 self._watch.moving(topic, now_ns)
                 if topic in self._outputs:
-                    self._outputs[topic].stamp_offset_ns = offset_ns
-                    self._outputs[topic].frame_id = frame_id
+                    self._outputs[topic].note_header(offset_ns, frame_id)
             case ["rest", topic]:
                 self._watch.rest(topic)
-            case ["open", topic, type_name, int(readers)]:
-                self._open(topic, type_name, readers)
+            case ["open", topic, type_name, int(number), *readers]:
+                self._open(topic, type_name, number, set(readers))
+            case ["prove", topic, int(offset_ns), frame_id] if topic in self._outputs:
+                self._outputs[topic].note_header(offset_ns, frame_id)
+                self._outputs[topic].begin_proof(now_ns)
             case ["close", str(topic)]:
                 self._watch.close(topic)
                 output = self._outputs.pop(topic, None)
                 if output is not None:
                     output.publisher.close()
 
-    def _open(self, topic: str, type_name: str, readers: int) -> None:
+    def _open(self, topic: str, type_name: str, number: int, readers: set[str]) -> None:
         known = self._outputs.get(topic)
         if known is not None:
-            known.expected, known.opened_ns, known.is_told = readers, time.monotonic_ns(), False
+            known.number, known.missing, known.opened_ns = number, readers, time.monotonic_ns()
+            known.is_told, known.proof_ns = False, None
             return
         try:
             publisher = self._ros.advertise(topic, type_name, LIFESPAN_NS)
         except RosError as error:
             self._say("failed", topic, str(error)[:200])
             return
-        self._outputs[topic] = _Output(type_name, publisher, time.monotonic_ns(), readers)
+        opened_ns = time.monotonic_ns()
+        self._outputs[topic] = _Output(type_name, publisher, opened_ns, number, readers)
         self._watch.open(topic)
 
     def _tell_opened(self, now_ns: int) -> None:
         """Report the topics that have their readers, or have waited for long enough."""
         for topic, output in self._outputs.items():
             is_due = now_ns - output.opened_ns >= DISCOVERY_S * 1e9
-            if not output.is_told and (is_due or output.publisher.readers >= output.expected):
+            if not output.is_told and (self._has_discovered(topic) or is_due):
                 output.is_told = True
-                self._say("opened", topic)
+                self._say("opened", topic, output.number)
 
-    def _say(self, *message: str) -> None:
+    def _has_discovered(self, topic: str) -> bool:
+        """Return whether none of the subscriptions that the gateway knows is missing here."""
+        missing = self._outputs[topic].missing
+        if missing:  # one that was there once may have gone
+            missing -= self._ros.readers(topic)
+        return not missing
+
+    def _prove(self) -> None:
+        """Publish zeros where it is to be proved that they arrive, and report where they have."""
+        for topic, output in self._outputs.items():
+            if output.proof_ns is None:
+                continue
+            is_acknowledged = output.proof_zero_ns > 0 and output.publisher.is_acknowledged
+            now_ns = time.monotonic_ns()
+            since_ns = now_ns - output.proof_zero_ns
+            is_over = now_ns - output.proof_ns >= PROOF_S * 1e9
+            if is_over or (is_acknowledged and since_ns < LIFESPAN_NS):
+                output.proof_ns = None
+                self._say("proved", topic, output.number)
+            elif since_ns >= PROOF_ZERO_NS:
+                output.proof_zero_ns = now_ns
+                self._send([topic])
+
+    def _is_heard(self, topic: str) -> bool:
+        """Return whether every robot that moves gets what is published now, and has got the last.
+
+        A robot that has joined late may be discovered, and may not have discovered the guard yet.
+        """
+        return self._has_discovered(topic) and self._outputs[topic].publisher.is_acknowledged
+
+    def _say(self, *message: str | int) -> None:
         with contextlib.suppress(OSError):  # the gateway is gone: the end of the input says so
             os.write(self._answers, orjson.dumps(message) + b"\n")
 

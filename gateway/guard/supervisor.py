@@ -3,12 +3,13 @@
 
 import asyncio
 import contextlib
+import itertools
 import logging
 import os
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, Self
 
@@ -16,7 +17,7 @@ import orjson
 
 from gateway.drive.effects import GuardState
 from gateway.faults import Fault
-from gateway.guard import MARGIN_S, MAX_LINE_BYTES, REPEAT_S
+from gateway.guard import MARGIN_S, MAX_LINE_BYTES, MAX_READERS, REPEAT_S
 
 RESTART_S: Final = 0.5  # doubled each time, up to
 MAX_RESTART_S: Final = 30.0
@@ -34,8 +35,9 @@ OnState = Callable[[GuardState], None]
 @dataclass(slots=True)
 class _Topic:
     type_name: str
-    readers: int
+    readers: Sequence[str]
     on_state: OnState
+    number: int  # of the `open`: an answer to an earlier one is too old
     sent_ns: int = 0  # the newest `moving`
 
 
@@ -60,6 +62,7 @@ class GuardProcess:
             orjson.dumps(options).decode(),
         )
         self._topics: dict[str, _Topic] = {}
+        self._numbers = itertools.count()
         self._process: subprocess.Popen[bytes] | None = None
         self._why_lost: str | None = None
         self.is_ready = False  # once it has said so, until it is lost
@@ -126,11 +129,17 @@ class GuardProcess:
 
     # For the command topics
 
-    def open(self, topic: str, type_name: str, readers: int, on_state: OnState) -> None:
+    def open(self, topic: str, type_name: str, readers: Collection[str], on_state: OnState) -> None:
         """Have the guard prepare for a topic; *on_state* is called when it has, or is lost."""
-        self._topics[topic] = _Topic(type_name, readers, on_state)
+        some = sorted(readers)[:MAX_READERS]
+        self._topics[topic] = _Topic(type_name, some, on_state, next(self._numbers))
         if self.is_ready:
-            self._write("open", topic, type_name, readers)
+            self._open(topic)
+
+    def prove(self, topic: str, stamp_offset_ns: int, frame_id: str) -> None:
+        """Have the guard prove that its zeros arrive, before something moves."""
+        if topic in self._topics:
+            self._write("prove", topic, stamp_offset_ns, frame_id)
 
     def close(self, topic: str) -> None:
         """Have the guard forget a topic."""
@@ -161,6 +170,10 @@ class GuardProcess:
             self._write("rest", topic)
 
     # The pipes
+
+    def _open(self, topic: str) -> None:
+        known = self._topics[topic]
+        self._write("open", topic, known.type_name, known.number, *known.readers)
 
     def _write(self, *message: object) -> None:
         if self._process is None:
@@ -197,16 +210,17 @@ class GuardProcess:
         for message in messages:
             self._hear(message)
 
-    def _hear(self, message: list[str]) -> None:
+    def _hear(self, message: list[Any]) -> None:
         match message:
             case ["ready"]:
                 self.is_ready = True
                 self._why_lost = None
                 logger.debug("the guard process is ready")
-                for topic, known in list(self._topics.items()):
-                    self._write("open", topic, known.type_name, known.readers)
-            case ["opened", topic] if topic in self._topics:
-                self._topics[topic].on_state("ready")
+                for topic in list(self._topics):
+                    self._open(topic)
+            case ["opened" | "proved" as verb, topic, number] if topic in self._topics:
+                if number == self._topics[topic].number:
+                    self._topics[topic].on_state("prepared" if verb == "opened" else "ready")
             case ["failed", topic, reason] if topic in self._topics:
                 extra = {"topic": topic}
                 logger.error("the guard process cannot guard it: %s", reason, extra=extra)

@@ -7,7 +7,7 @@ from typing import Final
 
 from gateway.drive.stop import ZERO_PERIOD_NS, ZEROS
 
-# While nobody has discovered the guard's publisher, zeros reach nobody: they do not count, for
+# While a robot that moves may not have discovered the guard's publisher, zeros do not count, for
 # longer than discovery takes on a busy machine. Then there is no robot.
 UNHEARD_NS: Final = 4_000_000_000
 
@@ -81,7 +81,7 @@ class CommandWatch:
                 self._begin(each, now_ns)
 
     def zeros(self, now_ns: int, is_heard: Callable[[str], bool]) -> list[str]:
-        """Return the topics on which a zero is due now; *is_heard* says who has readers."""
+        """Return the topics on which a zero is due now; *is_heard* says where all hear it."""
         due = [
             topic
             for topic, each in self._topics.items()

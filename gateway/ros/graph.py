@@ -122,6 +122,14 @@ def read_offers(node: Node, topic: str) -> list[Endpoint]:
     return [to_endpoint(publisher) for publisher in node.get_publishers_info_by_topic(topic)]
 
 
+def read_readers(node: Node, topic: str, without: Container[str] = ()) -> frozenset[str]:
+    """Return the ids of the subscriptions to a topic, except those of some nodes."""
+    infos = node.get_subscriptions_info_by_topic(topic)
+    return frozenset(
+        bytes(each.endpoint_gid).hex() for each in infos if endpoint_node(each) not in without
+    )
+
+
 def read_requests(node: Node, topic: str) -> list[Endpoint]:
     """Return what the subscriptions to a topic ask for, of any type."""
     return [to_endpoint(each) for each in node.get_subscriptions_info_by_topic(topic)]

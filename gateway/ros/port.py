@@ -38,6 +38,7 @@ from gateway.ros.graph import (
     read_graph,
     read_holders,
     read_nodes,
+    read_readers,
     read_types,
 )
 from gateway.ros.message_classes import MessageClasses
@@ -215,6 +216,10 @@ class RclpyRos:
         """Return the nodes that have a type; see the port."""
         own = self._own_nodes | {self._options.guard_node}
         return read_holders(self._debug, topic, type_name, own)
+
+    def readers(self, topic: str) -> frozenset[str]:
+        """Return the ids of other nodes' subscriptions, as they are known now; see the port."""
+        return read_readers(self._debug, topic, self._own_nodes)
 
     def topic_types(self, topic: str) -> tuple[str, ...]:
         """Return the types of a topic; see the port. Kept until the graph changes."""

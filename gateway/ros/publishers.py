@@ -41,6 +41,7 @@ class _Shared:
     watch: QosWatch | None
     users: int = 0
     has_published: bool = False
+    matches: tuple[Callable[[], int], Callable[[], None]] | None = None  # once asked for
     deferred: Deferred | None = None  # while nobody uses it
 
 
@@ -133,6 +134,14 @@ class Publishers:
         """Return whether a handle is not released yet."""
         return handle in self._handles
 
+    def new_matches(self, key: _Key) -> int:
+        """Return how many subscriptions have been found since the last call."""
+        shared = self._shared[key]
+        if shared.matches is None:
+            shared.matches = rclpy_private.new_matches(shared.publisher)
+        take, _ = shared.matches
+        return take()
+
     def release(self, handle: "RclpyPublisher", key: _Key) -> None:
         """Release a handle, and the publisher with the last one. Releasing twice is harmless."""
         if handle not in self._handles:
@@ -147,6 +156,8 @@ class Publishers:
         def destroy() -> None:
             if shared.watch is not None:
                 shared.watch.close()
+            if shared.matches is not None:
+                shared.matches[1]()
             del self._shared[key]
             self._node.destroy_publisher(shared.publisher)
             self._on_change()
@@ -218,6 +229,10 @@ class RclpyPublisher:
             self._publish_raw(cdr)
         except REFUSALS as error:
             raise refused(f"topic {self.key.topic}", error) from error
+
+    def new_matches(self) -> int:
+        """Return how many subscriptions have been found since the last call. See the port."""
+        return self._publishers.new_matches(self.key)
 
     def close(self) -> None:
         """Release it. Closing twice is harmless."""

@@ -82,6 +82,12 @@ class StandAlone:
         self._publishers.append(publisher)
         return StandAlonePublisher(self, publisher)
 
+    def readers(self, topic: str) -> set[str]:
+        """Return the ids of the subscriptions to a topic; see `gateway.ports.Ros.readers`."""
+        # not by `gateway.ros.graph`, as above
+        infos = self._node.get_subscriptions_info_by_topic(topic)
+        return {bytes(each.endpoint_gid).hex() for each in infos}
+
     def flush(self, timeout_s: float) -> None:
         """Wait until reliable readers have what was published, at most for a time."""
         for publisher in self._publishers:
@@ -109,9 +115,15 @@ class StandAlonePublisher:
             raise refused(f"topic {self._publisher.topic_name}", error) from error
 
     @property
-    def readers(self) -> int:
-        """The number of subscriptions that discovery has matched."""
-        return int(self._publisher.get_subscription_count())
+    def is_acknowledged(self) -> bool:
+        """Return whether all matched reliable readers have what was published last.
+
+        What a lifespan has ended counts as well. True where the middleware cannot tell.
+        """
+        try:
+            return bool(self._publisher.wait_for_all_acked(Duration(seconds=0)))
+        except REFUSALS:
+            return True
 
     def close(self) -> None:
         """Destroy it."""

@@ -12,8 +12,10 @@ from dataclasses import dataclass, replace
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
-from gateway.drive.drive import CROWD_GAP_NS, HOLD_NS, ZEROS, Drive
+from gateway.drive.drive import CROWD_GAP_NS, Drive
 from gateway.drive.effects import Changed, Command, Effect, Refused, Rules, Send, Stopped
+from gateway.drive.held import GUARD_WAIT_NS, HOLD_NS
+from gateway.drive.stop import ZEROS
 from gateway.drive.trip_latch import QUIET_NS
 from gateway.drive.velocity import ZERO, Velocity
 
@@ -112,7 +114,7 @@ class Driving(RuleBasedStateMachine):
         self.history += [Event(self.now, "gone", each) for each in over]  # what they have sent
         self.judge(getattr(self.drive, method)(client, self.now))
 
-    @rule(guard=st.sampled_from(["starting", "ready", "ready", "lost"]))
+    @rule(guard=st.sampled_from(["starting", "prepared", "ready", "ready", "lost"]))
     def guard_changes(self, guard) -> None:
         self.guard = guard
         self.judge(self.drive.set_guard(guard, self.now))
@@ -143,8 +145,14 @@ class Driving(RuleBasedStateMachine):
                     own_stop = cause == "stop" and not effect.is_tripped
                     kind = "stop" if is_asked or own_stop else "trip"
                     self.history.append(Event(self.now, kind))
-                case Refused(_, "not_lease_holder"):  # it was nobody's business
+                case Refused(refused, "not_lease_holder") if self.is_newest(refused):
+                    # it was nobody's business
                     self.history[-1] = replace(self.history[-1], kind="refused")
+
+    def is_newest(self, command: Command) -> bool:
+        """Return whether a command is the last event: one that waited before is not."""
+        last = self.history[-1]
+        return (last.kind, last.client, last.age) == ("command", command.client, command.age)
 
     def judge_motion(self, velocity: Velocity) -> None:
         assert velocity.is_finite
@@ -159,8 +167,8 @@ class Driving(RuleBasedStateMachine):
         assert command.velocity.clamped(1, 2) == velocity
         assert command.age != "stale"
         assert self.has_let_go(command), (self.history, self.now)
-        # in time: one that waited has done so for twice the hold at most
-        assert self.now - command.at_ns < max(RULES.deadline_ns, 2 * HOLD_NS + 1)
+        # in time: one that waited has done so for the guard, or for twice the hold at most
+        assert self.now - command.at_ns < max(GUARD_WAIT_NS, 2 * HOLD_NS + 1)
         # armed
         trips = [number for number, e in enumerate(self.history) if e.kind == "trip"]
         if trips:

@@ -20,18 +20,23 @@ S = 1_000_000_000
 
 
 class Publisher:
-    """Notes its zeros; it has the readers that *readers* says."""
+    """Notes its zeros; they are acknowledged as *is_acknowledged* says."""
 
-    def __init__(self, readers: Callable[[], int]) -> None:
-        self._readers = readers
-        self.zeros = 0
+    def __init__(self, now_s: Callable[[], float], is_acknowledged: Callable[[], bool]) -> None:
+        self._now_s = now_s
+        self._is_acknowledged = is_acknowledged
+        self.zeros_s: list[float] = []
 
     @property
-    def readers(self) -> int:
-        return self._readers()
+    def is_acknowledged(self) -> bool:
+        return self._is_acknowledged()
+
+    @property
+    def zeros(self) -> int:
+        return len(self.zeros_s)
 
     def publish(self, cdr: bytes) -> None:
-        self.zeros += 1
+        self.zeros_s.append(self._now_s())
 
 
 class Pipe:
@@ -41,11 +46,14 @@ class Pipe:
         self.began_ns = self._now_ns = 10 * S
         self.written: list[tuple[float, list[object]]] = []  # and after how many seconds
         self.end_s = 0.0
-        self.answers: list[tuple[float, list[str]]] = []
+        self.answers: list[tuple[float, list[Any]]] = []
         self.polls = 0
         self.flushes: list[float] = []
-        self.has_readers_after_s = float("inf")
-        self.publisher = Publisher(lambda: int(self.now_s >= self.has_readers_after_s))
+        self.found_s = {"robot": float("inf")}  # when discovery finds whom
+        self.acknowledges_after_s = 0.0
+        self.publisher = Publisher(
+            lambda: self.now_s, lambda: self.now_s >= self.acknowledges_after_s
+        )
         clock = SimpleNamespace(monotonic_ns=lambda: self._now_ns, sleep=self._pass_s)
         poll = SimpleNamespace(register=lambda *_: None, poll=self._poll)
         monkeypatch.setattr(guard_module, "time", clock)
@@ -58,7 +66,11 @@ class Pipe:
 
     def run(self) -> None:
         """Run a guard until the pipe has ended, and everything stands."""
-        ros = SimpleNamespace(advertise=lambda *_: self.publisher, flush=self.flushes.append)
+        ros = SimpleNamespace(
+            advertise=lambda *_: self.publisher,
+            flush=self.flushes.append,
+            readers=lambda _: {who for who, at_s in self.found_s.items() if self.now_s >= at_s},
+        )
         GuardLoop(ros, round((0.5 + MARGIN_S) * S), ANSWERS).run()  # type: ignore[arg-type]
 
     def answered(self, verb: str) -> list[float]:
@@ -92,8 +104,8 @@ def pipe(monkeypatch: pytest.MonkeyPatch) -> Pipe:
     return Pipe(monkeypatch)
 
 
-def opening(readers: int, after_s: float = 0.0) -> tuple[float, list[Any]]:
-    return (after_s, ["open", TOPIC, TWIST, readers])
+def opening(*readers: str, after_s: float = 0.0, number: int = 1) -> tuple[float, list[Any]]:
+    return (after_s, ["open", TOPIC, TWIST, number, *readers])
 
 
 def test_a_guard_that_is_spoken_to_all_the_time_answers_ten_times_a_second(pipe: Pipe) -> None:
@@ -104,7 +116,7 @@ def test_a_guard_that_is_spoken_to_all_the_time_answers_ten_times_a_second(pipe:
 
 
 def test_a_topic_that_its_readers_do_not_discover_is_open_after_4_s(pipe: Pipe) -> None:
-    pipe.written = [opening(1)]
+    pipe.written = [opening("robot")]
     pipe.end_s = 60.0
     pipe.run()
     # an announcement that is lost is repeated after 3 s
@@ -112,27 +124,74 @@ def test_a_topic_that_its_readers_do_not_discover_is_open_after_4_s(pipe: Pipe) 
 
 
 def test_whether_readers_have_come_is_looked_at_50_times_a_second(pipe: Pipe) -> None:
-    pipe.written = [opening(1)]
+    pipe.written = [opening("robot")]
     pipe.end_s = 60.0
-    pipe.has_readers_after_s = 2.0
+    pipe.found_s["robot"] = 2.0
     pipe.run()
     (opened_s,) = pipe.answered("opened")
     assert opened_s - 2.0 <= 0.021
     assert 90 <= pipe.polls <= 105
 
 
-def test_a_robot_that_comes_up_after_the_topic_was_opened_is_waited_for(pipe: Pipe) -> None:
-    pipe.written = [opening(0), opening(1, after_s=10.0), opening(1, after_s=20.0)]
+def test_a_robot_that_comes_up_beside_other_listeners_is_waited_for(pipe: Pipe) -> None:
+    pipe.written = [
+        opening("recorder", number=1),
+        opening("recorder", "robot", after_s=10.0, number=2),
+        opening("recorder", "robot", after_s=20.0, number=3),
+    ]
     pipe.end_s = 60.0
-    pipe.has_readers_after_s = 12.0
+    pipe.found_s = {"recorder": 0.0, "other": 0.0, "robot": 12.0}
     pipe.run()
     times_s = [pytest.approx(seconds, abs=0.021) for seconds in (0.0, 12.0, 20.0)]
     assert pipe.answered("opened") == times_s
+    assert [answer[2] for _, answer in pipe.answers if answer[0] == "opened"] == [1, 2, 3]
+
+
+PROVE = ["prove", TOPIC, 0, ""]
+
+
+def test_that_zeros_arrive_is_proved_once_all_have_acknowledged_one(pipe: Pipe) -> None:
+    pipe.written = [opening(), (1.0, PROVE), (1.1, PROVE)]
+    pipe.end_s = 60.0
+    pipe.acknowledges_after_s = 1.23
+    pipe.run()
+    assert pipe.answered("proved") == [pytest.approx(1.23, abs=0.006)]
+    # sent again in time: a lifespan of 250 ms that ends would count as acknowledged
+    assert pipe.publisher.zeros_s == [pytest.approx(1 + n / 10, abs=0.021) for n in range(3)]
+    assert pipe.polls < 60
+
+
+def test_a_listener_that_was_killed_and_never_acknowledges_delays_for_1_5_s(pipe: Pipe) -> None:
+    pipe.written = [opening(), (1.0, PROVE)]
+    pipe.end_s = 60.0
+    pipe.acknowledges_after_s = 100.0
+    pipe.run()
+    assert pipe.answered("proved") == [pytest.approx(2.5, abs=0.006)]
+
+
+def test_a_robot_that_joins_ends_the_proof_for_those_before(pipe: Pipe) -> None:
+    pipe.written = [opening(number=1), (1.0, PROVE), opening("robot", after_s=1.1, number=2)]
+    pipe.end_s = 60.0
+    pipe.acknowledges_after_s = 1.2
+    pipe.run()
+    assert pipe.answered("proved") == []
+
+
+def test_a_stop_goes_on_until_the_robot_is_discovered_and_has_it_though_others_have(
+    pipe: Pipe,
+) -> None:
+    pipe.written = [opening("recorder", "robot"), (0.1, ["moving", TOPIC, 0, ""])]
+    pipe.end_s = 0.2
+    pipe.found_s = {"recorder": 0.0, "robot": 1.0}
+    pipe.acknowledges_after_s = 2.0
+    pipe.run()
+    assert sum(at_s >= 2.0 for at_s in pipe.publisher.zeros_s) == ZEROS
+    assert pipe.publisher.zeros_s[-1] == pytest.approx(2.2, abs=0.06)
 
 
 def test_the_last_zero_is_waited_for_within_the_time_that_the_gateway_has(pipe: Pipe) -> None:
-    pipe.written = [opening(1), (0.1, ["moving", TOPIC, 0, ""])]
-    pipe.end_s = pipe.has_readers_after_s = 0.2
+    pipe.written = [opening("robot"), (0.1, ["moving", TOPIC, 0, ""])]
+    pipe.end_s = pipe.found_s["robot"] = 0.2
     pipe.run()
     assert pipe.publisher.zeros == ZEROS
     assert pipe.flushes == [0.5]

@@ -13,6 +13,7 @@ from gateway.guard import supervisor
 from gateway.guard.supervisor import GuardProcess
 from gateway.guard.watch import ZEROS
 from gateway.ports import Sample
+from gateway.ros.graph import read_readers
 from schemas.installed import InstalledDefinitions
 from tests.client import TIMEOUT_S, eventually
 from tests.ros.outside import Outside
@@ -25,6 +26,11 @@ def outside() -> Iterator[Outside]:
     outside = Outside()
     yield outside
     outside.close()
+
+
+def readers(outside: Outside) -> frozenset[str]:
+    """Return the ids of its subscriptions, which are the same in all processes."""
+    return read_readers(outside.node, TOPIC)
 
 
 def guard_process() -> GuardProcess:
@@ -40,9 +46,9 @@ async def test_the_end_of_the_pipe_stops_what_moves_with_the_stamp_and_frame_it_
     states: list[GuardState] = []
     offset_ns = 10**18
     async with guard_process() as guard:
-        guard.open(TOPIC, TWIST_STAMPED, 1, states.append)
+        guard.open(TOPIC, TWIST_STAMPED, readers(outside), states.append)
         guard.start()
-        await eventually(lambda: states == ["ready"])
+        await eventually(lambda: states == ["prepared"])
         guard.moving(TOPIC, offset_ns, "base")
         before_ns = time.monotonic_ns()
     await eventually(lambda: len(heard) == ZEROS)
@@ -62,9 +68,9 @@ async def test_a_gateway_that_is_silent_is_stopped_for_and_one_that_has_stopped_
     outside.add_subscription(TOPIC, TWIST, heard.extend)
     states: list[GuardState] = []
     async with guard_process() as guard:
-        guard.open(TOPIC, TWIST, 1, states.append)
+        guard.open(TOPIC, TWIST, readers(outside), states.append)
         guard.start()
-        await eventually(lambda: states == ["ready"])
+        await eventually(lambda: states == ["prepared"])
         guard.moving(TOPIC, 0, "")
         guard.rest(TOPIC)
         guard.moving(TOPIC, 0, "")
@@ -77,6 +83,20 @@ async def test_a_gateway_that_is_silent_is_stopped_for_and_one_that_has_stopped_
 async def test_a_type_that_is_not_there_cannot_be_guarded():
     states: list[GuardState] = []
     async with guard_process() as guard:
-        guard.open(TOPIC, "no_msgs/msg/Such", 0, states.append)
+        guard.open(TOPIC, "no_msgs/msg/Such", (), states.append)
         guard.start()
         await eventually(lambda: states == ["lost"])
+
+
+async def test_a_guard_is_ready_once_every_reliable_listener_has_a_zero(outside: Outside):
+    heard: list[Sample] = []
+    outside.add_subscription(TOPIC, TWIST, heard.extend)
+    states: list[GuardState] = []
+    async with guard_process() as guard:
+        guard.open(TOPIC, TWIST, readers(outside), states.append)
+        guard.start()
+        await eventually(lambda: states == ["prepared"])
+        assert heard == []
+        guard.prove(TOPIC, 0, "")
+        await eventually(lambda: states == ["prepared", "ready"])
+        await eventually(lambda: bool(heard))

@@ -15,7 +15,7 @@ import orjson
 import pytest
 
 from gateway.drive.effects import GuardState
-from gateway.guard import MARGIN_S, REPEAT_S, supervisor
+from gateway.guard import MARGIN_S, MAX_LINE_BYTES, REPEAT_S, supervisor
 from gateway.guard.supervisor import GuardProcess
 from tests.client import eventually
 from tests.server.timers import Timers
@@ -33,13 +33,16 @@ def say(*message):
 say("ready")
 for line in sys.stdin:
     verb, *rest = json.loads(line)
+    if verb == "open":
+        number = rest[2]
     print(line, end="", file=sys.stderr, flush=True)
     if verb == "open":
-        say("opened", rest[0])
+        say("opened", rest[0], number)
     {then}
 """
 ANSWERS = OBEDIENT.format(then='say("heard")')
 SILENT = OBEDIENT.format(then="pass")
+SLOW = OBEDIENT.format(then='if verb == "moving": say("opened", rest[0], 0)')
 ENDS = OBEDIENT.format(then='if verb == "moving": break')
 A_LINE_OF_NONSENSE = OBEDIENT.format(then='if verb == "moving": print("x", flush=True)')
 NONSENSE = OBEDIENT.format(then='if verb == "moving": print("x" * 9000, end="", flush=True)')
@@ -72,7 +75,7 @@ async def supervised(source: str) -> AsyncIterator[tuple[GuardProcess, list[Guar
     async with GuardProcess("_guard", "/", None, deadline_s=0.5) as guard:
         guard.command = (sys.executable, "-c", source)
         guard.start()
-        guard.open(TOPIC, TWIST, 2, states.append)
+        guard.open(TOPIC, TWIST, ["b", "a"], states.append)
         yield guard, states
 
 
@@ -82,17 +85,39 @@ def is_running(pid: int) -> bool:
 
 async def test_a_topic_that_was_opened_before_the_guard_was_ready_is_opened_then():
     async with supervised(ANSWERS) as (guard, states):
-        await eventually(lambda: states == ["ready"])
+        await eventually(lambda: states == ["prepared"])
         pid = guard.pid
         assert pid is not None
     assert not is_running(pid)
+
+
+async def test_an_answer_to_what_was_asked_before_says_nothing_of_who_has_joined_since():
+    async with supervised(SLOW) as (guard, states):
+        await eventually(lambda: states == ["prepared"])
+        guard.open(TOPIC, TWIST, ["c"], states.append)
+        await eventually(lambda: states == ["prepared"] * 2)
+        guard.moving(TOPIC, 0, "")  # to which it answers as if to the first
+        others: list[GuardState] = []
+        guard.open("/other", TWIST, [], others.append)
+        await eventually(lambda: others == ["prepared"])
+        assert states == ["prepared"] * 2
+
+
+async def test_of_many_who_listen_a_line_has_room_for_100(capfd):
+    async with supervised(ANSWERS) as (guard, states):
+        await eventually(lambda: states == ["prepared"])
+        guard.open(f"/{'t' * 249}", TWIST, [f"{n:032x}" for n in range(200)], states.append)
+        await eventually(lambda: states == ["prepared"] * 2)
+    line = capfd.readouterr().err.splitlines()[-1]
+    assert len(orjson.loads(line)) == 4 + 100
+    assert len(line) < MAX_LINE_BYTES
 
 
 async def test_what_is_said_reaches_the_guard_and_repetitions_within_20_ms_do_not(
     capfd, clock: Clock
 ):
     async with supervised(ANSWERS) as (guard, states):
-        await eventually(lambda: states == ["ready"])
+        await eventually(lambda: states == ["prepared"])
         for _ in range(3):
             guard.moving(TOPIC, 5, "base")
             clock.now_s += 0.009
@@ -101,18 +126,18 @@ async def test_what_is_said_reaches_the_guard_and_repetitions_within_20_ms_do_no
         guard.close(TOPIC)
     heard = capfd.readouterr().err.splitlines()
     moving = f'["moving","{TOPIC}",5,"base"]'
-    expected = [f'["open","{TOPIC}","{TWIST}",2]', moving, moving]
+    expected = [f'["open","{TOPIC}","{TWIST}",0,"a","b"]', moving, moving]
     assert heard == [*expected, f'["rest","{TOPIC}"]', f'["close","{TOPIC}"]']
 
 
 @pytest.mark.parametrize("source", [ENDS, NONSENSE, A_LINE_OF_NONSENSE])
 async def test_a_guard_that_is_lost_is_replaced(source: str):
     async with supervised(source) as (guard, states):
-        await eventually(lambda: states == ["ready"])
+        await eventually(lambda: states == ["prepared"])
         first = guard.pid
         guard.moving(TOPIC, 0, "")
-        await eventually(lambda: states == ["ready", "lost"])
-        await eventually(lambda: states == ["ready", "lost", "ready"])
+        await eventually(lambda: states == ["prepared", "lost"])
+        await eventually(lambda: states == ["prepared", "lost", "prepared"])
         assert guard.pid != first
         assert first is not None
         await eventually(lambda: not is_running(first))
@@ -122,7 +147,7 @@ async def test_a_guard_that_answers_nothing_for_a_second_while_something_moves_i
     clock: Clock,
 ):
     async with supervised(SILENT) as (guard, states):
-        await eventually(lambda: states == ["ready"])
+        await eventually(lambda: states == ["prepared"])
         for number in range(100):
             guard.moving(TOPIC, 0, "")
             assert ("lost" in states) == (number > 33)
@@ -131,11 +156,11 @@ async def test_a_guard_that_answers_nothing_for_a_second_while_something_moves_i
 
 async def test_a_guard_that_is_not_spoken_to_owes_no_answer(clock: Clock):
     async with supervised(SILENT) as (guard, states):
-        await eventually(lambda: states == ["ready"])
+        await eventually(lambda: states == ["prepared"])
         for _ in range(3):
             guard.moving(TOPIC, 0, "")
             clock.now_s += 10
-        assert states == ["ready"]
+        assert states == ["prepared"]
 
 
 async def test_a_guard_that_cannot_be_started_is_tried_again():
@@ -194,15 +219,15 @@ def test_the_guard_waits_for_the_configured_deadline_and_its_margin(deadline_s: 
 
 async def test_a_lost_guard_is_a_fault_until_another_is_ready():
     async with supervised(ANSWERS) as (guard, states):
-        await eventually(lambda: states == ["ready"])
+        await eventually(lambda: states == ["prepared"])
         assert guard.faults() == ()
         assert guard.pid is not None
         os.kill(guard.pid, signal.SIGKILL)
-        await eventually(lambda: states == ["ready", "lost"])
+        await eventually(lambda: states == ["prepared", "lost"])
         (fault,) = guard.faults()
         assert fault.severity == "degraded"
         assert fault.text.startswith("the guard process has ended: commands to move are refused")
-        await eventually(lambda: states == ["ready", "lost", "ready"])
+        await eventually(lambda: states == ["prepared", "lost", "prepared"])
         assert guard.faults() == ()
 
 

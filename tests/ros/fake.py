@@ -60,6 +60,13 @@ class FakePublisher:
     retained: deque[Sample] = field(default_factory=deque)
     on_event: Callable[[TopicEvent], None] = lambda _: None
     reported: list[TopicEvent] = field(default_factory=list)
+    met: set[str] = field(default_factory=set)
+
+    def new_matches(self) -> int:
+        known = len(self.met)
+        own = [each for each in self.ros.subscriptions if each.takes_from(self)]
+        self.met |= {each.id for each in own}
+        return len(self.met) - known
 
     def publish(self, cdr: bytes) -> None:
         assert self in self.ros.publishers, "published after close"
@@ -102,6 +109,7 @@ class FakeSubscription:
     on_samples: Callable[[Sequence[Sample]], None]
     on_event: Callable[[TopicEvent], None]
     node: str
+    id: str = field(init=False)
     qos: Qos = field(init=False)
     offers: list[Endpoint] = field(init=False)
     waiting: deque[Sample] = field(default_factory=deque)
@@ -110,6 +118,8 @@ class FakeSubscription:
     lost: int = 0
 
     def __post_init__(self) -> None:
+        self.ros.subscribed += 1
+        self.id = f"{self.ros.subscribed:032x}"
         self.offers = self.matching()
         self.qos = adopt(self.asked, self.offers)
 
@@ -224,6 +234,7 @@ class FakeRos:
         self.options = options or RosOptions()
         self.now = 1_700_000_000_000_000_000
         self.published = 0
+        self.subscribed = 0
         self.publishers: list[FakePublisher] = []
         self.subscriptions: list[FakeSubscription] = []
         self.clients: list[FakeClient] = []
@@ -332,6 +343,10 @@ class FakeRos:
         )
         return tuple(TypeHolder(node, self._hash(type_name)) for node in nodes)
 
+    def readers(self, topic: str) -> frozenset[str]:
+        others = [each for each in self.subscriptions if not self.is_own(each.node)]
+        return frozenset(each.id for each in others if each.topic == topic)
+
     def topic_types(self, topic: str) -> tuple[str, ...]:
         publishers = [p for p in self.publishers if p.topic == topic]
         subscriptions = [s for s in self.subscriptions if s.topic == topic]
@@ -422,6 +437,10 @@ class FakeRos:
         return self.open_subscription(
             topic, type_name, qos or Qos(), on_samples, lambda _: None, node
         )
+
+    def remove_subscription(self, subscription: FakeSubscription) -> None:
+        """Let a subscription vanish."""
+        subscription.close()
 
     def add_client(self, name: str, type_name: str, node: str = "/outside") -> FakeClient:
         """Add a client of a service."""

@@ -80,6 +80,10 @@ class Outside:
             raw=True,
         )
 
+    def remove_subscription(self, subscription: Any) -> None:
+        self.node.destroy_subscription(subscription)
+        self._guard.trigger()  # else it lasts as long as the wait of the executor
+
     def add_client(self, name: str, type_name: str) -> OutsideClient:
         return OutsideClient(self.node, name, type_name, lambda: self.is_known(name))
 

@@ -331,6 +331,28 @@ async def test_a_publisher_hears_of_subscriptions_to_another_type(robot: Robot) 
     assert reasons[0].problem.startswith("topic /count: /outside subscribes to std_msgs/msg/String")
 
 
+async def test_who_joins_in_the_place_of_another_is_known_as_another(robot: Robot) -> None:
+    _, publisher = advertise(robot, "/count", Qos())
+    assert publisher.new_matches() == 0
+    found: list[frozenset[str]] = []
+    for _ in range(2):
+        subscription = robot.world.add_subscription("/count", INT32, lambda _: None)
+        await eventually(lambda: publisher.new_matches() == 1)
+        found.append(robot.ros.readers("/count"))  # at once: the graph need not have reported it
+        assert [len(each) for each in found] == [1] * len(found)
+        robot.world.remove_subscription(subscription)
+        await eventually(lambda: robot.ros.readers("/count") == frozenset())
+    assert found[0] != found[1]
+    assert publisher.new_matches() == 0
+
+
+async def test_the_gateways_own_subscriptions_are_nobody_who_joins(robot: Robot) -> None:
+    _, publisher = advertise(robot, "/count", Qos())
+    subscribe(robot, "/count")
+    await eventually(lambda: publisher.new_matches() == 1)
+    assert robot.ros.readers("/count") == frozenset()
+
+
 async def test_no_subscription_is_told_of_after_close(robot: Robot) -> None:
     reasons, publisher = advertise(robot, "/map", Qos(durability="volatile"))
     publisher.close()

@@ -11,6 +11,7 @@ const CAUSES = {
   invalid_value: "a command was wrong",
   backlog: "commands came late",
   guard: "the process that would stop it was lost",
+  reader: "another program began to listen",
   shutdown: "the gateway ended",
 };
 
@@ -37,7 +38,7 @@ export function sentence(frame) {
 
 /** Return what a `status` says, without what only programs can do about it. */
 export function refusal({ code, msg }) {
-  if (code === "tripped") return "The robot was stopped, and took no command since. Let go of everything, then drive on.";
+  if (code === "tripped" && msg.includes(" is stopped, ")) return "The robot was stopped, and took no command since. Let go of everything, then drive on.";
   if (code === "stale_command") return "What you held came late and was not carried out: the connection or this device is slow.";
   if (code !== "not_lease_holder") return msg;
   const [first] = msg.split(";");

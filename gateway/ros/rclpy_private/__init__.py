@@ -28,7 +28,8 @@ context managers they keep rcl's object alive, and ``pointer`` is its address in
     With ``take_event()``, which returns what rcl has counted, and the change since the last call,
     and ``destroy_when_not_in_use()``; raises ``UnsupportedEventTypeError`` where the middleware
     lacks a kind. rclpy's own way needs an executor. Without it: nobody hears of missed deadlines
-    and lost messages (`gateway.ros.qos_events`).
+    and lost messages (`gateway.ros.qos_events`), and a robot that joins while somebody drives is
+    noticed a little later.
 ``Clock.handle.get_now().nanoseconds``
     `rclpy.clock.Clock.now` returns the same, wrapped in a ``Time``.
 ``RCLError`` and ``InvalidHandle`` are RuntimeErrors
@@ -80,6 +81,7 @@ from gateway.ros.rclpy_private.handles import (
     events_executor,
     message_taker,
     missed_deadlines,
+    new_matches,
     raw_publisher,
     request_sender,
     request_taker,
@@ -116,6 +118,7 @@ __all__ = [
     "events_executor",
     "message_taker",
     "missed_deadlines",
+    "new_matches",
     "raw_publisher",
     "request_sender",
     "request_taker",

@@ -116,6 +116,12 @@ def missed_deadlines(publisher: Publisher) -> tuple[Callable[[], int], Callable[
     return _event_count(publisher, event, "total_count_change")
 
 
+def new_matches(publisher: Publisher) -> tuple[Callable[[], int], Callable[[], None]]:
+    """Return what `subscription_count` does, for the subscriptions that a publisher has found."""
+    kind = rclpy_implementation.rcl_publisher_event_type_t.RCL_PUBLISHER_MATCHED
+    return _event_count(publisher, kind, "total_count_change")
+
+
 def _event_count(
     entity: Any, kind: Any, change: str
 ) -> tuple[Callable[[], int], Callable[[], None]]:

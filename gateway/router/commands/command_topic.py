@@ -84,7 +84,7 @@ class CommandTopic:
         self._drive = Drive(name, rules)
         self._publisher: Publisher | None = None
         self._guarded_type: str | None = None
-        self._readers = 0  # the subscriptions that ROS knows
+        self._readers: frozenset[str] = frozenset()  # that ROS knows
         self._frame_id = ""
         self._is_guarded = False
         self._has_failed = False  # the last command, on its way out
@@ -111,6 +111,8 @@ class CommandTopic:
             self.name, message_type.name, COMMAND_QOS, self._on_event
         )
         self.message_type = message_type
+        self._publisher.new_matches()  # it counts from now on, and who is there is looked for now
+        self._look_for_readers()
 
     def _on_event(self, event: TopicEvent) -> None:
         """Log a subscription that no command reaches, and warn whoever drives."""
@@ -131,21 +133,25 @@ class CommandTopic:
             self._guard.close(self.name)
         self._guarded_type = type_name
         self._apply(self._drive.set_guard("starting", self._now_ns()))
-        self._readers = self._count_readers()
+        self._readers = self._ros.readers(self.name)
         self._guard.open(self.name, type_name, self._readers, self._on_guard)
 
     def on_graph_change(self, types: tuple[str, ...]) -> None:
-        """Have the guard prepare for the first robot; *types* are those that ROS knows.
-
-        A robot that comes up while somebody pushes the stick does not move: the guard has not
-        discovered it yet.
-        """
+        """Have the guard prepare for who listens; *types* are those that ROS knows."""
         if self._guarded_type is None or (not self.is_open and types != (self._guarded_type,)):
             if len(types) == 1 and types[0] in COMMAND_TYPES:
                 self.prepare(types[0])
             return
-        known, self._readers = self._readers, self._count_readers()
-        if self._readers and not known:
+        self._look_for_readers()
+
+    def _look_for_readers(self) -> None:
+        """Stop for a subscription of another node that is new, and have the guard prepare for it.
+
+        It may be that of a robot: the guard cannot stop it yet. If somebody pushes the stick, the
+        robot does not move until that is let go.
+        """
+        known, self._readers = self._readers, self._ros.readers(self.name)
+        if self._guarded_type is not None and not self._readers <= known:
             self._apply(self._drive.set_guard("starting", self._now_ns()))
             self._guard.open(self.name, self._guarded_type, self._readers, self._on_guard)
 
@@ -274,6 +280,8 @@ class CommandTopic:
     # What the drive wants done
 
     def _apply(self, effects: Iterable[Effect]) -> None:
+        if self._drive.waits_for_proof:
+            self._guard.prove(self.name, self._stamp_offset_ns(), self._frame_id)
         for effect in effects:
             try:
                 self._carry_out(effect)
@@ -327,23 +335,34 @@ class CommandTopic:
     def _publish(self, effect: Send) -> None:
         if self._publisher is None or self.message_type is None:
             return
-        stamp_ns = self._ros.now_ns() if self.message_type.name == TWIST_STAMPED else 0
+        publisher, type_name = self._publisher, self.message_type.name
         is_zero = effect.velocity.is_zero
         if self._is_guarded or not is_zero:
             self._is_guarded = True
-            offset_ns = stamp_ns - time.monotonic_ns() if stamp_ns else 0
-            self._guard.moving(self.name, offset_ns, self._frame_id)
+            self._guard.moving(self.name, self._stamp_offset_ns(), self._frame_id)
+        if not is_zero and publisher.new_matches():
+            self._look_for_readers()  # before the graph has reported it
         self._has_failed = True
-        cdr = encode(self.message_type.name, effect.velocity, stamp_ns, self._frame_id)
-        # The guard was found lost just now, or the gateway stood still here while the guard stopped
-        # the robot: asked by the clock, not as of this turn, and as late as can be.
+        stamp_ns = self._ros.now_ns() if type_name == TWIST_STAMPED else 0
+        cdr = encode(type_name, effect.velocity, stamp_ns, self._frame_id)
+        # The guard was found lost just now, or a robot has joined, or the gateway stood still here
+        # while the guard stopped the robot: asked by the clock, not as of this turn, and as late as
+        # can be.
         if not is_zero and not self._drive.may_move(time.monotonic_ns()):
             return
         try:
-            self._publisher.publish(cdr)
+            publisher.publish(cdr)
             self._has_failed = False
         except RosError as error:
             logger.error("%s", error, extra={"topic": self.name})
+        if not is_zero and publisher.new_matches():
+            self._look_for_readers()  # who was found in these microseconds hears a zero at once
+
+    def _stamp_offset_ns(self) -> int:
+        """Return ROS time less the monotonic clock, if messages have a stamp."""
+        if self.message_type is None or self.message_type.name != TWIST_STAMPED:
+            return 0
+        return self._ros.now_ns() - time.monotonic_ns()
 
     def _refuse(self, refused: Refused) -> None:
         session, request = refused.command.client, refused.command.request
@@ -377,10 +396,6 @@ class CommandTopic:
         driver = self.drivers.pop(session, None)
         if driver is not None:
             self._counts.published += driver.commands
-
-    def _count_readers(self) -> int:
-        topics = self._ros.graph().topics
-        return sum(len(topic.subscribers) for topic in topics if topic.name == self.name)
 
     def _on_guard(self, state: GuardState) -> None:
         self._apply(self._drive.set_guard(state, self._now_ns()))

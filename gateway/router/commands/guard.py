@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command topics' interface to whoever stops the robot if this process cannot."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import Protocol
 
 from gateway.drive.effects import GuardState
@@ -19,11 +19,21 @@ class Guard(Protocol):
         """The number of times that it was lost."""
 
     def open(
-        self, topic: str, type_name: str, readers: int, on_state: Callable[[GuardState], None]
+        self,
+        topic: str,
+        type_name: str,
+        readers: Collection[str],
+        on_state: Callable[[GuardState], None],
     ) -> None:
-        """Prepare for a topic that so many subscriptions are known of.
+        """Prepare for a topic with the subscriptions of these ids, in place of those before.
 
         *on_state* is called with each new state but ``starting``.
+        """
+
+    def prove(self, topic: str, stamp_offset_ns: int, frame_id: str) -> None:
+        """Prove that zeros reach the subscriptions, which takes some: the state becomes ``ready``.
+
+        Asked again meanwhile it goes on.
         """
 
     def close(self, topic: str) -> None:
@@ -46,11 +56,18 @@ class NoGuard:
     losses = 0
 
     def open(
-        self, topic: str, type_name: str, readers: int, on_state: Callable[[GuardState], None]
+        self,
+        topic: str,
+        type_name: str,
+        readers: Collection[str],
+        on_state: Callable[[GuardState], None],
     ) -> None:
         """Report at once that the topic is guarded."""
         del topic, type_name, readers
         on_state("ready")
+
+    def prove(self, topic: str, stamp_offset_ns: int, frame_id: str) -> None:
+        """Ignore it."""
 
     def close(self, topic: str) -> None:
         """Ignore it."""

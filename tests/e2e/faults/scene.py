@@ -22,7 +22,16 @@ _PORT = re.compile(r"wss?://\S+?:(\d+)")
 class Base:
     """What the robot has heard: times of the monotonic clock and speeds, oldest first."""
 
+    process: Process
     heard: list[tuple[int, float]] = field(default_factory=list)
+
+    def end(self, number: signal.Signals) -> None:
+        """End it: by SIGINT it leaves the graph, by SIGKILL it stays there for 20 s."""
+        self.process.send_signal(number)
+
+    @property
+    def is_running(self) -> bool:
+        return self.process.returncode is None
 
     def zero_after(self, since_ns: int) -> int | None:
         """Return when the first zero came after a time, if one has come."""
@@ -74,19 +83,19 @@ async def line(started: Process) -> str:
 @contextlib.asynccontextmanager
 async def base() -> AsyncIterator[Base]:
     """Run the robot."""
-    heard = Base()
 
-    async def listen(robot: Process) -> None:
-        assert robot.stdout is not None
-        async for text in robot.stdout:
+    async def listen(robot: Base) -> None:
+        assert robot.process.stdout is not None
+        async for text in robot.process.stdout:
             at_ns, speed = text.split()
-            heard.heard.append((int(at_ns), float(speed)))
+            robot.heard.append((int(at_ns), float(speed)))
 
-    async with process("tests.e2e.faults.robot") as robot:
-        assert await line(robot) == "ready\n"
+    async with process("tests.e2e.faults.robot") as started:
+        assert await line(started) == "ready\n"
+        robot = Base(started)
         listening = asyncio.create_task(listen(robot))
         try:
-            yield heard
+            yield robot
         finally:
             listening.cancel()
 

@@ -3,7 +3,7 @@
 
 import json
 import time
-from collections.abc import AsyncIterator, Callable, Sequence
+from collections.abc import AsyncIterator, Callable, Collection, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
@@ -35,12 +35,19 @@ class FakeGuard:
         self.on_moving: Callable[[], None] = lambda: None
 
     def open(
-        self, topic: str, type_name: str, readers: int, on_state: Callable[[GuardState], None]
+        self,
+        topic: str,
+        type_name: str,
+        readers: Collection[str],
+        on_state: Callable[[GuardState], None],
     ) -> None:
-        self.told.append(("open", topic, type_name, readers))
+        self.told.append(("open", topic, type_name, len(readers)))
         self.on_state[topic] = on_state
         if self.is_ready:
             on_state("ready")
+
+    def prove(self, topic: str, stamp_offset_ns: int, frame_id: str) -> None:
+        self.told.append(("prove", topic, frame_id))
 
     def close(self, topic: str) -> None:
         self.told.append(("close", topic))

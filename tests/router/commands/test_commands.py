@@ -643,6 +643,64 @@ async def test_a_robot_that_comes_up_while_the_stick_is_pushed_does_not_move(sce
     assert set(speeds(heard)) == {0.0}
 
 
+@pytest.mark.parametrize("is_clean", [True, False], ids=["clean", "crashed"])
+@pytest.mark.parametrize("others", [0, 1, 3])
+@pytest.mark.parametrize("is_reported", [True, False], ids=["reported", "unreported"])
+async def test_a_robot_that_restarts_while_the_stick_is_pushed_does_not_move(
+    scene: Scene, others: int, *, is_clean: bool, is_reported: bool
+):
+    for _ in range(others):
+        scene.listen()
+    robot = scene.ros.add_subscription("/cmd_vel", TWIST, lambda _: None)
+    client = scene.client()
+    push(client)
+    await scene.settle()
+    if is_clean:
+        robot.close()
+    heard = scene.listen()
+    if is_reported:  # else by the publisher alone, before the graph does it
+        await eventually(lambda: scene.guard.verbs.count("open") == 2)
+    push(client)
+    await eventually(lambda: len(heard) >= 3)
+    assert set(speeds(heard)) == {0.0}
+    assert scene.guard.told[-1][0] != "open"
+    opened = [told for told in scene.guard.told if told[0] == "open"]
+    assert opened[1:] == [("open", "/cmd_vel", TWIST, others + 2 - is_clean)]
+    push(client, id=1)
+    code, text = client.statuses[-1]
+    assert code == "tripped"
+    assert "another node began to listen" in text
+
+
+async def test_a_page_that_shows_the_commands_does_not_stop_the_robot(scene: Scene):
+    heard = scene.listen()
+    client = scene.client()
+    push(client)
+    await scene.settle()
+    scene.client().send(op="subscribe", topic="/cmd_vel")
+    await scene.settle()
+    push(client, 0.1)
+    await eventually(lambda: speeds(heard)[:2] == [0.2, 0.1])
+    assert scene.guard.verbs.count("open") == 1
+
+
+async def test_a_command_waits_until_the_guard_has_proved_that_its_zeros_arrive(scene: Scene):
+    heard = scene.listen()
+    scene.guard.is_ready = False
+    client = scene.client()
+    client.send(op="advertise", topic="/cmd_vel", type=TWIST)
+    scene.guard.report("prepared")
+    assert "prove" not in scene.guard.verbs
+    client.send(op="control")
+    assert client.of("control")[-1]["guard"] == "ready"
+    push(client)
+    assert scene.guard.verbs[-1] == "prove"
+    await scene.settle()
+    assert heard == []
+    scene.guard.report("ready")
+    await eventually(lambda: speeds(heard)[:1] == [0.2])
+
+
 async def test_a_client_that_may_not_drive_any_more_is_stopped(scene: Scene):
     heard = scene.listen()
     client = scene.client()

@@ -178,6 +178,8 @@ namespace Ros2Gateway
                     return "many commands came late and at once";
                 case "guard":
                     return "the gateway's guard process was lost";
+                case "reader":
+                    return "another node began to listen, which may be a robot that starts";
                 case "shutdown":
                     return "the gateway shuts down";
                 default:
