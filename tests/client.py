@@ -57,8 +57,15 @@ class Client:
 
 
 @contextlib.asynccontextmanager
-async def client(url: str, **options: Any) -> AsyncIterator[Client]:
-    """Connect a client, without proxies, compression or limits in the way."""
+async def client(
+    url: str, *, level: str | None = "warning", **options: Any
+) -> AsyncIterator[Client]:
+    """Connect a client, without proxies, compression or limits in the way.
+
+    Its address asks for a `status` of *level* or worse; without one it is as a client of rosbridge.
+    """
+    if level is not None:
+        url += f"{'&' if '?' in url else '?'}status={level}"
     options = {
         "compression": None,
         "max_size": None,

@@ -6,6 +6,7 @@ import json
 from collections.abc import Container, Iterable, Mapping
 from typing import Final
 
+MAX_EDITS: Final = 2  # of a name that is misspelt; beyond it is another one
 MAX_ECHO: Final = 128  # characters of a client's own text that come back; logs stay readable
 
 # by pydantic's name of the error
@@ -53,6 +54,32 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
     # Comparing takes the product of the lengths.
     near = difflib.get_close_matches(name[:MAX_ECHO], known, n=1)
     return near[0] if near else None
+
+
+def misspelt(name: str, known: Iterable[str]) -> str | None:
+    """Return the known name of which an unknown one is a misspelling.
+
+    It is two edits away at most, and fewer than half of the name: one from `args`, none from `id`.
+    """
+    near = nearest(name, known)
+    if near is None or _edits(name, near) > min(MAX_EDITS, (len(near) - 1) // 2):
+        return None
+    return near
+
+
+def _edits(one: str, other: str) -> int:
+    """Count the letters to insert, delete, replace or swap with the next one."""
+    before: list[int] = []
+    last = list(range(len(other) + 1))
+    for i, letter in enumerate(one, 1):
+        row = [i]
+        for j, wanted in enumerate(other, 1):
+            count = min(last[j] + 1, row[j - 1] + 1, last[j - 1] + (letter != wanted))
+            if i > 1 < j and letter == other[j - 2] and one[i - 2] == wanted:
+                count = min(count, before[j - 2] + 1)
+            row.append(count)
+        before, last = last, row
+    return last[-1]
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Clients' errors, as exceptions that become `status` frames."""
 
-from typing import Literal
+from typing import ClassVar, Literal
+
+Level = Literal["none", "error", "warning", "info"]
 
 StatusCode = Literal[
     "bad_json",  # not UTF-8, neither JSON nor CBOR, too deep, duplicate keys
@@ -33,8 +35,11 @@ StatusCode = Literal[
 class ProtocolError(Exception):
     """A client's request cannot be carried out.
 
-    ``code`` is for programs, the text for people: subject, value, limit, unit.
+    ``code`` is for programs, the text for people: subject, value, limit, unit. The *level* is that
+    of the `status` that answers the request.
     """
+
+    level: ClassVar[Level] = "error"
 
     def __init__(self, code: StatusCode, reason: str) -> None:
         super().__init__(reason)
@@ -45,6 +50,18 @@ def over_limit(limit: int, what: str, setting: str) -> ProtocolError:
     """Return the refusal of one more than a setting of `gateway.config.limits` allows."""
     text = f"at most {limit} {what}: end one, or raise limits.{setting}"
     return ProtocolError("limit_exceeded", text)
+
+
+class NothingThereError(ProtocolError):
+    """A client ends or answers what it does not have, or no longer.
+
+    That is a warning, as in rosbridge's specification: who ends something twice is not wrong.
+    """
+
+    level = "warning"
+
+    def __init__(self, reason: str) -> None:
+        super().__init__("not_found", reason)
 
 
 def unknown_topic(topic: str) -> str:

@@ -2,14 +2,12 @@
 """The frames that the server sends, as JSON bytes."""
 
 from collections.abc import Mapping
-from typing import Any, Final, Literal
+from typing import Any, Final
 
 import orjson
 
 from gateway.codec.json import dumps
-from gateway.protocol.errors import StatusCode
-
-Level = Literal["none", "error", "warning", "info"]
+from gateway.protocol.errors import Level, StatusCode
 
 SEVERITY: Final[Mapping[Level, int]] = {"none": 0, "error": 1, "warning": 2, "info": 3}
 

@@ -2,6 +2,7 @@
 """One client's state: its limits, its fragments and its outbox."""
 
 import itertools
+import logging
 from collections.abc import Callable, Hashable
 from typing import Final, NamedTuple
 
@@ -15,7 +16,8 @@ from gateway.codec.json import ascii_only, loads
 from gateway.config.limits import Limits
 from gateway.metrics.histogram import Histogram
 from gateway.protocol import messages
-from gateway.protocol.errors import ProtocolError
+from gateway.protocol.dialect import Dialect
+from gateway.protocol.errors import Level, ProtocolError
 from gateway.protocol.explain import explain
 from gateway.protocol.operations import OPERATIONS, ClientOperation
 from gateway.protocol.operations.base import MAX_ID_CHARACTERS, Operation
@@ -39,6 +41,8 @@ _MAX_HELP_BYTES: Final = 16  # of these, with blanks
 
 # the operations whose failure has a frame of its own, and the key that names their subject
 _NAMED_BY: Final = {"call_service": "service", "send_action_goal": "action"}
+
+logger = logging.getLogger(__name__)
 
 
 class Session:
@@ -83,7 +87,7 @@ class Session:
         self.is_behind = False  # its time budget is spent, and what it has sent waits
         self.replaced = 0  # of what it deferred, by something newer
         self.deferred: dict[Hashable, DeferredWork] = {}
-        self._level: messages.Level = "warning"
+        self._dialect = Dialect()
         self._assembly = Assembly(limits.max_message_bytes)
         # read for every message, and attributes of a pydantic model cost 40 ns more than others
         self._max_json_depth = limits.max_json_depth
@@ -158,9 +162,9 @@ class Session:
                 self.on_forbidden(error, operation)
         self._refuse(error, asked)
 
-    def set_level(self, level: messages.Level) -> None:
+    def set_level(self, level: Level) -> None:
         """Send only `status` frames of this severity or worse."""
-        self._level = level
+        self._dialect.choose(level)
 
     def warn(self, error: ProtocolError, op: str, request_id: str | int | None) -> None:
         """Warn the client of something that may surprise it but is not a failure."""
@@ -203,11 +207,16 @@ class Session:
             values = _object(data, self._max_json_depth, self._max_json_items)
             if values.get("fragment_size") == ROS_SHARP_FRAGMENT_SIZE:
                 self.is_ros_sharp = True
-            return _operation(values)
+            model = _model(values.get("op"))
+            misspelt = self._dialect.note(model.op, values)
+            operation = _read(model, values, misspelt)
         except ProtocolError as error:
             self.unreadable += error.code == "bad_json"
             self._refuse(error, _readable(values))
-        return None
+            return None
+        if misspelt:
+            self.warn(ProtocolError("bad_request", misspelt), operation.op, operation.id)
+        return operation
 
     def _expire(self, now_ns: int) -> None:
         for fragment_id, progress in self._assembly.expire(now_ns):
@@ -226,19 +235,22 @@ class Session:
             case _Asked("send_action_goal", request_id):
                 self.send(messages.action_result(name, request_id, values, status=0, result=False))
             case _:
-                self._say("error", text, error, asked.op, asked.id)
+                self._say(error.level, text, error, asked.op, asked.id)
 
     def _say(
         self,
-        level: messages.Level,
+        level: Level,
         text: str,
         error: ProtocolError | None,
         op: str | None,
         request_id: str | int | None,
     ) -> None:
-        if messages.SEVERITY[level] <= messages.SEVERITY[self._level]:
+        if self._dialect.hears(level):
             code = error.code if error else None
             self.send(messages.status(level, text, code=code, request=op, request_id=request_id))
+        elif error is not None:  # else it confirms what was asked for
+            extra = {"client": self.client}
+            logger.info("status not sent to this client: %s", text, extra=extra)
 
 
 class DeferredWork(NamedTuple):
@@ -299,15 +311,21 @@ def _readable(values: dict[str, object]) -> _Asked:
     return _Asked(truncate(op), _readable_id(values.get("id")), values.get(_NAMED_BY.get(op, "")))
 
 
-def _operation(values: dict[str, object]) -> ClientOperation | Fragment:
-    op = values.get("op")
+def _model(op: object) -> type[ClientOperation | Fragment]:
     model = OPERATIONS.get(op) if isinstance(op, str) else None
     if model is None:
         raise _unknown(op)
+    return model
+
+
+def _read(
+    model: type[ClientOperation | Fragment], values: dict[str, object], misspelt: str
+) -> ClientOperation | Fragment:
     try:
         return model.read(values)
     except ValidationError as error:
-        raise ProtocolError("bad_request", explain(error)) from error
+        hint_ = f"; {misspelt}" if misspelt else ""
+        raise ProtocolError("bad_request", f"{explain(error)}{hint_}") from error
 
 
 def _unknown(op: object) -> ProtocolError:

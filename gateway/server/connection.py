@@ -205,11 +205,11 @@ class Connection(asyncio.BufferedProtocol):
             self._why = self._why or replace(closed_by_gateway(code, reason), code=None)
             self._transport.close()
 
-    def turn_away(self, close_code: int, reason: str, code: StatusCode) -> None:
-        """Close a client that has no session, with words."""
-        # Also as a frame: .NET's WebSocket takes close codes that are newer than itself (1012
-        # to 1014) for an error, and gives its program neither code nor reason.
-        self._protocol.send_text(messages.status("error", reason, code=code))
+    def turn_away(self, close_code: int, reason: str, code: StatusCode | None) -> None:
+        """Close a client that has no session, with words; with a *code* by a `status`, too."""
+        # .NET's WebSocket shows its program no close code of 1012 to 1014, and no reason
+        if code is not None:
+            self._protocol.send_text(messages.status("error", reason, code=code))
         self.close(close_code, reason)
 
     def answer(self, response: Response) -> None:

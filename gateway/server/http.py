@@ -22,7 +22,7 @@ from gateway.server import health
 from gateway.server.health import Health
 from gateway.server.picture_requests import PATHS as PICTURE_PATHS
 from gateway.server.static_files import INDEX, StaticFiles, is_browser, moved, response_of
-from gateway.server.url_options import UrlOptionError, image_format
+from gateway.server.url_options import UrlOptionError, url_options
 
 if TYPE_CHECKING:  # it imports this
     from gateway.server.picture_streams import Viewer
@@ -180,7 +180,7 @@ class HttpFront:
         if path != self._path:
             return protocol.reject(404, f"nothing here; the WebSocket is at {self._path}\n")
         check_target(request.path)
-        image_format(request.path)  # refuses an unknown one while there is a response for it
+        url_options(request.path)  # refuses an unknown one while there is a response for it
         token_in(
             request.headers.get_all("Authorization"), offered_subprotocols(request.headers)
         )  # refuses contradictions while there is a response to do it by
@@ -195,7 +195,7 @@ class HttpFront:
         path = urlsplit(request.path).path
         if path in {"/", self._path}:
             check_target(request.path)
-            image_format(request.path)
+            url_options(request.path)
             if not (is_browser(request) and self._files.find(INDEX)):
                 scheme = "wss" if asker.is_encrypted else "ws"
                 address = f"{scheme}://{request.headers['Host']}{self._path}"

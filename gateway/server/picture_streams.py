@@ -185,6 +185,7 @@ class Pictures:
         viewer = Viewer(self, protocol, request, asker)
         viewer.session = self._router.enter(viewer.flush, address, identity)
         viewer.session.client = asker.name
+        viewer.session.set_level("warning")  # which it shows as the reason why no picture comes
         self._viewers[asker] = viewer
         asker.show(viewer)
         return self._subscribe(protocol, viewer, asker, asked)

@@ -47,7 +47,7 @@ from gateway.server.scrapes import Scrapes
 from gateway.server.static_files import NO_FILES, StaticFiles
 from gateway.server.time_budget import Spending, TimeBudgets
 from gateway.server.tls_handshakes import log_failed_handshakes
-from gateway.server.url_options import image_format
+from gateway.server.url_options import url_options
 
 MakeAdmission = Callable[[RoomFor, WebRules], Admission]
 
@@ -320,14 +320,15 @@ class Server:
 
     def enter(self, connection: Connection, request: Request) -> Session | None:
         """Open a session for a connection, or turn it away."""
+        options = url_options(request.path)
         try:
             identity = self._admission.identify(connection, request.headers)
         except TurnedAwayError as error:
-            connection.turn_away(error.close_code, str(error), error.status)
+            connection.turn_away(error.close_code, str(error), options.told(error.status))
             return None
         session = self._router.enter(connection.flush, connection.address, identity)
         session.client = connection.name
-        session.image_format = image_format(request.path) or session.image_format
+        options.apply(session)
         self._counters.sessions += 1
         self._admission.enter(connection, session, request, time.monotonic())
         return session
@@ -415,12 +416,11 @@ def _client_state(session: Session, spending: Spending, round_trip_s: float | No
 
 
 def _counts(session: Session) -> ClientCounts:
-    outbox = session.outbox
     return ClientCounts(
         operations=session.received,
         refused=session.refused,
         replaced=session.replaced,
-        frames=outbox.sent,
-        dropped_by_full_queue=outbox.dropped,
-        coalesced=outbox.coalesced,
+        frames=session.outbox.sent,
+        dropped_by_full_queue=session.outbox.dropped,
+        coalesced=session.outbox.coalesced,
     )

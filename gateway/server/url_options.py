@@ -1,27 +1,56 @@
 # SPDX-License-Identifier: Apache-2.0
 """The options that a client sets in the address of the WebSocket, for all that it does."""
 
+from collections.abc import Sequence
+from typing import NamedTuple, cast
 from urllib.parse import parse_qs, urlsplit
 
+from gateway.protocol.errors import Level, StatusCode
+from gateway.protocol.messages import SEVERITY
 from gateway.protocol.operations.topics import IMAGE_FORMATS, ImageFormat
+from gateway.protocol.session import Session
 
 
 class UrlOptionError(ValueError):
     """Raised when an address asks for something that is not there; the text is for the client."""
 
 
-def image_format(target: str) -> ImageFormat | None:
-    """Return the format of a request target's `images`; ``None`` without it.
+class UrlOptions(NamedTuple):
+    """The options of an address; ``None`` is for those that it leaves out."""
+
+    images: ImageFormat | None
+    status: Level | None  # as by `set_level`
+
+    def told(self, code: StatusCode) -> StatusCode | None:
+        """Return the code of a `status` to a client that is turned away, if it asks for one."""
+        return None if self.status in {None, "none"} else code
+
+    def apply(self, session: Session) -> None:
+        """Do for a client what its address asks for."""
+        session.image_format = self.images or session.image_format
+        if self.status is not None:
+            session.set_level(self.status)
+
+
+def url_options(target: str) -> UrlOptions:
+    """Return the options in a request's target.
 
     Raises:
-        UrlOptionError: it is no format.
+        UrlOptionError: a value is not available.
     """
     query = urlsplit(target).query
-    asked = parse_qs(query, keep_blank_values=True).get("images") if query else None
-    if asked is None:
+    asked = parse_qs(query, keep_blank_values=True) if query else {}
+    status = _one_of(tuple(SEVERITY), "status", asked)
+    return UrlOptions(_one_of(IMAGE_FORMATS, "images", asked), cast("Level | None", status))
+
+
+def _one_of(known: Sequence[str], name: str, asked: dict[str, list[str]]) -> str | None:
+    """Return the last value of an option; ``None`` without it."""
+    if name not in asked:
         return None
-    if asked[-1] not in IMAGE_FORMATS:
-        *others, last = IMAGE_FORMATS
+    value = asked[name][-1]
+    if value not in known:
+        *others, last = known
         expected = f"{', '.join(others)} or {last}"
-        raise UrlOptionError(f"images: got {asked[-1][:32]!r}, expected {expected}")
-    return asked[-1]
+        raise UrlOptionError(f"{name}: got {value[:32]!r}, expected {expected}")
+    return value

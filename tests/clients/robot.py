@@ -98,8 +98,8 @@ class Robot:
 
     def close(self) -> None:
         """Destroy what was made."""
-        for end in reversed(self._ends):
-            end()
+        while self._ends:
+            self._ends.pop()()
 
 
 async def until(holds: Callable[[], Awaitable[bool]]) -> None:

@@ -2,8 +2,12 @@
 """What the libraries are told of, unasked: roslibpy takes every status for an error of its own."""
 
 import pytest
+from std_msgs.msg import String
 
+from tests.client import client as connected
 from tests.clients.driver import Connection
+from tests.clients.robot import Robot
+from tests.gateway_process import GatewayProcess
 
 STRING = "std_msgs/String"
 
@@ -19,6 +23,28 @@ async def make_mistakes(client: Connection) -> None:
 async def test_a_mistake_is_told_of(client: Connection):
     await make_mistakes(client)
     assert client.driver.take("warning")
+
+
+async def test_what_happens_on_its_topics_and_services_is_not_told(
+    client: Connection, gateway: GatewayProcess, robot: Robot
+):
+    topic, service = client.own("camera_state"), client.own("own")
+    robot.publish(topic, String(data="x"))
+    await client.subscribe(topic, STRING)
+    await client.next("message", topic)
+    await client.provide(service, "std_srvs/Trigger", {"success": True})
+    await client.ask("get_nodes")
+    async with connected(gateway.url) as other:
+        await other.send(op="events")
+        await other.receive(lambda frame: frame["op"] == "events")
+        await other.send(op="advertise_service", service=service, type="std_srvs/Trigger")
+        robot.close()
+        await other.receive(
+            lambda frame: (frame.get("topic"), frame.get("code")) == (topic, "publisher_gone")
+        )
+        await client.do("unadvertise_service", service=service)  # which is the other's by now
+        await client.ask("get_nodes")
+    assert client.driver.take("warning") == []
 
 
 async def test_a_client_that_wants_no_status_gets_none(client: Connection):

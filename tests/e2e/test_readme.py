@@ -38,7 +38,7 @@ async def drive_by(person: Client, line: str, odometry: str = "/odom") -> None:
 @pytest.mark.brief
 async def test_the_first_minute_goes_as_the_readme_says():
     subscribe, drive, look_up, go, cancel, reset = LINES
-    async with demonstration() as gateway, client(gateway.url) as person:
+    async with demonstration() as gateway, client(gateway.url, level=None) as person:
         await until_it_can_be_driven(person)
         await person.socket.send(subscribe)
         start = await person.message("/odom")
@@ -66,7 +66,10 @@ async def test_the_first_minute_goes_as_the_readme_says():
 
 
 async def test_a_robot_that_takes_stamps_is_driven_by_the_line_that_it_shows():
-    async with demonstration("--twist-stamped") as gateway, client(gateway.url) as person:
+    async with (
+        demonstration("--twist-stamped") as gateway,
+        client(gateway.url, level=None) as person,
+    ):
         lines = [line.strip() for line in gateway.output if '"/cmd_vel"' in line]
         assert len(lines) == 1
         assert json.loads(lines[0])["type"] == "geometry_msgs/msg/TwistStamped"
@@ -95,7 +98,7 @@ async def test_a_robot_in_a_namespace_does_what_the_lines_say_that_it_shows():
 
 
 async def test_each_line_of_help_works_in_the_demonstration():
-    async with demonstration() as gateway, client(gateway.url) as person:
+    async with demonstration() as gateway, client(gateway.url, level=None) as person:
         await person.socket.send("?")
         shown = await person.receive(lambda frame: frame["op"] == "help")
         for frame in shown["try"].values():

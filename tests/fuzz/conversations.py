@@ -341,9 +341,9 @@ class Conversations(RuleBasedStateMachine):
     def ask_a_node(self, who: int, operation: dict[str, Any]) -> None:
         self.ask_of_ros(self.of(who), operation)
 
-    @rule(who=words.numbers, level=words.pick(["error", "warning", "info", "none?", 3]))
+    @rule(who=words.numbers, level=words.pick(["warning", "info", "none?", 3]))
     def set_level(self, who: int, level: Any) -> None:
-        is_known = level in {"error", "warning", "info"}
+        is_known = level in {"warning", "info"}
         operation = {"op": "set_level", "level": level}
         codes = set() if is_known else {"bad_request"}
         self.say(self.of(who), operation, self.new_id(), codes, must=not is_known)
@@ -517,7 +517,10 @@ class Conversations(RuleBasedStateMachine):
 
 
 def is_refusal(frame: Frame, op: str) -> bool:
-    return (frame["op"], frame.get("level"), frame.get("request")) == ("status", "error", op)
+    """Return whether a frame refuses an operation; who ends what is not there gets a warning."""
+    is_absent = frame.get("code") == "not_found" and op != "subscribe"
+    is_status = (frame["op"], frame.get("request")) == ("status", op)
+    return is_status and (frame.get("level") == "error" or is_absent)
 
 
 async def calling(work: Any) -> None:

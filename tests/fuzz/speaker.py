@@ -27,7 +27,9 @@ class Speaker:
 
     @classmethod
     async def open(cls, url: str) -> "Speaker":
-        return cls(await connect(url, compression=None, max_size=None, proxy=None))
+        return cls(
+            await connect(f"{url}?status=warning", compression=None, max_size=None, proxy=None)
+        )
 
     async def say(self, text: str | bytes) -> None:
         """Send a frame, unless the connection is over."""

@@ -13,6 +13,7 @@ import pytest
 from gateway.access.permissions import UNLIMITED, Identity
 from gateway.codec.types import Types
 from gateway.config.limits import Limits
+from gateway.protocol.errors import Level
 from gateway.protocol.session import Session
 from gateway.router.router import Router
 from schemas.folders import SHIPPED
@@ -28,13 +29,21 @@ LIMITS = Limits(max_subscriptions=4, max_advertisements=3)
 class Socketless:
     """A client whose frames are taken from its outbox as soon as it is woken."""
 
-    def __init__(self, router: Router, address: str, identity: Identity | None = UNLIMITED) -> None:
+    def __init__(
+        self,
+        router: Router,
+        address: str,
+        identity: Identity | None = UNLIMITED,
+        level: Level | None = "warning",
+    ) -> None:
         self.router = router
         self.frames: list[Frame] = []
         self.wires: list[bytes] = []
         self.is_paused = False
         self.is_flushing = False
         self.session: Session = router.enter(self.flush, address, identity)
+        if level is not None:  # else it is a client of rosbridge
+            self.session.set_level(level)
 
     def flush(self) -> None:
         if self.is_flushing:  # as a connection does: rendering may report an error
@@ -81,9 +90,13 @@ class Bench:
         self.types = types
 
     def client(
-        self, address: str = "127.0.0.1", *, identity: Identity | None = UNLIMITED
+        self,
+        address: str = "127.0.0.1",
+        *,
+        identity: Identity | None = UNLIMITED,
+        level: Level | None = "warning",
     ) -> Socketless:
-        return Socketless(self.router, address, identity)
+        return Socketless(self.router, address, identity, level)
 
     def cdr(self, type_name: str, **values: Any) -> bytes:
         message_type = self.types.get(type_name)

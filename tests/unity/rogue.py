@@ -100,7 +100,7 @@ class Rogue:
         """Live one connection."""
         assert client.request is not None
         with contextlib.suppress(ConnectionClosed):
-            await self._paths[client.request.path](client)
+            await self._paths[client.request.path.partition("?")[0]](client)
 
     async def _bad_frames(self, client: ServerConnection) -> None:
         await _subscribed(client)

@@ -23,7 +23,7 @@ const OF_TOPIC = [
  */
 export function address() {
   const path = document.querySelector('meta[name="websocket-path"]').getAttribute("content");
-  return `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}${path}`;
+  return `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}${path}?status=warning`;
 }
 
 /**

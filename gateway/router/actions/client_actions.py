@@ -16,7 +16,7 @@ from gateway.codec.errors import CodecError
 from gateway.codec.types import ActionType
 from gateway.ports import Ros, RosError
 from gateway.protocol import messages
-from gateway.protocol.errors import ProtocolError, over_limit
+from gateway.protocol.errors import NothingThereError, ProtocolError, over_limit
 from gateway.protocol.names import ActionName, resolve_action
 from gateway.protocol.operations.actions import (
     ActionFeedback,
@@ -169,7 +169,7 @@ class ClientActions:
     def _own(self, session: Session, action: ActionName) -> ClientAction:
         provided = self._provided.get(action)
         if provided is None or provided.session is not session:
-            raise ProtocolError("not_found", f"action {action} is not provided by this client")
+            raise NothingThereError(f"action {action} is not provided by this client")
         return provided
 
     def _find(
@@ -179,7 +179,7 @@ class ClientActions:
         provided = self._own(session, action)
         goal_id = str(request.id)
         if goal_id not in provided.goals:
-            raise ProtocolError("not_found", f"no goal of {action} with id {request.id!r}")
+            raise NothingThereError(f"no goal of {action} with id {request.id!r}")
         return provided, goal_id
 
     def _open(

@@ -14,7 +14,7 @@ from gateway.codec.types import ActionType
 from gateway.deadline import Deadline
 from gateway.ports import Ros
 from gateway.protocol import messages
-from gateway.protocol.errors import ProtocolError, over_limit
+from gateway.protocol.errors import NothingThereError, ProtocolError, over_limit
 from gateway.protocol.names import ActionName, resolve_action
 from gateway.protocol.operations.actions import CancelActionGoal, SendActionGoal
 from gateway.protocol.outbox import NOTHING, Frame, Queue
@@ -121,7 +121,7 @@ class Goals:
                 sent.cancel()
                 return
         text = f"no goal of {action} with id {request.id!r} is under way"
-        raise ProtocolError("not_found", text)
+        raise NothingThereError(text)
 
     def leave(self, session: Session) -> None:
         """Cancel a client's goals, except for those that it wants to keep."""

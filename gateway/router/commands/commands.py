@@ -12,7 +12,7 @@ from gateway.drive.effects import Rules
 from gateway.drive.twist_cdr import COMMAND_TYPES
 from gateway.metrics.state import ClientPublication, DriveState
 from gateway.ports import Ros, RosError
-from gateway.protocol.errors import ProtocolError, unknown_topic
+from gateway.protocol.errors import NothingThereError, ProtocolError, unknown_topic
 from gateway.protocol.names import TopicName, resolve_topic
 from gateway.protocol.operations.commands import AcquireControl, Control, ReleaseControl, Stop
 from gateway.protocol.operations.topics import Advertise, Publish, Unadvertise
@@ -108,7 +108,7 @@ class Commands:
         driver = topic.drivers.get(session)
         if driver is None or (request.id is not None and request.id not in driver.ids):
             with_id = "" if request.id is None else f" with id {request.id!r}"
-            raise ProtocolError("not_found", f"not advertised: {name}{with_id}")
+            raise NothingThereError(f"not advertised: {name}{with_id}")
         driver.ids.discard(request.id)
         if request.id is None or not driver.ids:
             topic.withdraw(session)

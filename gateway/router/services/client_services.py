@@ -11,7 +11,7 @@ from gateway.codec.errors import CodecError
 from gateway.codec.types import ServiceType
 from gateway.ports import Request, Ros, RosError, Service
 from gateway.protocol import messages
-from gateway.protocol.errors import ProtocolError, over_limit
+from gateway.protocol.errors import NothingThereError, ProtocolError, over_limit
 from gateway.protocol.names import ServiceName, resolve_service
 from gateway.protocol.operations.services import (
     AdvertiseService,
@@ -134,7 +134,7 @@ class ClientServices:
         pending = provided.pending.pop(str(response.id), None)
         if pending is None:
             text = f"no call of {service} with id {response.id!r} waits for a response"
-            raise ProtocolError("not_found", text)
+            raise NothingThereError(text)
         pending.deadline.cancel()
         response_type = provided.type.response
         # roslib and roslibpy send an empty object with every failure
@@ -168,7 +168,7 @@ class ClientServices:
     def _own(self, session: Session, service: ServiceName) -> ClientService:
         provided = self._provided.get(service)
         if provided is None or provided.session is not session:
-            raise ProtocolError("not_found", f"service {service} is not provided by this client")
+            raise NothingThereError(f"service {service} is not provided by this client")
         return provided
 
     def _open(

@@ -9,7 +9,7 @@ from gateway.codec.errors import CodecError
 from gateway.codec.types import MessageType
 from gateway.metrics.state import ClientPublication
 from gateway.ports import Publisher, Ros, RosError, TopicEvent
-from gateway.protocol.errors import ProtocolError, over_limit, unknown_topic
+from gateway.protocol.errors import NothingThereError, ProtocolError, over_limit, unknown_topic
 from gateway.protocol.names import TopicName, resolve_topic
 from gateway.protocol.operations.topics import Advertise, Publish, Unadvertise
 from gateway.protocol.session import Session
@@ -119,7 +119,7 @@ class Publications:
         known = own.get(topic)
         if known is None or (request.id is not None and request.id not in known.ids):
             with_id = "" if request.id is None else f" with id {request.id!r}"
-            raise ProtocolError("not_found", f"not advertised: {topic}{with_id}")
+            raise NothingThereError(f"not advertised: {topic}{with_id}")
         known.ids.discard(request.id)
         if request.id is None or not known.ids:
             self._pictures.forget(session, topic)

@@ -11,7 +11,7 @@ from gateway.codec.picture import COMPRESSED_IMAGE, IMAGE
 from gateway.codec.types import MessageType
 from gateway.metrics.state import ClientTopic, Delivery
 from gateway.ports import Graph, Ros, RosError
-from gateway.protocol.errors import ProtocolError, over_limit
+from gateway.protocol.errors import NothingThereError, ProtocolError, over_limit
 from gateway.protocol.names import TopicName, resolve_topic
 from gateway.protocol.operations.topics import Subscribe, Unsubscribe
 from gateway.protocol.picture_adaptation import STEPS, Step
@@ -166,7 +166,7 @@ class Subscriptions:
                 self._close(subscription)
         if not found:
             with_id = "" if request.id is None else f" with id {request.id!r}"
-            raise ProtocolError("not_found", f"not subscribed to {name}{with_id}")
+            raise NothingThereError(f"not subscribed to {name}{with_id}")
 
     def leave(self, session: Session) -> None:
         """End everything that a client subscribed to."""

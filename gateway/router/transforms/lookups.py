@@ -8,7 +8,7 @@ from typing import Any, Final, NamedTuple
 import orjson
 
 from gateway.codec.json import dumps
-from gateway.protocol.errors import ProtocolError, over_limit
+from gateway.protocol.errors import NothingThereError, ProtocolError, over_limit
 from gateway.protocol.operations.transforms import CancelTransform, LookupTransform
 from gateway.protocol.outbox import Queue
 from gateway.protocol.session import Session
@@ -93,7 +93,7 @@ class TransformLookups:
             ProtocolError: the id is unknown.
         """
         if request.id not in self._periodic.get(session, {}):
-            raise ProtocolError("not_found", f"no repeated lookup with id {request.id!r}")
+            raise NothingThereError(f"no repeated lookup with id {request.id!r}")
         self._end(session, request.id)
 
     def leave(self, session: Session) -> None:

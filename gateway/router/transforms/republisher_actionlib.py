@@ -15,7 +15,7 @@ import orjson
 from gateway.codec.json import dumps
 from gateway.ports import Ros
 from gateway.protocol import messages
-from gateway.protocol.errors import ProtocolError
+from gateway.protocol.errors import NothingThereError, ProtocolError
 from gateway.protocol.operations import ClientOperation
 from gateway.protocol.operations.topics import (
     Advertise,
@@ -103,7 +103,7 @@ class RepublisherActionlib:
         for each in ended:
             goal = own.goals.pop(each, None)
             if goal is None:
-                raise ProtocolError("not_found", f"msg.id: no goal {each!r} is under way")
+                raise NothingThereError(f"msg.id: no goal {each!r} is under way")
             self._republications.end(goal)
         self._forget_idle(session, own)
 

@@ -4,7 +4,7 @@
 from typing import Final
 
 from gateway.protocol import messages
-from gateway.protocol.errors import ProtocolError, over_limit
+from gateway.protocol.errors import NothingThereError, ProtocolError, over_limit
 from gateway.protocol.operations.topics import Subscribe, Unsubscribe
 from gateway.protocol.session import Session
 
@@ -66,7 +66,7 @@ class VirtualTopic:
         self._requests = {name: own for name, own in self._requests.items() if own}
         if not found:
             text = f"not subscribed to {self._name} with id {request.id!r}"
-            raise ProtocolError("not_found", text)
+            raise NothingThereError(text)
 
     def frames(self, message: bytes) -> bytes:
         """Return a message as the client gets it, once for each name that it has requested."""

@@ -66,6 +66,7 @@ def string_type() -> MessageType:
 def subscription(**options: Any) -> Subscription:
     request = Subscribe(topic="/t", **options)
     session = Session(Limits(), lambda: None)
+    session.set_level("warning")
     merged = SubscriptionOptions.merge([request])
     requests = {None: request}
     return Subscription(session, "/t", NAME, requests, merged, TopicCounts(), lambda _: None)

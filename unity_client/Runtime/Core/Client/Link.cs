@@ -231,13 +231,21 @@ namespace Ros2Gateway
             try
             {
                 _attempt = new Attempt(this, _options.NewTransport());
-                _attempt.Transport.Open(address, _attempt);
+                _attempt.Transport.Open(WithWarnings(address), _attempt);
             }
             catch (Exception error)
             {
                 // A transport of the application's own may throw; this is no thread to throw it on.
                 End(0, error.Message);
             }
+        }
+
+        /// <summary>Asks the gateway for warnings, which it sends to no client of rosbridge.</summary>
+        private static Uri WithWarnings(Uri address)
+        {
+            // the option of the application's own address is the last one, which counts
+            string own = address.Query.TrimStart('?');
+            return new UriBuilder(address) { Query = "status=warning" + (own.Length > 0 ? "&" + own : "") }.Uri;
         }
 
         private void Become(ConnectionState state)

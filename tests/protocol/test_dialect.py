@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+import pytest
+
+from gateway.protocol.dialect import Dialect
+from gateway.protocol.operations import OPERATIONS, rosbridge
+
+OWN = [
+    (op, key)
+    for op, model in OPERATIONS.items()
+    for key in model.model_fields
+    if key not in rosbridge.KEYS.get(op, ())
+]
+
+
+def test_rosbridges_own_keys_say_nothing():
+    for op, keys in rosbridge.KEYS.items():
+        dialect = Dialect()
+        assert dialect.note(op, dict.fromkeys(keys, "x")) == ""
+        assert dialect.hears("error")
+        assert not dialect.hears("warning")
+
+
+@pytest.mark.parametrize(("op", "key"), OWN)
+def test_each_own_key_and_operation_begins_warnings(op, key):
+    dialect = Dialect()
+    assert dialect.note(op, {"op": op, key: "x"}) == ""
+    assert dialect.hears("warning")
+    assert not dialect.hears("info")
+
+
+@pytest.mark.parametrize("operation", [{"fields": None}, {"anything": {"else": 1}}, {"sub": "x"}])
+def test_a_null_and_a_key_that_resembles_none_are_ignored(operation):
+    dialect = Dialect()
+    assert dialect.note("subscribe", {"op": "subscribe", **operation}) == ""
+    assert not dialect.hears("warning")
+
+
+@pytest.mark.parametrize(
+    ("op", "key", "near"),
+    [
+        ("subscribe", "feilds", "fields"),
+        ("subscribe", "throtle_rate", "throttle_rate"),
+        ("subscribe", "trottle_rat", "throttle_rate"),
+        ("subscribe", "queue_lenght", "queue_length"),
+        ("subscribe", "Topics", "topic"),
+        ("call_service", "arg", "args"),
+        ("call_service", "sevrise", "service"),
+        ("publish", "mgs", "msg"),
+        ("publish", "tpye", "type"),
+        ("send_action_goal", "fedback", "feedback"),
+        ("lookup_transform", "sorce_frame", "source_frame"),
+        ("ping", "valeu", "value"),
+    ],
+)
+def test_a_misspelt_key_gets_the_one_that_was_meant_once(op, key, near):
+    dialect = Dialect()
+    text = f"{key}: unknown, and ignored; did you mean {near}?"
+    assert dialect.note(op, {"op": op, key: "x"}) == text
+    assert dialect.hears("warning")
+    assert dialect.note(op, {"op": op, key: "x"}) == ""
+
+
+def test_a_key_that_is_there_already_was_not_meant():
+    assert Dialect().note("subscribe", {"topic": "/t", "topics": "/t"}) == ""
+
+
+@pytest.mark.parametrize(
+    "key", ["uid", "ids", "ip", "tag", "queue_size", "latch", "label", "compresn"]
+)
+def test_a_key_of_others_is_no_misspelling(key):
+    assert Dialect().note("subscribe", {"op": "subscribe", key: "x"}) == ""
+
+
+def test_a_bounded_number_of_keys_is_compared():
+    dialect = Dialect()
+    many = {f"{number}": 0 for number in range(63)}
+    dialect.note("subscribe", many)
+    assert dialect.note("subscribe", {"feilds": 0})
+    assert dialect.note("subscribe", {"typ": 0}) == ""
