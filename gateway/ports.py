@@ -44,6 +44,7 @@ class Sample(NamedTuple):
     received_ns: int  # when the middleware took it
     source_ns: int = 0  # when it was published, by the publisher's clock
     number: int | None = None  # of the publisher's samples, where the middleware has one
+    publisher: bytes | None = None  # its id, where samples of a topic are told apart by it
 
     @property
     def origin(self) -> Origin:
@@ -306,8 +307,9 @@ class Ros(RosGraph, Protocol):
 
         *on_samples* gets the samples since its last call, oldest first, never empty, at most
         `MAX_TAKES_PER_TURN` at once. Fields that *qos* leaves open are adopted from the publishers,
-        and again when they change. *on_event* hears of each publisher whose type or
-        offer cannot be matched, of publishers that are gone, and of what DDS counts.
+        and again when they change; even then each sample comes once. *on_event* hears of each
+        publisher whose type or offer cannot be matched, of publishers that are gone, and of what
+        DDS counts.
 
         Raises:
             RosError: the name or the type is invalid, or the type's ROS package is not installed.

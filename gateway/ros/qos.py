@@ -86,8 +86,8 @@ def retains(offer: Qos | Endpoint) -> bool:
     """Return whether a publisher keeps samples for late subscribers, and not just briefly.
 
     rosbridge's publishers are transient local for a second, and clients' through this gateway for
-    some more: to match every subscriber. Who subscribed to them as transient local without need
-    would get some samples twice whenever they come.
+    some more: to match every subscriber. To follow them would replace the reader whenever they
+    come, without need.
     """
     lifespan_ns = offer.lifespan_ns
     return offer.durability == "transient_local" and (
@@ -98,8 +98,8 @@ def retains(offer: Qos | Endpoint) -> bool:
 def is_same_request(one: Qos, other: Qos) -> bool:
     """Return whether two profiles match the same offers, whatever their depths.
 
-    A depth alone is no reason to resubscribe: replacing a subscription may lose a sample, a longer
-    queue seldom saves one.
+    A depth alone is no reason to resubscribe: for seconds each sample would come to two
+    readers, and a longer queue seldom saves one.
     """
     return replace(one, depth=None) == replace(other, depth=None)
 

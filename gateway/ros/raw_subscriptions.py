@@ -3,19 +3,39 @@
 
 import asyncio
 from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Final
 
 from rclpy.node import Node
 
-from gateway.ports import Qos, RosError, Sample, TopicEvent
+from gateway.ports import (
+    BRIEF_LIFESPAN_NS,
+    MAX_TAKES_PER_TURN,
+    Qos,
+    RosError,
+    Sample,
+    TopicEvent,
+)
 from gateway.ros.errors import creation, remapped
 from gateway.ros.graph import read_offers
+from gateway.ros.heard_samples import HeardSamples
 from gateway.ros.message_classes import MessageClasses
 from gateway.ros.name_checks import check_topic
 from gateway.ros.profile import to_profile
-from gateway.ros.qos import Endpoint, adopt, gone, is_same_request, unmatched_publishers
+from gateway.ros.qos import (
+    Endpoint,
+    adopt,
+    gone,
+    is_same_request,
+    retains,
+    unmatched_publishers,
+)
 from gateway.ros.qos_events import QosEvents, QosWatch
 from gateway.ros.samples import OnLost, Reader, Samples, unheard
 from gateway.ros.type_versions import other_versions
+
+# Publishers have discovered a new reader by then: Fast DDS repairs what is lost within 3 s.
+RETIREMENT_S: Final = BRIEF_LIFESPAN_NS / 1e9
 
 
 class RawSubscriptions:
@@ -41,6 +61,10 @@ class RawSubscriptions:
     def __len__(self) -> int:
         """Count the open subscriptions."""
         return len(self._open)
+
+    def after(self, seconds: float, callback: Callable[[], None]) -> asyncio.TimerHandle:
+        """Call back on the loop."""
+        return self._loop.call_later(seconds, callback)
 
     def subscribe(
         self,
@@ -109,8 +133,8 @@ class RawSubscriptions:
 class RawSubscription:
     """One handle; rclpy's subscription behind it is replaced when the offers require another.
 
-    A replacement loses nothing and may deliver something twice: what arrives while both exist,
-    and what a transient-local publisher has retained.
+    The retired one stays until publishers have discovered its successor, so nothing is lost. What
+    comes to both is delivered once, and so is what transient-local publishers give again.
     """
 
     def __init__(
@@ -139,7 +163,10 @@ class RawSubscription:
         self.qos = adopt(asked, self._matching(offers))  # complete
         self._reader: Reader | None = self._read(self.qos)
         self._watch: QosWatch | None = self._watched(self._reader)
-        self._retired: Reader | None = None  # while it delivers its last samples
+        self._retired: Reader | None = None  # the one before, for a while
+        self._timer: asyncio.TimerHandle | None = None  # while samples may come to two readers
+        self._heard = HeardSamples()
+        self._choose_delivery()
 
     @property
     def publishers(self) -> int:
@@ -148,7 +175,9 @@ class RawSubscription:
 
     def join_late(self, on_samples: Callable[[Sequence[Sample]], None]) -> Reader:
         """Open a second reader; see `gateway.ports.RosSubscription.join_late`."""
-        return self._subscriptions.read(self.topic, self._message_class, self.qos, on_samples)
+        reader = self._subscriptions.read(self.topic, self._message_class, self.qos, on_samples)
+        reader.deliver_to(on_samples, with_publishers=True)
+        return reader
 
     @property
     def incompatible(self) -> tuple[TopicEvent, ...]:
@@ -159,6 +188,7 @@ class RawSubscription:
         """Destroy it; no callback comes after. Closing twice is harmless."""
         self._subscriptions.forget(self)
         self._unwatch()
+        self._stop_timer()
         readers = (self._retired, self._reader)
         self._retired = self._reader = None
         for reader in readers:
@@ -176,6 +206,7 @@ class RawSubscription:
         self._refusals.clear()
         if not is_same_request(qos, self.qos):
             self._replace(self._reader, qos)
+        self._choose_delivery()
         for event in gone(self.topic, before, self._matching(offers)):
             if self._reader is not None:  # a callback may close this
                 self._on_event(event)
@@ -193,21 +224,84 @@ class RawSubscription:
                 self._on_event(reason)
 
     def _replace(self, retired: Reader, qos: Qos) -> None:
+        self._end_retirement()  # of one before
+        if self._reader is None:  # a callback has closed this
+            return
         try:
-            self._reader = self._read(qos)
+            reader = self._read(qos)
         except RosError as error:
             kept = f"keeping reliability {self.qos.reliability}"
             self._refusals.append(TopicEvent("qos_incompatible", str(error), kept))
             return
         self._unwatch()
         self.qos = qos
-        self._watch = self._watched(self._reader)
-        self._retired = retired
+        self._retired, self._reader = retired, reader
+        self._watch = self._watched(reader)
+        self._heard.begin()
+        retired.deliver_to(partial(self._compare, retired), with_publishers=True)
+        self._stop_timer()
+        self._timer = self._subscriptions.after(RETIREMENT_S, self._end_retirement)
+
+    def _end_retirement(self) -> None:
+        retired, self._retired = self._retired, None
+        if retired is None:
+            return
+        # what it delivers last may be on its way to its successor
+        self._stop_timer()
+        self._timer = self._subscriptions.after(RETIREMENT_S, self._end_comparison)
         try:
             retired.flush()
+            self._deliver(self._heard.release())
         finally:
-            self._retired = None
             retired.close()
+
+    def _end_comparison(self) -> None:
+        self._timer = None
+        self._choose_delivery()
+
+    def _stop_timer(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+    def _choose_delivery(self) -> None:
+        """Compare samples only while one may come twice: others are to be fast."""
+        reader = self._reader
+        if reader is None:
+            return
+        if self._timer is not None or self._may_repeat():
+            reader.deliver_to(partial(self._compare, reader), with_publishers=True)
+        else:
+            self._heard.forget()
+            reader.deliver_to(self._on_samples, with_publishers=False)
+
+    def _may_repeat(self) -> bool:
+        """Return whether a later reader may get again what this one gets."""
+        if self._asked.durability == "volatile":
+            return False
+        offers = self._matching(self._offers)
+        return not offers or self._is_latched() or any(map(retains, offers))
+
+    def _is_latched(self) -> bool:
+        return self.qos.durability == "transient_local"
+
+    def _compare(self, reader: Reader, samples: Sequence[Sample]) -> None:
+        """Deliver what a reader has taken, unless it was delivered before."""
+        if reader is self._reader and not self._matching(self._offers):
+            # before the first sample: its publisher may retain earlier ones, which go before it
+            self.follow(self._subscriptions.offers(self.topic))
+        if reader is self._reader and self._retired is not None:
+            self._retired.flush()  # it has what was published before the other one was discovered
+        is_retired = reader is not self._reader
+        heard = self._heard
+        self._deliver(
+            heard.hold(samples) if is_retired and self._is_latched() else heard.new(samples)
+        )
+
+    def _deliver(self, samples: Sequence[Sample]) -> None:
+        for first in range(0, len(samples), MAX_TAKES_PER_TURN):
+            if self._reader is not None:  # a callback may close this
+                self._on_samples(samples[first : first + MAX_TAKES_PER_TURN])
 
     def _watched(self, reader: Reader) -> QosWatch:
         events = self._subscriptions.events

@@ -14,7 +14,7 @@ from gateway.ports import MAX_TAKES_PER_TURN, Sample
 from gateway.ros.groups import group_of_one
 from gateway.ros.large_takes import LARGE_SAMPLE_BYTES, TAKES_AT_ONCE, LargeTake, LargeTakes
 from gateway.ros.lost_samples import NO_NUMBER, LostSamples
-from gateway.ros.rclpy_private import message_taker
+from gateway.ros.rclpy_private import message_taker, sample_taker
 from gateway.ros.ready_events import NO_EVENTS, ReadyEvents
 
 OnSamples = Callable[[Sequence[Sample]], None]
@@ -37,6 +37,7 @@ class Samples:
         self.node = node
         self.ready_events = ready_events
         self.large_takes = LargeTakes()
+        self.take_with_publisher = sample_taker()  # for the loop; threads have their own
 
     def read(
         self,
@@ -84,6 +85,8 @@ class Reader:
             )
 
         self._large_takes = samples.large_takes
+        self._take_with_publisher = samples.take_with_publisher
+        self._tells_publishers = False
         self._loop = asyncio.get_running_loop()
         self._message_class = message_class
         self._on_samples = on_samples
@@ -113,6 +116,14 @@ class Reader:
     def entity(self) -> Any:
         """The subscription as rclpy created it."""
         return self._subscription
+
+    def deliver_to(self, on_samples: OnSamples, *, with_publishers: bool) -> None:
+        """Deliver from now on to another callback, samples with the ids of their publishers or not.
+
+        Without is faster.
+        """
+        self._on_samples = on_samples
+        self._tells_publishers = with_publishers
 
     def close(self) -> None:
         """Deliver nothing any more and destroy the subscription. Closing twice is harmless."""
@@ -148,6 +159,8 @@ class Reader:
 
     def _take(self) -> list[Sample]:
         """Take until empty, whatever was counted: one arrival may complete several samples."""
+        if self._tells_publishers:
+            return self._note_numbers(self._take_with_publishers())
         take = self._take_message
         message_class = self._message_class
         expected = self._expected
@@ -164,6 +177,22 @@ class Reader:
             expected += 1
             samples.append(Sample(cdr, received_ns, source_ns, number))
         self._expected = expected
+        return samples
+
+    def _take_with_publishers(self) -> list[Sample]:
+        samples: list[Sample] = []
+        for _ in range(MAX_TAKES_PER_TURN):
+            sample = self._take_with_publisher(self._subscription, self._message_class)
+            if sample is None:
+                break
+            samples.append(sample)
+        return samples
+
+    def _note_numbers(self, samples: list[Sample]) -> list[Sample]:
+        for sample in samples:
+            if sample.number != self._expected:
+                self._expected = self.lost.jump(self._expected, sample.number)
+            self._expected += 1
         return samples
 
     def _take_large(self) -> None:
@@ -204,10 +233,7 @@ class Reader:
         """Deliver what the thread has taken."""
         if not samples:
             return
-        for sample in samples:
-            if sample.number != self._expected:
-                self._expected = self.lost.jump(self._expected, sample.number)
-            self._expected += 1
+        self._note_numbers(samples)
         self._are_large = len(samples[-1].cdr) >= LARGE_SAMPLE_BYTES
         self._on_samples(samples)
 

@@ -18,6 +18,7 @@ from gateway.ports import (
     MAX_TAKES_PER_TURN,
     Graph,
     LogLevel,
+    Origin,
     Qos,
     Request,
     RosError,
@@ -71,7 +72,7 @@ class FakePublisher:
     def publish(self, cdr: bytes) -> None:
         assert self in self.ros.publishers, "published after close"
         self.ros.published += 1  # no two samples are published at the same time
-        sample = Sample(cdr, self.ros.now, self.ros.now + self.ros.published)
+        sample = Sample(cdr, self.ros.now, self.ros.published)
         if self.qos.durability == "transient_local":
             self.retained.append(sample)
         self.ros.arrive(self, sample)
@@ -116,6 +117,7 @@ class FakeSubscription:
     reported: list[TopicEvent] = field(default_factory=list)
     is_scheduled: bool = False
     lost: int = 0
+    origins: set[Origin] = field(default_factory=set)  # of what has come
 
     def __post_init__(self) -> None:
         self.ros.subscribed += 1
@@ -175,6 +177,9 @@ class FakeSubscription:
                         self.put(sample)
 
     def put(self, sample: Sample) -> None:
+        if sample.origin in self.origins:
+            return
+        self.origins.add(sample.origin)
         self.waiting.append(sample)
         if self.qos.history == "keep_last" and len(self.waiting) > (self.qos.depth or 1):
             self.waiting.popleft()

@@ -406,6 +406,49 @@ async def test_an_earlier_subscription_follows_to_transient_local(robot: Robot) 
     await eventually(lambda: number(7) in received.cdrs)
 
 
+@pytest.mark.parametrize(
+    "passing", [Qos(), BEST_EFFORT, replace(LATCHED, reliability="best_effort")]
+)
+async def test_latched_samples_come_once_while_other_publishers_come_and_go(
+    robot: Robot, passing: Qos
+) -> None:
+    publisher = robot.world.add_publisher("/map", INT32, LATCHED)
+    values = itertools.count()
+    received, subscription = subscribe(robot, "/map")
+
+    async def publish_and_see() -> None:
+        for _ in range(3):
+            publisher.publish(number(next(values)))
+        newest = number(next(values))
+        publisher.publish(newest)
+        await eventually(lambda: newest in received.cdrs)
+
+    await publish_and_see()
+    await eventually(lambda: subscription.qos.durability == "transient_local")
+    alone = subscription.qos
+    for _ in range(2):
+        other = robot.world.add_publisher("/map", INT32, passing)
+        await eventually(lambda: subscription.qos != alone)
+        await publish_and_see()
+        other.close()
+        await eventually(lambda: subscription.qos == alone)
+        await publish_and_see()
+    assert received.cdrs == [number(value) for value in range(20)]
+
+
+async def test_who_names_the_type_first_gets_each_latched_sample_once_and_in_order(
+    robot: Robot,
+) -> None:
+    received, subscription = subscribe(robot, "/map", qos=Qos(depth=100))
+    publisher = robot.world.add_publisher("/map", INT32, replace(LATCHED, depth=100))
+    for value in range(100):
+        publisher.publish(number(value))
+        await asyncio.sleep(0.001)  # the subscription is discovered and replaced meanwhile
+    await eventually(lambda: number(99) in received.cdrs)
+    assert subscription.qos.durability == "transient_local"
+    assert received.cdrs == [number(value) for value in range(100)]
+
+
 async def test_an_earlier_subscription_follows_to_best_effort(robot: Robot) -> None:
     received, subscription = subscribe(robot, "/scan")
     assert subscription.qos.reliability == "reliable"

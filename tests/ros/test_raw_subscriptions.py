@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Following the publishers: what happens while one subscription replaces another."""
 
+import asyncio
+import sys
 import time
 from collections.abc import AsyncIterator, Callable, Sequence
 from pathlib import Path
@@ -9,7 +11,7 @@ from typing import Any
 import pytest
 
 from gateway.ports import MAX_TAKES_PER_TURN, Qos, Sample, TopicEvent
-from gateway.ros import RosOptions
+from gateway.ros import RosOptions, raw_subscriptions
 from gateway.ros.port import RclpyRos
 from gateway.ros.qos import Endpoint
 from gateway.ros.raw_subscriptions import RawSubscription
@@ -19,6 +21,7 @@ from tests.ros.outside import Outside
 INT32 = "std_msgs/msg/Int32"
 BEST_EFFORT = Endpoint("/scanner", INT32, "best_effort")
 RELIABLE = Endpoint("/driver", INT32)
+COUNTING = Endpoint("/counting", INT32)
 WAITING = 100
 
 
@@ -78,7 +81,32 @@ async def test_what_waits_while_the_profile_is_replaced_is_not_lost(
     await fed.fill()
     fed.subscription.follow([RELIABLE, BEST_EFFORT])
     assert fed.subscription.qos.reliability == "best_effort"
-    assert fed.received == list(range(WAITING))
+    await eventually(lambda: fed.received == list(range(WAITING)))
+
+
+async def test_each_message_comes_once_and_in_order_while_the_profile_is_replaced(
+    ros: RclpyRos, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert raw_subscriptions.RETIREMENT_S == 4.0
+    monkeypatch.setattr(raw_subscriptions, "RETIREMENT_S", 1.0)
+    received: list[int] = []
+
+    def take(samples: Sequence[Sample]) -> None:
+        received.extend(int.from_bytes(sample.cdr[4:8], "little") for sample in samples)
+
+    subscription: Any = ros.subscribe("/scan", INT32, Qos(depth=1000), take, lambda _: None)
+    publisher = await asyncio.create_subprocess_exec(
+        sys.executable, "-m", "tests.ros.counting_publisher"
+    )
+    try:
+        await eventually(lambda: len(received) > 100)
+        for offers in [[COUNTING, BEST_EFFORT], [COUNTING]] * 2:
+            subscription.follow(offers)
+            await eventually(lambda: subscription._retired is subscription._timer is None)
+    finally:
+        publisher.kill()
+        await publisher.wait()
+    assert received == list(range(received[0], received[0] + len(received)))
 
 
 async def test_closing_while_the_profile_is_replaced_ends_the_samples(
@@ -88,11 +116,14 @@ async def test_closing_while_the_profile_is_replaced_ends_the_samples(
     await fed.fill()
     fed.then = fed.subscription.close
     fed.subscription.follow([BEST_EFFORT])
+    await eventually(lambda: bool(fed.received))
+    fed.subscription.follow([RELIABLE])  # too late
     assert fed.received == list(range(MAX_TAKES_PER_TURN))
     assert ros.entity_count() == 0
+    assert fed.subscription._reader is fed.subscription._retired is None
 
 
-async def test_a_callback_that_raises_leaves_no_second_reader(
+async def test_a_callback_that_raises_leaves_no_third_reader(
     ros: RclpyRos, outside: Outside
 ) -> None:
     def fail() -> None:
@@ -102,10 +133,24 @@ async def test_a_callback_that_raises_leaves_no_second_reader(
     await fed.fill()
     retired: Any = fed.subscription._reader
     fed.then = fail
+    fed.subscription.follow([BEST_EFFORT])
     with pytest.raises(LookupError):
-        fed.subscription.follow([BEST_EFFORT])
+        fed.subscription.follow([RELIABLE])
     assert retired._is_closed
     assert not fed.subscription._reader._is_closed  # type: ignore[union-attr]
+    assert fed.subscription._retired is None
+
+
+async def test_closing_by_the_last_samples_of_a_retired_one_leaves_no_reader(
+    ros: RclpyRos, outside: Outside
+) -> None:
+    fed = Fed(ros, outside)
+    await fed.fill()
+    fed.then = fed.subscription.close
+    fed.subscription.follow([BEST_EFFORT])
+    fed.subscription.follow([RELIABLE])
+    assert fed.received == list(range(MAX_TAKES_PER_TURN))
+    assert fed.subscription._reader is fed.subscription._retired is None
 
 
 async def test_a_refused_replacement_is_told_once_while_it_stands(

@@ -196,6 +196,9 @@ def test_rcl_and_rclpy_take_the_same_samples_with_their_times(node: Node) -> Non
         for sample in samples:  # not in other units
             assert before_ns - S <= sample.source_ns <= sample.received_ns, changed
             assert sample.received_ns <= time.time_ns() + S, changed
+    [published] = node.get_publishers_info_by_topic("/count")
+    ids = {sample.publisher for sample in taken["rcl"]}
+    assert ids == {bytes(published.endpoint_gid[:16])}, f"rmw has changed: publishers are {ids}"
     sources = [[sample.source_ns for sample in samples] for samples in taken.values()]
     assert sources[0] == sources[1], f"{RCLPY} has changed: other times by rcl: {sources}"
 

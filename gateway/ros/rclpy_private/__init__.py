@@ -44,10 +44,10 @@ Functions of ``librcl.so``, by ctypes; each takes the address of an entity:
     `gateway.ros.wait_set_events.WaitSetReadyEvents`.
 ``rcl_take_serialized_message``
     Takes ``(subscription, rcl_serialized_message_t, rmw_message_info_t, NULL)`` and returns 0, or
-    401 where nothing is there. The layouts of both structures, and
+    401 where nothing is there. The layouts of both structures, with the publisher's GUID, and
     ``rcutils_get_default_allocator``, ``rcutils_get_error_string`` and ``rcutils_reset_error`` of
     ``librcutils.so``, go with it. Without them: ``take_message`` for large samples, too, with two
-    more copies of each and the GIL held.
+    more copies of each and the GIL held, and samples that come to two readers are delivered twice.
 ``rcl_node_get_graph_guard_condition``, ``rcl_wait_set_add_guard_condition``
     Without one of them: `gateway.ros.graph.GraphChanges` looks twice a second.
 

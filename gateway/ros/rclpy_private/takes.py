@@ -58,7 +58,9 @@ class _MessageInfo(ctypes.Structure):  # rmw_message_info_t
         ("received_ns", ctypes.c_int64),
         ("number", ctypes.c_int64),  # unsigned in C, and all ones where there is none
         ("number_of_reception", ctypes.c_int64),
-        ("rest", ctypes.c_uint8 * 128),  # with the publisher's id; distributions differ
+        ("implementation", ctypes.c_void_p),
+        ("publisher", ctypes.c_uint8 * 16),  # its GUID
+        ("rest", ctypes.c_uint8 * 104),  # distributions differ
     )
 
 
@@ -112,7 +114,8 @@ class _RclTake:
             raise self._error(code)
         info = self._info
         number = info.number if info.number != -1 else None
-        return Sample(self._cdr(), info.received_ns, info.source_ns, number)
+        publisher = bytes(info.publisher)
+        return Sample(self._cdr(), info.received_ns, info.source_ns, number, publisher)
 
     def __del__(self) -> None:
         message = getattr(self, "_message", None)  # none where a function is missing
