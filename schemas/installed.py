@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The interface definitions that a ROS 2 installation (or its wheels) put on this machine.
 
-A service or an action is a file of several messages, which have rosidl's names:
-``std_srvs/srv/SetBool_Request``, ``test_msgs/action/Fibonacci_Feedback``.
+A service or an action is a file of several messages, which have rosidl's names, as the messages
+that rosidl derives: ``std_srvs/srv/SetBool_Request``,
+``test_msgs/action/Fibonacci_FeedbackMessage``.
 """
 
 import copy
@@ -20,13 +21,20 @@ from schemas.definition import Definition, DefinitionError, FieldType, parse_def
 from schemas.folders import find_definitions
 from schemas.guess import MAX_GUESSED, guess, guess_text
 from schemas.idl import parse_idl_interface, parse_idl_message
-from schemas.interface import ROLES, Interface, InterfaceKind, Role, parse_interface, part_name
+from schemas.interface import ROLES, Interface, InterfaceKind, Role, derive, parse_interface
 
 Kind = Literal["msg", "srv", "action"]
 
 _TYPE_NAME: Final = re.compile(
-    r"(?P<file>[a-z][a-z0-9_]*/(?P<kind>msg|srv|action)/[A-Z][A-Za-z0-9]*)(?:_[A-Z][a-z]+)?"
+    r"(?P<file>[a-z][a-z0-9_]*/(?P<kind>msg|srv|action)/[A-Z][A-Za-z0-9]*)(?:_[A-Z][A-Za-z]+)*"
 )
+# of what rosidl makes of a service or an action, the messages
+_PARTS: Final = {
+    "srv": re.compile("_(?:Request|Response|Event)"),
+    "action": re.compile(
+        "_(?:Goal|Result|Feedback(?:Message)?|(?:SendGoal|GetResult)_(?:Request|Response|Event))"
+    ),
+}
 _EXPECTED: Final = {
     None: "service or action type name: expected pkg/srv/Name or pkg/action/Name",
     "srv": "service type name: expected pkg/srv/Name",
@@ -259,10 +267,9 @@ class InstalledDefinitions:
             parse = parse_idl_message if found.is_idl else parse_definition
             return parse(name, found.text, found.hashes.get(name))
         match = _TYPE_NAME.fullmatch(name)
-        if match is not None:
-            for role in ROLES.get(match["kind"], ()):
-                if part_name(match["file"], role) == name:
-                    return self.interface(match["file"]).parts[role]
+        parts = None if match is None else _PARTS.get(match["kind"])
+        if match is not None and parts is not None and parts.fullmatch(name, match.end("file")):
+            return derive(self.interface(match["file"]))[name]
         raise UnknownTypeError(name, f"{name!r} is no message type name: expected pkg/msg/Name")
 
     def _find(self, name: str) -> "_Found":

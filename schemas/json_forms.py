@@ -128,13 +128,17 @@ def time(value: object, now_ns: Clock) -> object:
 def header(value: object, now_ns: Clock | None) -> object:
     """Return a Header without the ``seq`` of ROS 1.
 
-    One without a ``stamp`` is stamped now, as in rosbridge, if there is a clock.
+    One without a ``stamp``, or with an empty one, is stamped now, as in rosbridge, if there is a
+    clock.
     """
-    if type(value) is not dict or ("stamp" in value and "seq" not in value):
+    if type(value) is not dict:
+        return value
+    stamp = value.get("stamp")
+    if stamp and "seq" not in value:
         return value
     fields = {key: item for key, item in value.items() if key != "seq"}
-    if now_ns is not None:
-        fields.setdefault("stamp", "now")
+    if now_ns is not None and ("stamp" not in value or stamp == {}):
+        fields["stamp"] = "now"
     return fields
 
 

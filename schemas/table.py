@@ -24,6 +24,11 @@ _TYPE_SPELLING: Final = re.compile(
 _INTERFACE_SPELLING: Final = re.compile(
     r"(?P<package>[a-z][a-z0-9_]*)/(?:(?P<kind>srv|action)/)?(?P<name>[A-Z][A-Za-z0-9]*)"
 )
+# what rosidl derives for topics: of an action its feedback, of any service what it was asked
+_DERIVED_SPELLING: Final = re.compile(
+    r"[a-z][a-z0-9_]*/(?:action/[A-Z][A-Za-z0-9]*_(?:FeedbackMessage|(?:SendGoal|GetResult)_Event)"
+    r"|srv/[A-Z][A-Za-z0-9]*_Event)"
+)
 _ANY_SPELLING: Final = re.compile(r"[a-z][a-z0-9_]*/(?P<kind>msg|srv|action)/[A-Z][A-Za-z0-9]*")
 _A: Final = {"msg": "a message", "srv": "a service", "action": "an action"}
 # Ten times the digits that a table will ever need; int() of very many digits is slow.
@@ -136,8 +141,9 @@ def _rows(adapter: TypeAdapter[list[_R]], key: str, value: object) -> list[_R]:
 def resolve_type(requested: str | int, table: Table) -> str:
     """Return ``pkg/msg/Name`` for a type as requested.
 
-    Clients write ``pkg/Name``, ``pkg/msg/Name``, or a number of *table*, as a number or as text.
-    The type need not be installed.
+    Clients write ``pkg/Name``, ``pkg/msg/Name``, or a number of *table*, as a number or as text,
+    or a type that only topics of actions and services have, such as
+    ``pkg/action/Name_FeedbackMessage``. The type need not be installed.
 
     Raises:
         TypeNameError: it has none of these forms, or the table does not have the number.
@@ -151,6 +157,8 @@ def resolve_type(requested: str | int, table: Table) -> str:
             return _numbered(int(requested), table)
         case str() if match := _TYPE_SPELLING.fullmatch(requested):
             return f"{match['package']}/msg/{match['name']}"
+        case str() if _DERIVED_SPELLING.fullmatch(requested):
+            return requested
     _refuse_other_kind(requested, "msg")
     raise TypeNameError(
         f"{requested!r} is no message type: expected pkg/msg/Name, pkg/Name or a table number",

@@ -3,20 +3,40 @@
 
 import importlib
 import importlib.util
+from operator import attrgetter
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from gateway.ports import RosError
 from gateway.ros.name_checks import TypeKind, split_type
+from schemas.interface import EVENT, FEEDBACK_MESSAGE, GET_RESULT, SEND_GOAL
+
+# Where rclpy has the classes of what rosidl derives for topics.
+_DERIVED: Final = {
+    EVENT: "Event",
+    FEEDBACK_MESSAGE: "Impl.FeedbackMessage",
+    SEND_GOAL + EVENT: "Impl.SendGoalService.Event",
+    GET_RESULT + EVENT: "Impl.GetResultService.Event",
+}
 
 
 def message_class(type_name: str) -> type:
-    """Import the class of ``pkg/msg/Name``.
+    """Import the class of ``pkg/msg/Name``, or of what topics of services and actions have.
 
     Raises:
         RosError: ``bad_type``: the name is malformed, or no ROS package here has that message.
     """
-    return _find_class(type_name, "msg")
+    interface, separator, part = type_name.rpartition("/")[2].partition("_")
+    place = _DERIVED.get(separator + part)
+    if place is None:
+        return _find_class(type_name, "msg")
+    kind: TypeKind = "srv" if "/srv/" in type_name else "action"
+    whole = _find_class(f"{type_name.rpartition('/')[0]}/{interface}", kind)
+    try:
+        found: type = attrgetter(place)(whole)
+    except AttributeError as error:  # ROS before Iron has no events
+        raise RosError("bad_type", f"no ROS package here has {type_name}") from error
+    return found
 
 
 def service_class(type_name: str) -> Any:

@@ -32,9 +32,9 @@ from gateway.ros.type_supports import (
     keep,
 )
 from schemas.definition import Definition
-from schemas.derived import FEEDBACK_MESSAGE, GET_RESULT, SEND_GOAL, DerivedDefinitions
+from schemas.derived import DerivedDefinitions
 from schemas.installed import InstalledDefinitions
-from schemas.interface import Interface
+from schemas.interface import FEEDBACK_MESSAGE, GET_RESULT, SEND_GOAL, Interface
 from schemas.type_hash import Definitions, type_description, type_hash
 
 MAX_MADE: Final = 1024  # types, a few kB each; of an action it is one

@@ -16,7 +16,7 @@ from gateway.ports import RosError
 from gateway.ros.profile import endpoint_node, type_hash
 from gateway.ros.qos import UNKNOWN_NODE
 from gateway.ros.type_versions import REMEDY
-from schemas.derived import FEEDBACK_MESSAGE, GET_RESULT, SEND_GOAL
+from schemas.interface import FEEDBACK_MESSAGE, GET_RESULT, SEND_GOAL
 
 _logger = logging.getLogger(__name__)
 

@@ -270,7 +270,6 @@ def test_idl_that_cannot_be_read_is_a_definition_error(tmp_path):
         "../msg/Thing",
         "a/msg/../B",
         "some_msgs/srv/Thing",
-        "some_msgs/srv/Thing_Event",
         "some_msgs/srv/Thing_Goal",
         "some_msgs/action/Thing_Request",
         "some_msgs/msg/Thing_Request",

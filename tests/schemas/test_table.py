@@ -120,6 +120,23 @@ def test_a_type_outside_the_table_is_resolved_too(table):
 
 
 @pytest.mark.parametrize(
+    "name",
+    [
+        "test_msgs/action/Fibonacci_FeedbackMessage",
+        "test_msgs/action/Fibonacci_SendGoal_Event",
+        "test_msgs/action/Fibonacci_GetResult_Event",
+        "std_srvs/srv/SetBool_Event",
+    ],
+)
+def test_what_topics_of_actions_and_services_have_is_a_message_type(table, name):
+    assert resolve_type(name, table) == name
+    for other in (name.replace("_Event", "_Request"), name.rpartition("_")[0]):
+        if other != name:
+            with pytest.raises(TypeNameError):
+                resolve_type(other, table)
+
+
+@pytest.mark.parametrize(
     "form",
     [
         "",

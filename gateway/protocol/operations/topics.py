@@ -93,16 +93,21 @@ class PublishedImage(OperationPart):
     format: ImageFormat
 
 
-class Advertise(Operation):
-    """Announce that messages will be published on a topic."""
+class _Publisher(Operation):
+    """The options of a publisher, in `advertise` or in the `publish` that opens it."""
 
-    op = "advertise"
     topic: str
-    type: str | int
-    image: PublishedImage | None = None
     latch: bool | None = None
     queue_size: Annotated[int, Field(ge=0)] | None = None
     qos: QosRequest | None = None
+
+
+class Advertise(_Publisher):
+    """Announce that messages will be published on a topic."""
+
+    op = "advertise"
+    type: str | int
+    image: PublishedImage | None = None
 
     @property
     def has_pictures(self) -> bool:
@@ -118,17 +123,15 @@ class Unadvertise(Operation):
     topic: str
 
 
-class Publish(Operation):
+class Publish(_Publisher):
     """Publish one message; advertise the topic first if the type is given or known.
 
     ``monotonic_ms`` is for command topics: a clock of the client that never goes back.
     """
 
     op = "publish"
-    topic: str
     msg: Any
     type: str | int | None = None
-    latch: bool | None = None
     monotonic_ms: Annotated[float, Field(ge=0, le=1e15)] | None = None  # 30,000 years
 
 

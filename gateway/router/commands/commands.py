@@ -123,7 +123,8 @@ class Commands:
         topic = self._topics[name]
         if not topic.is_open or request.type is not None or session not in topic.drivers:
             topic = self._opened(name, request.type)
-            topic.driver(session).ids.add(None)
+            if session not in topic.drivers:  # a later one may have an id of its own each time
+                topic.driver(session).ids.add(request.id)
         assert topic.message_type is not None  # noqa: S101  # it is open
         try:
             values = read(topic.message_type, request.msg)

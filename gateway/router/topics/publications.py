@@ -142,7 +142,7 @@ class Publications:
         known = self._advertised.get(session, {}).get(topic)
         if known is None:
             known = self._open(session, topic, request)
-            known.ids.add(None)
+            known.ids.add(request.id)
         elif request.type is not None:
             self._check_type(topic, known, request.type)
         if known.keeps_newest and session.is_behind:
@@ -182,7 +182,14 @@ class Publications:
         if message_type is None:
             raise ProtocolError("not_found", unknown_topic(topic))
         if isinstance(request, Publish):
-            request = Advertise(topic=request.topic, type=message_type.name, latch=request.latch)
+            request = Advertise(
+                id=request.id,
+                topic=request.topic,
+                type=message_type.name,
+                latch=request.latch,
+                queue_size=request.queue_size,
+                qos=request.qos,
+            )
         if request.has_pictures:
             self._pictures.check(message_type)
         qos = offered(request, message_type)

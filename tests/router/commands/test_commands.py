@@ -564,6 +564,16 @@ async def test_other_types_and_other_than_the_robots_are_refused(scene: Scene):
     assert scene.ros.entity_count() == 1
 
 
+async def test_the_first_command_is_an_advertisement_with_its_id(scene: Scene):
+    client = scene.client()
+    for number in (1, 2):
+        client.send(op="publish", topic="/cmd_vel", type=TWIST, id=number, msg={})
+    client.send(op="unadvertise", topic="/cmd_vel", id=2)
+    assert client.statuses == [("not_found", "not advertised: /cmd_vel with id 2")]
+    client.send(op="unadvertise", topic="/cmd_vel", id=1)
+    assert len(client.statuses) == 1
+
+
 async def test_unadvertising_stops_as_asked(scene: Scene):
     heard = scene.listen()
     client = scene.client()
