@@ -26,6 +26,7 @@ from gateway.codec.types import Types
 from gateway.config.model import Config
 from gateway.definitions import known_definitions
 from gateway.diagnostics import publishing
+from gateway.ending_signals import ENDING
 from gateway.errors import ConfigError, system_reason
 from gateway.guard.supervisor import GuardProcess
 from gateway.log_fields import counted, text_of
@@ -85,7 +86,7 @@ def run(
     streams: Sequence[int] = STANDARD_STREAMS,
     was_interrupted: Callable[[], bool] = lambda: False,
 ) -> int:
-    """Serve until SIGINT or SIGTERM; return the exit code.
+    """Serve until one of the `ENDING` signals; return the exit code.
 
     Once clients can connect, *announce* gets what people need for it. On SIGHUP, *load* returns the
     configuration anew, and its tokens and permissions take effect; unless one of the descriptors
@@ -237,7 +238,7 @@ def _handle_signals(
 ) -> None:
     """Set *stop* when the process shall end, and *hung_up* when it shall reload."""
     loop = asyncio.get_running_loop()
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in ENDING:
         loop.add_signal_handler(number, stop.set)
     is_kept = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN  # by nohup
     terminals = [] if is_kept else [number for number in streams if _is_terminal(number)]

@@ -17,6 +17,7 @@ from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from gateway.ending_signals import ENDING
 from gateway.ros import fast_dds, rclpy_private
 
 PROFILE: Final = Path(__file__).with_name("fastdds_profile.xml")
@@ -90,17 +91,16 @@ def ros_context() -> Iterator[Context]:
 
 @contextmanager
 def stopped_by_signals(stop: threading.Event) -> Iterator[None]:
-    """Let SIGINT and SIGTERM set *stop*; for the main thread only, as `signal.signal` is."""
+    """Let the `ENDING` signals set *stop*; for the main thread only, as `signal.signal` is."""
 
     def set_stop(_number: int, _frame: FrameType | None) -> None:
         stop.set()
 
-    numbers = (signal.SIGINT, signal.SIGTERM)
-    before = [signal.signal(number, set_stop) for number in numbers]
+    before = [signal.signal(number, set_stop) for number in ENDING]
     try:
         yield
     finally:
-        for number, handler in zip(numbers, before, strict=True):
+        for number, handler in zip(ENDING, before, strict=True):
             signal.signal(number, handler)
 
 

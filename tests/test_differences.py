@@ -68,10 +68,7 @@ TESTS = {
     ],
     "A client that takes nothing of what waits": [
         "server/test_server.py::test_a_client_that_takes_nothing_is_cut_off_and_harms_nobody",
-        (
-            "server/test_server.py::"
-            "test_a_client_that_answers_no_ping_stays_and_when_it_does_that_is_measured"
-        ),
+        "server/test_server.py::test_a_client_that_answers_no_ping_stays_and_a_late_answer_is_measured",
     ],
     "A subscription is transient local only": [
         "ros/test_qos.py::test_reliable_and_transient_local_only_if_all_are",

@@ -45,7 +45,7 @@ CONFIG_SWITCHES: Final = {
 
 _EXIT_CODES: Final = """\
 exit codes:
-  0  fine, also when ended by Ctrl-C or SIGTERM
+  0  fine, also when ended by Ctrl-C, SIGTERM or SIGUSR1
   1  anything not listed here
   2  wrong usage or configuration
   3  rclpy is missing

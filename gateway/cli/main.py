@@ -20,11 +20,8 @@ from gateway.cli.arguments import CONFIG_FLAGS, CONFIG_SWITCHES, argument_parser
 from gateway.cli.output import announce, discard_output, write, write_elsewhere
 from gateway.cli.report import EXIT_OK, report
 from gateway.cli.ros_environment import require_rclpy, ros_imports, use_ros
-from gateway.errors import (
-    ConfigError,
-    RobotDiedError,
-    UsageError,
-)
+from gateway.ending_signals import ENDING
+from gateway.errors import ConfigError, RobotDiedError, UsageError
 
 if TYPE_CHECKING:
     from gateway.app import Listening
@@ -41,7 +38,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     _interrupted.clear()
     # Until a subcommand handles signals itself, they must end the process just as quietly; and a
     # shell that starts us in the background has set SIGINT to be ignored.
-    for signal_number in (signal.SIGINT, signal.SIGTERM):
+    for signal_number in ENDING:
         signal.signal(signal_number, _interrupt)
     arguments = argparse.Namespace(debug=False, log_format=None)
     try:

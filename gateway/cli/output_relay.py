@@ -131,7 +131,7 @@ def relay(*pairs: tuple[int, int], until_closed: int = _STDIN) -> None:
 
 if __name__ == "__main__":
     # those are for the gateway, whose last lines are still to come
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, signal.SIG_IGN)
+    for name in ("INT", "TERM", "QUIT", "USR1", "USR2", "XCPU", "HUP"):
+        signal.signal(getattr(signal, f"SIG{name}"), signal.SIG_IGN)
     numbers = [int(argument) for argument in sys.argv[1:]]
     relay(*zip(numbers[::2], numbers[1::2], strict=True))

@@ -19,11 +19,17 @@ from gateway.errors import (
     system_reason,
 )
 
-EXIT_OK: Final = 0  # Ctrl-C and SIGTERM included
+EXIT_OK: Final = 0  # an end by a signal included
 EXIT_FAILURE: Final = 1
 EXIT_USAGE: Final = 2
 EXIT_NO_ROS: Final = 3
 EXIT_CANNOT_BIND: Final = 4
+
+_REMEDIES: Final = {
+    errno.EMFILE: "allow this process more, for example by `ulimit -n 1024`",
+    errno.ENFILE: "allow this machine more, by `sysctl fs.file-max`",
+    errno.ENOMEM: "end programs that use much memory",
+}
 
 
 def report(error: Exception, arguments: argparse.Namespace) -> int:
@@ -42,6 +48,10 @@ def report(error: Exception, arguments: argparse.Namespace) -> int:
         case OSError(errno=errno.ENOSPC):
             discard_output()
             sentences, code = (f"cannot write the output, {system_reason(error)}",), EXIT_FAILURE
+        case OSError():  # the machine's fault, whatever was going on
+            where = f", at {error.filename}" if error.filename else ""
+            remedy = _REMEDIES.get(error.errno or 0, "--debug shows where")
+            sentences, code = (f"{system_reason(error)}{where}: {remedy}",), EXIT_FAILURE
         case _:
             bug = f"internal error, {type(error).__name__}: {error} (--debug shows where)"
             sentences, code = (bug,), EXIT_FAILURE

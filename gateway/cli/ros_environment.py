@@ -7,6 +7,7 @@ reads, and ends the process where it cannot load its middleware.
 
 import os
 import re
+import resource
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -19,6 +20,9 @@ from gateway.errors import ConfigError, RosMissingError
 
 _RANGES: Final = ("SUBNET", "LOCALHOST", "OFF", "SYSTEM_DEFAULT")
 _PEER: Final = re.compile(r"[0-9A-Za-z.:_%-]{1,255}")  # rmw keeps so many characters
+
+# 33 are open at rest, and a few more during the start.
+MIN_OPEN_FILES: Final = 48
 
 # Loading the middleware takes a quarter of a second; a busy machine takes longer, and a check that
 # is not over by then must not keep a gateway from starting.
@@ -34,7 +38,7 @@ def use_ros(domain_id: int | None) -> None:
     """
     if domain_id is not None:
         os.environ["ROS_DOMAIN_ID"] = str(domain_id)
-    problems = [*_wrong_domain(), *_wrong_discovery(), *_missing_middleware()]
+    problems = [*_few_open_files(), *_wrong_domain(), *_wrong_discovery(), *_missing_middleware()]
     if problems:
         raise ConfigError(*problems)
 
@@ -60,6 +64,15 @@ def ros_imports() -> Iterator[None]:
 
 def _given(variable: str) -> str:
     return os.environ.get(variable, "")  # empty is unset, as to ROS
+
+
+def _few_open_files() -> Iterator[str]:
+    allowed, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if 0 <= allowed < MIN_OPEN_FILES:
+        yield (
+            f"this process may open {allowed} files, but it needs {MIN_OPEN_FILES}, and one more"
+            " for each client and ROS entity: allow more, for example by `ulimit -n 1024`"
+        )
 
 
 def _wrong_domain() -> Iterator[str]:

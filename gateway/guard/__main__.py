@@ -16,6 +16,7 @@ import orjson
 from gateway.drive.stop import LIFESPAN_NS
 from gateway.drive.twist_cdr import encode
 from gateway.drive.velocity import ZERO
+from gateway.ending_signals import ENDING
 from gateway.guard import DISCOVERY_S, HEARD_S, MAX_LINE_BYTES, PROOF_S
 from gateway.guard.watch import CommandWatch
 from gateway.ports import RosError
@@ -211,7 +212,7 @@ def _own_answers() -> int:
 def main() -> None:
     """Run with ``{"name", "namespace", "domain_id", "silence_ns"}`` as the only argument."""
     # Ctrl-C and a service's stop reach the whole group; the guard ends after the gateway.
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGPIPE):
+    for number in (*ENDING, signal.SIGHUP, signal.SIGPIPE):
         signal.signal(number, signal.SIG_IGN)
     answers = _own_answers()
     options = orjson.loads(sys.argv[1])

@@ -8,7 +8,7 @@ import socket
 from collections.abc import Callable, Mapping, Sequence
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Any, Final, Protocol
-from urllib.parse import urlsplit
+from urllib.parse import urlsplit, urlunsplit
 
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
@@ -154,7 +154,7 @@ class HttpFront:
             MAX_HEADER_CHARACTERS
         ):
             return protocol.reject(431, f"at most {MAX_HEADER_CHARACTERS} characters of headers\n")
-        host = request.headers["Host"]
+        host = _to_origin_form(request)
         if not self._rules.is_own_host(host):
             self._log_foreign(host)
             return protocol.reject(421, _FOREIGN_HOST)
@@ -233,6 +233,28 @@ class HttpFront:
             403,
             f"pages from {shown} may not connect; the operator can allow them by allowed_origins\n",
         )
+
+
+def _to_origin_form(request: Request) -> str:
+    """Let the target of a request be a path; return its host.
+
+    A target with a host is obeyed instead of the header (RFC 9112, 3.2.2), as proxies do.
+
+    Raises:
+        ValueError: it is neither a path nor the address of a web page or a WebSocket.
+        LookupError: there is no `Host`, or there are two.
+    """
+    host = request.headers["Host"]
+    target = urlsplit(request.path) if request.path[:1] != "/" else None
+    if target is not None:
+        if target.scheme not in {"http", "https", "ws", "wss"} or not target.netloc:
+            raise ValueError("no such target")
+        del request.headers["Host"]
+        host = request.headers["Host"] = target.netloc
+        request.path = urlunsplit(("", "", target.path, target.query, ""))
+    # two slashes would begin the name of a host
+    request.path = f"/{request.path.lstrip('/')}"
+    return host
 
 
 def _version_refusal(protocol: ServerProtocol, request: Request) -> Response | None:

@@ -19,6 +19,8 @@ import pytest
 from gateway import app
 from gateway.cli import demo
 from gateway.cli import main as cli
+from gateway.cli.report import _REMEDIES
+from gateway.ending_signals import ENDING
 from gateway.errors import _BIND_REASONS
 
 ROOT = Path(__file__).parents[2]
@@ -421,7 +423,7 @@ def test_a_reader_that_stops_reading_is_no_error():
 
 @pytest.fixture
 def restored_signals() -> Iterator[None]:
-    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    handlers = {number: signal.getsignal(number) for number in ENDING}
     yield
     for number, handler in handlers.items():
         signal.signal(number, handler)
@@ -463,6 +465,26 @@ def test_a_bug_is_one_sentence_and_with_debug_a_traceback(monkeypatch, capsys):
     assert "Traceback" in capsys.readouterr().err
 
 
+@pytest.mark.usefixtures("restored_signals")
+@pytest.mark.parametrize(
+    ("error", "sentence"),
+    [
+        (
+            OSError(errno.EMFILE, "Too many open files", "x.toml"),
+            f"too many open files, at x.toml: {_REMEDIES[errno.EMFILE]}",
+        ),
+        (OSError(errno.EIO, "Input/output error"), "input/output error: --debug shows where"),
+    ],
+)
+def test_a_fault_of_the_machine_is_no_bug(error, sentence, monkeypatch, capsys):
+    def fail(_: object) -> Sequence[object]:
+        raise error
+
+    monkeypatch.setattr(cli, "_given", fail)
+    assert cli.main(["serve"]) == 1
+    assert capsys.readouterr().err == f"ros2-gateway: {sentence}\n"
+
+
 def test_a_port_in_use_is_one_sentence_and_exit_code_4():
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
@@ -493,7 +515,7 @@ def test_a_host_name_that_nobody_has_is_one_sentence_with_what_to_do():
     assert sentence.endswith("choose one of this machine's with --host, or --lan")
 
 
-@pytest.mark.parametrize("signal_number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("signal_number", ENDING)
 def test_serve_announces_its_address_and_ends_with_0(signal_number):
     with running("serve", "--port", "0", until="ws://") as (process, printed):
         port = printed.rpartition(":")[2].strip().rstrip("/")
@@ -503,7 +525,7 @@ def test_serve_announces_its_address_and_ends_with_0(signal_number):
         assert process.wait(TIMEOUT_S) == 0
 
 
-@pytest.mark.parametrize("signal_number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("signal_number", [signal.SIGINT, signal.SIGUSR1])
 def test_a_signal_during_the_start_ends_with_0(signal_number):
     process = subprocess.Popen(
         [sys.executable, "-X", "importtime", "-m", "gateway", "serve", "--port", "0"],

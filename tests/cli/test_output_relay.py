@@ -15,6 +15,7 @@ import pytest
 
 from gateway.cli import output_relay
 from gateway.cli.output_relay import MAX_WAITING_BYTES
+from gateway.ending_signals import ENDING
 from tests.client import TIMEOUT_S
 
 
@@ -104,7 +105,7 @@ def test_it_ends_when_nobody_reads_any_more(relay: Relay):
     assert relay.ended_well()
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", [*ENDING, signal.SIGHUP])
 def test_a_signal_that_is_for_the_gateway_ends_nothing(relay: Relay, number: signal.Signals):
     relay.write(b"first\n")
     assert relay.sink.readline() == b"first\n"  # it has started

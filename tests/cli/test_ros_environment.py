@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Variables of ROS that are wrong, as the command line reports them."""
 
+import resource
 import signal
 import subprocess
 import sys
@@ -61,6 +62,20 @@ def test_all_variables_of_ros_that_are_wrong_are_reported_at_once():
     finished = ros2_gateway("serve", ROS_DOMAIN_ID="x", ROS_LOCALHOST_ONLY="yes")
     assert finished.returncode == 2
     assert len(finished.stderr.splitlines()) == 2
+
+
+@pytest.mark.parametrize("command", ["serve", "demo", "sim", "mock"])
+def test_too_few_open_files_are_one_sentence_with_what_to_do(command):
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (47, hard))  # of the children
+    try:
+        found = refusal(command)
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
+    code, sentence = found
+    assert code == 2
+    assert sentence.startswith("this process may open 47 files, but it needs 48, and one more for")
+    assert sentence.endswith("allow more, for example by `ulimit -n 1024`")
 
 
 def test_variables_of_ros_that_are_right_or_empty_let_it_start(monkeypatch):

@@ -199,7 +199,7 @@ async def test_health_is_there_while_it_runs(demo: GatewayProcess):
     writer.close()
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGUSR1])
 async def test_ending_the_demonstration_closes_clients_with_1001_and_leaves_nothing(
     number: signal.Signals,
 ):

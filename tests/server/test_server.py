@@ -402,7 +402,7 @@ async def drain(reader: asyncio.StreamReader) -> None:
         pass
 
 
-async def test_a_client_that_answers_no_ping_stays_and_when_it_does_that_is_measured(serve: Serve):
+async def test_a_client_that_answers_no_ping_stays_and_a_late_answer_is_measured(serve: Serve):
     def round_trip_s() -> float | None:
         (state,) = served.server.summary().clients
         return state.round_trip_s
@@ -709,6 +709,31 @@ async def test_what_is_no_request_gets_its_status_and_leaves_no_trace(
     assert "Traceback" not in caplog.text
 
 
+@pytest.mark.parametrize(
+    ("target", "status"),
+    [
+        ("http://evil.example/healthz", 421),
+        ("ws://evil.example/", 421),
+        ("http://localhost/healthz?", 200),
+        ("HTTP://localhost:9090", 200),
+        ("ftp://localhost/healthz", 400),
+        ("localhost:9090/healthz", 400),
+        ("http:/healthz", 400),
+        ("*", 400),
+        ("//evil.example/healthz", 404),
+        ("//healthz", 200),
+    ],
+)
+@pytest.mark.parametrize("header", ["localhost", "evil.example"])
+async def test_the_host_of_a_target_counts_instead_of_the_header(
+    serve: Serve, target, status, header
+):
+    async with serve() as served:
+        request = f"GET {target} HTTP/1.1\r\nHost: {header}\r\n\r\n".encode()
+        is_path = target[0] == "/" and header == "evil.example"
+        assert await status_of(served, request) == (421 if is_path else status)
+
+
 async def test_a_malformed_request_in_small_pieces_is_answered_once(serve: Serve):
     async with serve() as served:
         reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
@@ -724,7 +749,7 @@ async def test_a_malformed_request_in_small_pieces_is_answered_once(serve: Serve
 @pytest.mark.parametrize(
     "request_bytes",
     [
-        pytest.param(b"GET //[ HTTP/1.1\r\nHost: localhost\r\n\r\n", id="no path"),
+        pytest.param(b"GET http://[ HTTP/1.1\r\nHost: localhost\r\n\r\n", id="no path"),
         pytest.param(upgrade("Host: localhost", "Origin: http://["), id="no origin"),
         pytest.param(
             upgrade("Host: localhost", "Origin: http://b", "Origin: http://c"), id="two origins"
