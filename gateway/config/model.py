@@ -28,8 +28,8 @@ def network(text: str) -> str:
 
 # the gateway answers these itself, so no WebSocket can begin there
 TAKEN_PATHS: Final = (
-    *("/healthz", "/healthz/live", "/healthz/ready", "/metrics"),
-    *("/stream", "/snapshot"),
+    *("/healthz", "/healthz/live", "/healthz/ready", "/metrics", "/version"),
+    *("/stream", "/stream_viewer", "/snapshot"),
 )
 
 

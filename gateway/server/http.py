@@ -10,6 +10,7 @@ from http import HTTPStatus
 from typing import TYPE_CHECKING, Any, Final, Protocol
 from urllib.parse import urlsplit, urlunsplit
 
+import orjson
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 from websockets.server import ServerProtocol
@@ -46,6 +47,10 @@ The gateway's health is at /healthz, its metrics for Prometheus at /metrics.
 Pictures for any page are at /stream?topic=/camera/image_raw and /snapshot.
 """
 _VERSION: Final = "13"  # Sec-WebSocket-Version
+_JSON: Final = "application/json; charset=utf-8"
+# where rosbridge_suite answers a client that wants to know with what it talks, and how
+_VERSIONS: Final = "/version"
+_PROTOCOL: Final = {"major": 2, "minor": 0, "patch": 0}
 _NOT_ALLOWED: Final = "only GET and HEAD\n"
 _FOREIGN_HOST: Final = (
     "this gateway has another name; the operator can allow this one by allowed_hosts\n"
@@ -163,11 +168,8 @@ class HttpFront:
             response.headers["Allow"] = "GET, HEAD"
             return response
         path = urlsplit(request.path).path
-        if path in health.PATHS:
-            status, text = self._health().page(path, self._details)
-            response = page(protocol, request, text.encode(), "application/json; charset=utf-8")
-            response.status_code, response.reason_phrase = status, HTTPStatus(status).phrase
-            return response
+        if told := self._told_to_all(protocol, request, path):
+            return told
         if path in self._answer_later:
             check_target(request.path)
             return self._origin_refusal(protocol, request, asker) or self._answer_later[path](
@@ -189,6 +191,20 @@ class HttpFront:
             or _version_refusal(protocol, request)
             or protocol.accept(request)
         )
+
+    def _told_to_all(
+        self, protocol: ServerProtocol, request: Request, path: str
+    ) -> Response | None:
+        """Return what anybody may know: the health, and the versions as rosbridge answers them."""
+        if path == _VERSIONS:
+            versions = {"protocol": _PROTOCOL, "server": self._details()["version"]}
+            return page(protocol, request, orjson.dumps(versions), _JSON)
+        if path not in health.PATHS:
+            return None
+        status, text = self._health().page(path, self._details)
+        response = page(protocol, request, text.encode(), _JSON)
+        response.status_code, response.reason_phrase = status, HTTPStatus(status).phrase
+        return response
 
     def _page(self, protocol: ServerProtocol, request: Request, asker: Asker) -> Response | None:
         """Return a page or a part of one; the start page is a text for who asks for no HTML."""

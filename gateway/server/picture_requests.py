@@ -1,23 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The parameters of `/snapshot` and `/stream`, as the subscription that they ask for."""
+"""The parameters of `/snapshot` and `/stream`, as the subscription that they ask for.
+
+They are those of web_video_server, whose addresses pages have, and some more.
+"""
 
 import contextlib
+import html
 import re
 from collections.abc import Callable
-from typing import Final, Literal, NamedTuple
+from typing import Final, NamedTuple
 from urllib.parse import parse_qs, urlsplit
 
 from gateway.codec.error_text import hint, truncate
 from gateway.protocol.operations.base import MIN_RATE_HZ
 from gateway.protocol.operations.topics import ImageRequest, Subscribe
 
-Path = Literal["/snapshot", "/stream"]
-
 SNAPSHOT: Final = "/snapshot"
 STREAM: Final = "/stream"
-PATHS: Final = frozenset({SNAPSHOT, STREAM})
+VIEWER: Final = "/stream_viewer"  # a page with a stream
+PATHS: Final = frozenset({SNAPSHOT, STREAM, VIEWER})
 
-MAX_PARAMETERS: Final = 16  # there are four, and each is parsed
+MAX_PARAMETERS: Final = 16  # there are five, six that are ignored, and each is parsed
 
 
 class PictureRequestError(ValueError):
@@ -33,16 +36,31 @@ class _Number(NamedTuple):
 
 _NUMBER: Final = re.compile(r"[0-9.eE+-]{1,32}")
 # a browser takes an address that it has seen for one picture: a page changes this one
-_IGNORED: Final = "t"
+_CHANGING: Final = "t"
+# of web_video_server: QoS matches itself here, and these are of codecs that the gateway lacks
+_IGNORED: Final = ("default_transport", "qos_profile", "bitrate", "gop", "qmin", "qmax")
+# an <img> shows a JPEG whatever was asked for; a <video> shows none
+_TYPES: Final = ("mjpeg", "png", "ros_compressed")
 _NUMBERS: Final = {
     "quality": _Number("quality", int, 1, 100),
-    "width": _Number("max_width", int, 1, 8192),
+    "width": _Number("max_width", int, 0, 8192),
+    "height": _Number("max_height", int, 0, 8192),
     "fps": _Number("max_fps", float, MIN_RATE_HZ, 1000),
 }
+_OF_ALL: Final = ("topic", "type", "quality", "width", "height", _CHANGING)
 _KNOWN: Final = {
-    SNAPSHOT: ("topic", "quality", "width", _IGNORED),
-    STREAM: ("topic", *_NUMBERS, _IGNORED),
+    SNAPSHOT: _OF_ALL,
+    STREAM: (*_OF_ALL, "fps"),
+    VIEWER: (*_OF_ALL, "fps"),
 }
+_PAGE: Final = """\
+<!doctype html>
+<html lang="en">
+<meta charset="utf-8">
+<title>{topic}</title>
+<img src="{source}" alt="pictures of {topic}">
+</html>
+"""
 
 
 def picture_request(target: str) -> Subscribe:
@@ -58,22 +76,36 @@ def picture_request(target: str) -> Subscribe:
     except ValueError as error:
         raise PictureRequestError(f"at most {MAX_PARAMETERS} parameters") from error
     for name in query:
-        if name not in known:
+        if name == "invert":
+            raise PictureRequestError("invert: unknown; turn the picture by CSS: rotate: 180deg")
+        if name not in (*known, *_IGNORED):
             raise PictureRequestError(f"{truncate(name)}: unknown{hint(name, known)}")
-        if len(query[name]) > 1 and name != _IGNORED:
+        if len(query[name]) > 1 and name in known and name != _CHANGING:
             raise PictureRequestError(f"{name}: given {len(query[name])} times; give it once")
     topic = query.get("topic", [""])[0]
     if not topic:
         raise PictureRequestError(
             f"topic: missing; name a topic of pictures: {address.path}?topic=/camera/image_raw"
         )
+    if (kind := query.get("type", [_TYPES[0]])[0]) not in _TYPES:
+        text = f"type: got {truncate(kind)!r}, but pictures come as JPEG; leave type out"
+        raise PictureRequestError(text)
     image = {
         number.member: _value(name, query[name][0], number)
         for name, number in _NUMBERS.items()
         if name in query
     }
-    options = ImageRequest.model_validate({"format": "jpeg", **image})
+    # web_video_server's 0 is no bound
+    options = ImageRequest.model_validate(
+        {"format": "jpeg", **{k: v for k, v in image.items() if v}}
+    )
     return Subscribe(topic=topic, queue_length=1, image=options)
+
+
+def viewer_page(target: str, topic: str) -> bytes:
+    """Return the page that shows the stream of a request target's parameters."""
+    source = f"{STREAM.lstrip('/')}?{urlsplit(target).query}"  # relative: as behind a proxy
+    return _PAGE.format(topic=html.escape(topic), source=html.escape(source)).encode()
 
 
 def _value(name: str, text: str, number: _Number) -> float:

@@ -25,7 +25,13 @@ from gateway.protocol.session import Session
 from gateway.protocol.websocket_frames import payload
 from gateway.router.router import Router
 from gateway.server.http import Asker, page
-from gateway.server.picture_requests import SNAPSHOT, PictureRequestError, picture_request
+from gateway.server.picture_requests import (
+    SNAPSHOT,
+    VIEWER,
+    PictureRequestError,
+    picture_request,
+    viewer_page,
+)
 
 # Each may hold one picture that waits, one that is encoded and one in the socket: with 16 pictures
 # of VGA 30 MB. More people look at a robot by its pages.
@@ -33,6 +39,8 @@ MAX_VIEWERS: Final = 16
 WAIT_S: Final = 5.0  # for the first picture: cameras of 1 Hz are slow ones
 
 _JPEG: Final = "image/jpeg"
+_HTML: Final = "text/html; charset=utf-8"
+_POLICY: Final = "default-src 'none'; img-src 'self'"
 _BOUNDARY: Final = "next-picture"
 # Browsers show a picture when the boundary behind it has come, so it is sent along.
 _DELIMITER: Final = f"\r\n--{_BOUNDARY}\r\n".encode()
@@ -174,6 +182,10 @@ class Pictures:
             asked = picture_request(request.path)
         except PictureRequestError as error:
             return protocol.reject(400, f"{error}\n")
+        if urlsplit(request.path).path == VIEWER:
+            response = page(protocol, request, viewer_page(request.path, asked.topic), _HTML)
+            response.headers.update(_headers(request) | {"Content-Security-Policy": _POLICY})
+            return response
         if request.method == "HEAD":
             is_single = urlsplit(request.path).path == SNAPSHOT
             response = page(protocol, request, None, _JPEG if is_single else _MULTIPART)

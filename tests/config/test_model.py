@@ -47,7 +47,7 @@ def test_the_reference_page_has_the_table_of_the_model():
 
 
 def test_the_paths_that_are_taken_are_those_that_the_server_answers_itself():
-    assert set(TAKEN_PATHS) == {*health.PATHS, *picture_requests.PATHS, "/metrics"}
+    assert set(TAKEN_PATHS) == {*health.PATHS, *picture_requests.PATHS, "/metrics", "/version"}
 
 
 def test_any_format_of_images_may_be_that_of_those_who_ask_for_none():

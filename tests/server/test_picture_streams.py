@@ -4,6 +4,7 @@
 import asyncio
 import base64
 import contextlib
+import html
 import logging
 import socket
 from collections.abc import AsyncIterator, Iterator
@@ -327,12 +328,16 @@ async def test_viewers_are_neither_half_open_nor_do_they_take_the_pages_of_metri
         (f"/stream?topic={CAMERA}&width=wide", 400, "width: got 'wide', expected a whole number"),
         (f"/stream?topic={CAMERA}&width=1_0_0", 400, "width: got '1_0_0', expected a whole"),
         (f"/stream?topic={CAMERA}&width=%20100", 400, "width: got ' 100', expected a whole"),
-        (f"/stream?topic={CAMERA}&width=%D9%A1%D9%A0", 400, "expected a whole number from 1 to"),
+        (f"/stream?topic={CAMERA}&width=%D9%A1%D9%A0", 400, "expected a whole number from 0 to"),
         (f"/stream?topic={CAMERA}&width=1e2", 400, "width: got '1e2', expected a whole number"),
+        (f"/stream?topic={CAMERA}&height=-1", 400, "expected a whole number from 0 to 8192"),
+        (f"/stream?topic={CAMERA}&type=h264", 400, "type: got 'h264', but pictures come as JPEG"),
+        (f"/stream_viewer?topic={CAMERA}&invert", 400, "turn the picture by CSS: rotate: 180deg"),
+        (f"/stream_viewer?topic={CAMERA}&qos_profil=x", 400, "qos_profil: unknown"),
         (f"/stream?topic={CAMERA}&topic=/odom", 400, "topic: given 2 times; give it once"),
         (f"/stream?topic={CAMERA}&fps=nan", 400, "fps: got 'nan', expected a number from 0.001"),
         (f"/stream?topic={CAMERA}&qualty=3", 400, "qualty: unknown; did you mean quality?"),
-        (f"/snapshot?topic={CAMERA}&fps=3", 400, "fps: unknown; known are topic, quality"),
+        (f"/snapshot?topic={CAMERA}&fps=3", 400, "fps: unknown; known are topic, type"),
         (f"/stream?topic={CAMERA}" + "&t=1" * 16, 400, "at most 16 parameters"),
         ("/stream?topic=/camera/image", 404, f"did you mean {CAMERA}?"),
         ("/snapshot?topic=/odom", 400, "topic /odom is nav_msgs/msg/Odometry; pictures are"),
@@ -503,6 +508,34 @@ def test_a_request_becomes_the_subscription_that_it_asks_for():
     assert (asked.image.max_width, asked.image.max_fps) == (320, 2.5)
     with pytest.raises(PictureRequestError):
         picture_request("/snapshot?fps=1")
+
+
+@pytest.mark.parametrize("path", ["/stream", "/snapshot", "/stream_viewer"])
+def test_an_address_of_web_video_server_asks_for_the_same(path):
+    asked = picture_request(
+        f"{path}?topic=/a&type=ros_compressed&width=640&height=480&quality=90&bitrate=250000"
+        "&qos_profile=sensor_data&qos_profile=&default_transport=compressed&gop=0&qmin=1&qmax=9"
+    )
+    assert asked.image is not None
+    sides = (asked.image.max_width, asked.image.max_height)
+    assert (asked.topic, *sides, asked.image.quality) == ("/a", 640, 480, 90)
+    unbounded = picture_request(f"{path}?topic=/a&width=0&height=0&type=mjpeg").image
+    assert unbounded == picture_request(f"{path}?topic=/a").image
+
+
+async def test_the_viewer_is_a_page_that_shows_the_stream_of_its_parameters(serve: Serve):
+    async with serve() as served:
+        publisher = camera(served)
+        query = f"topic={CAMERA}&type=mjpeg&width=20&default_transport=raw"
+        status, text = await answer(served, f"/stream_viewer?{query}&t=%22%3E<script>")
+        assert status == 200
+        source = html.unescape(text.partition('<img src="')[2].partition('"')[0])
+        assert source == f"stream?{query}&t=%22%3E<script>"
+        assert "<script" not in text
+        async with view(served, f"/stream?{query}") as viewer:
+            await eventually(lambda: viewers(served) == 1)
+            publisher.publish(grey(served))
+            assert (await viewer.picture()).shape[1] == 20
 
 
 def test_a_request_has_16_parameters_at_most():

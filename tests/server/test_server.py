@@ -498,6 +498,15 @@ async def test_health_is_json_on_the_same_port(serve: Serve):
         assert (health["status"], health["clients"], health["subscriptions"]) == ("ok", 1, 1)
 
 
+async def test_the_version_is_told_as_rosbridge_does(serve: Serve):
+    async with serve(version="1.2.3") as served:
+        status, content_type, body = await asyncio.to_thread(get, served, "/version")
+        assert (status, content_type) == (200, "application/json; charset=utf-8")
+        told = {"protocol": {"major": 2, "minor": 0, "patch": 0}, "server": "1.2.3"}
+        assert json.loads(body) == told
+        assert (await asyncio.to_thread(get, served, "/version", "HEAD"))[::2] == (200, "")
+
+
 async def test_health_is_never_cached(serve: Serve):
     async with serve() as served:
         reader, writer = await asyncio.open_connection("127.0.0.1", served.port)
