@@ -42,6 +42,11 @@ _HARD_NUMBER: Final = (  # between two that a double can hold: no parser may tak
 _IMAGE: Final = "sensor_msgs/msg/Image"
 _SCAN: Final = "sensor_msgs/msg/LaserScan"
 _JOY: Final = "sensor_msgs/msg/Joy"
+_GRID: Final = "nav_msgs/msg/OccupancyGrid"
+_DOUBLES: Final = "std_msgs/msg/Float64MultiArray"
+_MARKERS: Final = "visualization_msgs/msg/MarkerArray"
+_JOINTS: Final = "sensor_msgs/msg/JointState"
+_TRANSFORMS: Final = "tf2_msgs/msg/TFMessage"
 _STRING: Final = "std_msgs/msg/String"
 
 
@@ -100,6 +105,48 @@ def bombs(definitions: InstalledDefinitions) -> Iterator[Bomb]:
             for field in definition.fields:
                 value = json.dumps(_smallest(field.type))
                 yield Bomb(name, template, f'{{"{field.name}":{value}}}', fields)
+
+
+def large_frames() -> Iterator[HostileFrame]:
+    """Return frames that hold much of what an honest client sends, and as much as they can."""
+    room = MAX_MESSAGE_BYTES - 1000
+    for width, height in ((604, 307), (400, 400), (1006, 1674)):
+        cells = ",".join((["-1", "0", "100"] * (width * height // 3 + 1))[: width * height])
+        info = f'{{"width":{width},"height":{height},"resolution":0.05}}'
+        map_ = publish(_GRID, f'{{"info":{info},"data":[{cells}]}}')
+        yield HostileFrame(f"a map of {width} x {height}", map_)
+        typed = b"\xd8\x48" + cbor.head(cbor.OCTETS, width * height) + bytes(width * height)
+        yield HostileFrame(f"CBOR: a map of {width} x {height}", _cbor(_GRID, "data", typed))
+    floats = ",".join(f"{number / 7:.15f}" for number in range(room // 22))
+    mixed = ",".join(["0.1,2,-3e5"] * (room // 11))
+    names = ",".join(f'"joint_{number}"' for number in range(MAX_STRINGS - 1000))
+    transform = (
+        '{"header":{"frame_id":"map"},"child_frame_id":"base","transform":'
+        '{"translation":{"x":1.5,"y":2,"z":0},"rotation":{"x":0,"y":0,"z":0,"w":1}}}'
+    )
+    for name, data in {
+        "10 MB of numbers": publish(_DOUBLES, f'{{"data":[{floats}]}}'),
+        "10 MB of integers for floats": publish(_SCAN, f'{{"ranges":[{"17," * (room // 3)}0]}}'),
+        "10 MB of mixed numbers": publish(_SCAN, f'{{"ranges":[{mixed}]}}'),
+        "10 MB of mixed numbers, then a text": publish(_SCAN, f'{{"ranges":[{mixed},"x"]}}'),
+        "10 MB of zeros": publish(_SCAN, f'{{"ranges":[{"0," * (room // 2)}0]}}'),
+        "5,000 empty markers": publish(_MARKERS, f'{{"markers":[{"{}," * 4999}{{}}]}}'),
+        "59,000 joint names": publish(_JOINTS, f'{{"name":[{names}]}}'),
+        "4,900 transforms": publish(_TRANSFORMS, f'{{"transforms":[{_times(transform, 4900)}]}}'),
+        "a base64 image of 7 MB": publish(_IMAGE, f'{{"data":"{"A" * 9_333_332}"}}'),
+        "a type of 9 MB": publish(_STRING, "{}").replace(b"std_msgs/", b"s" * 9_000_000, 1),
+        "a type of 9 MB, new": b'{"op":"advertise","topic":"/x","type":"%b"}' % (b"t" * 9_000_000),
+        "10 MB of [": b"[" * room,
+        "10 MB of {": b'{"a":' * (room // 5),
+        "10 MB of spaces": b" " * room,
+        "10 MB of commas": b"," * room,
+        "10 MB of bad JSON": b"x" * room,
+    }.items():
+        yield HostileFrame(name, data)
+
+
+def _times(element: str, count: int) -> str:
+    return ",".join([element] * count)
 
 
 def plain_frames() -> Iterator[HostileFrame]:

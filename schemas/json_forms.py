@@ -33,7 +33,21 @@ NON_FINITE: Final[Mapping[object, float]] = {
 # Up to here every integer is a float; beyond, one float stands for several.
 MAX_WHOLE: Final = 2**53
 
+_NO_OCTET: Final = "item {} is no integer from 0 to 255"
 _ROS1_NAMES: Final = {"secs": "sec", "nsecs": "nanosec"}
+
+
+class NumberArray:
+    """A long array of numbers, as an array of numpy.
+
+    It is not one itself, because numpy compares each number, and has no truth value then.
+    """
+
+    __slots__ = ("values",)
+    __hash__ = None  # type: ignore[assignment]  # as that of a list
+
+    def __init__(self, values: npt.NDArray[Any]) -> None:
+        self.values = values
 
 
 class OctetsError(ValueError):
@@ -47,7 +61,7 @@ class _ItemError(OctetsError):
         self._items = items
 
     def __str__(self) -> str:
-        return f"item {_first_misfit(self._items)} is no integer from 0 to 255"
+        return _NO_OCTET.format(_first_misfit(self._items))
 
 
 def whole(value: Any) -> Any:
@@ -103,6 +117,8 @@ def octets(value: object) -> bytes:
             return _octets_of_list(value)
         case bytes() | bytearray() | memoryview():
             return bytes(value)
+        case NumberArray():
+            return _octets_of_array(value.values)
     raise OctetsError("expected base64 text or an array of integers")
 
 
@@ -160,6 +176,13 @@ def _octets_of_text(text: str) -> bytes:
         return pybase64.b64decode(text.encode().translate(None, _WHITESPACE), validate=True)
     except ValueError as error:
         raise OctetsError("text is no valid base64") from error
+
+
+def _octets_of_array(numbers: npt.NDArray[Any]) -> bytes:
+    fit = (numbers >= 0) & (numbers <= 255) & (np.trunc(numbers) == numbers)
+    if numbers.dtype.kind == "b" or not fit.all():
+        raise OctetsError(_NO_OCTET.format(int(np.argmin(fit))))
+    return numbers.astype(np.uint8).tobytes()
 
 
 def _octets_of_list(items: list[object]) -> bytes:

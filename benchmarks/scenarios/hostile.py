@@ -11,13 +11,11 @@ import gc
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from functools import partial
 from typing import Final
 
 from benchmarks.figures import Figure
 from benchmarks.hostile_frames import Bomb, HostileFrame, bombs, plain_frames
 from benchmarks.plan import Plan
-from gateway.codec.cbor_reader import is_cbor
 from gateway.codec.errors import CodecError
 from gateway.codec.json import loads
 from gateway.codec.types import Types
@@ -26,7 +24,6 @@ from gateway.memory import keep_large_blocks
 from gateway.ros import RosOptions, open_ros
 from gateway.rosapi import interfaces_prefix
 from gateway.router.router import Router
-from gateway.server.inbound_text import receive_text
 from schemas.installed import InstalledDefinitions, installed_prefixes
 from schemas.table import Table
 
@@ -102,14 +99,14 @@ def _held_ms(router: Router, frame: HostileFrame) -> tuple[float, float, Hostile
     session = router.enter(lambda: None)
     left: list[Callable[[], None]] = []  # for the next turn of the loop
     session.next_turn = left.append
-    is_text = not is_cbor(frame.data)
-    receive = partial(receive_text, receive=router.receive) if is_text else router.receive
     try:
 
         def longest_ms() -> float:
-            """Return the longer one of the turns in which it is read and carried out."""
-            reading_ms = _thread_ms(lambda: receive(session, frame.data))
-            return max([reading_ms, *map(_thread_ms, left)])
+            """Return the longest one of the turns in which it is read and carried out."""
+            longest_ms = _thread_ms(lambda: router.receive(session, frame.data))
+            while left:
+                longest_ms = max(longest_ms, _thread_ms(left.pop(0)))
+            return longest_ms
 
         def receive_ms() -> float:
             try:

@@ -17,9 +17,12 @@ from gateway.codec.cbor import MAP, OCTETS, TYPED_ARRAYS
 from gateway.codec.errors import CodecError
 from gateway.codec.json import MAX_DEPTH
 from gateway.codec.json_bounds import MAX_COST, MAX_ITEMS, WIDE_COST
+from schemas.json_forms import NumberArray
 
 # Outside of typed arrays, keys included: 10 to 15 ms for so many.
 MAX_SINGLE_ITEMS: Final = 15_000
+# As Python's numbers they take long, and much memory; small arrays are encoded faster from them.
+MAX_LISTED: Final = 10_000
 
 _TAG: Final = 0xC0
 _TAG_ITEMS: Final = 3  # a typed array takes as long as so many items, beside its tag and its bytes
@@ -45,10 +48,10 @@ def is_cbor(data: bytes) -> bool:
 def loads(data: bytes, *, max_depth: int = MAX_DEPTH, max_items: int = MAX_ITEMS) -> object:
     """Read one item, in the values that `gateway.codec.json.loads` returns, and bytes.
 
-    Typed arrays of RFC 8746 become lists of numbers, those of uint8 bytes; ``undefined`` becomes
-    ``None``. *max_depth* bounds how deep arrays and maps nest, *max_items* how many items there
-    are in all, `MAX_SINGLE_ITEMS` those outside of typed arrays. It costs no more than
-    `MAX_COST`, as text that is not ASCII does.
+    Typed arrays of RFC 8746 become lists of numbers, or a `NumberArray` when these have
+    `MAX_LISTED` in all; those of uint8 become bytes, ``undefined`` becomes ``None``. *max_depth*
+    bounds how deep arrays and maps nest, *max_items* and `MAX_SINGLE_ITEMS` how many items there
+    are outside of typed arrays. It costs no more than `MAX_COST`, as text that is not ASCII does.
 
     Raises:
         CborError: it is not CBOR, it is CBOR that JSON has nothing for, a limit is exceeded, or a
@@ -69,6 +72,9 @@ class _Reader:
         self._max_depth = max_depth
         self._max_items = max_items
         self._max_singles = min(max_items, MAX_SINGLE_ITEMS)
+        self._instead = "send numbers as typed arrays (RFC 8746)"
+        if max_items < MAX_SINGLE_ITEMS:
+            self._instead += ", or raise limits.max_json_items"
         self._singles = 0
         self._numbers = 0  # in typed arrays
         self._cost = len(data)
@@ -76,7 +82,7 @@ class _Reader:
     def item(self) -> object:
         self._singles += 1
         if self._singles > self._max_singles:
-            limit = f"over {self._max_singles} items; send numbers as typed arrays (RFC 8746)"
+            limit = f"over {self._max_singles} items; {self._instead}"
             raise CborError(f"frame has {limit}")
         self._start = self._at
         try:
@@ -90,7 +96,6 @@ class _Reader:
         return self._READERS[major](self, info if info < _ONE_BYTE else self._argument(info))
 
     def expect_end(self) -> None:
-        self._check_total()  # of single items there are not many more since the last typed array
         if self._at != len(self._data):
             self._start = self._at
             self._refuse("it goes on behind its end")
@@ -185,18 +190,16 @@ class _Reader:
     def _numbers_of(self, octets: bytes, dtype: np.dtype[Any]) -> Any:
         if len(octets) % dtype.itemsize:
             self._refuse(f"a typed array of {len(octets)} bytes for numbers of {dtype.itemsize}")
-        self._numbers += len(octets) // dtype.itemsize
-        self._check_total()
-        return np.frombuffer(octets, dtype).tolist()
-
-    def _check_total(self) -> None:
-        if self._singles + self._numbers > self._max_items:
-            raise CborError(f"frame has over {self._max_items} items and numbers in typed arrays")
+        numbers = np.frombuffer(octets, dtype)
+        self._numbers += len(numbers)
+        return NumberArray(numbers) if self._numbers > MAX_LISTED else numbers.tolist()
 
     def _enter(self) -> None:
         self._depth += 1
         if self._depth > self._max_depth:
-            raise CborError(f"frame nests deeper than {self._max_depth} levels")
+            raise CborError(
+                f"frame nests deeper than {self._max_depth} levels; raise limits.max_json_depth"
+            )
 
     def _refuse(self, reason: str) -> Never:
         raise CborError(f"frame is not CBOR that can be taken: {reason}, at byte {self._start}")

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A nav_msgs/msg/OccupancyGrid as a grey PNG: a map of 16 MB takes a tenth of that, or less."""
+"""A nav_msgs/msg/OccupancyGrid as a grey PNG, and back: of 16 MB it takes a tenth, or less."""
 
 from collections.abc import Callable
+from struct import pack
 from typing import Any, Final, cast
 
 import cv2
@@ -10,6 +11,8 @@ import pybase64
 
 from gateway.codec import cbor
 from gateway.codec.cdr import Cdr
+from gateway.codec.cdr.bounds import MAX_CDR_BYTES
+from gateway.codec.compressed_images import decompress
 from gateway.codec.errors import CodecError
 from gateway.codec.json import dumps
 from gateway.codec.types import MessageType
@@ -43,6 +46,33 @@ def cbor_grid_renderer(grid_type: MessageType) -> Callable[[Cdr], bytes]:
         return cbor.dumps(_message(values, info, lambda png: png))
 
     return render
+
+
+def grid_maker(grid_type: MessageType) -> Callable[[bytes], bytes]:
+    """Return a function from the CDR of a grid whose cells are a PNG, to that of the grid.
+
+    A size that `info` leaves out is that of the picture. The function may run in any thread; it
+    raises `CodecError`.
+    """
+    decode = grid_type.decoder(octets="raw")
+    encode = grid_type.compiled_encoder
+
+    def make(cdr: bytes) -> bytes:
+        values = cast("dict[str, Any]", decode(cdr))
+        image = decompress("png", np.asarray(values["data"], np.int8).tobytes(), MAX_CDR_BYTES)
+        if image.encoding != "mono8":
+            raise CodecError(f"the PNG of a grid is {image.encoding}; send grey of 8 bits")
+        info = values["info"]
+        size, stated = (image.width, image.height), (info["width"], info["height"])
+        if any(given not in {0, actual} for given, actual in zip(stated, size, strict=True)):
+            text = f"the PNG has {size[0]} x {size[1]} pixels, info says {stated[0]} x {stated[1]}"
+            raise CodecError(f"{text}; leave out its width and height")
+        info |= {"width": size[0], "height": size[1], "resolution": float(info["resolution"])}
+        without_cells = encode({"header": values["header"], "info": info}, 0)
+        # `data` is the last field: its count is the last four bytes
+        return b"".join((without_cells[:-4], pack("<I", len(image.data)), image.data))
+
+    return make
 
 
 def _message(

@@ -7,18 +7,20 @@ that two readers of one frame never see two different messages.
 
 import json
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Generator, Iterable
 from functools import partial
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 import orjson
 import pybase64
 
 from gateway.codec.error_text import MAX_ECHO
 from gateway.codec.errors import JsonError
-from gateway.codec.json_bounds import MAX_CONTAINERS, MAX_ITEMS, check, count_names, outline
+from gateway.codec.json_arrays import read_arrays, with_arrays, without_arrays
+from gateway.codec.json_bounds import MAX_CONTAINERS, MAX_ITEMS, Outline, count_names, outline
 from gateway.codec.json_tokens import in_original, is_at_token, with_numbers, without_tokens
 from gateway.codec.utf8 import invalid_at
+from schemas.json_forms import NumberArray
 
 # Deeper than any ROS type nests, and far from the recursion limits of the code that follows.
 MAX_DEPTH: Final = 32
@@ -34,7 +36,9 @@ _CONTAINERS: Final = frozenset({dict, list})
 _NOT_ASCII: Final = re.compile(r"[^\0-\x7f]+")
 
 
-def _base64(value: object) -> str:
+def _written(value: object) -> object:
+    if isinstance(value, NumberArray):
+        return value.values
     if isinstance(value, bytes | memoryview):
         return pybase64.b64encode_as_string(value)
     raise TypeError(f"no JSON for {type(value).__name__}")
@@ -42,7 +46,7 @@ def _base64(value: object) -> str:
 
 # Bound rather than wrapped: it is called for every message.
 dumps: Final[Callable[[object], bytes]] = partial(
-    orjson.dumps, option=orjson.OPT_SERIALIZE_NUMPY, default=_base64
+    orjson.dumps, option=orjson.OPT_SERIALIZE_NUMPY, default=_written
 )
 """Write values as UTF-8 JSON: numpy arrays as arrays, bytes as base64, NaN and infinities as null.
 
@@ -78,10 +82,47 @@ def loads(
     """
     if isinstance(data, str):
         data = data.encode("utf-8", "surrogatepass")  # orjson refuses it, with the position
-    outside = None
+    found = None
     if len(data) > min(max_items, MAX_CONTAINERS):  # each item takes a character at least
-        outside = outline(data)
-        check(outside, max_items)
+        found = in_one_go(outline(data, max_items, takes_arrays=False))
+    return _loads(data, found, max_depth, takes_tokens=takes_tokens)
+
+
+def loads_in_slices(
+    data: bytes, *, max_depth: int = MAX_DEPTH, max_items: int = MAX_ITEMS
+) -> Generator[None, None, object]:
+    """Read one JSON text as `loads` does, with pauses in which others can have their turn.
+
+    A long array that holds nothing but numbers, or booleans alone, becomes a `NumberArray` of any
+    type that has all of them; null and NaN are NaN there. These numbers are not counted as items.
+
+    Raises:
+        JsonError: as for `loads`.
+    """
+    found = yield from outline(data, max_items, takes_arrays=True)
+    yield
+    if not found.arrays:
+        return _loads(data, found, max_depth, takes_tokens=True)
+    arrays = yield from read_arrays(data, found.arrays)
+    rest = without_arrays(data, found.arrays)
+    yield
+    return with_arrays(_loads(rest, found, max_depth, takes_tokens=True), arrays)
+
+
+_Result = TypeVar("_Result")
+
+
+def in_one_go(slices: Generator[None, None, _Result]) -> _Result:
+    """Do without pauses what has them, and return its result."""
+    while True:
+        try:
+            next(slices)
+        except StopIteration as stop:
+            result: _Result = stop.value
+            return result
+
+
+def _loads(data: bytes, found: Outline | None, max_depth: int, *, takes_tokens: bool) -> object:
     has_tokens = False
     try:
         value: object = orjson.loads(data)
@@ -90,7 +131,7 @@ def loads(
         if not has_tokens:
             raise _refusal(error, data, max_depth) from None
         value = _loads_tokens(error, data, max_depth)
-    if not _has_names(data, outside, _count_names(value, max_depth)):
+    if not _has_names(data, found, _count_names(value, max_depth)):
         raise _duplicate(data)
     return with_numbers(value) if has_tokens else value
 
@@ -132,7 +173,7 @@ def _refusal(error: json.JSONDecodeError, data: bytes, max_depth: int) -> JsonEr
 
 
 def _too_deep(max_depth: int) -> JsonError:
-    return JsonError(f"JSON nests deeper than {max_depth} levels")
+    return JsonError(f"JSON nests deeper than {max_depth} levels; raise limits.max_json_depth")
 
 
 def _count_names(value: object, max_depth: int) -> int:
@@ -157,21 +198,21 @@ def _count_names(value: object, max_depth: int) -> int:
     return names
 
 
-def _has_names(data: bytes, outside: bytes | None, count: int) -> bool:
+def _has_names(data: bytes, found: Outline | None, count: int) -> bool:
     """Return whether a text has no more names than the *count* that parsing kept.
 
     Parsing keeps the last of two members of one name, so duplicates lower the count. A colon
     follows each name, but strings have colons, too ("publish:/cmd_vel:1"). If no white space
     precedes a colon, those behind names follow a quote.
     """
-    if outside is None:
+    if found is None:
         if data.count(b":") == count:
             return True
         has_space = b" :" in data or b"\n:" in data or b"\r:" in data or b"\t:" in data
         if not has_space and data.count(b'":') == count:
             return True
-        outside = outline(data)
-    return count_names(outside) == count
+        return count_names(data) == count
+    return found.colons == count
 
 
 def _duplicate(data: bytes) -> JsonError:

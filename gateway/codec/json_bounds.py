@@ -6,6 +6,8 @@ nothing, so it is the outline of a text that is looked at, which numpy makes of 
 once: a text of 10 MiB may not take longer to look at than to parse.
 """
 
+from collections.abc import Generator
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
@@ -33,69 +35,170 @@ Octets = npt.NDArray[np.uint8]
 Flags = npt.NDArray[np.bool_]
 Places = npt.NDArray[np.intp]
 
+PIECE_BYTES: Final = 256 * 1024  # looked at in half a millisecond
+MIN_ARRAY_BYTES: Final = 16 * 1024
+"""An array of numbers with a longer text is read in slices, and its numbers are no items."""
+
 _WORD_BITS: Final = 64
 _ALL_INSIDE: Final = np.uint64(2**_WORD_BITS - 1)
 
 
-def outline(data: bytes) -> bytes:
-    """Return a JSON text with a quote for each of its strings.
+@dataclass(slots=True)
+class Outline:
+    """The counts of what a JSON text says, outside of its strings."""
+
+    containers: int = 0
+    empty: int = 0  # of these
+    commas: int = 0
+    colons: int = 0
+    strings: int = 0
+    arrays: list[tuple[int, int]] = field(default_factory=list)
+    """The places of the elements of long arrays of numbers; they are counted nowhere."""
+
+    @property
+    def items(self) -> int:
+        """The number of members and elements."""
+        # each follows a comma or is first in its container
+        return self.commas + self.containers - self.empty
+
+
+def outline(data: bytes, max_items: int, *, takes_arrays: bool) -> Generator[None, None, Outline]:
+    """Return the outline of a text, piece by piece.
 
     Raises:
-        JsonError: there are too many strings, or the text would take too long to read.
+        JsonError: it has too many items, objects or strings, or would take too long to read.
     """
-    octets = np.frombuffer(data, np.uint8)
-    is_quote: Flags = octets == ord('"')
-    costs = {"characters that are not ASCII": 0 if data.isascii() else WIDE_COST * len(data)}
-    if b"\\" in data:
-        is_backslash = octets == ord("\\")
-        costs["backslashes"] = BACKSLASH_COST * int(np.count_nonzero(is_backslash))
-        _check_cost(len(data), costs)  # or what follows takes too much memory
-        escaped = _escaped(is_backslash)
-        is_quote[escaped] = False
-        if _has_wide(octets, escaped):
-            costs["characters that are not ASCII"] = WIDE_COST * len(data)
-    strings = int(np.count_nonzero(is_quote)) // 2
-    if strings > MAX_STRINGS:
-        raise JsonError(f"JSON has over {MAX_STRINGS} strings, names included")
-    outside = _outside_of_strings(octets, is_quote)
-    costs["strings"] = STRING_COST * strings
-    costs["numbers and white space"] = OUTSIDE_COST * len(outside)
-    _check_cost(len(data), costs)
-    return outside
+    scan = _Scan(data, takes_arrays=takes_arrays)
+    for start in range(0, len(data), PIECE_BYTES):
+        if start:
+            yield
+        scan.look_at(start, min(start + PIECE_BYTES, len(data)))
+        scan.check()
+    if scan.found.items > max_items:
+        raise JsonError(
+            f"JSON has over {max_items} items; send fewer, or raise limits.max_json_items"
+        )
+    return scan.found
 
 
-def check(outline: bytes, max_items: int) -> None:
-    """Raise `JsonError` if a text has more items than *max_items*, or too many objects."""
-    octets = np.frombuffer(outline, np.uint8)
-    # and square brackets, which differ from the others by one bit
-    containers = _count(octets | np.uint8(0x20), "{")
-    if containers > MAX_CONTAINERS:
-        raise JsonError(f"JSON has over {MAX_CONTAINERS} objects and arrays")
-    # each follows a comma or is first in its container
-    items = _count(octets, ",") + containers
-    if items > max_items and items - outline.count(b"[]") - outline.count(b"{}") > max_items:
-        raise JsonError(f"JSON has over {max_items} items")
+def count_names(data: bytes) -> int:
+    """Return how many names a text has: a colon follows each."""
+    scan = _Scan(data, takes_arrays=False)
+    for start in range(0, len(data), PIECE_BYTES):
+        scan.look_at(start, min(start + PIECE_BYTES, len(data)))
+    return scan.found.colons
 
 
-def count_names(outline: bytes) -> int:
-    """Return how many names there are: a colon follows each."""
-    return _count(np.frombuffer(outline, np.uint8), ":")
+class _Scan:
+    """The state between two pieces of a text."""
 
+    def __init__(self, data: bytes, *, takes_arrays: bool) -> None:
+        self.found = Outline()
+        self._data = data
+        self._octets: Octets = np.frombuffer(data, np.uint8)
+        self._takes_arrays = takes_arrays
+        self._end = 0
+        self._last: Places = np.empty(0, np.intp)  # the place of the last bracket or quote
+        self._is_inside = False  # a string
+        self._is_escaped = False  # the next character
+        self._is_wide = not data.isascii()
+        self._quotes = 0
+        self._backslashes = 0
+        self._outside = 0  # characters
 
-def _count(octets: Octets, character: str) -> int:
-    return int(np.count_nonzero(octets == ord(character)))  # faster than `bytes.count`
+    def look_at(self, start: int, end: int) -> None:
+        """Count what is in the next piece."""
+        self._end = end
+        octets = self._octets[start:end]
+        is_quote: Flags = octets == ord('"')
+        if self._is_escaped or self._data.find(b"\\", start, end) >= 0:
+            self._look_at_escapes(octets, is_quote, start)
+        quotes = int(np.count_nonzero(is_quote))
+        if self._is_inside and not quotes:
+            return
+        # square brackets differ from the others by one bit
+        folded = octets | np.uint8(0x20)
+        is_open, is_close = folded == ord("{"), folded == ord("}")
+        is_comma, is_colon = octets == ord(","), octets == ord(":")
+        if quotes or self._is_inside:
+            is_outside = _outside_of_strings(is_quote, self._is_inside)
+            self._is_inside ^= bool(quotes % 2)
+            self._outside += int(np.count_nonzero(is_outside))
+            for flags in (is_open, is_close, is_comma, is_colon):
+                flags &= is_outside
+        else:
+            self._outside += len(octets)
+        found = self.found
+        self._quotes += quotes
+        found.strings = self._quotes // 2
+        found.containers += int(np.count_nonzero(is_open))
+        found.commas += int(np.count_nonzero(is_comma))
+        found.colons += int(np.count_nonzero(is_colon))
+        places: Places = np.flatnonzero(is_open | is_close | is_quote) + start
+        places = np.concatenate((self._last, places))
+        self._last = places[-1:]
+        self._count_empty(places)
+        if self._takes_arrays:
+            self._find_arrays(places)
 
+    def check(self) -> None:
+        """Raise `JsonError` if that is too much."""
+        found = self.found
+        if found.containers > MAX_CONTAINERS:
+            raise JsonError(
+                f"JSON has over {MAX_CONTAINERS} objects and arrays; send fewer at once"
+            )
+        if found.strings > MAX_STRINGS:
+            raise JsonError(
+                f"JSON has over {MAX_STRINGS} strings, names included; send fewer at once"
+            )
+        size, outside = len(self._data), self._outside
+        if self._takes_arrays and self._last.size and self._octets[self._last[0]] == ord("["):
+            outside -= self._end - int(self._last[0]) - 1  # if they are not those of an array
+        costs = {
+            "characters that are not ASCII": WIDE_COST * size if self._is_wide else 0,
+            "backslashes": BACKSLASH_COST * self._backslashes,
+            "strings": STRING_COST * found.strings,
+            "numbers and white space": OUTSIDE_COST * outside,
+        }
+        if size + sum(costs.values()) > MAX_COST:
+            most = "length" if size > MAX_COST else max(costs, key=costs.__getitem__)
+            text = f"JSON of {size} bytes takes too long to read, for its {most}"
+            raise JsonError(f"{text}; send it in parts, or as CBOR")
 
-def _check_cost(size: int, costs: dict[str, int]) -> None:
-    if size + sum(costs.values()) > MAX_COST:
-        most = "length" if size > MAX_COST else max(costs, key=costs.__getitem__)
-        text = f"JSON of {size} bytes takes too long to read, for its {most}"
-        raise JsonError(f"{text}; send it in parts, or as CBOR")
+    def _look_at_escapes(self, octets: Octets, is_quote: Flags, start: int) -> None:
+        """Note what stands behind a backslash that is not escaped itself: it ends no string."""
+        is_backslash: Flags = octets == ord("\\")
+        self._backslashes += int(np.count_nonzero(is_backslash))
+        if self._is_escaped:
+            is_backslash[0] = False
+        places = _escaped(is_backslash)
+        if self._is_escaped:
+            places = np.concatenate((np.zeros(1, np.intp), places))
+        self._is_escaped = bool(places.size) and int(places[-1]) == len(octets)
+        if self._is_escaped:
+            places = places[:-1]
+        is_quote[places] = False
+        self._is_wide = self._is_wide or _has_wide(self._octets, places + start)
+
+    def _count_empty(self, places: Places) -> None:
+        marks = self._octets[places] | np.uint8(0x20)
+        is_pair = (marks[:-1] == ord("{")) & (marks[1:] == ord("}"))
+        self.found.empty += int(np.count_nonzero(is_pair & (np.diff(places) == 1)))
+
+    def _find_arrays(self, places: Places) -> None:
+        """Find long arrays that hold no string, object or array."""
+        for index in np.flatnonzero(np.diff(places) - 1 > MIN_ARRAY_BYTES).tolist():
+            start, end = int(places[index]) + 1, int(places[index + 1])
+            if self._octets[start - 1] == ord("[") and self._octets[end] == ord("]"):
+                self.found.arrays.append((start, end))
+                self._outside -= end - start
+                self.found.commas -= int(np.count_nonzero(self._octets[start:end] == ord(",")))
 
 
 def _escaped(is_backslash: Flags) -> Places:
     """Return where the characters behind a backslash are that is not escaped itself."""
-    backslashes: Places = np.flatnonzero(is_backslash[:-1])
+    backslashes: Places = np.flatnonzero(is_backslash)
     is_first = np.diff(backslashes, prepend=-2) > 1
     if not is_first.all():  # of those in a row each second one is escaped
         first = backslashes[is_first][np.cumsum(is_first) - 1]
@@ -111,29 +214,20 @@ def _has_wide(octets: Octets, escaped: Places) -> bool:
     return not is_narrow.all()
 
 
-def _outside_of_strings(octets: Octets, is_quote: Flags) -> bytes:
-    """Return the characters that are outside, as the quote that ends a string is.
+def _outside_of_strings(is_quote: Flags, was_inside: bool) -> Flags:  # a state
+    """Return which characters are outside, as the quote that ends a string is.
 
     A bit says whether so many quotes stand before a character that it is within a string: the
     exclusive or of all bits up to it, 64 at a time (as simdjson does it; Langdale and Lemire,
     Parsing Gigabytes of JSON per Second, 2019, section 3.1.1).
     """
-    is_inside = np.zeros(-(-len(octets) // _WORD_BITS), "<u8")
+    is_inside = np.zeros(-(-len(is_quote) // _WORD_BITS), "<u8")
     packed = np.packbits(is_quote, bitorder="little")
     is_inside.view(np.uint8)[: len(packed)] = packed
     for shift in (1, 2, 4, 8, 16, 32):
         is_inside ^= is_inside << np.uint64(shift)
     is_open = is_inside >> np.uint64(_WORD_BITS - 1)  # a string, at the end of each word
-    was_open = np.bitwise_xor.accumulate(is_open) ^ is_open  # before it
+    was_open = np.bitwise_xor.accumulate(is_open) ^ is_open ^ np.uint64(was_inside)  # before it
     is_inside ^= was_open * _ALL_INSIDE
-    # most words are within long strings, and the last one may have fewer characters
-    last = len(octets) // _WORD_BITS
-    words = np.flatnonzero(is_inside[:last] != _ALL_INSIDE)
-    rows = octets[: last * _WORD_BITS].reshape(-1, _WORD_BITS)
-    outside = rows[words].ravel()[_bits(~is_inside[words])]
-    rest = octets[last * _WORD_BITS :]
-    return outside.tobytes() + rest[_bits(~is_inside[last:])[: len(rest)]].tobytes()
-
-
-def _bits(words: npt.NDArray[np.uint64]) -> Flags:
-    return np.unpackbits(words.view(np.uint8), bitorder="little").view(np.bool_)
+    bits = np.unpackbits((~is_inside).view(np.uint8), bitorder="little", count=len(is_quote))
+    return bits.view(np.bool_)

@@ -22,7 +22,7 @@ from gateway.codec.cdr import (
     compile_transcoder,
 )
 from gateway.codec.cdr.bounds import TooManyFieldsError
-from gateway.codec.cdr.encoder import MISFITS
+from gateway.codec.cdr.misfits import MISFITS
 from gateway.codec.cdr.selection import select
 from gateway.codec.error_text import truncate
 from gateway.codec.errors import CodecError

@@ -9,7 +9,9 @@ from collections.abc import Callable, Iterable, Mapping
 from itertools import islice
 from typing import Any, Final
 
-from gateway.codec.cdr.encoder import MISFITS, Encoder
+from gateway.codec.cdr.arrays import Array, first_misfit
+from gateway.codec.cdr.encoder import Encoder
+from gateway.codec.cdr.misfits import MISFITS
 from gateway.codec.error_text import did_you_mean, truncate
 from gateway.codec.error_text import kind as kind_of
 from gateway.codec.errors import CodecError
@@ -27,6 +29,7 @@ from schemas.json_forms import (
     FORMS,
     NON_FINITE,
     Clock,
+    NumberArray,
     OctetsError,
     first_fraction,
     octets,
@@ -43,6 +46,7 @@ _KINDS: Final[Mapping[str, frozenset[type]]] = {
     **dict.fromkeys(INTEGER_RANGES, frozenset({int})),
     **dict.fromkeys(FLOATS, frozenset({float, int})),
 }
+_NUMBERS: Final = frozenset(_KINDS) - STRINGS
 _NAMED: Final = frozenset(map(type, NON_FINITE))
 _FORMS: Final[Mapping[str, frozenset[type]]] = {  # those of `_plain`, before
     **_KINDS,
@@ -141,6 +145,12 @@ class _Problems:
             self._add(path, str(error))
 
     def _check_array(self, values: object, kind: FieldType, path: str) -> None:
+        if kind.base == "int8" and isinstance(values, str | bytes):
+            self._check_octets(values, kind, path)
+            return
+        if isinstance(values, NumberArray):
+            self._check_numbers(values.values, kind, path)
+            return
         if not isinstance(values, list):
             self._add(path, f"expected an array, got {kind_of(values)}")
             return
@@ -155,6 +165,18 @@ class _Problems:
                     return
         else:
             self._check_elements(values, kind, path)
+
+    def _check_numbers(self, values: Array, kind: FieldType, path: str) -> None:
+        wrong_length = _wrong_length(len(values), kind)
+        index = first_misfit(values, kind.base) if kind.base in _NUMBERS else 0
+        if wrong_length is not None:
+            self._add(path, wrong_length)
+        elif not kind.is_primitive:
+            self.check_message(values[0].item(), self._definitions.get(kind.base), f"{path}[0]")
+        elif index is not None:
+            value = values[index].item()
+            reason = _misfit(value, kind) or f"{value} stands for several integers"
+            self._add(f"{path}[{index}]", reason)
 
     def _check_elements(self, values: list[object], kind: FieldType, path: str) -> None:
         encode = self._encoder_of(kind.base)

@@ -131,7 +131,9 @@ class Limits(Section):
         100_000,
         serialization_alias="json_items",
         description="values in one JSON frame of a client, as each costs time and memory; of these"
-        " 20,000 objects and arrays; strings, names included, are 60,000 at most",
+        " 20,000 objects and arrays; strings, names included, are 60,000 at most; an array of"
+        " numbers alone whose text is longer than 16 KiB counts as one value, as do base64 and"
+        " the typed arrays of CBOR",
     )
     max_queue_length: Annotated[int, Field(ge=1, le=100_000)] = Field(
         MAX_QUEUE_DEPTH,

@@ -41,7 +41,9 @@ def resolve_action(name: str, max_characters: int) -> ActionName:
 def _resolve(kind: Literal["topic", "service", "action"], name: str, max_characters: int) -> str:
     if len(name) > max_characters:
         raise ProtocolError(
-            "bad_name", f"{kind}: {len(name)} characters, at most {max_characters} allowed"
+            "bad_name",
+            f"{kind}: {len(name)} characters, at most {max_characters} allowed"
+            " (limits.max_name_characters)",
         )
     resolved = name if name.startswith("/") else f"/{name}"
     if not _RESOLVED.fullmatch(resolved):

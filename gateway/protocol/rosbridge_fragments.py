@@ -98,7 +98,8 @@ class Assembly:
             self._refuse(fragment.id, message, now_ns)
             raise ProtocolError(
                 "limit_exceeded",
-                f"data: {size} bytes so far, at most {self._max_bytes} allowed in all",
+                f"data: {size} bytes so far, at most {self._max_bytes} allowed in all"
+                " (limits.max_message_bytes); send less at once",
             )
         if len(message.pieces) < message.total:
             return None

@@ -3,8 +3,8 @@
 
 import itertools
 import logging
-from collections.abc import Callable, Hashable
-from typing import Final, NamedTuple
+from collections.abc import Callable, Generator, Hashable
+from typing import Final, NamedTuple, TypeAlias
 
 from pydantic import ValidationError
 
@@ -12,7 +12,7 @@ from gateway.access.permissions import UNLIMITED, Action, Identity
 from gateway.codec import cbor_reader
 from gateway.codec.error_text import hint, truncate
 from gateway.codec.errors import JsonError
-from gateway.codec.json import ascii_only, loads
+from gateway.codec.json import ascii_only, loads, loads_in_slices
 from gateway.config.limits import Limits
 from gateway.metrics.histogram import Histogram
 from gateway.protocol import messages
@@ -27,6 +27,11 @@ from gateway.protocol.operations.topics import ImageFormat
 from gateway.protocol.outbox import Outbox
 from gateway.protocol.rosbridge_fragments import Assembly
 from gateway.protocol.websocket_frames import text_frames
+
+Reading: TypeAlias = Generator[None, None, ClientOperation | None]
+"""Parses a long message, with pauses in which other clients can have their turn."""
+
+SLICED_BYTES: Final = 64 * 1024  # a shorter text takes 2 ms at most, and has no long array
 
 NOT_AUTHENTICATED: Final = (
     'authenticate first: {"op":"auth","token":"TOKEN"}, a header `Authorization: Bearer TOKEN`,'
@@ -75,7 +80,8 @@ class Session:
         self.waited_s: Callable[[], float] = lambda: 0.0
         self.received = 0
         self.refused = 0
-        self.unreadable = 0  # messages that were neither JSON nor CBOR
+        # called with each message that is neither JSON nor CBOR, once it is refused
+        self.on_unreadable: Callable[[bytes], None] = lambda data: None
         self.read_bytes = 0  # of the newest one, put together
         self.is_ros_sharp = False  # it reads ASCII only, and `values` of the type only
         self.numbers = itertools.count(1)  # of the calls and goals passed on to this client
@@ -94,12 +100,23 @@ class Session:
         self._max_json_items = limits.max_json_items
         self._fragmented = 0
 
-    def receive(self, data: bytes, now_ns: int) -> ClientOperation | None:
-        """Parse one message; return ``None`` if it was answered, or is a piece of an operation."""
+    def receive(self, data: bytes, now_ns: int) -> ClientOperation | Reading | None:
+        """Parse one message; return ``None`` if it was answered, or is a piece of an operation.
+
+        Of a long one return what parses it.
+        """
         self.received += 1
         if self._assembly:
             self._expire(now_ns)
-        operation = self._parse(data)
+        self.read_bytes = len(data)
+        if len(data) > SLICED_BYTES and not cbor_reader.is_cbor(data):
+            return self._read(data, now_ns)
+        return self._put_together(self._parse(data), now_ns)
+
+    def _put_together(
+        self, operation: ClientOperation | Fragment | None, now_ns: int
+    ) -> ClientOperation | Reading | None:
+        """Return the operation, or of the last fragment what it completes."""
         if not isinstance(operation, Fragment):
             return operation
         if self.identity is None:  # whose pieces would take memory
@@ -110,7 +127,15 @@ class Session:
         except ProtocolError as error:
             self.refuse(error, operation)
             return None
-        operation = None if whole is None else self._parse(whole)
+        if whole is None:
+            return None
+        self.read_bytes = len(whole)
+        if len(whole) > SLICED_BYTES:
+            return self._read(whole, None)
+        return self._not_nested(self._parse(whole))
+
+    def _not_nested(self, operation: ClientOperation | Fragment | None) -> ClientOperation | None:
+        """Return an operation that came in fragments, but for a fragment."""
         if isinstance(operation, Fragment):
             self.refuse(ProtocolError("bad_request", "fragment: within a fragment"), operation)
             return None
@@ -201,22 +226,49 @@ class Session:
 
     def _parse(self, data: bytes) -> ClientOperation | Fragment | None:
         """Parse one operation, and answer it if it is malformed."""
-        self.read_bytes = len(data)
         values: dict[str, object] = {}
         try:
             values = _object(data, self._max_json_depth, self._max_json_items)
-            if values.get("fragment_size") == ROS_SHARP_FRAGMENT_SIZE:
-                self.is_ros_sharp = True
-            model = _model(values.get("op"))
-            misspelt = self._dialect.note(model.op, values)
-            operation = _read(model, values, misspelt)
+            return self._operation(values)
         except ProtocolError as error:
-            self.unreadable += error.code == "bad_json"
-            self._refuse(error, _readable(values))
+            self._refuse_malformed(error, data, values)
+        return None
+
+    def _read(self, data: bytes, now_ns: int | None) -> Reading:
+        """Parse one operation as `_parse` does; *now_ns* is ``None`` if it came in fragments."""
+        depth, items = self._max_json_depth, self._max_json_items
+        values: dict[str, object] = {}
+        try:
+            try:
+                value = yield from loads_in_slices(data, max_depth=depth, max_items=items)
+            except JsonError as error:
+                raise _not_json(data, error) from error
+            values = _checked(data, value)
+            operation = self._operation(values)
+        except ProtocolError as error:
+            self._refuse_malformed(error, b"" if now_ns is None else data, values)
             return None
+        if now_ns is None:
+            return self._not_nested(operation)
+        whole = self._put_together(operation, now_ns)
+        return (yield from whole) if isinstance(whole, Generator) else whole
+
+    def _operation(self, values: dict[str, object]) -> ClientOperation | Fragment:
+        if values.get("fragment_size") == ROS_SHARP_FRAGMENT_SIZE:
+            self.is_ros_sharp = True
+        model = _model(values.get("op"))
+        misspelt = self._dialect.note(model.op, values)
+        operation = _read(model, values, misspelt)
         if misspelt:
             self.warn(ProtocolError("bad_request", misspelt), operation.op, operation.id)
         return operation
+
+    def _refuse_malformed(
+        self, error: ProtocolError, data: bytes, values: dict[str, object]
+    ) -> None:
+        self._refuse(error, _readable(values))
+        if error.code == "bad_json":
+            self.on_unreadable(data)
 
     def _expire(self, now_ns: int) -> None:
         for fragment_id, progress in self._assembly.expire(now_ns):
@@ -277,7 +329,15 @@ def _object(data: bytes, max_depth: int, max_items: int) -> dict[str, object]:
     except JsonError as error:
         if _asks_for_help(data):
             return {"op": Help.op}
-        raise ProtocolError("bad_json", f"{error}{_hint(data)}") from error
+        raise _not_json(data, error) from error
+    return _checked(data, values)
+
+
+def _not_json(data: bytes, error: JsonError) -> ProtocolError:
+    return ProtocolError("bad_json", f"{error}{_hint(data)}")
+
+
+def _checked(data: bytes, values: object) -> dict[str, object]:
     if not isinstance(values, dict):
         if _asks_for_help(data):
             return {"op": Help.op}

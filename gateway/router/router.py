@@ -7,7 +7,7 @@ import time
 from collections.abc import Awaitable, Callable, Sequence
 from concurrent.futures import Executor
 from functools import partial
-from typing import Any, Final, Protocol, TypeVar, assert_never
+from typing import Any, Final, Protocol, TypeVar, assert_never, cast
 
 from gateway.access.audit import Audit
 from gateway.access.permissions import UNLIMITED, Identity
@@ -40,6 +40,7 @@ from gateway.router.entity_shares import EntityShares
 from gateway.router.interface_types import InterfaceTypes
 from gateway.router.introspection.descriptions import Descriptions
 from gateway.router.introspection.introspection import Introspection
+from gateway.router.large_messages import LargeMessages
 from gateway.router.learned_types import LearnedTypes
 from gateway.router.permission_checks import may_carry_out
 from gateway.router.role_views import RoleViews
@@ -108,6 +109,7 @@ class Router:
         self._counts = CountsByTopic()
         self._events = TopicEvents()
         self._sessions: set[Session] = set()
+        self._large = LargeMessages(self._carry_out_if_allowed)
         self._calling = Tasks()
         # with separate limits: a call may take an hour, a lookup a minute
         self._asking = Tasks()
@@ -171,9 +173,9 @@ class Router:
         if operation is None:
             return
         if session.read_bytes > LARGE_MESSAGE_BYTES:
-            session.next_turn(partial(self._carry_out_if_allowed, session, operation))
-        else:
-            self._carry_out_if_allowed(session, operation)
+            self._large.receive(session, operation)
+        else:  # which is not read in slices
+            self._carry_out_if_allowed(session, cast("ClientOperation", operation))
 
     def _carry_out_if_allowed(self, session: Session, operation: ClientOperation) -> None:
         if session.deferred and not isinstance(operation, topics.Publish):

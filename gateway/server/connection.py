@@ -27,7 +27,6 @@ from gateway.server.acceptor import Acceptor
 from gateway.server.batches import batch_writer
 from gateway.server.close_codes import (
     INTERNAL_ERROR,
-    INVALID_DATA,
     MESSAGE_TOO_BIG,
     POLICY_VIOLATION,
 )
@@ -43,7 +42,7 @@ from gateway.server.end import (
 from gateway.server.frame_reader import DATA
 from gateway.server.http import new_protocol
 from gateway.server.inbound import READ_CHUNK_BYTES, Inbound
-from gateway.server.inbound_text import receive_text
+from gateway.server.inbound_text import expect_text, receive_message
 from gateway.server.keep_alive import Close, KeepAlive, SendPing
 from gateway.server.message_assembly import MessageAssembly
 from gateway.server.pacing import Pacing
@@ -282,13 +281,16 @@ class Connection(asyncio.BufferedProtocol):
         elif not isinstance(event, Frame):
             event()
         elif not self._frames.allow(time.monotonic_ns()):
-            self.close(POLICY_VIOLATION, f"at most {self._limits.frames_per_s:g} frames per second")
+            most = f"at most {self._limits.frames_per_s:g} frames per second"
+            self.close(POLICY_VIOLATION, f"{most} (limits.frames_per_s)")
         elif event.opcode is Opcode.PONG:
             self.keep_alive.ponged(time.monotonic())
         elif event.opcode in DATA:  # `websockets` answers pings and records closes
             message = self._assembly.add(event)
             if message is not None:
-                self._receive(self._session, message, is_text=self._assembly.is_text)
+                # The state may be closing already: a close often comes with the last message.
+                receive = self._acceptor.receive
+                receive_message(self._session, message, receive, is_text=self._assembly.is_text)
 
     def end_piece(self) -> None:
         """Send what `websockets` answers by itself; before a close frame of its own, say why."""
@@ -334,15 +336,8 @@ class Connection(asyncio.BufferedProtocol):
         self._session.spend = self.spending.spend
         self._session.next_turn = self._inbound.next_turn
         self._session.waited_s = self._inbound.waited_s
+        expect_text(self._session, self._assembly, self.close)
         logger.info("connected", extra={"client": self.name})
-
-    def _receive(self, session: Session, message: bytes, *, is_text: bool) -> None:
-        # The state may be closing already: a close often comes in one packet with the last message.
-        receive = self._acceptor.receive
-        if not is_text:
-            receive(session, message)
-        elif text := receive_text(session, message, receive):
-            self.close(INVALID_DATA, text)  # as an endpoint MUST
 
     def _explain_failure(self) -> None:
         """Report in a `status` why `websockets` is about to close, if a client can know."""
@@ -357,7 +352,8 @@ class Connection(asyncio.BufferedProtocol):
             return
         if isinstance(self._protocol.parser_exc, PayloadTooBig):
             self._closing_s = time.monotonic()
-            text = f"message too large, at most {self._protocol.max_message_size} bytes"
+            most = f"{self._protocol.max_message_size} bytes (limits.max_message_bytes)"
+            text = f"message too large, at most {most}"
             self._why = closed_by_gateway(MESSAGE_TOO_BIG, text)
             self._session.refuse(ProtocolError("limit_exceeded", text))
             # the state is no longer open, so `flush` would not send it

@@ -7,22 +7,35 @@ from gateway.codec.cbor_reader import is_cbor
 from gateway.codec.utf8 import invalid_at
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.session import Session
+from gateway.server.close_codes import INVALID_DATA
+from gateway.server.message_assembly import MessageAssembly
 
 
-def receive_text(
-    session: Session, message: bytes, receive: Callable[[Session, bytes], None]
-) -> str:
-    """Have the message of a text frame carried out; return in words where it is no UTF-8, or "".
+def receive_message(
+    session: Session, message: bytes, receive: Callable[[Session, bytes], None], *, is_text: bool
+) -> None:
+    """Have a message carried out."""
+    if is_text and is_cbor(message):  # no UTF-8 begins like that
+        text = f"{_not_utf8(message)}; CBOR goes into binary frames"
+        session.refuse(ProtocolError("bad_json", text))
+        session.on_unreadable(message)
+    else:
+        receive(session, message)
+
+
+def expect_text(
+    session: Session, assembly: MessageAssembly, close: Callable[[int, str], None]
+) -> None:
+    """Close, as an endpoint MUST, if the newest message is in a text frame and no UTF-8.
 
     What was read as JSON is valid: to look before takes two thirds of the time that reading takes.
     """
-    if is_cbor(message):  # no UTF-8 begins like that
-        text = f"{_not_utf8(message)}; CBOR goes into binary frames"
-        session.refuse(ProtocolError("bad_json", text))
-        return text
-    unreadable = session.unreadable
-    receive(session, message)
-    return _not_utf8(message) if session.unreadable > unreadable else ""
+
+    def look(message: bytes) -> None:
+        if assembly.is_text and (text := _not_utf8(message)):
+            close(INVALID_DATA, text)
+
+    session.on_unreadable = look
 
 
 def _not_utf8(message: bytes) -> str:

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 import json
+from collections.abc import Generator
 
 import pytest
 
@@ -101,8 +102,8 @@ def test_json_is_read_within_the_limits_of_the_client():
     client.send(op="ping", value=[[[1]]])
     client.send(op="ping", value=[[1, 2, 3, 4, 5, 6]])
     assert [answer["msg"] for answer in client.answers] == [
-        "JSON nests deeper than 3 levels",
-        "JSON has over 8 items",
+        "JSON nests deeper than 3 levels; raise limits.max_json_depth",
+        "JSON has over 8 items; send fewer, or raise limits.max_json_items",
     ]
 
 
@@ -336,3 +337,9 @@ def test_what_is_wrong_is_told_with_its_place(operation, text):
     client.send(**{"node": "/a"} | operation if "parameters" in operation["op"] else operation)
     (answer,) = client.answers
     assert answer["msg"] == text
+
+
+def test_a_text_of_over_64_kib_is_read_in_slices():
+    for size in (64 * 1024, 64 * 1024 + 1):
+        text = b'{"op":"ping"}'.ljust(size)
+        assert isinstance(Client().session.receive(text, 0), Generator) is (size > 64 * 1024)

@@ -278,6 +278,7 @@ def test_a_message_of_10_mib_is_taken_and_a_larger_one_ends_the_connection(wire:
     largest = masked(Opcode.TEXT, b"x" * (10 * MIB))
     for start in range(0, len(largest), 16 * 1024):
         wire.receive(largest[start : start + 16 * 1024])
+    wire.until_read()
     assert b"bad_json" in wire.transport.unsent
     assert wire.connection.session is not None
     wire.receive(masked(Opcode.TEXT, b"x" * (10 * MIB + 1))[: 16 * 1024])

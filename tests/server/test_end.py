@@ -155,7 +155,14 @@ async def is_one_too_many(served: Served) -> None:
         (sends_a_broken_frame, "INFO", "gateway", "protocol_error", 1002, "1002 invalid opcode"),
         (sends_no_utf_8, "INFO", "gateway", "invalid_data", 1007, "1007 not UTF-8: byte 0xff"),
         (sends_too_much, "INFO", "gateway", "message_too_big", 1009, "1009 message too large"),
-        (floods, "WARNING", "gateway", "abuse", 1008, "1008 at most 1 frames per second"),
+        (
+            floods,
+            "WARNING",
+            "gateway",
+            "abuse",
+            1008,
+            "1008 at most 1 frames per second",
+        ),
     ],
 )
 async def test_an_end_is_one_line_with_who_ended_it_and_why(

@@ -9,10 +9,10 @@ on fields and on bytes is checked before each element.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from struct import error as StructError  # noqa: N812
 from struct import pack
 from typing import Final, TypeAlias, assert_never
 
+from gateway.codec.cdr.arrays import listed, packed
 from gateway.codec.cdr.bounds import MAX_CDR_BYTES, MAX_FIELDS, count_fields, refuse_size
 from gateway.codec.cdr.defaults import DefaultBytes, default_elements, default_value
 from gateway.codec.cdr.layout import (
@@ -30,6 +30,16 @@ from gateway.codec.cdr.layout import (
     flatten,
     item_path,
 )
+from gateway.codec.cdr.misfits import (
+    BOOLS,
+    INTEGERS,
+    LENIENT_INTEGERS,
+    LENIENT_NUMBERS,
+    NUMBERS,
+    LenientError,
+    MisfitError,
+    misfit,
+)
 from gateway.codec.cdr.source import SourceCode, variable
 from gateway.codec.cdr.text import wide
 from schemas.definition import FLOATS, Definition
@@ -39,23 +49,6 @@ from schemas.json_forms import FORMS, NON_FINITE, Clock, octets, whole, wholes
 Encoder: TypeAlias = Callable[[object, Clock], bytes]
 
 _CDR_LE: Final = b"\0\1\0\0"  # RTPS 2.5, 10.2; the options stay 0
-_NUMBERS: Final = frozenset({float, int})
-_INTEGERS: Final = frozenset({int})
-_LENIENT_NUMBERS: Final = _NUMBERS | {type(None), str}
-_LENIENT_INTEGERS: Final = _INTEGERS | {float}
-_BOOLS: Final = frozenset({bool})
-
-
-class MisfitError(ValueError):
-    """A value does not fit its field."""
-
-
-class _LenientError(MisfitError):
-    """One of the numbers has another form, which the lenient encoder may know."""
-
-
-# Misfits that struct, str.encode and the like find. Their texts are not for clients.
-MISFITS: Final = (StructError, AttributeError, TypeError, ValueError, OverflowError)
 
 
 def compile_encoder(definition: Definition, definitions: InstalledDefinitions) -> Encoder:
@@ -83,23 +76,10 @@ def compile_encoder(definition: Definition, definitions: InstalledDefinitions) -
     def encode(message: object, now_ns: Clock) -> bytes:
         try:
             return strict(message, now_ns)
-        except _LenientError:
+        except LenientError:
             return lenient()(message, now_ns)
 
     return encode
-
-
-def _misfit(values: Sequence[object], lenient: frozenset[type]) -> MisfitError:
-    """Return the error for numbers of which one has not the type that it should have."""
-    types = set(map(type, values))
-    if not types <= lenient:
-        return MisfitError()
-    if str not in types:
-        return _LenientError()
-    # few are different: those of a client that sends nothing else take less time at once
-    has_numbers = not types.isdisjoint(_NUMBERS)
-    names = {each for each in values if type(each) is str} if has_numbers else set(values)
-    return _LenientError() if names <= NON_FINITE.keys() else MisfitError()
 
 
 @dataclass(slots=True)
@@ -141,19 +121,21 @@ class _EncoderWriter:
             self._flush()
             source.line("return bytes(out)")
         names = {
-            "BOOLS": _BOOLS,
+            "BOOLS": BOOLS,
             "CDR_LE": _CDR_LE,
             "EMPTY": {},
-            "INTEGERS": _LENIENT_INTEGERS if self._is_lenient else _INTEGERS,
-            "LENIENT_INTEGERS": _LENIENT_INTEGERS,
-            "LENIENT_NUMBERS": _LENIENT_NUMBERS,
+            "INTEGERS": LENIENT_INTEGERS if self._is_lenient else INTEGERS,
+            "LENIENT_INTEGERS": LENIENT_INTEGERS,
+            "LENIENT_NUMBERS": LENIENT_NUMBERS,
             "Misfit": MisfitError,
             "NON_FINITE": NON_FINITE,
             "NUL": b"\0",
-            "NUMBERS": _LENIENT_NUMBERS if self._is_lenient else _NUMBERS,
-            "misfit": _misfit,
+            "NUMBERS": LENIENT_NUMBERS if self._is_lenient else NUMBERS,
+            "listed": listed,
+            "misfit": misfit,
             "octets": octets,
             "pack": pack,
+            "packed": packed,
             "refuse_size": refuse_size,
             "whole": whole,
             "wholes": wholes,
@@ -191,7 +173,7 @@ class _EncoderWriter:
             self._expect_octets(member, name)
             self._put(Slot("s", member.length), name)
         else:
-            self._expect_list(name, member.length)
+            self._convert(name, "listed", member)
             self._expect_numbers(member, name)
             self._put(Slot(CODES[member.base], member.length), self._unpacked(member, name))
 
@@ -218,7 +200,7 @@ class _EncoderWriter:
         if member.is_octets:
             self._expect_octets(member, name)
         else:
-            self._expect_list(name, member.length)
+            self._convert(name, "packed", member)
         if member.length is None:
             self._count(f"len({name})", member.bound)
         self._flush()
@@ -229,9 +211,12 @@ class _EncoderWriter:
             if member.is_octets:
                 source.line(f"out += {name}")
             else:
-                self._expect_numbers(member, name)
-                unpacked = self._unpacked(member, name)
-                source.line(f'out += pack(f"<{{len({name})}}{CODES[member.base]}", {unpacked})')
+                with source.block(f"if type({name}) is list:"):
+                    self._expect_numbers(member, name)
+                    unpacked = self._unpacked(member, name)
+                    source.line(f'out += pack(f"<{{len({name})}}{CODES[member.base]}", {unpacked})')
+                with source.block("else:"):
+                    source.line(f"out += {name}")
         self._residue = None
 
     def _elements(self, member: Elements) -> None:
@@ -343,6 +328,13 @@ class _EncoderWriter:
         # a string or an object has a length and elements, too
         test = f"type({name}) is not list"
         self._raise_misfit_if(test if length is None else f"{test} or len({name}) != {length}")
+
+    def _convert(self, name: str, function: str, member: Fixed | Numbers) -> None:
+        """Write the conversion of another value than a list, such as a `NumberArray`."""
+        with self._source.block(f"if type({name}) is not list:"):
+            self._source.line(f"{name} = {function}({name}, {member.base!r})")
+        if member.length is not None:
+            self._raise_misfit_if(f"len({name}) != {member.length}")
 
     def _expect_octets(self, member: Fixed | Numbers, name: str) -> None:
         if member.length is not None:

@@ -4,6 +4,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import partial
+from typing import Final
 
 from gateway.codec.errors import CodecError
 from gateway.codec.types import MessageType
@@ -19,6 +20,8 @@ from gateway.router.topic_events import TopicEvents, warning
 from gateway.router.topic_types import TopicTypes
 from gateway.router.topics.published_pictures import PublishedPictures
 from gateway.router.topics.requested_qos import offered
+
+LARGE_CDR_BYTES: Final = 1024**2  # encoding and handing over take a turn each
 
 
 @dataclass(slots=True)
@@ -221,13 +224,16 @@ class Publications:
     ) -> None:
         if known.has_pictures:
             send = partial(self._send_later, session, topic, known)
-            self._pictures.publish(session, topic, request, send)
+            self._pictures.publish(session, topic, known.message_type, request, send)
             return
         try:
             cdr = known.message_type.encode(request.msg, self._ros.now_ns)
         except CodecError as error:
             raise ProtocolError("invalid_value", str(error)) from error
-        known.send(cdr)
+        if len(cdr) > LARGE_CDR_BYTES:
+            session.next_turn(partial(self._send_later, session, topic, known, cdr))
+        else:
+            known.send(cdr)
 
     def _send_later(
         self, session: Session, topic: TopicName, known: Advertised, cdr: bytes

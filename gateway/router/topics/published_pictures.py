@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures that clients publish as sensor_msgs/msg/Image: worker threads turn them into pixels."""
+"""Pictures that clients publish as an Image or a map: worker threads turn them into pixels."""
 
 import asyncio
 import time
@@ -9,6 +9,7 @@ from functools import partial
 from typing import Final, NamedTuple
 
 from gateway.codec.errors import CodecError
+from gateway.codec.grid_picture import GRID, grid_maker
 from gateway.codec.picture import COMPRESSED_IMAGE, IMAGE, pixel_maker
 from gateway.codec.types import MessageType
 from gateway.ports import Ros
@@ -43,24 +44,31 @@ class PublishedPictures:
         """Check that a topic of this type may be given pictures.
 
         Raises:
-            ProtocolError: it is not of images.
+            ProtocolError: it is of neither images nor maps.
         """
-        if message_type.name != IMAGE:
-            text = f"image: {message_type.name} takes no pictures, only {IMAGE} does"
+        if message_type.name not in {IMAGE, GRID}:
+            text = f"image: {message_type.name} takes no pictures, only {IMAGE} and {GRID} do"
             raise ProtocolError("bad_request", text)
 
     def publish(
-        self, session: Session, topic: TopicName, request: Publish, send: Callable[[bytes], None]
+        self,
+        session: Session,
+        topic: TopicName,
+        message_type: MessageType,
+        request: Publish,
+        send: Callable[[bytes], None],
     ) -> None:
-        """Call *send* with the CDR of the Image, as soon as there is one.
+        """Call *send* with the CDR of the Image or map, as soon as there is one.
 
         Raises:
-            ProtocolError: the message is no CompressedImage.
+            ProtocolError: the message is no CompressedImage, or no map with a PNG as its data.
         """
-        compressed_type = self._types.get(COMPRESSED_IMAGE)
+        is_map = message_type.name == GRID
+        compressed_type = message_type if is_map else self._types.get(COMPRESSED_IMAGE)
         msg = request.msg
         if isinstance(msg, dict):
-            msg = {name: value for name, value in msg.items() if name not in _OF_PICTURES}
+            of_pictures = _OF_PICTURES | {"format"} if is_map else _OF_PICTURES
+            msg = {name: value for name, value in msg.items() if name not in of_pictures}
         try:
             cdr = compressed_type.encode(msg, self._ros.now_ns)
         except CodecError as error:
@@ -69,7 +77,7 @@ class PublishedPictures:
         replaced = waiting.pop(topic, None)
         session.replaced += replaced is not None
         # without the message: it is as long as its CDR
-        waiting[topic] = _Picture(request.model_copy(update={"msg": None}), cdr, send)
+        waiting[topic] = _Picture(request.model_copy(update={"msg": None}), is_map, cdr, send)
         while sum(len(each.cdr) for each in waiting.values()) > session.limits.max_message_bytes:
             del waiting[next(iter(waiting))]
             session.replaced += 1
@@ -94,7 +102,10 @@ class PublishedPictures:
         del self._working[session]
 
     async def _deliver(self, session: Session, picture: "_Picture") -> None:
-        make = pixel_maker(self._types.get(COMPRESSED_IMAGE), self._types.get(IMAGE))
+        if picture.is_map:
+            make = grid_maker(self._types.get(GRID))
+        else:
+            make = pixel_maker(self._types.get(COMPRESSED_IMAGE), self._types.get(IMAGE))
         loop = asyncio.get_running_loop()
         async with self._turn:
             try:
@@ -109,5 +120,6 @@ class PublishedPictures:
 
 class _Picture(NamedTuple):
     request: Publish
-    cdr: bytes  # of the CompressedImage
+    is_map: bool
+    cdr: bytes  # of the CompressedImage, or of the map with the PNG as its cells
     send: Callable[[bytes], None]

@@ -11,6 +11,7 @@ import cv2
 import numpy as np
 import pytest
 
+from gateway.codec.grid_picture import GRID
 from gateway.codec.picture import pixel_maker
 from gateway.ports import Sample
 from gateway.router.topics import published_pictures
@@ -163,14 +164,14 @@ async def test_only_images_are_made_of_pictures(bench: Bench):
     client = bench.client()
     client.send(op="advertise", topic="/cmd_vel", type=TWIST, image={"format": "jpeg"})
     assert client.statuses == [
-        ("bad_request", f"image: {TWIST} takes no pictures, only {IMAGE} does")
+        ("bad_request", f"image: {TWIST} takes no pictures, only {IMAGE} and {GRID} do")
     ]
     client = bench.client()
     client.send(op="advertise", topic="/a", type="std_msgs/String", image={"format": "jpeg"})
     client.send(op="advertise", topic="/b", type=IMAGE, image={"format": "gif"})
     client.send(op="advertise", topic="/b", type=IMAGE, image={})
     of_string, gif, missing = client.statuses
-    text = "image: std_msgs/msg/String takes no pictures, only sensor_msgs/msg/Image does"
+    text = f"image: std_msgs/msg/String takes no pictures, only {IMAGE} and {GRID} do"
     assert of_string == ("bad_request", text)
     assert gif[0] == "bad_request"
     assert gif[1].startswith("image.format: expected 'jpeg', ")
