@@ -17,6 +17,7 @@ from gateway.protocol.rosbridge_fragments import (
 from gateway.protocol.websocket_frames import text_frames
 from tests.wire import unpacked, websocket_frames
 
+TOO_LARGE = "at most 1000 allowed in all (limits.max_message_bytes); send less at once"
 LIMIT = 1000
 
 
@@ -114,8 +115,7 @@ def test_what_grows_too_large_is_refused_and_forgotten():
         code, text = refused(assembly, fragment(1, 2, "x" * 201, fragment_id))
         assert (code, text) == (
             "limit_exceeded",
-            "data: 1001 bytes so far, at most 1000 allowed in all"
-            + " (limits.max_message_bytes); send less at once",
+            f"data: 1001 bytes so far, {TOO_LARGE}",
         )
 
 
@@ -194,8 +194,7 @@ def test_incomplete_messages_are_together_as_large_as_the_limit():
     code, text = refused(assembly, fragment(0, 2, "y" * 401, "other"))
     assert (code, text) == (
         "limit_exceeded",
-        "data: 1001 bytes so far, at most 1000 allowed in all"
-        + " (limits.max_message_bytes); send less at once",
+        f"data: 1001 bytes so far, {TOO_LARGE}",
     )
     assert assembly.add(fragment(1, 2, "x" * 400, "one"), 0) == b"x" * LIMIT
 
