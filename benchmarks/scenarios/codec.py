@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The cost of rendering: from the CDR of one message to its JSON, and to its CBOR."""
+"""The cost of rendering: from the CDR of one message to its JSON and CBOR; of deflating these."""
 
 import statistics
 import time
+import zlib
 from collections.abc import Callable
 from typing import Final
 
@@ -31,6 +32,23 @@ _MESSAGES = {
     "sensor_msgs/msg/LaserScan": _SCAN,
     "sensor_msgs/msg/PointCloud2": _CLOUD,
 }
+_CHANCE = np.random.default_rng(1)
+_POSE = {"position": {"x": 1.2345678901234, "y": -0.87}, "orientation": {"z": 0.6, "w": 0.8}}
+_STAMPED = {"header": {"frame_id": "odom"}, "child_frame_id": "base_footprint"}
+# with the noise of real sensors and filters, which does not repeat itself
+_LIVELY = {
+    "nav_msgs/msg/Odometry": _STAMPED
+    | {
+        "pose": {"pose": _POSE, "covariance": _CHANCE.normal(0, 1e-3, 36).tolist()},
+        "twist": {"covariance": _CHANCE.normal(0, 1e-3, 36).tolist()},
+    },
+    "sensor_msgs/msg/LaserScan": {
+        "ranges": np.round(2 + _CHANCE.normal(0, 0.5, 720), 3).tolist(),
+        "intensities": _CHANCE.integers(20, 60, 720).tolist(),
+    },
+    "geometry_msgs/msg/TransformStamped": _STAMPED
+    | {"transform": {"translation": _POSE["position"], "rotation": _POSE["orientation"]}},
+}
 
 
 def measure(_: Plan) -> list[Figure]:
@@ -51,7 +69,29 @@ def measure(_: Plan) -> list[Figure]:
             Figure(_SCENARIO, f"{name}, as JSON", json_us, "us"),
             Figure(_SCENARIO, f"{name}, as CBOR", cbor_us, "us"),
         ]
+    return figures + _measure_deflate(types)
+
+
+def _measure_deflate(types: Types) -> list[Figure]:
+    """Deflate as permessage-deflate would, for all clients at once: each message by itself."""
+    figures: list[Figure] = []
+    print(f"\n{'deflate, level 1':36}{'JSON':>10}{'us':>10}{'bytes':>10}{'CBOR':>10}{'bytes':>10}")
+    for name, values in _LIVELY.items():
+        message_type = types.get(name)
+        cdr = message_type.encode(values, now_ns=1_700_000_000_123_456_789)
+        text, binary = _as_json(message_type)(cdr), message_type.transcoder()(cdr)
+        us, deflated = _cost(_deflate, text)
+        print(
+            f"{name:36}{len(text):10}{us:10.1f}{deflated:10}"
+            f"{len(binary):10}{len(_deflate(binary)):10}"
+        )
+        figures.append(Figure(_SCENARIO, f"{name}, deflating JSON", us, "us"))
     return figures
+
+
+def _deflate(data: bytes) -> bytes:
+    deflater = zlib.compressobj(1, wbits=-15)
+    return deflater.compress(data) + deflater.flush(zlib.Z_SYNC_FLUSH)
 
 
 def _as_json(message_type: MessageType) -> Callable[[bytes], bytes]:
