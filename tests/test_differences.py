@@ -37,6 +37,10 @@ TESTS = {
         "clients/test_services.py::test_a_slow_service_holds_up_nothing_else",
         "clients/test_actions.py::test_several_goals_at_once_keep_apart",
     ],
+    "A service has 5 s to answer": [
+        f"{CALLS}::test_a_call_that_nobody_answers_times_out",
+        f"{CALLS}::test_no_time_limit_is_a_long_one",
+    ],
     "Types are checked": [
         f"{PUBLICATIONS}::test_a_message_that_does_not_fit_its_type_is_refused_with_its_path",
     ],
@@ -44,6 +48,18 @@ TESTS = {
         f"{CALLS}::test_a_service_of_another_type_is_not_called",
         f"{CALLS}::test_the_type_may_be_said",
         f"{CALLS}::test_rosapi_takes_any_type",
+    ],
+    "A string with U+0000 is refused": [
+        "codec/test_validation.py::test_text_without_encoding_is_refused_in_words",
+    ],
+    "In a call, a list in `args`": [
+        f"{CALLS}::test_a_call_that_fails_is_answered_with_the_reason",
+    ],
+    "A frame holds one JSON object": [
+        "codec/test_json.py::test_what_is_no_json_raises_json_error_with_the_place",
+    ],
+    "A `float32` has as many digits": [
+        "codec/cdr/test_float32.py::test_every_float32_is_spelled_as_numpy_spells_it",
     ],
     "A duplicate key in JSON is refused": [
         "codec/test_json.py::test_a_duplicate_key_raises_json_error_naming_it",
@@ -115,6 +131,14 @@ TESTS = {
         f"{PERMISSIONS}::test_a_local_page_watches_and_calls_but_does_not_drive",
         "server/test_server.py::test_only_own_pages_and_allowed_ones_connect",
         "server/test_server.py::test_a_refused_page_is_logged_once_with_the_setting_that_allows_it",
+    ],
+    "Clients, and what each may open": [
+        f"{SUBSCRIPTIONS}::test_subscriptions_are_limited_per_client",
+        f"{PUBLICATIONS}::test_advertisements_are_limited_per_client",
+        "server/test_server.py::test_one_address_cannot_take_all_places",
+    ],
+    "A command topic is volatile": [
+        "router/commands/test_commands.py::test_the_publisher_is_reliable_and_keeps_one_command_for_a_moment",
     ],
     "A robot is stopped when commands": [
         f"{DRIVE}::test_after_the_deadline_five_zeros_come_within_250_ms_and_then_nothing",
