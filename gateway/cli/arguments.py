@@ -4,10 +4,11 @@
 import argparse
 import sys
 from pathlib import Path
-from typing import Final, NoReturn
+from typing import Any, Final, NoReturn
 
 from gateway.cli.argument_types import domain_id, seconds
 from gateway.cli.type_arguments import AddCommand, add_commands_about_types
+from gateway.codec.error_text import misspelt, suggestion
 from gateway.errors import UsageError
 
 ROLES: Final = ("viewer", "operator", "admin")  # `gateway.config.access` would import pydantic
@@ -154,6 +155,15 @@ def _add_commands_about_configuration(command: AddCommand) -> None:
 
 class _Parser(argparse.ArgumentParser):
     """A parser that reports a mistake in one sentence instead of a page of usage."""
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parse; a flag that this command does not have is refused here, where others are known."""
+        parsed, unknown = super().parse_known_args(args, namespace)
+        if unknown:
+            flag = next((each for each in unknown if each.startswith("-")), "").partition("=")[0]
+            hint = suggestion(misspelt(flag, self._option_string_actions))
+            self.error(f"unknown arguments: {' '.join(unknown)}{hint}")
+        return parsed, unknown
 
     def error(self, message: str) -> NoReturn:
         raise UsageError(f"{message}; see {self.prog} --help")

@@ -84,7 +84,11 @@ def _edits(one: str, other: str) -> int:
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """Return the end of a text on a client's unknown name: ``"; did you mean odom?"``, or none."""
-    near = nearest(name, known)
+    return suggestion(nearest(name, known))
+
+
+def suggestion(near: str | None) -> str:
+    """Return the end of a text on an unknown name, with the one that was perhaps meant."""
     return f"; did you mean {near}?" if near else ""
 
 
@@ -96,4 +100,4 @@ def hint(name: str, known: Iterable[str], *, given: Container[str] = ()) -> str:
     near = nearest(name, known)
     if near is None or near in given:
         return f"; known are {', '.join(known)}"
-    return f"; did you mean {near}?"
+    return suggestion(near)

@@ -172,7 +172,8 @@ def load(
             ignored.append(f"{given.source}: {given.key} is ignored, because {why}: remove it")
             continue
         if setting is None:
-            hint = _hint(given.key, known)
+            sections = dict.fromkeys(key.partition(".")[0] for key in known)
+            hint = _hint(given.key, [*known, *sections])
             problems.append(f"{given.source}: unknown key {given.key}{hint}")
             continue
         try:

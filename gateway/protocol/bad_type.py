@@ -3,7 +3,7 @@
 
 from typing import Final
 
-from gateway.codec.error_text import truncate
+from gateway.codec.error_text import suggestion, truncate
 from gateway.protocol.errors import ProtocolError
 from schemas.definition import DefinitionError
 from schemas.installed import InstalledDefinitions, UnknownTypeError
@@ -26,7 +26,7 @@ def bad_type(
             near = definitions.meant(text, error.kind)
         case _:
             near = None
-    hint = f"; did you mean {near}?" if near else ""
+    hint = suggestion(near)
     is_missing = isinstance(error, UnknownTypeError) and error.is_missing
     if is_missing and not hint:
         hint = _MISSING

@@ -4,7 +4,7 @@
 from collections.abc import Mapping
 from typing import Final
 
-from gateway.codec.error_text import misspelt
+from gateway.codec.error_text import misspelt, suggestion
 from gateway.protocol.errors import Level
 from gateway.protocol.messages import SEVERITY
 from gateway.protocol.operations import OPERATIONS, rosbridge
@@ -67,4 +67,4 @@ class Dialect:
             return ""
         self._compared.add((op, key))
         near = misspelt(key, _KNOWN[op] - values.keys())
-        return f"{key}: unknown, and ignored; did you mean {near}?" if near else ""
+        return f"{key}: unknown, and ignored{suggestion(near)}" if near else ""

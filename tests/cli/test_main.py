@@ -145,7 +145,7 @@ def test_a_wrong_flag_is_one_sentence():
     code, sentence = refusal("serve", "--prot", "1")
     assert (code, sentence) == (
         2,
-        "unrecognized arguments: --prot 1; see ros2-gateway --help",
+        "unknown arguments: --prot 1; did you mean --port?; see ros2-gateway serve --help",
     )
 
 
@@ -395,6 +395,7 @@ def test_what_is_no_type_is_one_sentence(form, reason):
     ("form", "hint"),
     [
         ("twist", ", did you mean geometry_msgs/msg/Twist"),
+        ("LaserScn", ", did you mean sensor_msgs/msg/LaserScan"),
         ("std_msgs::msg::String", ", did you mean std_msgs/msg/String"),
         ("std_srvs/srv/setbool", ", did you mean std_srvs/srv/SetBool"),
         ("/odom", 'types of names, send it {"op":"describe","type":"/odom"}'),

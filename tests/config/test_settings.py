@@ -192,12 +192,16 @@ def test_what_is_no_namespace_is_refused(value):
 
 
 def test_an_unknown_key_is_refused_with_the_closest_one(tmp_path):
-    path = toml(tmp_path, "prt = 3\nmax_clients = 3\n[limits]\nmax_client = 3\n[sauce]\nx = 1\n")
+    path = toml(
+        tmp_path,
+        "prt = 3\nmax_clients = 3\n[limits]\nmax_client = 3\n[sauce]\nx = 1\n[image]\nx = 1\n",
+    )
     assert problems(file=path) == (
         f"{path}: unknown key prt, did you mean port",
         f"{path}: unknown key max_clients, did you mean limits.max_clients",
         f"{path}: unknown key limits.max_client, did you mean limits.max_clients",
         f"{path}: unknown key sauce",
+        f"{path}: unknown key image, did you mean images",
     )
 
 

@@ -149,7 +149,7 @@ def errors(text: str) -> list[Entry]:
     ("arguments", "environment", "code", "message"),
     [
         (("--port", "nine", *JSON), {}, 2, "--port: got 'nine', expected an integer"),
-        (("--prot", "1", *JSON), {}, 2, "unrecognized arguments: --prot 1"),
+        (("--prot", "1", *JSON), {}, 2, "unknown arguments: --prot 1; did you mean --port?"),
         (("--log-format=json", "--config", "/nowhere"), {}, 2, "cannot read /nowhere"),
         (("--domain-id", "x"), {"ROS2_GATEWAY_LOG__FORMAT": "json"}, 2, "--domain-id: got 'x'"),
         (("--host", "192.0.2.1", "--no-auth", *JSON), {}, 4, "cannot listen on 192.0.2.1"),

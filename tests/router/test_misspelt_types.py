@@ -12,11 +12,14 @@ MESSAGES = [
     ("std_msgs/Strng", "std_msgs/msg/String"),
     ("std_msgs/string", "std_msgs/msg/String"),
     ("twist", "geometry_msgs/msg/Twist"),
+    ("Twits", "geometry_msgs/msg/Twist"),
+    ("LaserScn", "sensor_msgs/msg/LaserScan"),
 ]
 SERVICES = [
     ("std_srvs/SetBol", "std_srvs/srv/SetBool"),
     ("std_srv/srv/SetBool", "std_srvs/srv/SetBool"),
     ("set_bool", "std_srvs/srv/SetBool"),
+    ("SetBol", "std_srvs/srv/SetBool"),
 ]
 ACTIONS = [
     ("test_msgs/Fibonaci", "test_msgs/action/Fibonacci"),

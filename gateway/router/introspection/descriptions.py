@@ -4,7 +4,7 @@
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from gateway.codec.error_text import nearest, truncate
+from gateway.codec.error_text import nearest, suggestion, truncate
 from gateway.codec.types import ActionType, MessageType, ServiceType
 from gateway.ports import Graph, ServerInfo, TopicInfo
 from gateway.protocol.errors import ProtocolError
@@ -83,7 +83,7 @@ class Descriptions:
             near = self._interface_types.meant(requested)
             if near is None:
                 raise
-            raise ProtocolError(error.code, f"{error}; did you mean {near}?") from error
+            raise ProtocolError(error.code, f"{error}{suggestion(near)}") from error
 
     def _type_of(self, named: _Named) -> Type:
         if len(named.types) != 1:
@@ -127,7 +127,7 @@ class Descriptions:
         known = [each.name for each in _entries(graph)]
         below = (each for each in known if each.startswith(f"{name}/"))
         guess = nearest(name, known) or next(below, None) or self.definitions.meant(requested)
-        hint = f"; did you mean {guess}?" if guess else ""
+        hint = suggestion(guess)
         return ProtocolError("not_found", f"no topic, service or action is called {name}{hint}")
 
 
