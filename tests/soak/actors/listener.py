@@ -51,7 +51,9 @@ class Listener:
             await asyncio.sleep(_RETURN_S)
 
     async def _be_connected(self) -> None:
-        async with connect(self._url, compression=None, proxy=None, max_size=None) as socket:
+        async with connect(
+            f"{self._url}?status=warning", compression=None, proxy=None, max_size=None
+        ) as socket:
             self.connections += 1
             self.sequence.connect()
             for drops in self.drops.values():

@@ -37,6 +37,16 @@ namespace Ros2Gateway.Tests
                 Is.EqualTo(60000).Within(60000 * Chance + 2 * TickMilliseconds));
         }
 
+        [TestCase("ws://robot:9090", "ws://robot:9090/?status=warning")]
+        [TestCase("wss://[::1]/a?images=raw&status=none", "wss://[::1]/a?status=warning&images=raw&status=none")]
+        public void TheGatewayIsAskedForWarningsUnlessTheAddressSaysOtherwise(string address, string opened)
+        {
+            var transport = new Silent();
+            var options = new GatewayOptions { Address = address, Transport = _ => transport };
+            new Link(options, new Nobody()).Connect(0);
+            Assert.That(transport.Address.AbsoluteUri, Is.EqualTo(opened));
+        }
+
         /// <summary>The times from one attempt to the next, if each ends so long after it began.</summary>
         private static List<long> Pauses(long milliseconds, long closedAfter)
         {
@@ -73,8 +83,11 @@ namespace Ros2Gateway.Tests
         {
             internal ITransportListener Listener { get; private set; }
 
+            internal Uri Address { get; private set; }
+
             public void Open(Uri address, ITransportListener listener)
             {
+                Address = address;
                 Listener = listener;
             }
 
