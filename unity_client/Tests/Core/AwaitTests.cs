@@ -80,6 +80,41 @@ namespace Ros2Gateway.Tests
         }
 
         [Test]
+        public void WhatIsCaughtIsNoErrorInTheLogToo()
+        {
+            using (Live live = Live.Connected())
+            {
+                Failure(live, () => live.Client.CallServiceAsync<TriggerResponse>("nowhere", new TriggerRequest()));
+                Failure(live, () => live.Client.RequestAsync("nothing", null));
+                Failure(live, () => live.Client.FetchAssetAsync("package://nobody/arm.stl"));
+                Failure(live, () => Send(live, 0, default(CancellationToken)).Result);
+                live.Until(() => live.Heard("/nowhere does not exist"), "for the events");
+                Assert.IsFalse(live.Events.Exists(IsError), string.Join(" | ", live.Events));
+                live.Client.CallService<TriggerResponse>("/nobody", new TriggerRequest(), reply => { });
+                live.Until(() => live.Events.Exists(IsError), "for the error of a callback, which may ignore it");
+            }
+            using (Live live = new Live(Live.Rogue, "/refuses"))
+            {
+                Failure(live, () => live.Client.ConnectAsync());
+                live.Until(() => live.Heard("the token is wrong"), "for the event");
+                Assert.IsFalse(live.Events.Exists(IsError), string.Join(" | ", live.Events));
+            }
+        }
+
+        [Test]
+        public void WithoutAPumpATaskSaysSo()
+        {
+            using (Live live = new Live(Live.Gateway, "", options => options.UnpumpedMilliseconds = 100))
+            {
+                Task task = live.Client.ConnectAsync();
+                AggregateException error = Assert.Throws<AggregateException>(() => task.Wait(Live.TimeoutMilliseconds));
+                StringAssert.StartsWith("connect: nothing pumps this client: call Pump()", error.InnerException.Message);
+                live.Client.Pump();
+                Await(live, () => live.Client.ConnectAsync());
+            }
+        }
+
+        [Test]
         public void WithoutAConnectionAndWithoutAClientItFails()
         {
             using (Live live = new Live(Live.Gateway))
@@ -188,6 +223,11 @@ namespace Ros2Gateway.Tests
                 StringAssert.StartsWith("call_service /awaited_and_cut: connection to ws://", words);
                 StringAssert.Contains("lost", words);
             }
+        }
+
+        private static bool IsError(GatewayEvent happened)
+        {
+            return happened.Level == EventLevel.Error;
         }
 
         private static async Task<int> ThreadOfEnd(Task task)

@@ -97,6 +97,21 @@ namespace Ros2Gateway.Tests
             IsToldTwice("handler of service /bell");
         }
 
+        [Test]
+        public void ANullIsNamedWhereAMessageIsExpected()
+        {
+            string call = null;
+            string goal = null;
+            _client.CallService<TriggerResponse>("/reset", null, reply => call = reply.Error);
+            _client.SendGoal<Int64Msg, Int64Msg>("/count", null, null, result => goal = result.Error);
+            _client.AdvertiseService<TriggerRequest, TriggerResponse>("/bell", TriggerRequest.Service, request => null);
+            _network.Receive("{\"op\":\"call_service\",\"service\":\"/bell\",\"id\":\"c\",\"args\":{}}");
+            _client.Pump();
+            Assert.AreEqual("the request is null; pass a message", call);
+            Assert.AreEqual("the goal is null; pass a message", goal);
+            StringAssert.Contains("the handler of /bell returned null; return a response", _network.Sent[_network.Sent.Count - 1]);
+        }
+
         private void Answer(int request)
         {
             _network.Receive("{\"op\":\"service_response\",\"id\":\"r" + request

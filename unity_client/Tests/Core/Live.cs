@@ -10,7 +10,7 @@ namespace Ros2Gateway.Tests
     /// <summary>A client under test, what it heard, and how to wait for something.</summary>
     internal sealed class Live : IDisposable
     {
-        private const int TimeoutMilliseconds = 120000; // a machine may be busy with other things
+        internal const int TimeoutMilliseconds = 120000; // a machine may be busy with other things
 
         /// <summary>The gateway with the simulated robot.</summary>
         internal const string Gateway = "ROS2GATEWAY_TEST_URL";

@@ -135,6 +135,10 @@ namespace Ros2Gateway.Tests
             {
             }
 
+            public void OnRefused(string text)
+            {
+            }
+
             public void Report(EventLevel level, string text)
             {
             }

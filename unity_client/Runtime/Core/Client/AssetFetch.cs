@@ -22,6 +22,7 @@ namespace Ros2Gateway
         private readonly string _what;
         private readonly int _timeoutMilliseconds;
         private readonly Action<Reply<byte[]>> _done;
+        private readonly bool _isAwaited;
         private byte[] _chunk = Array.Empty<byte>(); // used again for the next one
         private byte[] _asset; // null before the first chunk
         private int _offset; // so many bytes of it are here
@@ -31,7 +32,8 @@ namespace Ros2Gateway
         /// <param name="timeoutMilliseconds">For each chunk.</param>
         /// <param name="done">Called once by the pump; never after <see cref="Cancel"/>.</param>
         internal AssetFetch(
-            Requests requests, Reports reports, string uri, int timeoutMilliseconds, Action<Reply<byte[]>> done)
+            Requests requests, Reports reports, string uri, int timeoutMilliseconds, Action<Reply<byte[]>> done,
+            bool isAwaited)
         {
             _requests = requests;
             _reports = reports;
@@ -39,6 +41,7 @@ namespace Ros2Gateway
             _what = What(uri);
             _timeoutMilliseconds = timeoutMilliseconds;
             _done = done;
+            _isAwaited = isAwaited;
         }
 
         /// <summary>The request, for people.</summary>
@@ -84,7 +87,8 @@ namespace Ros2Gateway
                 },
                 Read,
                 Take,
-                _timeoutMilliseconds);
+                _timeoutMilliseconds,
+                _isAwaited);
         }
 
         /// <summary>On the thread that reads frames.</summary>
@@ -147,7 +151,7 @@ namespace Ros2Gateway
             string problem = reply.Ok ? reply.Value.Problem : reply.Error;
             if (reply.Ok && problem != null)
             {
-                _reports.Error(_what, problem); // else it was reported as the request failed
+                _reports.Failure(_what, problem, _isAwaited); // else it was reported as the request failed
             }
             if (_done != null)
             {

@@ -40,18 +40,39 @@ namespace Ros2Gateway
             }
         }
 
+        /// <summary>Whether anything waits.</summary>
+        internal bool IsAny
+        {
+            get
+            {
+                lock (_open)
+                {
+                    return _open.Count > 0;
+                }
+            }
+        }
+
         internal void Close()
+        {
+            lock (_open)
+            {
+                _isClosed = true;
+            }
+            Abandon(Closed);
+        }
+
+        /// <summary>Ends all that waits, with the reason.</summary>
+        internal void Abandon(string errorText)
         {
             List<IAwaited> all;
             lock (_open)
             {
-                _isClosed = true;
                 all = new List<IAwaited>(_open);
                 _open.Clear();
             }
             foreach (IAwaited awaited in all)
             {
-                awaited.Abandon(Closed);
+                awaited.Abandon(errorText);
             }
         }
     }

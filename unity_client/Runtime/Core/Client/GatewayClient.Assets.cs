@@ -31,7 +31,7 @@ namespace Ros2Gateway
                 return Task.FromCanceled<byte[]>(cancellation);
             }
             AwaitedReply<byte[]> awaited = new AwaitedReply<byte[]>(_awaited, AssetFetch.What(uri), cancellation);
-            AssetFetch fetch = StartFetch(uri, awaited.Answer, timeoutMilliseconds);
+            AssetFetch fetch = StartFetch(uri, awaited.Answer, timeoutMilliseconds, true);
             awaited.OnCancelled(() =>
             {
                 if (fetch.Cancel())
@@ -43,10 +43,12 @@ namespace Ros2Gateway
         }
 
         /// <summary>Like <see cref="FetchAsset"/>, of what can be given up.</summary>
-        internal AssetFetch StartFetch(string uri, Action<Reply<byte[]>> done, int timeoutMilliseconds = 0)
+        internal AssetFetch StartFetch(
+            string uri, Action<Reply<byte[]>> done, int timeoutMilliseconds = 0, bool isAwaited = false)
         {
             AssetFetch fetch = new AssetFetch(
-                _requests, _reports, uri, timeoutMilliseconds > 0 ? timeoutMilliseconds : _options.CallMilliseconds, done);
+                _requests, _reports, uri, timeoutMilliseconds > 0 ? timeoutMilliseconds : _options.CallMilliseconds, done,
+                isAwaited);
             fetch.Start();
             return fetch;
         }

@@ -10,7 +10,8 @@ namespace Ros2Gateway
 {
     /// <content>
     /// Answers to await, beside those by callback. Each task ends in <see cref="Pump"/>, and what awaits it goes on
-    /// there: in Unity on the main thread. Never block that thread by Wait or Result. A task that cannot
+    /// there: in Unity on the main thread. Never block that thread by Wait or Result. If nothing has ever called
+    /// Pump, tasks fail after 10 seconds. A task that cannot
     /// succeed fails with a <see cref="GatewayException"/>: refused, too late, the connection lost, the client
     /// disposed. One whose token is cancelled is cancelled.
     /// </content>
@@ -19,7 +20,12 @@ namespace Ros2Gateway
         private static readonly JsonMembers TransformMembers = new JsonMembers("transform");
 
         private readonly AwaitedTasks _awaited = new AwaitedTasks();
+        private const string NoPump =
+            "nothing pumps this client: call Pump() once per frame, or use the Client of a Gateway Connection";
+
         private readonly List<AwaitedReply<bool>> _connecting = new List<AwaitedReply<bool>>(); // one for each caller
+        private int _connects; // ConnectAsync was called so many times, and has not ended
+        private long _unpumpedSince; // the clock's, when something began to wait for the first pump
         private volatile bool _isSuspended; // disconnected for a while
         private volatile bool _isGreeted; // a gateway accepts a connection before it looks at its token
 
@@ -35,6 +41,7 @@ namespace Ros2Gateway
                 return Task.FromCanceled(cancellation);
             }
             bool hasBegun = State == ConnectionState.Disconnected || State == ConnectionState.Refused;
+            Interlocked.Increment(ref _connects);
             Connect();
             AwaitedReply<bool> awaited = new AwaitedReply<bool>(_awaited, "connect", cancellation);
             lock (_connecting)
@@ -63,7 +70,7 @@ namespace Ros2Gateway
         {
             string name = Names.Absolute(service);
             return Asked<TResponse>(
-                "call_service " + name, done => SendCall(name, request, done, timeoutMilliseconds), cancellation);
+                "call_service " + name, done => SendCall(name, request, done, timeoutMilliseconds, true), cancellation);
         }
 
         /// <summary>
@@ -80,7 +87,8 @@ namespace Ros2Gateway
                 _awaited, Names.Absolute(action), cancellation);
             if (!cancellation.IsCancellationRequested)
             {
-                task.Follow(SendGoal<TFeedback, TResult>(action, goal, task.OnFeedback, task.OnResult, keep));
+                task.Follow(_goals.Send<TFeedback, TResult>(
+                    Names.Absolute(action), goal, task.OnFeedback, task.OnResult, keep, true));
             }
             return task;
         }
@@ -94,7 +102,7 @@ namespace Ros2Gateway
             int timeoutMilliseconds = 0)
         {
             return Asked<JsonValue>(
-                op, done => SendRequest(op, members, JsonValue.Read, done, timeoutMilliseconds), cancellation);
+                op, done => SendRequest(op, members, JsonValue.Read, done, timeoutMilliseconds, true), cancellation);
         }
 
         /// <summary>Asks for the graph as it is now.</summary>
@@ -102,7 +110,7 @@ namespace Ros2Gateway
         {
             return Asked<RosGraph>(
                 "graph",
-                done => SendRequest("graph", null, reader => RosGraph.Read(JsonValue.Read(reader)), done, 0),
+                done => SendRequest("graph", null, reader => RosGraph.Read(JsonValue.Read(reader)), done, 0, true),
                 cancellation);
         }
 
@@ -119,7 +127,7 @@ namespace Ros2Gateway
                 .With("timeout", timeoutMilliseconds / 1000.0);
             return Asked<TransformStampedMsg>(
                 "lookup_transform",
-                done => SendRequest("lookup_transform", members, ReadTransform, done, timeoutMilliseconds),
+                done => SendRequest("lookup_transform", members, ReadTransform, done, timeoutMilliseconds, true),
                 cancellation);
         }
 
@@ -186,6 +194,7 @@ namespace Ros2Gateway
                 all = _connecting.ToArray();
                 _connecting.Clear();
             }
+            Interlocked.Add(ref _connects, -all.Length);
             Reply<bool> reply = state == ConnectionState.Connected ? Reply<bool>.Of(true)
                 : Reply<bool>.Failed(state == ConnectionState.Refused ? _link.LastError : "Disconnect was called");
             foreach (AwaitedReply<bool> awaited in all)
@@ -198,7 +207,29 @@ namespace Ros2Gateway
         {
             lock (_connecting)
             {
-                return _connecting.Remove(awaited);
+                if (!_connecting.Remove(awaited))
+                {
+                    return false;
+                }
+            }
+            Interlocked.Decrement(ref _connects);
+            return true;
+        }
+
+        // A task ends in the pump. Where there is none, and nothing else could say so, it fails.
+        private void MissPump(long now)
+        {
+            if (_mailbox.WasPumped)
+            {
+                return;
+            }
+            if (!_awaited.IsAny)
+            {
+                _unpumpedSince = now;
+            }
+            else if (now - _unpumpedSince >= _options.UnpumpedMilliseconds)
+            {
+                _awaited.Abandon(NoPump);
             }
         }
     }

@@ -360,7 +360,7 @@ namespace Ros2Gateway
         }
 
         private string SendCall<TResponse>(
-            string name, IMessage request, Action<Reply<TResponse>> done, int timeoutMilliseconds)
+            string name, IMessage request, Action<Reply<TResponse>> done, int timeoutMilliseconds, bool isAwaited = false)
             where TResponse : IMessage, new()
         {
             int timeout = timeoutMilliseconds > 0 ? timeoutMilliseconds : _options.CallMilliseconds;
@@ -381,11 +381,13 @@ namespace Ros2Gateway
                     return response;
                 },
                 done,
-                timeout);
+                timeout,
+                isAwaited);
         }
 
         private string SendRequest<T>(
-            string op, JsonValue members, Func<JsonReader, T> read, Action<Reply<T>> done, int timeoutMilliseconds)
+            string op, JsonValue members, Func<JsonReader, T> read, Action<Reply<T>> done, int timeoutMilliseconds,
+            bool isAwaited = false)
         {
             return _requests.Send(
                 op,
@@ -393,7 +395,8 @@ namespace Ros2Gateway
                 frame => WriteMembers(frame, members),
                 read,
                 done,
-                timeoutMilliseconds > 0 ? timeoutMilliseconds : _options.CallMilliseconds);
+                timeoutMilliseconds > 0 ? timeoutMilliseconds : _options.CallMilliseconds,
+                isAwaited);
         }
 
         private static void WriteMembers(JsonWriter frame, JsonValue members)
@@ -425,6 +428,7 @@ namespace Ros2Gateway
             _requests.Tick(now);
             _publishers.Tick(now);
             _transforms.Tick(now);
+            MissPump(now);
             if (_outbox.IsPingDue(now))
             {
                 SendPing();
@@ -570,6 +574,11 @@ namespace Ros2Gateway
             public void Report(EventLevel level, string text)
             {
                 _client._reports.Tell(level, text, "client", "");
+            }
+
+            public void OnRefused(string text)
+            {
+                _client._reports.Failure("", text, Volatile.Read(ref _client._connects) > 0);
             }
         }
     }

@@ -50,6 +50,9 @@ namespace Ros2Gateway
         /// </summary>
         public bool UsesThreads = true;
 
+        // So long a scene may take to load before it pumps for the first time.
+        internal int UnpumpedMilliseconds = 10000;
+
         internal ITransport NewTransport()
         {
             return Transport != null ? Transport(this) : new WebSocketTransport(ConnectMilliseconds, MaxMessageBytes);

@@ -56,6 +56,9 @@ namespace Ros2Gateway
 
         internal string Id { get; private set; }
 
+        /// <summary>Whether the handler of its result throws what went wrong, where the application catches it.</summary>
+        internal bool IsAwaited { get; set; }
+
         /// <summary>What a handler of its result handles, for people.</summary>
         internal string ResultName { get; private set; }
 

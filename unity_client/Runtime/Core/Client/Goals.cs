@@ -37,7 +37,8 @@ namespace Ros2Gateway
         }
 
         internal Goal Send<TFeedback, TResult>(
-            string action, IMessage goal, Action<TFeedback> onFeedback, Action<GoalResult<TResult>> onResult, bool keep)
+            string action, IMessage goal, Action<TFeedback> onFeedback, Action<GoalResult<TResult>> onResult, bool keep,
+            bool isAwaited = false)
             where TFeedback : IMessage, new()
             where TResult : IMessage, new()
         {
@@ -45,7 +46,10 @@ namespace Ros2Gateway
             lock (_gate)
             {
                 _count++;
-                sent = new Goal<TFeedback, TResult>(this, "g" + _count, action, onFeedback, onResult);
+                sent = new Goal<TFeedback, TResult>(this, "g" + _count, action, onFeedback, onResult)
+                {
+                    IsAwaited = isAwaited,
+                };
                 if (_goals.Count >= MaxGoals)
                 {
                     Fail(sent, "at most " + MaxGoals + " goals at once");
@@ -139,7 +143,7 @@ namespace Ros2Gateway
 
         private void Fail(Goal goal, string errorText)
         {
-            _reports.Error("send_action_goal " + goal.Action, errorText);
+            _reports.Failure("send_action_goal " + goal.Action, errorText, goal.IsAwaited);
             _mailbox.Post(goal.ResultName, goal.Failed(errorText));
         }
 

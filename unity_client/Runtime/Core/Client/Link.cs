@@ -21,6 +21,9 @@ namespace Ros2Gateway
         void OnState(ConnectionState state);
 
         void Report(EventLevel level, string text);
+
+        /// <summary>The client will not try again; called before the state says so.</summary>
+        void OnRefused(string text);
     }
 
     /// <summary>Keeps a connection: connects, notices silence, waits, connects again.</summary>
@@ -222,8 +225,8 @@ namespace Ros2Gateway
                 || (address.Scheme != "ws" && address.Scheme != "wss"))
             {
                 _lastError = "address '" + _options.Address + "': expected ws://HOST:PORT or wss://HOST:PORT";
+                _owner.OnRefused(_lastError);
                 Become(ConnectionState.Refused);
-                _owner.Report(EventLevel.Error, _lastError);
                 return;
             }
             _attemptBegan = _now;
@@ -313,12 +316,17 @@ namespace Ros2Gateway
                 2 * _pause,
                 _silentAttempts > ManyAttempts ? SilentPauseMilliseconds : _options.LongestPauseMilliseconds);
             _owner.OnDown(errorText);
-            Become(isRefused ? ConnectionState.Refused : ConnectionState.Waiting);
             // An absent gateway is told once, not with every attempt.
-            if (errorText != _lastError)
+            bool isNews = errorText != _lastError;
+            _lastError = errorText;
+            if (isNews && isRefused)
             {
-                _lastError = errorText;
-                _owner.Report(EventLevel.Error, errorText + (isRefused ? "" : "; trying again"));
+                _owner.OnRefused(errorText);
+            }
+            Become(isRefused ? ConnectionState.Refused : ConnectionState.Waiting);
+            if (isNews && !isRefused)
+            {
+                _owner.Report(EventLevel.Error, errorText + "; trying again");
             }
         }
 

@@ -22,6 +22,7 @@ namespace Ros2Gateway
         private readonly Stopwatch _watch = new Stopwatch();
         private int _droppedEvents;
         private bool _isPumping;
+        private volatile bool _wasPumped;
         private bool _isClosed;
         private volatile int _frame;
 
@@ -94,6 +95,12 @@ namespace Ros2Gateway
             }
         }
 
+        /// <summary>Whether anybody has ever pumped.</summary>
+        internal bool WasPumped
+        {
+            get { return _wasPumped; }
+        }
+
         /// <summary>
         /// Calls handlers until nothing waits or the time is up; returns how many messages were handed out.
         /// A handler that pumps gets nothing.
@@ -105,6 +112,7 @@ namespace Ros2Gateway
                 return 0;
             }
             _isPumping = true;
+            _wasPumped = true;
             _frame++;
             try
             {

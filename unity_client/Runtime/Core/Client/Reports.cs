@@ -33,6 +33,12 @@ namespace Ros2Gateway
             Tell(EventLevel.Error, text, "client", request);
         }
 
+        /// <summary>Tells why a request failed; if it is awaited, an exception is its error.</summary>
+        internal void Failure(string request, string text, bool isAwaited)
+        {
+            Tell(isAwaited ? EventLevel.Info : EventLevel.Error, text, "client", request);
+        }
+
         internal void Tell(EventLevel level, string text, string code, string request)
         {
             long now = _clock.Now;

@@ -45,12 +45,13 @@ namespace Ros2Gateway
         /// <param name="what">What it is, for people: "call_service /reset".</param>
         /// <param name="write">Writes the members after op and id.</param>
         /// <param name="read">Reads the answer: its values, or the whole frame where it has none.</param>
+        /// <param name="isAwaited">Whether *done* throws what went wrong, where the application catches it.</param>
         internal string Send<T>(
             string op, string what, Action<JsonWriter> write, Func<JsonReader, T> read,
-            Action<Reply<T>> done, long timeoutMilliseconds)
+            Action<Reply<T>> done, long timeoutMilliseconds, bool isAwaited = false)
         {
             Request<T> request = new Request<T>(
-                what, _clock.Now + timeoutMilliseconds + GraceMilliseconds, read, done);
+                what, _clock.Now + timeoutMilliseconds + GraceMilliseconds, read, done, isAwaited);
             string id;
             lock (_gate)
             {
@@ -181,7 +182,7 @@ namespace Ros2Gateway
 
         private void Fail(Request request, string errorText)
         {
-            _reports.Error(request.What, errorText);
+            _reports.Failure(request.What, errorText, request.IsAwaited);
             _mailbox.Post(request.What, request.Failed(errorText));
         }
 
@@ -189,11 +190,13 @@ namespace Ros2Gateway
         {
             internal readonly string What;
             internal readonly long Deadline;
+            internal readonly bool IsAwaited;
 
-            protected Request(string what, long deadline)
+            protected Request(string what, long deadline, bool isAwaited)
             {
                 What = what;
                 Deadline = deadline;
+                IsAwaited = isAwaited;
             }
 
             internal abstract Action Read(JsonReader reader);
@@ -206,8 +209,9 @@ namespace Ros2Gateway
             private readonly Func<JsonReader, T> _read;
             private readonly Action<Reply<T>> _done;
 
-            internal Request(string what, long deadline, Func<JsonReader, T> read, Action<Reply<T>> done)
-                : base(what, deadline)
+            internal Request(
+                string what, long deadline, Func<JsonReader, T> read, Action<Reply<T>> done, bool isAwaited)
+                : base(what, deadline, isAwaited)
             {
                 _read = read;
                 _done = done;
