@@ -16,6 +16,7 @@ from benchmarks.scenarios import (
     codec,
     fan_out,
     first_frame,
+    floods,
     giant,
     growth,
     hostile,
@@ -74,6 +75,7 @@ SCENARIOS: Final[dict[str, Scenario]] = {
         "one more subscription, advertisement and connection", "1 min", one_more.measure
     ),
     "growth": Scenario("cost by rate, clients, idle topics and uptime", "5 min", growth.measure),
+    "floods": Scenario("a driver and a stop beside 8 clients that flood", "2 min", floods.measure),
     "hostile": Scenario("the frames that hold the event loop longest", "1 min", hostile.measure),
     "turns": Scenario("the longest turn of the loop for large frames", "1 min", turns.measure),
     "steps": Scenario("where the time goes, for Odometry and Image", "8 min", steps.measure),

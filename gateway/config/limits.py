@@ -54,7 +54,7 @@ class Limits(Section):
         0.5,
         serialization_alias="address_time_share",
         description="the same of all clients of one IP address together, also of those that"
-        " disconnect and return",
+        " disconnect and return; a client that drives does not wait for the others",
     )
     frames_per_s: Rate = Field(
         20_000,  # twenty joint topics at 500 Hz, twice

@@ -58,6 +58,15 @@ def stale(command: Command, topic: str) -> Refused:
     return Refused(command, "stale_command", reason)
 
 
+def overtaken(command: Command, topic: str) -> Refused:
+    """Refuse a command that a client has sent before a stop, which goes first."""
+    reason = (
+        f"topic {topic}: you sent this command before a stop, and the stop went first: send a new"
+        " command to drive on"
+    )
+    return Refused(command, "stale_command", reason)
+
+
 def tripped(command: Command, topic: str, cause: Cause | None, guard: GuardState) -> Refused:
     """Refuse a command to move: the guard process was lost, or else the latch is set."""
     if guard == "lost" or cause is None:

@@ -21,6 +21,7 @@ from gateway.protocol.errors import Level, ProtocolError
 from gateway.protocol.explain import explain
 from gateway.protocol.operations import OPERATIONS, ClientOperation
 from gateway.protocol.operations.base import MAX_ID_CHARACTERS, Operation
+from gateway.protocol.operations.commands import Stop
 from gateway.protocol.operations.fragment import Fragment
 from gateway.protocol.operations.gateway import Auth, Help
 from gateway.protocol.operations.topics import ImageFormat
@@ -78,6 +79,9 @@ class Session:
         self.next_turn: Callable[[Callable[[], None]], None] = lambda work: work()
         # for how long the message at hand may have waited until we read it, in seconds
         self.waited_s: Callable[[], float] = lambda: 0.0
+        # whether it has control of a command topic: then its input goes before that of others
+        self.drives: Callable[[], bool] = lambda: False
+        self.is_overtaken = False  # the message at hand, by a `stop` that came later
         self.received = 0
         self.refused = 0
         # called with each message that is neither JSON nor CBOR, once it is refused
@@ -140,6 +144,15 @@ class Session:
             self.refuse(ProtocolError("bad_request", "fragment: within a fragment"), operation)
             return None
         return operation
+
+    def is_stop(self, data: bytes) -> bool:
+        """Return whether a message is a `stop`, which may go before the ones that came earlier."""
+        if self.identity is None:  # it may be about to authenticate
+            return False
+        try:
+            return _object(data, self._max_json_depth, self._max_json_items).get("op") == Stop.op
+        except ProtocolError:
+            return False
 
     def defer(self, key: Hashable, operation: ClientOperation, work: Callable[[], None]) -> None:
         """Do *work* for an operation at the end of this turn, or before one of another kind.

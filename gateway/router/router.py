@@ -162,6 +162,7 @@ class Router:
         session.address = address
         session.image_format = self._image_format
         session.check_share = partial(self._shares.check, session)
+        session.drives = partial(self._commands.is_driven_by, session)
         session.on_forbidden = partial(self._record_forbidden, session)
         self._shares.enter(session, address)
         self._sessions.add(session)

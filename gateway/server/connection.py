@@ -109,26 +109,28 @@ class Connection(asyncio.BufferedProtocol):
         """Process the bytes read."""
         now_s = time.monotonic()
         self._bytes_in += nbytes
-        if self._session is None:
-            self._start = self._start or bytes(self._buffer[: min(nbytes, 16)])
+        self._start = self._start or bytes(self._buffer[: min(nbytes, 16)])
         self._inbound.receive(bytes(memoryview(self._buffer)[:nbytes]), now_s)
 
-    def eof_received(self) -> None:
-        """Record that the peer has closed its side."""
+    def eof_received(self) -> bool:
+        """Record that the peer has closed its side; return whether something is left to do."""
+        if self._inbound.end():
+            return True
         self._protocol.receive_eof()
         self._write_protocol_output()
+        return False
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Release everything of this client."""
+        start_s = time.monotonic()
+        self._pacing.socket_full()  # it takes nothing more
+        self._inbound.close()
         self._protocol.receive_eof()
         session, self._session = self._session, None
-        start_s = time.monotonic()
         try:
             self._acceptor.left(self, session, self._end(session, exc, start_s))
         finally:  # closing what a client had open takes time that it has to pay, too
-            now_s = time.monotonic()
-            self.spending.spend(now_s - start_s, now_s)
-            self._inbound.close()
+            self.spending.close(time.monotonic() - start_s)
             self._pacing.close()
 
     def pause_writing(self) -> None:
@@ -241,6 +243,7 @@ class Connection(asyncio.BufferedProtocol):
 
     def tick(self, now_s: float) -> None:
         """End what has waited for too long, and send pings; called every `TICK_S` of the server."""
+        self._inbound.tick(now_s)
         limits = self._limits
         if self._closing_s is not None:
             if now_s - self._closing_s > limits.close_timeout_s:
@@ -363,8 +366,7 @@ class Connection(asyncio.BufferedProtocol):
 
     def _write_directly(self, entry: Entry) -> int:
         """Send an entry that need not wait; see `gateway.protocol.outbox.WriteDirectly`."""
-        pacing = self._pacing
-        if self._flushing or pacing.is_paused:
+        if self._flushing or self._pacing.is_paused:
             return 0
         try:
             frame = entry.frame()
@@ -374,9 +376,8 @@ class Connection(asyncio.BufferedProtocol):
         except Exception as bug:  # noqa: BLE001  # of one client's
             self.fail(bug)
             return 0
-        size = len(frame)
-        pacing.wrote(size)
-        return size
+        self._pacing.wrote(len(frame))
+        return len(frame)
 
     def _go_on(self) -> None:
         self.flush()

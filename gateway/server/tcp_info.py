@@ -19,6 +19,7 @@ _ACKED: Final = struct.Struct("=120xQ")  # tcpi_bytes_acked
 _MIN_RTT: Final = struct.Struct("=148xI")  # tcpi_min_rtt in us
 _QUEUED: Final = struct.Struct("=i")
 _OPTION: Final[int | None] = getattr(socket, "TCP_INFO", None)
+_ESTABLISHED: Final = 1  # of tcpi_state, its first byte
 _UNKNOWN_RTT_US: Final = 0xFFFFFFFF
 
 
@@ -41,3 +42,13 @@ def read_tcp_info(sock: socket.socket | None) -> Reading | None:
     # with a closed window nothing is unacknowledged: the peer's kernel lives, and takes nothing
     unanswered_s = last_ack_ms / 1e3 if unacked else 0.0
     return Reading(acked, _QUEUED.unpack(queued)[0], min_rtt_s, unanswered_s)
+
+
+def is_ended(sock: socket.socket | None) -> bool:
+    """Return whether the peer has closed its side, which no read may have come to yet."""
+    if sock is None or _OPTION is None:
+        return False
+    try:
+        return sock.getsockopt(socket.IPPROTO_TCP, _OPTION, 1)[0] != _ESTABLISHED
+    except OSError:
+        return False

@@ -11,8 +11,10 @@ import time
 from collections.abc import Callable, Iterator
 from typing import Final
 
+from gateway.server.turns import Turns
+
 WINDOW_S: Final = 1.0  # what is not spent for so long may be spent at once
-REFILL_S: Final = 0.004  # a slice, before a wait ends: else there would be one for each read
+REFILL_S: Final = 0.004  # a turn, before a wait ends: else there would be one for each read
 SETTLE_S: Final = 0.0005  # no sooner: most frames take 20 us, and two budgets would add another
 ROUNDING_S: Final = 1e-6  # else a wait could end a hair too soon, and nothing be left
 MAX_ADDRESSES: Final = 1024  # that are remembered, 0.3 MB; those of connections always are
@@ -49,6 +51,10 @@ class TimeBudget:
         """Return how long it takes until a slice is left; 0 if something is."""
         debt_s = -self.left_s(now_s)
         return (debt_s + REFILL_S) / self._share if debt_s > ROUNDING_S else 0.0
+
+    def is_half_full(self, now_s: float) -> bool:
+        """Return whether little was spent lately."""
+        return self.left_s(now_s) >= self._most_s / 2
 
     def is_full(self, now_s: float) -> bool:
         """Return whether nothing was spent lately: a new budget would be the same."""
@@ -101,6 +107,7 @@ class Spending:
     def __init__(self, budgets: "TimeBudgets", address: str, share: float) -> None:
         now_s = time.monotonic()
         self.own = TimeBudget(share, now_s)
+        self.turns = budgets.turns
         self.go_on: Callable[[], None] = lambda: None  # called when a wait is over
         self.spent_s = 0.0
         self.pauses = 0
@@ -110,7 +117,7 @@ class Spending:
         self.own.limit(self._address.time.left_s(now_s))
         self._timer: asyncio.TimerHandle | None = None
         self._unsettled_s = 0.0
-        self._is_over = self.own.left_s(now_s) < 0
+        self.is_in_debt = self._is_over = self.own.left_s(now_s) < 0
 
     def move(self, address: str) -> None:
         """Belong to another address from now on: a proxy has named the client's."""
@@ -136,12 +143,17 @@ class Spending:
         else:
             self._address.wait(self)
 
-    def close(self) -> None:
-        """End a wait; what was spent counts on against the address."""
-        self._settle(time.monotonic())
+    def stop_waiting(self) -> None:
+        """End a wait: one of the budgets does not matter any more."""
         if self._timer is not None:
             self._timer.cancel()
         self._address.forget(self)
+
+    def close(self, spent_s: float = 0.0) -> None:
+        """Take away what the end has taken, and end a wait; the address pays on."""
+        self._unsettled_s += spent_s
+        self._settle(time.monotonic())
+        self.stop_waiting()
         self._address.users -= 1
 
     def _settle(self, now_s: float) -> bool:
@@ -149,8 +161,8 @@ class Spending:
         self._budgets.spent_s += spent_s
         self._address.spent_s += spent_s
         self.spent_s += spent_s
-        own_s = self.own.spend(spent_s, now_s)
-        self._is_over = self._address.time.spend(spent_s, now_s) < 0 or own_s < 0
+        self.is_in_debt = self.own.spend(spent_s, now_s) < 0
+        self._is_over = self._address.time.spend(spent_s, now_s) < 0 or self.is_in_debt
         return not self._is_over
 
 
@@ -158,6 +170,7 @@ class TimeBudgets:
     """The budgets of all addresses; they outlive the connections until they are full again."""
 
     def __init__(self, client_share: float, address_share: float) -> None:
+        self.turns = Turns()
         self.spent_s = 0.0
         self.pauses = 0
         self._client_share = client_share

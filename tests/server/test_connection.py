@@ -21,6 +21,7 @@ from gateway.protocol.session import Session
 from gateway.server import connection as connection_module
 from gateway.server import inbound as inbound_module
 from gateway.server import time_budget as time_budget_module
+from gateway.server import turns as turns_module
 from gateway.server.connection import Connection
 from gateway.server.end import End
 from gateway.server.frame_reader import FrameReader
@@ -50,6 +51,7 @@ class Transport(asyncio.Transport):
         self.is_aborted = False
         self.high_water_bytes: int | None = None
         self.options: dict[tuple[int, int], int] = {}
+        self.tcp_state: int | None = None  # this is no TCP
         self.on_written: Callable[[], None] = lambda: None
 
     def get_extra_info(self, name: str, default: Any = None) -> Any:
@@ -59,7 +61,9 @@ class Transport(asyncio.Transport):
         self.options[level, option] = value
 
     def getsockopt(self, level: int, option: int, size: int) -> bytes:
-        raise OSError(errno.EOPNOTSUPP, "this is no TCP")
+        if size != 1 or self.tcp_state is None:
+            raise OSError(errno.EOPNOTSUPP, "this is no TCP")
+        return bytes([self.tcp_state])
 
     def set_write_buffer_limits(self, high: int | None = None, low: int | None = None) -> None:
         self.high_water_bytes = high
@@ -86,6 +90,9 @@ class Transport(asyncio.Transport):
     def abort(self) -> None:
         self.is_aborted = True
 
+    def close(self) -> None:
+        self.is_aborted = True
+
 
 class Acceptor:
     """The server that a connection comes to, which takes no note of it.
@@ -98,6 +105,7 @@ class Acceptor:
         self._pass_time = pass_time
         self.cost_s = 0.0
         self.received: list[bytes] = []
+        self.overtaken: list[bytes] = []  # of them
         self.leaving_cost_s = 0.0
 
     def __getattr__(self, name: str) -> Any:
@@ -109,6 +117,8 @@ class Acceptor:
     def receive(self, session: Session, data: bytes) -> None:
         self._pass_time(self.cost_s)
         self.received.append(data)
+        if session.is_overtaken:
+            self.overtaken.append(data)
         self._server.receive(session, data)
 
     def left(self, connection: Connection, session: Session | None, end: End) -> None:
@@ -142,7 +152,7 @@ class Wire(Timers):
     def __init__(
         self, server: Server, monkeypatch: pytest.MonkeyPatch, *, is_upgraded: bool = True
     ) -> None:
-        super().__init__(monkeypatch, inbound_module, time_budget_module)
+        super().__init__(monkeypatch, inbound_module, time_budget_module, turns_module)
         monkeypatch.setattr(connection_module, "time", inbound_module.time)
         monkeypatch.setattr(inbound_module, "READ_COST_S", 0)
         self.transport = Transport()
@@ -160,11 +170,19 @@ class Wire(Timers):
         buffer = self.connection.get_buffer(-1)
         buffer[: len(data)] = data
         self.connection.buffer_updated(len(data))
+        for _ in [handle for handle in self.handles if handle.due_s <= self.now_s]:
+            self.next_turn()
 
-    def until_read(self) -> float:
-        """Do what is due until the client is read again; return how long that was to wait for."""
+    @property
+    def is_served(self) -> bool:
+        """Return whether what comes next is carried out at once."""
+        inbound, turns = self.connection._inbound, self.connection.spending.turns
+        return self.transport.is_read and not (inbound or inbound._is_waiting or turns._is_due)
+
+    def until_served(self) -> float:
+        """Do what is due until nothing of the client waits; return how long that was to wait."""
         waited_s = 0.0
-        while not self.transport.is_read:
+        while not self.is_served:
             waited_s += self.next_turn()
         return waited_s
 
@@ -175,6 +193,14 @@ class Wire(Timers):
         if heard:
             self.receive(heard)
         self.connection.tick(self.now_s)
+
+    @property
+    def carried_out(self) -> list[int | str]:
+        """The operations that were carried out, pings by their ids, in their order."""
+        return [
+            int(found[1]) if (found := re.match(rb'{"op":"ping","id":(\d+)', data)) else "other"
+            for data in self.acceptor.received
+        ]
 
     @property
     def pongs(self) -> list[int]:
@@ -278,7 +304,7 @@ def test_a_message_of_10_mib_is_taken_and_a_larger_one_ends_the_connection(wire:
     largest = masked(Opcode.TEXT, b"x" * (10 * MIB))
     for start in range(0, len(largest), 16 * 1024):
         wire.receive(largest[start : start + 16 * 1024])
-    wire.until_read()
+    wire.until_served()
     assert b"bad_json" in wire.transport.unsent
     assert wire.connection.session is not None
     wire.receive(masked(Opcode.TEXT, b"x" * (10 * MIB + 1))[: 16 * 1024])
@@ -300,12 +326,12 @@ def test_what_takes_longer_than_a_slice_goes_on_in_later_turns_and_in_order(wire
     wire.acceptor.cost_s = 0.001
     wire.receive(pings(*range(12)))
     assert wire.pongs == list(range(5))  # 4 ms, and one operation
-    assert not wire.transport.is_read
+    assert not wire.is_served
     assert wire.next_turn() == 0
     assert wire.pongs == list(range(10))
     wire.next_turn()
     assert wire.pongs == list(range(12))
-    assert wire.transport.is_read
+    assert wire.is_served
     wire.run(0)  # the turns in which nothing is read
     assert not wire.handles
 
@@ -332,10 +358,10 @@ def test_a_large_message_is_carried_out_in_the_turn_after_the_one_in_which_it_is
     sent = in_pieces(message, pieces) if pieces else masked(Opcode.TEXT, message)
     wire.receive(sent + pings(1, 2))
     assert wire.pongs == []
-    assert not wire.transport.is_read
+    assert not wire.is_served
     assert wire.next_turn() == 0
     assert wire.pongs == [0, 1, 2]
-    assert wire.transport.is_read
+    assert wire.is_served
 
 
 def test_what_was_read_of_a_large_message_does_not_wait_for_the_budget_as_what_follows_does(
@@ -346,8 +372,8 @@ def test_what_was_read_of_a_large_message_does_not_wait_for_the_budget_as_what_f
     assert wire.pongs == []
     assert wire.next_turn() == 0
     assert wire.pongs == [0]
-    assert not wire.transport.is_read
-    assert wire.until_read() > 0
+    assert not wire.is_served
+    assert wire.until_served() > 0
     assert wire.pongs == [0, 1, 2]
 
 
@@ -359,7 +385,7 @@ def test_a_message_of_8_kib_is_carried_out_at_once(wire: Wire):
 def test_what_a_large_message_asks_for_is_forgotten_with_a_connection_that_ends(wire: Wire):
     wire.receive(masked(Opcode.TEXT, padded_ping(8 * 1024 + 1)))
     wire.connection.close(1000, "")
-    wire.until_read()
+    wire.until_served()
     assert wire.pongs == []
 
 
@@ -375,12 +401,12 @@ def test_no_more_than_4_kib_are_parsed_at_once(wire: Wire, monkeypatch: pytest.M
     monkeypatch.setattr(FrameReader, "read", spy)
     wire.receive(PONG * 2048)
     assert sizes == [4096]
-    wire.until_read()
+    wire.until_served()
     assert sizes == [4096] * 3
     sizes.clear()
     wire.receive(masked(Opcode.TEXT, bytes(100_000))[: 16 * 1024])  # of which nothing is whole
     assert sizes == [4096]
-    wire.until_read()
+    wire.until_served()
     assert sizes == [4096] * 4
 
 
@@ -388,14 +414,14 @@ def test_who_has_spent_a_quarter_of_a_second_is_read_for_a_quarter_of_the_time(w
     wire.now_s += 100  # which saves up nothing beyond the burst
     wire.acceptor.cost_s = 0.24
     wire.receive(pings(1))
-    assert wire.transport.is_read
+    assert wire.is_served
     wire.receive(pings(2))
-    assert not wire.transport.is_read
-    assert wire.until_read() == pytest.approx((0.24 * 1.75 - 0.25 + SLICE_S) / 0.25, abs=0.01)
+    assert not wire.is_served
+    assert wire.until_served() == pytest.approx((0.24 * 1.75 - 0.25 + SLICE_S) / 0.25, abs=0.01)
     for number in range(3, 6):
         wire.receive(pings(number))
-        assert not wire.transport.is_read
-        assert wire.until_read() == pytest.approx(0.24 * 3, abs=0.01)
+        assert not wire.is_served
+        assert wire.until_served() == pytest.approx(0.24 * 3, abs=0.01)
     assert wire.pongs == [1, 2, 3, 4, 5]
 
 
@@ -403,8 +429,8 @@ def test_what_waits_is_handled_no_faster_than_its_budget_allows(wire: Wire):
     wire.acceptor.cost_s = 0.3
     wire.receive(pings(*range(4)))
     assert wire.pongs == [0]
-    assert not wire.transport.is_read
-    earned_s = 0.25 + (3 * 0.3 + wire.until_read()) * 0.25
+    assert not wire.is_served
+    earned_s = 0.25 + (3 * 0.3 + wire.until_served()) * 0.25
     assert wire.pongs == [0, 1, 2, 3]
     assert earned_s == pytest.approx(4 * 0.3, abs=0.01)
 
@@ -443,7 +469,7 @@ def test_who_has_spent_its_budget_is_behind_until_it_has_more(wire: Wire):
     wire.receive(pings(1, 2))
     assert session.is_behind
     wire.acceptor.cost_s = 0
-    wire.until_read()
+    wire.until_served()
     wire.receive(pings(3))
     assert not session.is_behind
 
@@ -466,7 +492,7 @@ def test_what_comes_behind_a_pause_may_be_as_old_as_the_pause(wire: Wire):
 
     assert read() == 0
     assert read(0.3) == pytest.approx(0.3)  # by then it is as old
-    paused_s = wire.until_read()
+    paused_s = wire.until_served()
     assert paused_s > 0
     assert read() == pytest.approx(0.3 + paused_s)
     wire.take(0.1)
@@ -487,7 +513,7 @@ def test_what_is_read_up_to_three_turns_behind_a_pause_may_have_waited(wire: Wir
     for turns in range(5):
         wire.acceptor.cost_s = 0.3
         wire.receive(pings(1))
-        wire.until_read()
+        wire.until_served()
         # the reader may run behind us, and TLS takes a turn to go on and one to read
         for _ in range(turns):
             wire.next_turn()
@@ -497,20 +523,39 @@ def test_what_is_read_up_to_three_turns_behind_a_pause_may_have_waited(wire: Wir
         wire.run(10)
 
 
+def test_what_fills_the_buffer_may_have_more_behind_it(wire: Wire):
+    session = wire.connection.session
+    assert session is not None
+    wire.acceptor.cost_s = 0.3
+    wire.receive(pings(1))
+    wire.until_served()
+    wire.acceptor.cost_s = 0.0
+    late_s = session.waited_s()
+    for _ in range(10):
+        wire.receive(masked(Opcode.TEXT, bytes(100_000))[: 16 * 1024])
+        wire.next_turn()
+        assert session.waited_s() == pytest.approx(late_s)
+    for _ in range(10):
+        wire.receive(PONG)
+    wire.take(5)
+    wire.receive(PONG)
+    assert session.waited_s() == pytest.approx(0)
+
+
 def test_reading_alone_is_paid_for(wire: Wire, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(inbound_module, "READ_COST_S", 0.1)
     chunk = masked(Opcode.TEXT, b"x" * 100_000)[: 16 * 1024]
     for _ in range(3):
-        assert wire.transport.is_read
+        assert wire.is_served
         wire.receive(chunk)
-    assert not wire.transport.is_read
+    assert not wire.is_served
 
 
 def test_a_read_costs_15_us(wire: Wire, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(inbound_module, "READ_COST_S", READ_COST_S)
     frame = masked(Opcode.TEXT, b"x" * 100_000)
     reads = 0
-    while wire.transport.is_read:
+    while wire.is_served:
         wire.receive(frame[reads : reads + 1])
         reads += 1
     assert reads == pytest.approx(0.25 / 15e-6, rel=0.01)  # what may be spent at once
@@ -520,9 +565,9 @@ def test_time_that_is_spent_elsewhere_is_paid_for_too(wire: Wire):
     session = wire.connection.session
     assert session is not None
     session.spend(0.3, wire.now_s)  # as the tasks of its calls do
-    assert wire.transport.is_read
+    assert wire.is_served
     wire.receive(pings(1))
-    assert not wire.transport.is_read
+    assert not wire.is_served
 
 
 def test_who_returns_has_not_more_time_than_its_address(
@@ -532,19 +577,222 @@ def test_who_returns_has_not_more_time_than_its_address(
     wire.acceptor.leaving_cost_s = 0.6  # closing what it had open took so long
     wire.connection.connection_lost(None)
     again = Wire(server, monkeypatch)
-    assert not again.transport.is_read
-    assert again.until_read() > 0.3
+    assert not again.is_served
+    assert again.until_served() > 0.3
     again.connection.connection_lost(None)
 
 
-def test_who_has_gone_meanwhile_is_not_read_again(wire: Wire):
+def test_who_has_gone_meanwhile_is_not_served(wire: Wire):
     wire.acceptor.cost_s = 0.3
     wire.receive(pings(1, 2, 3))
     wire.connection.abort()
     while wire.handles:
         wire.next_turn()
     assert wire.pongs == [1]
-    assert not wire.transport.is_read
+
+
+STOP = b'{"op":"stop","id":"s"}'
+STOP_IN_CBOR = b"\xa1\x62op\x64stop"
+
+
+@pytest.mark.parametrize("cost_s", [0.001, 0.3], ids=["in its turn", "behind"])
+@pytest.mark.parametrize(
+    "stop", [masked(Opcode.TEXT, STOP), masked(Opcode.BINARY, STOP_IN_CBOR)], ids=["JSON", "CBOR"]
+)
+def test_a_stop_is_carried_out_once_and_before_all_that_came_earlier(
+    wire: Wire, cost_s: float, stop: bytes
+):
+    wire.acceptor.cost_s = cost_s
+    wire.receive(pings(*range(10)) + stop + pings(10, 11))
+    assert wire.carried_out[:2] == ["other", 0]
+    wire.until_served()
+    assert wire.carried_out == ["other", *range(12)]
+    assert wire.acceptor.overtaken == wire.acceptor.received[1:11]
+
+
+def test_a_stop_does_not_wait_for_the_budget_of_its_client(wire: Wire):
+    wire.acceptor.cost_s = 0.3
+    wire.receive(pings(*range(3)))
+    wire.receive(pings(3) + masked(Opcode.TEXT, STOP))
+    assert wire.carried_out == [0, "other"]
+    wire.receive(masked(Opcode.TEXT, STOP) + pings(4))
+    assert wire.carried_out == [0, "other", "other"]
+    wire.until_served()
+    assert wire.carried_out == [0, "other", "other", *range(1, 5)]
+    assert wire.acceptor.overtaken == wire.acceptor.received[3:6]
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        masked(Opcode.TEXT, b'{"op":"ping","id":"stop"}'),
+        masked(Opcode.TEXT, b'{"op":"ping","value":"{\\"op\\":\\"stop\\"}"}'),
+        masked(Opcode.TEXT, b'{"op":"stop","op":"ping"}'),
+        masked(Opcode.TEXT, b'["op","stop"]'),
+        masked(Opcode.TEXT, b'{"op":"stop"'),
+        masked(Opcode.TEXT, STOP[:-1] + b" " * 1024 + b"}"),
+        masked(Opcode.TEXT, STOP[:14])[:0] + masked(Opcode.TEXT, b'{"op":"ping","id":0}'),
+    ],
+)
+def test_what_only_has_the_word_in_it_or_is_long_waits_for_its_turn(wire: Wire, other: bytes):
+    wire.acceptor.cost_s = 0.005
+    wire.receive(pings(1, 2) + other)
+    assert wire.carried_out == [1]
+    wire.until_served()
+    assert wire.carried_out[:2] == [1, 2]
+    assert len(wire.carried_out) == 3
+    assert wire.acceptor.overtaken == []
+
+
+def test_a_stop_of_who_has_yet_to_authenticate_waits_for_its_turn(wire: Wire):
+    assert wire.connection.session is not None
+    wire.connection.session.identity = None
+    wire.acceptor.cost_s = 0.005
+    wire.receive(pings(1, 2) + masked(Opcode.TEXT, STOP))
+    wire.until_served()
+    assert wire.carried_out == [1, 2, "other"]
+
+
+def test_a_large_message_that_a_stop_has_overtaken_is_so_when_it_is_carried_out(wire: Wire):
+    session = wire.connection.session
+    assert session is not None
+    seen = []
+    wire.acceptor._pass_time = lambda _: None
+    session.answer = lambda *_, **__: seen.append(session.is_overtaken)  # type: ignore[method-assign]
+    large = masked(Opcode.TEXT, padded_ping(8 * 1024 + 1))
+    wire.receive(large + pings(1) + masked(Opcode.TEXT, STOP) + pings(2))
+    wire.until_served()
+    assert seen == [True, True, False][: len(seen)] or seen == [False, True, True, False]
+
+
+@pytest.mark.parametrize(("size", "count"), [(20, 4096), (4000, 64)])
+def test_so_much_is_read_ahead_of_who_has_spent_its_time(wire: Wire, size: int, count: int):
+    wire.acceptor.cost_s = 0.3
+    wire.receive(pings(0, 1))
+    wire.acceptor.cost_s = 0.0
+    frame = masked(Opcode.TEXT, padded_ping(size)) if size > 1000 else pings(2)
+    sent = 2
+    while wire.transport.is_read:
+        number = len(wire.connection.get_buffer(-1)) // len(frame)
+        wire.receive(frame * number)
+        sent += number
+        while wire.connection.spending.turns._is_due:
+            wire.next_turn()
+    assert sent == pytest.approx(count, rel=0.15)
+    wire.until_served()
+    assert len(wire.acceptor.received) == sent
+
+
+def test_who_drives_goes_first_and_who_has_spent_much_last(wire: Wire):
+    inbound, session = wire.connection._inbound, wire.connection.session
+    assert session is not None
+    assert inbound.rank(wire.now_s) == 1
+    wire.connection.spending.spend(0.124, wire.now_s)
+    assert inbound.rank(wire.now_s) == 1
+    wire.connection.spending.spend(0.002, wire.now_s)
+    assert inbound.rank(wire.now_s) == 2
+    session.drives = lambda: True
+    assert inbound.rank(wire.now_s) == 0
+
+
+def test_who_drives_does_not_wait_for_the_others_of_its_address_but_for_its_own_time(wire: Wire):
+    session = wire.connection.session
+    assert session is not None
+    neighbour = wire.acceptor.budgets.open("127.0.0.1")
+    neighbour.spend(100, wire.now_s)
+    wire.acceptor.cost_s = 0.001
+    wire.receive(pings(1))
+    wire.receive(pings(2))
+    assert wire.pongs == [1]
+    session.drives = lambda: True
+    wire.receive(pings(3))
+    assert wire.pongs == [1, 2, 3]
+    assert wire.is_served
+    wire.receive(pings(4))
+    assert not session.is_behind
+    wire.run(0)
+    wire.take(5)
+    assert session.waited_s() >= 5
+    wire.acceptor.cost_s = 3
+    wire.receive(pings(5, 6))
+    assert wire.pongs == [1, 2, 3, 4, 5]
+    neighbour.close()
+
+
+def publish(number: int) -> bytes:
+    text = b'{"op":"publish","topic":"/log","type":"std_msgs/String","msg":{"data":"%d"}}' % number
+    return masked(Opcode.TEXT, text)
+
+
+def leave(wire: Wire, how: str) -> None:
+    """Have the client go that has left some things behind."""
+    match how:
+        case "closed":  # what is not read is in front of the end
+            wire.transport.tcp_state = 8
+            wire.pass_time(0.25)
+        case "end":
+            assert wire.connection.eof_received()
+        case "close frame":
+            wire.receive(masked(Opcode.CLOSE, (1000).to_bytes(2, "big")))
+
+
+@pytest.mark.parametrize("how", ["closed", "end", "close frame"])
+def test_of_what_a_client_leaves_that_has_spent_its_time_only_publishes_are_carried_out(
+    wire: Wire, how: str
+):
+    wire.transport.tcp_state = 1
+    wire.acceptor.cost_s = 0.3
+    wire.receive(pings(1, 2) + publish(1) + pings(3))
+    wire.pass_time(0.25)
+    wire.acceptor.cost_s = 0.001
+    leave(wire, how)
+    if how == "closed":  # which is read on
+        wire.receive(pings(4) + publish(2))
+    while wire.connection._inbound:
+        wire.next_turn()
+    assert wire.carried_out == [1, "other", "other"][: 3 if how == "closed" else 2]
+    assert wire.acceptor.overtaken == wire.acceptor.received[1:]
+    assert wire.transport.is_aborted == (how == "end")
+
+
+def test_what_a_client_leaves_is_carried_out_for_a_second_at_most(wire: Wire):
+    wire.acceptor.cost_s = 0.3
+    wire.receive(pings(1) + b"".join(map(publish, range(50))))
+    wire.transport.tcp_state = 8
+    wire.pass_time(0.25)
+    wire.pass_time(0.99)
+    assert not wire.transport.is_aborted
+    wire.pass_time(0.02)
+    assert wire.transport.is_aborted
+    assert len(wire.acceptor.received) < 5
+
+
+def test_all_that_a_client_has_sent_in_time_is_carried_out_before_its_end(wire: Wire):
+    wire.acceptor.cost_s = 0.005
+    wire.receive(pings(*range(10)))
+    assert wire.connection.eof_received()
+    assert not wire.transport.is_aborted
+    while wire.handles:
+        wire.next_turn()
+    assert wire.pongs == list(range(10))
+    assert wire.transport.is_aborted
+
+
+def test_a_client_that_has_left_nothing_behind_ends_at_once(wire: Wire):
+    wire.receive(pings(1))
+    assert not wire.connection.eof_received()
+
+
+@pytest.mark.parametrize(("cost_s", "count"), [(0.001, 9), (0.011, 2)])
+def test_what_is_left_of_a_lost_client_is_carried_out_for_20_ms(
+    wire: Wire, cost_s: float, count: int
+):
+    wire.acceptor.cost_s = 0.005
+    wire.receive(b"".join(map(publish, range(10))))
+    assert len(wire.acceptor.received) == 1
+    wire.acceptor.cost_s = cost_s
+    wire.connection.connection_lost(None)
+    assert len(wire.acceptor.received) == 1 + count
 
 
 def test_what_a_lost_client_has_sent_is_not_carried_out_later(wire: Wire):
@@ -557,7 +805,7 @@ def test_what_a_lost_client_has_sent_is_not_carried_out_later(wire: Wire):
 
 
 def test_messages_in_one_packet_with_a_close_are_carried_out_before_it_is_answered(wire: Wire):
-    wire.acceptor.cost_s = 0.1
+    wire.acceptor.cost_s = 0.02
     wire.receive(pings(*range(10)) + masked(Opcode.CLOSE, (1000).to_bytes(2, "big")))
     while not wire.transport.unsent.endswith(bytes((0x80 | Opcode.CLOSE, 2)) + b"\x03\xe8"):
         wire.connection.tick(wire.now_s)
@@ -579,7 +827,7 @@ def test_what_waits_when_we_close_is_not_carried_out(wire: Wire):
 def test_pings_are_answered_in_their_turn_and_so_are_those_behind_a_slice(wire: Wire):
     wire.acceptor.cost_s = 0.01
     wire.receive(pings(1, 2) + masked(Opcode.PING, b"hello"))
-    wire.until_read()
+    wire.until_served()
     assert wire.pongs == [1, 2]
     assert wire.transport.unsent.endswith(bytes((0x80 | Opcode.PONG, 5)) + b"hello")
 

@@ -25,6 +25,15 @@ def test_fragments_are_joined_and_the_first_says_their_kind():
     assert not assembly.is_text
 
 
+def test_a_whole_message_that_is_taken_ahead_leaves_the_fragments_around_it_as_they_are():
+    assembly = MessageAssembly()
+    assert assembly.add(Frame(Opcode.BINARY, b"a", fin=False)) is None
+    assert assembly.add(Frame(Opcode.TEXT, b"text")) == b"text"
+    assert assembly.is_text
+    assert assembly.add(Frame(Opcode.CONT, b"b")) == b"ab"
+    assert not assembly.is_text
+
+
 def test_of_any_number_of_empty_fragments_none_is_kept():
     assembly = MessageAssembly()
     assembly.add(Frame(Opcode.TEXT, b"", fin=False))

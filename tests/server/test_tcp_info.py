@@ -11,7 +11,7 @@ from contextlib import closing
 
 import pytest
 
-from gateway.server.tcp_info import read_tcp_info
+from gateway.server.tcp_info import is_ended, read_tcp_info
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="other kernels do not say it")
 
@@ -78,3 +78,20 @@ def test_of_an_old_kernel_nothing_is_known(pair):
             return near.fileno()
 
     assert read_tcp_info(Old()) is None  # type: ignore[arg-type]  # as far as it is used
+
+
+def test_a_peer_that_has_closed_is_noticed_behind_what_is_not_read(pair):
+    near, far = pair
+    far.sendall(b"x" * 5000)
+    assert not is_ended(near)
+    far.shutdown(socket.SHUT_WR)
+    while not is_ended(near):
+        pass
+    assert near.recv(5000, socket.MSG_WAITALL) == b"x" * 5000
+
+
+def test_of_what_is_no_tcp_no_end_is_known():
+    left, right = socket.socketpair()
+    with closing(left), closing(right):
+        assert not is_ended(left)
+    assert not is_ended(None)

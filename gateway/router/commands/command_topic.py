@@ -8,8 +8,9 @@ from collections import Counter
 from collections.abc import Callable, Hashable, Iterable
 from typing import Any, Final
 
-from gateway.access.audit import Audit, Fact
+from gateway.access.audit import Audit
 from gateway.codec.types import MessageType
+from gateway.drive import refusals
 from gateway.drive.drive import Drive
 from gateway.drive.effects import (
     Changed,
@@ -33,6 +34,7 @@ from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import TopicName
 from gateway.protocol.operations.base import Operation
 from gateway.protocol.session import Session
+from gateway.router.commands.drive_audit import DriveAudit
 from gateway.router.commands.driver import Driver
 from gateway.router.commands.guard import Guard
 from gateway.router.commands.twist_values import TwistValues
@@ -77,8 +79,7 @@ class CommandTopic:
         self.watchers: set[Session] = set()
         self._ros = ros
         self._guard = guard
-        self._audit = audit
-        self._recorded_holder: Hashable | None = None
+        self._audit = DriveAudit(audit, name)
         self._now_ns = now_ns
         self._rules = rules
         self._drive = Drive(name, rules)
@@ -97,6 +98,11 @@ class CommandTopic:
     def is_open(self) -> bool:
         """Return whether there is a publisher."""
         return self._publisher is not None
+
+    @property
+    def holder(self) -> Hashable | None:
+        """Return the client that has control."""
+        return self._drive.status.holder
 
     # Clients
 
@@ -167,8 +173,13 @@ class CommandTopic:
         driver = self.driver(session)
         driver.commands += 1
         age = driver.freshness.judge(sent_ms, now_ns, round(session.waited_s() * 1e9))
+        command = Command(session, values.velocity, age, request)
+        if session.is_overtaken:
+            if not values.velocity.is_zero:  # else the stop has done what it asks for
+                self._refuse(refusals.overtaken(command, self.name))
+            return
         self._frame_id = values.frame_id
-        self._apply(self._drive.command(Command(session, values.velocity, age, request), now_ns))
+        self._apply(self._drive.command(command, now_ns))
 
     def invalid(self, session: Session) -> None:
         """Take note of a message that does not fit the type."""
@@ -176,7 +187,7 @@ class CommandTopic:
 
     def stop(self, session: Session) -> None:
         """Stop at a client's request."""
-        self._record("stop_requested", session)
+        self._audit.record("stop_requested", session)
         self._apply(self._drive.stop(session, self._now_ns()))
 
     def acquire(self, session: Session) -> None:
@@ -307,9 +318,9 @@ class CommandTopic:
                 if isinstance(effect.client, Session):
                     extra["client"] = effect.client.client
                 logger.log(level, "stopped: %s", CAUSE_TEXTS[cause], extra=extra)
-                self._record("stop", effect.client, cause=cause, tripped=effect.is_tripped)
+                self._audit.record("stop", effect.client, cause=cause, tripped=effect.is_tripped)
             case Changed():
-                self._record_holder()
+                self._audit.hold(self._drive.status.holder)
                 self._notify()
 
     def _rest(self) -> None:
@@ -317,20 +328,6 @@ class CommandTopic:
         if self._is_guarded and not self._has_failed:
             self._is_guarded = False
             self._guard.rest(self.name)
-
-    def _record_holder(self) -> None:
-        holder = self._drive.status.holder
-        if holder is not self._recorded_holder:
-            self._recorded_holder = holder
-            if holder is not None:
-                self._record("control_taken", holder)
-
-    def _record(self, event: str, client: Hashable | None, **facts: Fact) -> None:
-        name = client.client if isinstance(client, Session) else None
-        if isinstance(client, Session) and client.identity is not None:
-            facts |= {"name": client.identity.name, "role": client.identity.role}
-            facts["address"] = client.address
-        self._audit.record(event, client=name, topic=self.name, **facts)
 
     def _publish(self, effect: Send) -> None:
         if self._publisher is None or self.message_type is None:

@@ -79,6 +79,10 @@ class Commands:
         """Return the state of each topic."""
         return tuple(topic.drive_state() for topic in self._topics.values())
 
+    def is_driven_by(self, session: Session) -> bool:
+        """Return whether a client has control of a topic."""
+        return any(topic.holder is session for topic in self._topics.values())
+
     def client_publications(self) -> Iterator[ClientPublication]:
         """Yield the number of commands of each client, on each topic."""
         for name, topic in self._topics.items():

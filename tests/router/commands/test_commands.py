@@ -601,6 +601,32 @@ async def test_a_command_that_waited_behind_other_input_is_stale(scene: Scene):
     await eventually(lambda: speeds(heard)[1:2] == [0.0])  # the deadline
 
 
+async def test_a_command_that_a_stop_has_overtaken_does_not_move_the_robot(scene: Scene):
+    heard = scene.listen()
+    client = scene.client()
+    push(client)
+    await eventually(lambda: len(heard) == 1)
+    client.send(op="stop")
+    client.session.is_overtaken = True
+    push(client, monotonic_ms=time.monotonic_ns() / 1e6)
+    push(client, 0.0)
+    assert [code for code, _ in client.statuses] == ["stale_command"]
+    await eventually(lambda: len(heard) == 6)
+    client.session.is_overtaken = False
+    push(client)
+    await eventually(lambda: speeds(heard) == [0.2, *[0.0] * 5, 0.2])
+
+
+async def test_who_has_control_drives(scene: Scene):
+    scene.listen()
+    one, two = scene.client(), scene.client()
+    assert not one.session.drives()
+    push(one)
+    assert (one.session.drives(), two.session.drives()) == (True, False)
+    two.send(op="acquire_control")
+    assert (one.session.drives(), two.session.drives()) == (False, True)
+
+
 async def test_a_stale_command_is_told_by_the_clients_clock(scene: Scene):
     heard = scene.listen()
     client = scene.client()
