@@ -12,7 +12,7 @@ import pytest
 from gateway.ports import Sample, TopicEvent
 from gateway.protocol.operations import rosbridge
 from tests.client import eventually
-from tests.router.conftest import Bench, Socketless
+from tests.router.conftest import Bench, Socketless, open_bench
 
 STRING = "std_msgs/msg/String"
 SET_BOOL = "std_srvs/srv/SetBool"
@@ -134,8 +134,9 @@ async def test_what_happens_on_its_topics_is_told_only_to_a_client_that_asks(
     await happen(bench, old)
     assert kinds(old, 0) == NOTHING
     logged = [record.args for record in caplog.records]
-    new = bench.client()
-    await happen(bench, new)
+    async with open_bench() as another:
+        new = another.client()
+        await happen(another, new)
     told = [(frame["msg"],) for frame in new.of("status")]
     assert len(told) >= 7
     assert {frame["level"] for frame in new.of("status")} == {"warning"}
