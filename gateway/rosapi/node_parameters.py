@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from gateway.codec.error_text import did_you_mean, truncate
+from gateway.codec.nonfinite import named
 from gateway.codec.types import Types
 from gateway.deadline import Deadline
 from gateway.ports import RosError, RosGraph
@@ -366,9 +367,10 @@ def _description(descriptor: Mapping[str, Any]) -> dict[str, object]:
         "dynamic_typing": descriptor["dynamic_typing"],
     }
     for limits in (*descriptor["integer_range"], *descriptor["floating_point_range"]):
-        description["range"] = {
+        bounds = {
             "from": limits["from_value"],
             "to": limits["to_value"],
             "step": limits["step"],
         }
+        description["range"] = named(bounds, "string")
     return description

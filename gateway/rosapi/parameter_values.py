@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """The values of parameters: rcl_interfaces/msg/ParameterValue to JSON and back."""
 
-import math
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from enum import IntEnum
 from typing import Any, Final
 
 from gateway.codec.error_text import kind
+from gateway.codec.nonfinite import named
 from schemas.definition import INTEGER_RANGES
-from schemas.json_forms import OctetsError, octets
+from schemas.json_forms import NON_FINITE, OctetsError, octets
 
 
 class ParameterType(IntEnum):
@@ -53,9 +53,10 @@ def type_word(number: int) -> str:
 def value_of(message: Mapping[str, Any]) -> object:
     """Return the value in a decoded ParameterValue; ``None`` means that it is not set.
 
-    Bytes are base64; `gateway.codec.json.dumps` takes the arrays.
+    Bytes are base64, NaN and infinities are named, as null means that there is no value;
+    `gateway.codec.json.dumps` takes all of it.
     """
-    return message.get(f"{type_word(message['type'])}_value")
+    return named(message.get(f"{type_word(message['type'])}_value"), "string")
 
 
 def message_of(value: object, wanted: ParameterType) -> dict[str, object]:
@@ -146,9 +147,14 @@ def _integer(value: object) -> int | None:
 
 
 def _double(value: object) -> float | None:
+    if isinstance(value, str):
+        return NON_FINITE.get(value)
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return None
-    return float(value) if math.isfinite(value) else None  # orjson reads 1e999 as infinity
+    try:
+        return float(value)
+    except OverflowError:  # an integer of over 300 digits
+        return None
 
 
 def _text(value: object) -> str | None:
@@ -164,6 +170,6 @@ def _bytes(value: object) -> bytes:
 _SCALARS: Final[Mapping[ParameterType, tuple[Callable[[object], object], str]]] = {
     ParameterType.BOOL: (_boolean, "true or false"),
     ParameterType.INTEGER: (_integer, "an integer of 64 bits"),
-    ParameterType.DOUBLE: (_double, "a finite number"),
+    ParameterType.DOUBLE: (_double, 'a number, "NaN", "Infinity" or "-Infinity"'),
     ParameterType.STRING: (_text, "a string without U+0000"),
 }

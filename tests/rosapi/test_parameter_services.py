@@ -28,7 +28,7 @@ async def answer(rosapi: Rosapi, name: str, *args: str) -> Any:
 @pytest.mark.parametrize("name", ["/robot:gains", "robot:gains"])
 async def test_a_value_is_json_in_a_string(rosapi: Rosapi, name: str) -> None:
     assert await answer(rosapi, "get_param", name) == {
-        "value": "[0.1,null]",
+        "value": '[0.1,"NaN"]',
         "successful": True,
         "reason": "",
     }
