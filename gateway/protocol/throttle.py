@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The pace of a throttled subscription."""
 
-from collections import deque
+from collections import Counter, deque
 from typing import Final, NamedTuple
 
 from gateway.protocol.outbox import Entry
 
 MAX_HELD_BYTES: Final = 8 * 1024**2  # as much as waits for a socket; but one entry always
+# Of a latched topic: a robot has a dozen on /tf_static.
+MAX_HELD_PUBLISHERS: Final = 256
 
 
 class Pace(NamedTuple):
@@ -21,14 +23,16 @@ class Throttle:
 
     The first passes at once. What comes before its interval is over is held, and passes at the end
     of this or a later one; so the last entry of all passes, too. If more are held than the pace's
-    length says, the oldest makes room: with one, the newest of each interval passes.
+    length says, the oldest makes room: with one, the newest of each interval passes. Where
+    publishers are told apart, an entry makes room for those of its own publisher alone.
     """
 
-    __slots__ = ("_held", "_held_bytes", "_pace", "due_ns")
+    __slots__ = ("_held", "_held_bytes", "_pace", "_publishers", "due_ns")
 
     def __init__(self, pace: Pace) -> None:
         self._pace = pace
-        self._held: deque[Entry] = deque()
+        self._held: deque[tuple[bytes | None, Entry]] = deque()
+        self._publishers: Counter[bytes | None] = Counter()  # of what is held
         self._held_bytes = 0
         self.due_ns = 0  # when the next entry may pass
 
@@ -43,12 +47,15 @@ class Throttle:
         self._keep_the_beat(now_ns)
         return True
 
-    def hold(self, entry: Entry) -> int:
+    def hold(self, entry: Entry, publisher: bytes | None = None) -> int:
         """Hold an entry; return how many have made room for it."""
-        self._held.append(entry)
+        self._held.append((publisher, entry))
+        self._publishers[publisher] += 1
         self._held_bytes += entry.size
         before = len(self._held)
-        while len(self._held) > self._pace.length or (
+        if self._publishers[publisher] > self._pace.length:
+            self._take(next(at for at, (each, _) in enumerate(self._held) if each == publisher))
+        while len(self._publishers) > MAX_HELD_PUBLISHERS or (
             self._held_bytes > MAX_HELD_BYTES and len(self._held) > 1
         ):
             self._take()
@@ -64,11 +71,16 @@ class Throttle:
     def clear(self) -> None:
         """Forget the entries that are held."""
         self._held.clear()
+        self._publishers.clear()
         self._held_bytes = 0
 
-    def _take(self) -> Entry:
-        entry = self._held.popleft()
+    def _take(self, at: int = 0) -> Entry:
+        publisher, entry = self._held[at]
+        del self._held[at]
         self._held_bytes -= entry.size
+        self._publishers[publisher] -= 1
+        if not self._publishers[publisher]:
+            del self._publishers[publisher]
         return entry
 
     def _keep_the_beat(self, now_ns: int) -> None:

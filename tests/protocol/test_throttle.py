@@ -92,6 +92,16 @@ def test_of_more_than_8_mib_the_oldest_make_room_but_one_is_held():
     assert len(throttle) == 1
 
 
+def test_entries_make_room_for_those_of_their_own_publisher():
+    throttle = Throttle(Pace(100 * MS))
+    assert throttle.passes(0)
+    whose = [b"a", b"b", b"a", b"c", b"b"]
+    assert [throttle.hold(Item(at), each) for at, each in enumerate(whose)] == [0, 0, 1, 0, 1]
+    assert [throttle.release(at * 100 * MS) for at in (1, 2, 3)] == [Item(2), Item(3), Item(4)]
+    dropped = [throttle.hold(Item(number), b"%d" % number) for number in range(257)]
+    assert dropped == [0] * 256 + [1]
+
+
 def test_entries_that_were_forgotten_are_not_released():
     throttle = Throttle(Pace(100 * MS, 2))
     assert throttle.passes(0)

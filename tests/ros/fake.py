@@ -72,7 +72,7 @@ class FakePublisher:
     def publish(self, cdr: bytes) -> None:
         assert self in self.ros.publishers, "published after close"
         self.ros.published += 1  # no two samples are published at the same time
-        sample = Sample(cdr, self.ros.now, self.ros.published)
+        sample = Sample(cdr, self.ros.now, self.ros.published, publisher=b"%d" % id(self))
         if self.qos.durability == "transient_local":
             self.retained.append(sample)
         self.ros.arrive(self, sample)

@@ -406,6 +406,20 @@ async def test_an_earlier_subscription_follows_to_transient_local(robot: Robot) 
     await eventually(lambda: number(7) in received.cdrs)
 
 
+async def test_latched_samples_tell_their_publishers_apart(robot: Robot) -> None:
+    for value in (1, 2):
+        robot.world.add_publisher("/map", INT32, LATCHED).publish(number(value))
+    received, subscription = subscribe(robot, "/map")
+    await eventually(lambda: len(received.cdrs) == 2)
+    late: list[Sample] = []
+    subscription.join_late(late.extend)
+    await eventually(lambda: len(late) == 2)
+    early = {each.publisher: each.cdr for batch in received.batches for each in batch}
+    assert len(early) == 2
+    assert None not in early
+    assert {each.publisher: each.cdr for each in late} == early
+
+
 @pytest.mark.parametrize(
     "passing", [Qos(), BEST_EFFORT, replace(LATCHED, reliability="best_effort")]
 )

@@ -134,8 +134,12 @@ class Subscription:
         """The samples that the client will never get, as it, its throttle or DDS was too slow."""
         return self.lost_before + self.queue.dropped + self.queue.coalesced
 
-    def offer(self, entry: Entry, now_ns: int, *, more: bool) -> bool:
+    def offer(
+        self, entry: Entry, now_ns: int, *, more: bool, publisher: bytes | None = None
+    ) -> bool:
         """Take an entry, now or at the end of the throttle's interval; *more* follow at once.
+
+        On a latched topic it stands for no entry of another *publisher*.
 
         Return whether the client has to be woken, as `Queue.put` does.
         """
@@ -143,7 +147,8 @@ class Subscription:
         throttle = self._throttle
         if throttle is None or throttle.passes(now_ns):
             return self.queue.put(entry, more=more)
-        self.queue.coalesced += throttle.hold(entry)
+        whose = publisher if self.queue.is_latched() else None
+        self.queue.coalesced += throttle.hold(entry, whose)
         if self._timer is None:
             self._wait_for(throttle, now_ns)
         return False

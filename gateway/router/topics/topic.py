@@ -166,9 +166,13 @@ class Topic:
                 others = everyone if more else write_directly(shared, everyone)
                 for subscription in others:
                     if subscription.shares_frames and not subscription.session.is_ros_sharp:
-                        has_waiting |= subscription.offer(shared, now_ns, more=more)
+                        has_waiting |= subscription.offer(
+                            shared, now_ns, more=more, publisher=sample.publisher
+                        )
                     elif self._passes(subscription, seq, sample):
-                        has_waiting |= self._offer_own(shared, subscription, now_ns, more=more)
+                        has_waiting |= self._offer_own(
+                            shared, subscription, sample.publisher, now_ns, more=more
+                        )
         self._counts.received += count
         self._counts.received_bytes += size
         if now_ns >= self._timed_ns:
@@ -202,12 +206,17 @@ class Topic:
                     subscription.session.wake()
 
     def _offer_own(
-        self, shared: SharedFrame, subscription: Subscription, now_ns: int, *, more: bool
+        self,
+        shared: SharedFrame,
+        subscription: Subscription,
+        publisher: bytes | None,
+        now_ns: int,
+        *,
+        more: bool,
     ) -> bool:
         received_ns = self._ros.now_ns() if subscription.options.meta else None
-        return subscription.offer(
-            PerClientFrame(shared, subscription, received_ns), now_ns, more=more
-        )
+        own = PerClientFrame(shared, subscription, received_ns)
+        return subscription.offer(own, now_ns, more=more, publisher=publisher)
 
     def _join_late(self, subscription: Subscription) -> None:
         try:
@@ -234,7 +243,7 @@ class Topic:
         shared = SharedFrame(encoding, sample, self._seq if seq is None else seq)
         if seq is None:
             shared.arrived_ns = 0  # long ago
-        self._offer_own(shared, subscription, time.monotonic_ns(), more=True)
+        self._offer_own(shared, subscription, sample.publisher, time.monotonic_ns(), more=True)
         subscription.session.wake()
 
     def _feeds(self, subscription: Subscription) -> bool:

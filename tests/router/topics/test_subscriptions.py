@@ -301,6 +301,20 @@ async def test_a_throttled_topic_delivers_the_last_sample_too(bench: Bench):
     assert client.messages == [{"data": "0"}, {"data": "9"}]
 
 
+@pytest.mark.parametrize("queue_length", [0, 1])
+async def test_on_a_latched_topic_each_publishers_last_sample_passes_a_throttle(
+    bench: Bench, queue_length: int
+):
+    latched = Qos(durability="transient_local", depth=1)
+    for name in "abcde":
+        bench.ros.add_publisher("/tf_static", STRING, latched).publish(bench.cdr(STRING, data=name))
+    for _ in range(2):  # the second one comes late
+        client = bench.client()
+        client.send(op="subscribe", topic="/tf_static", throttle_rate=50, queue_length=queue_length)
+        await client.sees(5)
+        assert [message["data"] for message in client.messages] == list("abcde")
+
+
 async def test_a_change_while_a_sample_is_held_back_does_not_stop_the_stream(bench: Bench):
     bench.ros.add_publisher("/chatter", STRING)
     client = bench.client()
