@@ -114,7 +114,7 @@ class Connection(asyncio.BufferedProtocol):
 
     def eof_received(self) -> bool:
         """Record that the peer has closed its side; return whether something is left to do."""
-        if self._inbound.end():
+        if self._closing_s is None and self._inbound.end():
             return True
         self._protocol.receive_eof()
         self._write_protocol_output()

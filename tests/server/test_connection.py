@@ -778,8 +778,12 @@ def test_all_that_a_client_has_sent_in_time_is_carried_out_before_its_end(wire: 
     assert wire.transport.is_aborted
 
 
-def test_a_client_that_has_left_nothing_behind_ends_at_once(wire: Wire):
-    wire.receive(pings(1))
+@pytest.mark.parametrize("is_closing", [False, True])
+def test_a_client_of_which_nothing_is_left_to_do_ends_at_once(wire: Wire, *, is_closing: bool):
+    if is_closing:
+        wire.acceptor.cost_s = 0.3
+        wire.receive(pings(1, 2))
+        wire.connection.close(1001, "shutting down")
     assert not wire.connection.eof_received()
 
 
