@@ -154,7 +154,6 @@ async def test_head_has_the_length_and_no_body(serve, files):
         "/../app.py",
         "/debug/../../app.py",
         "/%2e%2e/app.py",
-        "//style.css",
         "/style.css/",
     ],
 )
