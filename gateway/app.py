@@ -28,6 +28,7 @@ from gateway.definitions import known_definitions
 from gateway.diagnostics import publishing
 from gateway.ending_signals import ENDING
 from gateway.errors import ConfigError, system_reason
+from gateway.faults import Fault
 from gateway.guard.supervisor import GuardProcess
 from gateway.log_fields import counted, text_of
 from gateway.log_rate import LogRate
@@ -41,6 +42,7 @@ from gateway.server.admission import Admission
 from gateway.server.lan_discovery import answering_questions
 from gateway.server.server import Door, Server
 from gateway.server.static_files import PAGES, StaticFiles
+from gateway.start import Start
 from schemas.installed import InstalledDefinitions
 from schemas.table import Table
 
@@ -75,7 +77,7 @@ class Listening:
         return self.certificate is not None and self.tls_port is None
 
 
-Announce = Callable[[Listening], None]
+Announce = Callable[[Listening], Callable[[], None]]
 
 
 def run(
@@ -88,7 +90,8 @@ def run(
 ) -> int:
     """Serve until one of the `ENDING` signals; return the exit code.
 
-    Once clients can connect, *announce* gets what people need for it. On SIGHUP, *load* returns the
+    Once clients can connect, *announce* gets what people need for it; what it returns is called
+    once they can drive. On SIGHUP, *load* returns the
     configuration anew, and its tokens and permissions take effect; unless one of the descriptors
     *streams* was a terminal that is closed now, which ends the gateway.
 
@@ -137,6 +140,7 @@ async def _serve(
             asks_nodes=config.types.ask_nodes,
         )
         stack.callback(router.close)
+        start = Start(router.control)
         server = Server(
             router,
             limits=config.limits,
@@ -146,7 +150,7 @@ async def _serve(
             web_rules=security.rules,
             admission=partial(Admission, security.authentication, config.access, security.audit),
             version=version("ros2-json-gateway"),
-            find_faults=lambda: (*ros.faults(), *guard.faults(), *security.audit_faults()),
+            find_faults=lambda: (*ros.faults(), *guard.faults(), *_others(security, start)),
         )
         doors = [Door(config.port, security.tls)]
         if config.tls.port is not None:
@@ -159,18 +163,9 @@ async def _serve(
         stack.enter_context(_discoverable(config, security, addresses[0][1], tls_port))
         exempt_from_collection()
         stack.enter_context(returning_free_memory())
-        announce(
-            Listening(
-                addresses=addresses,
-                path=config.path,
-                posture=security.posture,
-                tokens=security.token_path,
-                new_token=security.new_token,
-                certificate=config.tls.cert,
-                tls_port=tls_port,
-            )
-        )
+        invite = announce(_listening(config, security, addresses, tls_port))
         guard.start()  # last: nobody waits for it to listen
+        stack.enter_context(start.inviting(invite))
         if config.ros.diagnostics:
             name = config.ros.node_prefix
             stack.enter_context(publishing(ros, types, server.summary, name))
@@ -179,6 +174,24 @@ async def _serve(
         router.stop_robots()  # first: closing the connections takes up to a second
         logger.info("shutting down")
     return 0
+
+
+def _others(security: Security, start: Start) -> Sequence[Fault]:
+    return (*security.audit_faults(), *start.faults())
+
+
+def _listening(
+    config: Config, security: Security, addresses: Sequence[tuple[str, int]], tls_port: int | None
+) -> Listening:
+    return Listening(
+        addresses=addresses,
+        path=config.path,
+        posture=security.posture,
+        tokens=security.token_path,
+        new_token=security.new_token,
+        certificate=config.tls.cert,
+        tls_port=tls_port,
+    )
 
 
 @contextmanager

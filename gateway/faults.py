@@ -4,7 +4,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-Severity = Literal["dead", "not ready", "degraded"]
+Severity = Literal["dead", "not ready", "degraded", "starting"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -12,7 +12,7 @@ class Fault:
     """Something that is wrong. The text goes to whoever asks: no secrets, no names of topics.
 
     ``dead`` is what only another start will mend, ``not ready`` what keeps clients from being
-    served for now, ``degraded`` what takes away a part.
+    served for now, ``degraded`` what takes away a part, and ``starting`` what is over soon.
     """
 
     severity: Severity

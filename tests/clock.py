@@ -15,11 +15,15 @@ class StoppedClock:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         loop = asyncio.get_running_loop()
-        self._now_s = loop.time()
-        monkeypatch.setattr(loop, "time", lambda: self._now_s)
+        self.now_s = loop.time()
+        monkeypatch.setattr(loop, "time", lambda: self.now_s)
+
+    def jump(self, seconds: float) -> None:
+        """Let so much time pass in which nothing happens, as while the loop is blocked."""
+        self.now_s += seconds
 
     async def advance(self, seconds: float) -> None:
         """Let so much time pass at once, and everything happen that is due then."""
-        self._now_s += seconds
+        self.jump(seconds)
         for _ in range(20):
             await asyncio.sleep(0)

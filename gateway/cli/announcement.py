@@ -26,9 +26,9 @@ def announcement(listening: "Listening") -> str:
     return "\n".join(_lines(listening, own_addresses()))
 
 
-def in_json(listening: "Listening", hint: str = "") -> Iterator[str]:
-    """Yield the same lines in JSON; without a QR code, as nobody could see it there."""
-    for line in (*_lines(listening, own_addresses()), *filled(hint, listening).splitlines()):
+def in_json(listening: "Listening", text: str) -> Iterator[str]:
+    """Yield the lines of a text in JSON."""
+    for line in text.splitlines():
         level = "warning" if line.startswith(_WARNING) else "info"
         message = line.removeprefix(_WARNING).strip()
         yield json_line(time.time(), level, "gateway", message, url=own_url(listening))

@@ -147,12 +147,12 @@ def _log_output(loaded: "Loaded") -> "Iterator[OwnOutput | None]":
         yield own
 
 
-def _announce_in_json(listening: "Listening", own: "OwnOutput", hint: str) -> None:
+def _announce_in_json(listening: "Listening", own: "OwnOutput", lines: str) -> None:
     import faulthandler
 
     from gateway.cli import announcement
 
-    text = "\n".join(announcement.in_json(listening, hint))
+    text = "\n".join(announcement.in_json(listening, lines))
     why = write(text, own.stdout)
     if why is not None:
         # without the text, which may contain a token: the log goes to /rosout as well
@@ -162,16 +162,13 @@ def _announce_in_json(listening: "Listening", own: "OwnOutput", hint: str) -> No
     faulthandler.enable(own.stderr)
 
 
-def _announce_listening(listening: "Listening", *, shows_qr: bool, hint: str) -> None:
+def _announce_qr_code(listening: "Listening") -> None:
     from gateway.cli import announcement
 
-    announce(announcement.announcement(listening))
-    if shows_qr and listening.posture.is_open and sys.stdout.isatty():
+    if listening.posture.is_open and sys.stdout.isatty():
         text = announcement.qr_text(listening, announcement.own_addresses())
         if text is not None:
             announce(f"{announcement.qr_code(text)}for a phone: {text}")
-    if hint:
-        announce(announcement.filled(hint, listening))
 
 
 def _run_gateway(
@@ -185,23 +182,39 @@ def _run_gateway(
     require_rclpy()
     from gateway import app
 
-    def announce(listening: "Listening") -> None:
-        from gateway.cli import tokens
+    def announce_listening(listening: "Listening") -> Callable[[], None]:
+        from gateway.cli import announcement, tokens
 
         listening = tokens.kept_from_logs(listening, sys.stdout if own is None else own.stdout)
-        if own is None:
-            _announce_listening(listening, shows_qr=loaded.config.qr, hint=hint)
-        else:
-            _announce_in_json(listening, own, hint)
+
+        def show(text: str) -> None:
+            if own is None:
+                announce(text)
+            else:
+                _announce_in_json(listening, own, text)
+
+        show(announcement.announcement(listening))
+        if own is None and loaded.config.qr:
+            _announce_qr_code(listening)
         if opens_page:
-            from gateway.cli import announcement, browser
+            from gateway.cli import browser
 
             browser.open_page(announcement.own_page(listening))
+
+        def invite() -> None:
+            try:
+                if hint:
+                    show(announcement.filled(hint, listening))
+            except BrokenPipeError:  # as above, where it ends the gateway, too
+                discard_output()
+                signal.raise_signal(signal.SIGTERM)
+
+        return invite
 
     loaded.warn()
     return app.run(
         _with_certificate(loaded.config),
-        announce=announce,
+        announce=announce_listening,
         load=lambda: _with_certificate(_configuration(arguments).config),
         was_interrupted=_interrupted.is_set,
         streams=app.STANDARD_STREAMS if own is None else own.streams,

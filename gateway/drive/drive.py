@@ -31,6 +31,7 @@ from gateway.drive.effects import (
     Status,
     Stopped,
 )
+from gateway.drive.freshness import LATE
 from gateway.drive.held import GUARD_WAIT_NS, HOLD_NS, Held
 from gateway.drive.lease import Lease
 from gateway.drive.stop import Zeros
@@ -121,7 +122,7 @@ class Drive:
             is_stop = command.velocity.is_zero and self._has_lease(command.client)
             if self._moves and is_stop:  # late, but never too late
                 self._stop("zero", now_ns, out, is_asked=True)
-            if command.age == "stale":  # one that follows closely may be of the same backlog
+            if command.age in LATE:  # one that follows closely may be of the same backlog
                 self._crowd.hear(command.client, now_ns, silence_ns)
             return [*out, refused]
         count = self._crowd.hear if command.age == "fresh" else self._crowd.add
@@ -220,8 +221,7 @@ class Drive:
     def set_guard(self, guard: GuardState, now_ns: int) -> Effects:
         """Follow the guard process: without it nothing moves.
 
-        It starts again for somebody who begins to listen. That may be a robot, which has to stand
-        until the stick is let go.
+        It starts again for who begins to listen: a robot has to stand until the stick is let go.
         """
         is_changed, self._guard = guard != self._guard, guard
         out = self._advance(now_ns)
@@ -262,7 +262,7 @@ class Drive:
             return refusals.not_holder(command, self._topic, self._rules)
         if self._turned_away.still_pushes(command, now_ns, self._rules.deadline_ns):
             return refusals.still_pushes(command, self._topic, self._rules)
-        if command.age == "stale":
+        if command.age in LATE:
             return refusals.stale(command, self._topic)
         return None
 

@@ -22,8 +22,11 @@ SETTLING_NS: Final = 1_000_000_000
 Age = Literal[
     "fresh",  # not older than the best by `MAX_AGE_NS`
     "stale",
+    "behind",  # it waited for `MAX_AGE_NS`, as its client has spent its time budget
+    "waited",  # as long, for the gateway
     "unknown",  # no time was given and nothing waited, or the connection is too young to know
 ]
+LATE: Final[frozenset[Age]] = frozenset({"stale", "behind", "waited"})
 
 
 class Freshness:
@@ -36,13 +39,16 @@ class Freshness:
         self._best_ns = 0
         self._judged_ns = 0
 
-    def judge(self, sent_ms: float | None, now_ns: int, waited_ns: int = 0) -> Age:
+    def judge(
+        self, sent_ms: float | None, now_ns: int, waited_ns: int = 0, *, is_behind: bool = False
+    ) -> Age:
         """Return the age of a command that was sent at *sent_ms* of the client's clock.
 
         *waited_ns* is how long it may have waited before the gateway read it, at most.
         """
         if sent_ms is None:
-            return "stale" if waited_ns >= MAX_AGE_NS else "unknown"
+            waited: Age = "behind" if is_behind else "waited"
+            return waited if waited_ns >= MAX_AGE_NS else "unknown"
         delay_ns = now_ns - round(sent_ms * 1e6)
         if self._first_ns is None:
             self._first_ns = self._judged_ns = now_ns

@@ -4,6 +4,7 @@
 from typing import Final
 
 from gateway.drive.effects import Cause, Command, GuardState, Refused, Rules
+from gateway.drive.freshness import Age
 
 CAUSE_TEXTS: Final[dict[Cause, str]] = {
     "zero": "it was commanded to stop",
@@ -22,10 +23,18 @@ CAUSE_TEXTS: Final[dict[Cause, str]] = {
     "start": "this gateway wants a command to stop before the first to move",
 }
 
+_LATE_TEXTS: Final[dict[Age, str]] = {
+    "stale": "by its monotonic_ms the command came over 250 ms later than others of this connection"
+    ": send each as soon as it is made",
+    "behind": "the command waited for over 250 ms, because this connection has used up its share of"
+    " the gateway's time (limits.client_time_share): send less",
+    "waited": "the command waited for over 250 ms, because the gateway was busy: send it again",
+}
 _NOT_READY: Final = "is starting: send the command again in a second or so"
 _GUARD_TEXTS: Final[dict[GuardState, str]] = {
     "starting": _NOT_READY,
     "prepared": _NOT_READY,
+    "ready": _NOT_READY,  # too late
     "lost": "is not there: publish a command of zero in some seconds, then drive on",
 }
 
@@ -51,11 +60,7 @@ def still_pushes(command: Command, topic: str, rules: Rules) -> Refused:
 
 def stale(command: Command, topic: str) -> Refused:
     """Refuse a command that is old."""
-    reason = (
-        f"topic {topic}: the command is over 250 ms old, by its monotonic_ms or as it has waited"
-        " behind what else this connection sends"
-    )
-    return Refused(command, "stale_command", reason)
+    return Refused(command, "stale_command", f"topic {topic}: {_LATE_TEXTS[command.age]}")
 
 
 def overtaken(command: Command, topic: str) -> Refused:

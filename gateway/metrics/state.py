@@ -65,6 +65,7 @@ class DriveState(NamedTuple):
     is_tripped: bool
     cause: str | None  # of the last stop, in words
     is_leased: bool  # a client has the lease
+    listeners: int  # subscriptions of other nodes
     is_guarded: bool
     stops: Mapping[str, int]  # by cause
 

@@ -19,7 +19,7 @@ PATHS: Final = frozenset({PATH, LIVE, READY})
 
 _OK: Final = 200
 _UNAVAILABLE: Final = 503
-_WORST_FIRST: Final[tuple[Severity, ...]] = ("dead", "not ready", "degraded")
+_WORST_FIRST: Final[tuple[Severity, ...]] = ("dead", "not ready", "degraded", "starting")
 
 FindFaults = Callable[[], Iterable[Fault]]
 
@@ -49,7 +49,7 @@ class Health:
     @property
     def is_ready(self) -> bool:
         """True if clients are served, though perhaps not with everything."""
-        return self.status in {"ok", "degraded"}
+        return self.status in {"ok", "degraded", "starting"}
 
     def reasons(self) -> list[str]:
         """Return the faults in words, the worst first."""

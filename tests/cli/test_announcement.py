@@ -148,18 +148,17 @@ def test_a_qr_code_fits_a_terminal():
 
 def test_in_json_each_line_is_an_object_with_the_address():
     there = listening(anonymous_role="viewer")
-    lines = [json.loads(line) for line in announcement.in_json(there, "paste this\ninto WSCAT")]
+    text = f"{announcement.announcement(there)}\n{filled('into WSCAT', there)}"
+    lines = [json.loads(line) for line in announcement.in_json(there, text)]
     shown = announcement.announcement(there).splitlines()
     messages = [line["message"] for line in lines]
-    assert messages[:-3] == [line.strip() for line in shown[:-1]]
-    assert messages[-3:] == [
+    assert messages[:-2] == [line.strip() for line in shown[:-1]]
+    assert messages[-2:] == [
         "without a token, everybody on the network may watch",
-        "paste this",
         "into npx wscat -c ws://localhost:9090/",
     ]
     assert [line["level"] for line in lines] == ["info"] * len(shown[:-1]) + [
         "warning",
-        "info",
         "info",
     ]
     assert {line["url"] for line in lines} == {"ws://localhost:9090/"}

@@ -49,5 +49,6 @@ def test_a_client_whose_clock_is_slow_stays_fresh_for_hours():
 def test_a_command_without_a_time_is_as_old_as_what_may_have_waited():
     freshness = Freshness()
     assert freshness.judge(None, 5 * S, MAX_AGE_NS - 1) == "unknown"
-    assert freshness.judge(None, 5 * S, MAX_AGE_NS) == "stale"
+    assert freshness.judge(None, 5 * S, MAX_AGE_NS) == "waited"
+    assert freshness.judge(None, 5 * S, MAX_AGE_NS, is_behind=True) == "behind"
     assert freshness.judge(*at(0), MAX_AGE_NS) == "unknown"  # its own clock knows better

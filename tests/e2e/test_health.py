@@ -44,6 +44,9 @@ async def wait_for_status(gateway: GatewayProcess, status: str) -> dict[str, Any
 
 async def test_without_its_guard_it_is_ready_and_says_that_control_is_refused():
     async with gateway_process("serve") as gateway:
+        found = await wait_for_status(gateway, "starting")
+        assert found["reasons"][0].startswith("no robot can be driven yet")
+        await wait_for_status(gateway, "ok")
         for path in ("/healthz", "/healthz/live", "/healthz/ready"):
             code, found = await asyncio.to_thread(health, gateway, path)
             assert (code, found["status"], found["reasons"]) == (200, "ok", [])

@@ -43,6 +43,16 @@ async def speed(speaker: Client) -> float:
     return (await speaker.message("/odom"))["twist"]["twist"]["linear"]["x"]
 
 
+async def test_the_first_line_that_drives_works_as_soon_as_it_is_printed():
+    async with gateway_process("demo") as fresh, client(fresh.url) as person:
+        await person.send(op="subscribe", topic="/odom", type="nav_msgs/msg/Odometry")
+        await eventually(lambda: "Ctrl-C" in "".join(fresh.output))
+        (pasted,) = [line for line in "".join(fresh.output).splitlines() if '"/cmd_vel"' in line]
+        await person.socket.send(pasted)
+        while await speed(person) < 0.1:
+            assert [frame for frame in person.seen if frame["op"] == "status"] == []
+
+
 async def test_the_demonstration_prints_an_address_and_lines_to_paste(demo: GatewayProcess):
     await eventually(lambda: "Ctrl-C" in "".join(demo.output))
     printed = "".join(demo.output)

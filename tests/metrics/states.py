@@ -25,6 +25,7 @@ DRIVE = DriveState(
     is_tripped=False,
     cause=None,
     is_leased=False,
+    listeners=1,
     is_guarded=True,
     stops={},
 )

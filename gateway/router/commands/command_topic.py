@@ -33,6 +33,7 @@ from gateway.protocol import messages
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.names import TopicName
 from gateway.protocol.operations.base import Operation
+from gateway.protocol.operations.topics import Publish
 from gateway.protocol.session import Session
 from gateway.router.commands.drive_audit import DriveAudit
 from gateway.router.commands.driver import Driver
@@ -117,7 +118,6 @@ class CommandTopic:
             self.name, message_type.name, COMMAND_QOS, self._on_event
         )
         self.message_type = message_type
-        self._publisher.new_matches()  # it counts from now on, and who is there is looked for now
         self._look_for_readers()
 
     def _on_event(self, event: TopicEvent) -> None:
@@ -151,10 +151,9 @@ class CommandTopic:
         self._look_for_readers()
 
     def _look_for_readers(self) -> None:
-        """Stop for a subscription of another node that is new, and have the guard prepare for it.
+        """Stop for a new subscription of another node, and have the guard prepare for it.
 
-        It may be that of a robot: the guard cannot stop it yet. If somebody pushes the stick, the
-        robot does not move until that is let go.
+        It may be a robot's, which does not move until the stick is let go.
         """
         known, self._readers = self._readers, self._ros.readers(self.name)
         if self._guarded_type is not None and not self._readers <= known:
@@ -166,13 +165,15 @@ class CommandTopic:
         return self.drivers.setdefault(session, Driver())
 
     def command(
-        self, session: Session, values: TwistValues, sent_ms: float | None, request: Operation
+        self, session: Session, values: TwistValues, request: Publish, waited_s: float
     ) -> None:
         """Take a command of a client; whatever is refused is answered."""
         now_ns = self._now_ns()
         driver = self.driver(session)
         driver.commands += 1
-        age = driver.freshness.judge(sent_ms, now_ns, round(session.waited_s() * 1e9))
+        age = driver.freshness.judge(
+            request.monotonic_ms, now_ns, round(waited_s * 1e9), is_behind=session.is_behind
+        )
         command = Command(session, values.velocity, age, request)
         if session.is_overtaken:
             if not values.velocity.is_zero:  # else the stop has done what it asks for
@@ -274,6 +275,7 @@ class CommandTopic:
             is_tripped=status.is_tripped,
             cause=None if status.cause is None else CAUSE_TEXTS[status.cause],
             is_leased=status.holder is not None,
+            listeners=len(self._readers),
             is_guarded=self._guarded_type is not None and status.guard == "ready",
             stops=dict(self._stops),
         )
@@ -342,9 +344,8 @@ class CommandTopic:
         self._has_failed = True
         stamp_ns = self._ros.now_ns() if type_name == TWIST_STAMPED else 0
         cdr = encode(type_name, effect.velocity, stamp_ns, self._frame_id)
-        # The guard was found lost just now, or a robot has joined, or the gateway stood still here
-        # while the guard stopped the robot: asked by the clock, not as of this turn, and as late as
-        # can be.
+        # The guard was found lost just now, a robot has joined, or the gateway stood still here and
+        # the guard stopped the robot: asked by the clock, not as of this turn, as late as can be.
         if not is_zero and not self._drive.may_move(time.monotonic_ns()):
             return
         try:

@@ -125,6 +125,7 @@ class Commands:
             RosError: ROS refuses to create the publisher.
         """
         topic = self._topics[name]
+        waited_s = session.waited_s()  # before the topic is opened, which takes some time
         if not topic.is_open or request.type is not None or session not in topic.drivers:
             topic = self._opened(name, request.type)
             if session not in topic.drivers:  # a later one may have an id of its own each time
@@ -135,7 +136,7 @@ class Commands:
         except ProtocolError:
             topic.invalid(session)
             raise
-        topic.command(session, values, request.monotonic_ms, request)
+        topic.command(session, values, request, waited_s)
 
     def stop(self, session: Session, request: Stop) -> None:
         """Stop one command topic, or all of which the type is known; never refused for its rate.
@@ -249,6 +250,8 @@ class Commands:
                 f" {message_type.name} (setting control.topics)",
             )
         topic.open(message_type)
+        if self._turn_ns is not None:  # or the command for which it was opened would be as old
+            self._turn_ns = time.monotonic_ns()
         return topic
 
     def _opens(self, topic: CommandTopic) -> bool:

@@ -590,14 +590,23 @@ async def test_unadvertising_stops_as_asked(scene: Scene):
     await eventually(lambda: speeds(heard)[-1] == 0.2)
 
 
-async def test_a_command_that_waited_behind_other_input_is_stale(scene: Scene):
+@pytest.mark.parametrize(
+    ("is_behind", "why"),
+    [(True, "(limits.client_time_share): send less"), (False, "the gateway was busy: send it")],
+)
+async def test_a_command_that_waited_is_stale_and_hears_why(
+    scene: Scene, why: str, *, is_behind: bool
+):
     heard = scene.listen()
     client = scene.client()
     push(client)
     await eventually(lambda: len(heard) == 1)
     client.session.waited_s = lambda: 0.25
+    client.session.is_behind = is_behind
     push(client)
-    assert client.statuses[-1][0] == "stale_command"
+    code, text = client.statuses[-1]
+    assert code == "stale_command"
+    assert why in text
     await eventually(lambda: speeds(heard)[1:2] == [0.0])  # the deadline
 
 
@@ -634,7 +643,31 @@ async def test_a_stale_command_is_told_by_the_clients_clock(scene: Scene):
     push(client, monotonic_ms=sent_ms)
     await eventually(lambda: len(heard) == 1)
     push(client, monotonic_ms=sent_ms - 300)
-    assert client.statuses[-1][0] == "stale_command"
+    code, text = client.statuses[-1]
+    assert code == "stale_command"
+    assert "by its monotonic_ms" in text
+
+
+@pytest.mark.parametrize("x", [0.0, 0.2])
+async def test_the_time_that_it_takes_to_open_the_topic_makes_a_first_command_no_older(
+    scene: Scene, clock: StoppedClock, monkeypatch: pytest.MonkeyPatch, x: float
+):
+    heard, client = scene.listen(), scene.client()
+    loop, advertise = asyncio.get_running_loop(), scene.ros.advertise
+    read_s = loop.time()
+    client.session.waited_s = lambda: loop.time() - read_s
+
+    def open_slowly(*arguments: Any) -> Any:
+        clock.jump(0.6)
+        return advertise(*arguments)
+
+    monkeypatch.setattr(scene.ros, "advertise", open_slowly)
+    push(client, x)
+    assert client.statuses == []
+    await clock.advance(0.01)
+    assert speeds(heard) == [x]
+    await clock.advance(0.48)
+    assert speeds(heard) == [x]
 
 
 async def test_a_shutdown_stops_at_once_and_nothing_moves_after(scene: Scene):

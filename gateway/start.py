@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The end of a start: a robot can be driven, or no robot listens."""
+
+import asyncio
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Final
+
+from gateway.faults import Fault
+from gateway.metrics.state import ControlState
+
+LOOK_S: Final = 0.05  # nobody sees the difference
+ALONE_S: Final = 5.0  # who has not been discovered by then is not there
+INVITE_S: Final = 30.0  # a gateway whose guard does not start serves all the same
+
+
+class Start:
+    """Judges whether a gateway that serves already can do what moves a robot."""
+
+    def __init__(self, control: Callable[[], ControlState]) -> None:
+        self._control = control
+        self._began_s = time.monotonic()
+
+    def faults(self) -> Sequence[Fault]:
+        """Return what keeps a robot from being driven, unless the guard itself reports it."""
+        drives, guard_is_ready, losses = self._control()
+        if not drives or (losses and not guard_is_ready):
+            return ()
+        if any(each.listeners and each.is_guarded for each in drives):
+            return ()
+        is_alone = not any(each.listeners for each in drives)
+        if guard_is_ready and is_alone and time.monotonic() - self._began_s >= ALONE_S:
+            return ()
+        text = "no robot can be driven yet: the guard process that can stop it prepares for it"
+        return (Fault("starting", text),)
+
+    @contextmanager
+    def inviting(self, invite: Callable[[], None]) -> Iterator[None]:
+        """Call *invite* once a robot can be driven or no robot listens, unless it ends."""
+        loop = asyncio.get_running_loop()
+        timer: asyncio.Handle
+
+        def look() -> None:
+            nonlocal timer
+            if self.faults() and time.monotonic() - self._began_s < INVITE_S:
+                timer = loop.call_later(LOOK_S, look)
+            else:
+                invite()
+
+        timer = loop.call_soon(look)
+        try:
+            yield
+        finally:
+            timer.cancel()
