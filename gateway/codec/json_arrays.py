@@ -49,7 +49,8 @@ def read_arrays(
             yield
         array = np.empty(sum(map(len, slices)), _common_type(slices, start))
         at = 0
-        for each in slices:
+        while slices:  # which lets go of them: the array takes as much
+            each = slices.pop(0)
             array[at : at + len(each)] = each
             at += len(each)
         arrays.append(array)

@@ -32,6 +32,9 @@ from gateway.protocol.websocket_frames import text_frames
 Reading: TypeAlias = Generator[None, None, ClientOperation | None]
 """Parses a long message, with pauses in which other clients can have their turn."""
 
+MAX_TEXT_CHARACTERS: Final = 4096  # of names and types, which are compared with known ones
+_LONG_TEXTS: Final = frozenset({"data", "values"})  # of a fragment, of a response that failed
+
 SLICED_BYTES: Final = 64 * 1024  # a shorter text takes 2 ms at most, and has no long array
 
 NOT_AUTHENTICATED: Final = (
@@ -257,6 +260,7 @@ class Session:
             except JsonError as error:
                 raise _not_json(data, error) from error
             values = _checked(data, value)
+            _expect_short_texts(values)
             operation = self._operation(values)
         except ProtocolError as error:
             self._refuse_malformed(error, b"" if now_ns is None else data, values)
@@ -344,6 +348,14 @@ def _object(data: bytes, max_depth: int, max_items: int) -> dict[str, object]:
             return {"op": Help.op}
         raise _not_json(data, error) from error
     return _checked(data, values)
+
+
+def _expect_short_texts(values: dict[str, object]) -> None:
+    """Refuse a name, a type or the like that is too long to be looked for."""
+    for name, value in values.items():
+        if isinstance(value, str) and len(value) > MAX_TEXT_CHARACTERS and name not in _LONG_TEXTS:
+            text = f"{truncate(name)}: {len(value)} characters, at most {MAX_TEXT_CHARACTERS}"
+            raise ProtocolError("bad_request", f"{text} are allowed; send a shorter text")
 
 
 def _not_json(data: bytes, error: JsonError) -> ProtocolError:

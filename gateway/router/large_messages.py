@@ -14,7 +14,7 @@ TURN_S: Final = 0.004  # of reading, then the others have theirs
 
 
 class LargeMessages:
-    """Reads one at a time, so that the memory that this takes is that of one: 60 MB at most.
+    """Reads one at a time, so that the memory that this takes is that of one.
 
     What a client sends behind a message is handled after it, as `Session.next_turn` promises.
     """

@@ -4,6 +4,7 @@ from collections.abc import Generator
 
 import pytest
 
+from gateway.codec.json import in_one_go
 from gateway.config.limits import Limits
 from gateway.protocol.errors import ProtocolError
 from gateway.protocol.operations.actions import SendActionGoal
@@ -343,3 +344,14 @@ def test_a_text_of_over_64_kib_is_read_in_slices():
     for size in (64 * 1024, 64 * 1024 + 1):
         text = b'{"op":"ping"}'.ljust(size)
         assert isinstance(Client().session.receive(text, 0), Generator) is (size > 64 * 1024)
+
+
+@pytest.mark.parametrize("name", ["op", "type", "topic", "id"])
+def test_a_long_text_is_refused_before_it_is_compared_with_what_is_known(name):
+    for length in (4096, 4097):
+        client = Client(Limits())
+        operation = {"op": "subscribe", "topic": "/t", name: "x" * length}
+        reading = client.session.receive(json.dumps(operation).encode().ljust(64 * 1024 + 1), 0)
+        in_one_go(reading)
+        text = f"{name}: 4097 characters, at most 4096 are allowed; send a shorter text"
+        assert (text in [answer["msg"] for answer in client.answers]) is (length > 4096)

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 import pytest
 
-from gateway.ports import Sample
+from gateway.ports import RosError, Sample
 from tests.client import eventually
 from tests.router.conftest import Bench, Socketless
 
@@ -188,3 +188,17 @@ async def test_encoding_a_large_message_and_handing_it_over_take_a_turn_each(ben
     as_bytes(client, 400, 400, cells(400, 400))
     turns.left.popleft()()
     assert not turns.left
+
+
+async def test_a_large_message_that_ros_refuses_is_answered(bench: Bench, monkeypatch):
+    client = bench.client()
+    client.send(op="advertise", topic="/map", type=GRID)
+    (publisher,) = bench.ros.publishers
+
+    def refuse(cdr: bytes) -> None:
+        raise RosError("internal", f"{len(cdr)} bytes are too many")
+
+    monkeypatch.setattr(publisher, "publish", refuse)
+    as_json(client, 1006, 1674, cells(1006, 1674))
+    (status,) = client.of("status")
+    assert (status["code"], status["request"]) == ("internal", "publish")

@@ -234,6 +234,7 @@ class _EncoderWriter:
         self._objects = {}
         with source.block(f"for {element} in {name}:"):
             if member.definition is None:
+                self._spend(count_fields(member.members))
                 (item,) = member.members
                 assert isinstance(item, Text)  # noqa: S101  # arrays of numbers are no `Elements`
                 self._write_text(item, element)

@@ -15,6 +15,7 @@ from gateway.protocol.names import TopicName, resolve_topic
 from gateway.protocol.operations.topics import Advertise, Publish, Unadvertise
 from gateway.protocol.session import Session
 from gateway.router.commands.commands import Commands
+from gateway.router.tasks import FAILURES, refuse
 from gateway.router.topic_counts import CountsByTopic, TopicCounts
 from gateway.router.topic_events import TopicEvents, warning
 from gateway.router.topic_types import TopicTypes
@@ -231,9 +232,22 @@ class Publications:
         except CodecError as error:
             raise ProtocolError("invalid_value", str(error)) from error
         if len(cdr) > LARGE_CDR_BYTES:
-            session.next_turn(partial(self._send_later, session, topic, known, cdr))
+            session.next_turn(partial(self._send_large, session, topic, known, cdr, request))
         else:
             known.send(cdr)
+
+    def _send_large(
+        self,
+        session: Session,
+        topic: TopicName,
+        known: Advertised,
+        cdr: bytes,
+        request: Publish,
+    ) -> None:
+        try:
+            self._send_later(session, topic, known, cdr)
+        except FAILURES as error:
+            refuse(session, request, error)
 
     def _send_later(
         self, session: Session, topic: TopicName, known: Advertised, cdr: bytes

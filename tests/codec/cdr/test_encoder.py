@@ -346,3 +346,11 @@ def test_tracebacks_show_the_generated_source():
     assert frame is not None
     lines = linecache.getlines("<CDR encoder of std_msgs/msg/String>")
     assert "def encode(message, now_ns):\n" in lines
+
+
+def test_an_array_holds_at_most_20_000_texts():
+    names = [""] * 20_000
+    encode = encoder_of("sensor_msgs/msg/JointState")
+    assert encode({"name": names}, 0)
+    with pytest.raises(TooManyFieldsError, match="send fewer elements at once"):
+        encode({"name": [*names, ""]}, 0)
