@@ -432,20 +432,50 @@ async def test_a_parameter_is_set_and_a_refusal_is_shown(demo, open_page):
         await page.click("#tab-nodes")
         await page.click("#nodes button:has-text('/simulated_robot')")
         title = "node /simulated_robot"
-        value = page.locator(f"{form(title)} label:has-text('use_sim_time') input")
+        switch = page.locator(f"{form(title)} label:has-text('use_sim_time') input[type=checkbox]")
+        await switch.check()
+        await until(page, "() => cards.textContent.includes('use_sim_time is set')")
+        await switch.uncheck()
+        await until(page, "() => cards.textContent.includes('use_sim_time is set')")
+        assert await page.locator(f"{form(title)} label:has-text('read-only') input").is_disabled()
+
+
+# a node's card, whose gateway knows one parameter and says what `results` has
+NODE = """async ({ value, type }) => {
+    const { NodeCard } = await import("/debug/cards/node_card.js");
+    window.sent = [];
+    const ask = async ({ op }, { values } = {}) => {
+        if (op === "get_parameters") return { values: { it: value } };
+        if (op === "describe_parameters") return { parameters: { it: { type } } };
+        sent.push(values);
+        return { results: { it: { successful: false, reason: "not now" } } };
+    };
+    const [topics, services, actions] = [new Map(), new Map(), new Map()];
+    const gateway = { graph: { topics, services, actions }, on: () => () => {}, ask };
+    window.alone = new NodeCard(gateway, { topic: "/n" }, { grown() {} });
+    document.getElementById("cards").append(alone.element);
+}"""
+
+
+async def test_a_value_that_does_not_fit_is_said_and_a_refused_switch_goes_back(demo, open_page):
+    async with open_page(page_address(demo) + "#card=none") as page:
+        await page.evaluate(NODE, {"value": 0.5, "type": "double"})
+        value = page.locator("article[aria-label='node /n'] label input")
         for wrong, words in (
             ("maybe", "expected a value as JSON has it"),
             ("1e400", "larger than any float64"),
-            ("3", "expected true"),
+            ("3", "not now"),
         ):
             await value.fill(wrong)
             await value.press("Tab")
-            await until(page, f"() => cards.textContent.includes('{words}')")
-        await value.fill("false")
-        await value.press("Tab")
-        await until(page, "() => cards.textContent.includes('use_sim_time is set')")
-        fixed = page.locator(f"{form(title)} label:has-text('read-only') input")
-        assert await fixed.get_attribute("readonly") is not None
+            await until(page, f"() => alone.element.textContent.includes('{words}')")
+        assert await page.evaluate("() => sent") == ['{"it":3}']
+        await page.evaluate("() => alone.close()")
+        await page.evaluate(NODE, {"value": True, "type": "bool"})
+        await value.click()
+        await until(page, "() => alone.element.textContent.includes('not now')")
+        assert await page.evaluate("() => sent") == ['{"it":false}']
+        await until(page, "() => alone.element.querySelector('label input').checked")
 
 
 async def test_the_graph_opens_nodes_and_topics_also_by_keyboard(demo, open_page):

@@ -77,6 +77,23 @@ async def test_it_shows_camera_twin_and_text(lab):
         assert await page.get_attribute(".pages a[aria-current]", "href") == "/lab"
 
 
+async def test_a_first_text_moves_nothing(lab):
+    moved = """() => {
+        const low = () => view.getBoundingClientRect().bottom;
+        const texts = [control, approach].map((each) => [each, each.textContent]);
+        for (const [each] of texts) each.textContent = "";
+        const before = low();
+        for (const [each] of texts) each.textContent = "nobody drives";
+        const after = low();
+        for (const [each, text] of texts) each.textContent = text;
+        return after - before;
+    }"""
+    async with lab() as page:
+        for width in (1280, 800, 390):
+            await page.set_viewport_size({"width": width, "height": 800})
+            assert await page.evaluate(moved) == 0
+
+
 async def test_a_click_on_the_floor_sends_the_robot_there(lab, speaker):
     async with lab() as page:
         for x, y in [(0.4, 0.2), (0.1, -0.2)]:

@@ -314,6 +314,34 @@ async def test_a_name_turns_no_text_around_it(open_card):
         assert await page.evaluate(apart) == [line["name"], line["msg"]]
 
 
+async def test_what_came_once_has_an_age_and_no_rate(open_card):
+    async with open_card("tree") as page:
+        await page.evaluate("() => { gateway.throttleOf = () => 200; take({ data: 1 }); }")
+        await page.evaluate("() => { now += 17_000; drawn(); }")
+        assert await page.evaluate(FOOTER) == "came once · 9 B · 17.1 s old"
+        await page.evaluate("() => { take({ data: 2 }); now += 1000; drawn(); }")
+        await page.evaluate("() => { take({ data: 3 }); drawn(); }")
+        assert "limited to 5 Hz" in await page.evaluate(FOOTER)
+
+
+async def test_the_fields_of_a_type_are_sorted_by_what_may_be_large(open_card, served):
+    async with client(served.url) as speaker:
+        await speaker.send(op="describe", type="sensor_msgs/msg/PointCloud2")
+        cloud = await speaker.receive(lambda frame: frame["op"] == "describe")
+        await speaker.send(op="describe", type="nav_msgs/msg/Odometry")
+        odometry = await speaker.receive(lambda frame: frame["op"] == "describe")
+    async with open_card("tree") as page:
+        sort = """async (schema) => {
+            gateway.ask = async () => ({ schema });
+            return await alone.sortedFields();
+        }"""
+        small = ["header", "height", "width", "is_bigendian", "point_step", "row_step", "is_dense"]
+        assert await page.evaluate(sort, cloud["schema"]) == {
+            "small": small, "large": ["fields", "data"]
+        }  # fmt: skip
+        assert (await page.evaluate(sort, odometry["schema"]))["large"] == []
+
+
 async def test_a_scan_without_angles_is_said(open_card):
     scan = "{ ranges: [1], range_min: 0, range_max: 9, angle_min: NaN, angle_increment: 1 }"
     async with open_card("scan", type="sensor_msgs/msg/LaserScan") as page:

@@ -146,8 +146,9 @@ async def test_a_link_skips_the_list(demo, open_page):
     async with open_page(page_address(demo) + "#card=tree+0+/odom&card=tree+0+/imu") as page:
         await page.wait_for_selector(card("/imu"))
         address = page.url
-        await page.focus("#skip")
-        assert await page.locator("#skip").evaluate("each => each.getBoundingClientRect().top > 0")
+        await page.keyboard.press("Tab")
+        assert await page.evaluate("() => document.activeElement.id") == "skip"
+        assert await page.locator("#skip").evaluate("each => each.checkVisibility()")
         await page.keyboard.press("Enter")
         assert await page.evaluate("() => document.activeElement.ariaLabel") == "/odom"
         assert page.url == address

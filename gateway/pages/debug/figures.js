@@ -3,7 +3,7 @@ import { bytes, element } from "../shared/dom.js";
 
 const HEALTH_MS = 4000;
 const ABOUT = {
-  dropped: "messages that this page did not get, as its connection or DDS was too slow; not those that it asked to be left out, by a rate",
+  dropped: "messages that this page did not get, as its connection or DDS was too slow; not those that a rate leaves out, nor pictures that a newer one replaced",
   clients: "connections to this gateway",
 };
 
@@ -57,5 +57,7 @@ export class Figures {
     this.element.replaceChildren(
       ...Object.entries(figures).map(([name, value]) => element("div", { title: ABOUT[name] ?? "" }, element("dt", {}, name), element("dd", {}, value))),
     );
+    const { scrollWidth, clientWidth } = this.element;
+    this.element.tabIndex = scrollWidth > clientWidth ? 0 : -1; // on a phone a key scrolls it, too
   }
 }

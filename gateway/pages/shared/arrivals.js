@@ -4,6 +4,7 @@ import { bytes, span } from "./dom.js";
 export const NOTHING_YET = "nothing yet";
 const LEAST_MS = 400; // between two messages that a rate is reckoned from: a burst has none
 const LATE_MS = 2000;
+const LEAST_HZ = 0.05; // less would be shown as 0
 const REGULAR = 3; // messages: whoever has sent so many is expected to go on; a map is as good as it was
 
 /** What has come of one topic, or for one card; `tick` is called once a second. */
@@ -53,10 +54,17 @@ export class Arrivals {
     return this.messages >= REGULAR && this.ageMs > ms;
   }
 
+  /** Whether there is a rate to show: one message has none, such as a map that stays as it is. */
+  get hasRate() {
+    return this.#hz >= LEAST_HZ;
+  }
+
   /** Rate, size and age in words. */
   get words() {
     if (!this.messages) return NOTHING_YET;
-    const parts = [`${this.#hz < 9.5 ? this.#hz.toFixed(1).replace(".0", "") : Math.round(this.#hz)} Hz`, bytes(this.#bytes), `${span(this.ageMs)} old`];
+    const parts = [bytes(this.#bytes), `${span(this.ageMs)} old`];
+    if (this.hasRate) parts.unshift(`${this.#hz < 9.5 ? this.#hz.toFixed(1).replace(".0", "") : Math.round(this.#hz)} Hz`);
+    if (this.messages === 1 && this.ageMs > LATE_MS) parts.unshift("came once");
     if (this.dropped) parts.push(`${this.dropped} dropped`);
     return parts.join(" · ");
   }

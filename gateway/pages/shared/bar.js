@@ -25,7 +25,8 @@ const WORDS = {
  * @param {...Node} more what the page has between the connection and STOP
  */
 export function connect(gateway, here, ...more) {
-  document.body.prepend(header(gateway, here, more), notice());
+  const skip = document.querySelector(".skip"); // the first stop of Tab, if a page has one
+  document.body.prepend(...(skip ? [skip] : []), header(gateway, here, more), notice());
   document.body.append(tokenDialog(gateway));
   const top = document.querySelector(".bar");
   new ResizeObserver(() => document.documentElement.style.setProperty("--bar", `${top.getBoundingClientRect().height}px`)).observe(top);

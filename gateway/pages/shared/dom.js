@@ -23,9 +23,9 @@ export function element(name, { dataset = {}, aria = {}, ...properties } = {}, .
  */
 export const find = (id) => document.getElementById(id);
 
-/** Return a name of ROS that is broken after slashes, but the first, where it is too long for a line. */
+/** Return a name of ROS that breaks after slashes, except the first, and turns no text around it. */
 export function breakable(name) {
-  const made = document.createElement("span");
+  const made = document.createElement("bdi");
   for (const part of name.split(/(?<=.\/)/)) made.append(part, document.createElement("wbr"));
   return made;
 }

@@ -287,7 +287,8 @@ export class Gateway extends EventTarget {
   #dropped(frame) {
     const { topic } = frame;
     if (!this.#drops.has(topic)) this.#drops.set(topic, new Drops());
-    return this.#drops.get(topic).since(frame, this.throttleOf(topic) !== 0 || this.#settling.has(topic));
+    const isPicture = this.#heard(topic).some(({ options }) => options.image);
+    return this.#drops.get(topic).since(frame, isPicture || this.throttleOf(topic) !== 0 || this.#settling.has(topic));
   }
 
   /** Count no drops of a topic until the gateway has read that it is not throttled, or not any more. */

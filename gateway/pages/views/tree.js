@@ -5,29 +5,57 @@ import { isNumber, NON_FINITE } from "./numbers.js";
 const MOST_ITEMS = 12; // of a list, until more are asked for
 const MORE_ITEMS = 100; // a time
 const MOST_CHARACTERS = 120;
+const LARGE_BYTES = 100_000; // of a message: more is fetched on demand, as only some items of an array are shown
 
-/** All fields of a message with their values; a number can be plotted. */
+/** All fields of a message with their values; a number can be plotted. Of a large message, arrays come on demand. */
 export class TreeView {
   options = { throttle_rate: 200 };
   element = element("div", { className: "tree" });
+  #card;
   #empty = element("p", { className: "quiet" });
+  #leftOut = element("p", { className: "quiet", hidden: true });
+  #isSorted = false;
   #fields;
 
-  /** @param {{plot: (path: string) => void}} card */
+  /** @param {{plot: (path: string) => void, sortedFields?: () => Promise<{small: string[], large: string[]}>, subscribe?: () => void}} card */
   constructor(card) {
+    this.#card = card;
     this.#fields = new Group("", (path) => card.plot(path));
-    this.element.append(this.#empty, this.#fields.element);
+    this.element.append(this.#empty, this.#fields.element, this.#leftOut);
   }
 
-  show(message) {
+  show(message, data) {
     this.#empty.textContent = isNested(message) ? "" : "no fields";
     this.#fields.show(message);
+    if (!this.#isSorted && this.#card.sortedFields && (data?.length ?? data?.byteLength) > LARGE_BYTES) this.#leaveOut();
+  }
+
+  /** Fetch the arrays of further messages only if somebody asks for them. */
+  async #leaveOut() {
+    this.#isSorted = true;
+    const { small, large } = await this.#card.sortedFields();
+    if (!large.length) return;
+    this.options = { ...this.options, fields: small };
+    const buttons = large.map((path) => {
+      const button = element("button", { type: "button", aria: { label: `fetch ${path}` } }, "Fetch ", element("bdi", {}, path));
+      button.onclick = () => {
+        this.options = { ...this.options, fields: [...this.options.fields, path] };
+        button.remove();
+        this.#leftOut.hidden = !this.#leftOut.querySelector("button");
+        this.#card.subscribe();
+      };
+      return button;
+    });
+    this.#leftOut.append("Left out, because the message is large: ", ...buttons);
+    this.#leftOut.hidden = false;
+    this.#card.subscribe();
   }
 }
 
 /** The fields of a message, or the items of a list. Each row stays while its field does: a button that is made anew loses the focus. */
 class Group {
-  element = element("dl");
+  element = element("div");
+  #list = element("dl");
   #path;
   #plot;
   #value;
@@ -39,21 +67,20 @@ class Group {
   constructor(path, plot) {
     this.#path = path;
     this.#plot = plot;
-    this.#more.setAttribute("aria-label", `more of ${path}`);
     this.#more.onclick = () => this.#showMore();
-    this.element.append(this.#moreRow);
+    this.element.append(this.#list, this.#moreRow);
   }
 
   show(value) {
     this.#value = value;
     const items = Object.entries(isList(value) ? value.slice(0, this.#most) : value);
     this.#removeOthers(new Set(items.map(([name]) => name)));
-    let next = this.element.firstElementChild;
+    let next = this.#list.firstElementChild;
     for (const [name, item] of items) {
       const row = this.#rows.get(name) ?? this.#add(name);
       row.show(item);
       if (row.element === next) next = next.nextElementSibling;
-      else next.before(row.element);
+      else this.#list.insertBefore(row.element, next);
     }
     this.#count(isList(value) ? value.length - items.length : 0);
   }
@@ -76,6 +103,7 @@ class Group {
   #count(hidden) {
     this.#moreRow.hidden = hidden === 0;
     this.#more.textContent = `${hidden} more`;
+    this.#more.setAttribute("aria-label", `${hidden} more of ${this.#path}`);
   }
 
   #showMore() {
@@ -97,7 +125,7 @@ class Row {
   constructor(name, path, plot) {
     this.#path = path;
     this.#plot = plot;
-    this.element = element("div", { className: "row" }, element("dt", {}, `${name}: `), this.#content);
+    this.element = element("div", { className: "row" }, element("dt", {}, element("bdi", {}, name), ": "), this.#content);
   }
 
   show(value) {
@@ -120,7 +148,7 @@ class Row {
 
 /** A value, with a button that plots it while it is a number. */
 class Leaf {
-  #text = element("span");
+  #text = element("bdi"); // a text from right to left turns nothing around it
   #button;
   #isText = false;
 

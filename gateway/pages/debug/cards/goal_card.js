@@ -10,8 +10,8 @@ const STATUS = { 4: "succeeded", 5: "canceled", 6: "aborted" }; // of action_msg
 /** A form that sends a goal to an action, its feedback and its result; closing it cancels the goal. */
 export class GoalCard extends FormCard {
   #cancel = element("button", { type: "button", disabled: true }, "Cancel");
-  #feedback = element("pre", { className: "raw", aria: { live: "off", label: "feedback" } });
-  #result = element("pre", { className: "raw", aria: { live: "polite", label: "result" } });
+  #feedback = element("pre", { className: "raw", role: "group", aria: { live: "off", label: "feedback" } });
+  #result = element("pre", { className: "raw", role: "status", aria: { label: "result" } });
   #goal = null; // the listener to the goal that is on its way
   #beganMs = 0;
   #ignore = () => {};

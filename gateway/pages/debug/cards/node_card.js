@@ -66,27 +66,36 @@ export class NodeCard extends Card {
   }
 
   #parameter(name, value, { type = "", description = "", read_only: isFixed = false, range }) {
-    const input = element("input", { type: "text", value: type === "string" ? value : json(value), readOnly: isFixed, autocomplete: "off", spellcheck: false });
+    const input = type === "bool"
+      ? element("input", { type: "checkbox", checked: value, disabled: isFixed })
+      : element("input", { type: "text", value: type === "string" ? value : json(value), readOnly: isFixed, autocomplete: "off", spellcheck: false });
+    const text = () => (type === "bool" ? String(input.checked) : type === "string" ? JSON.stringify(input.value) : input.value);
     const problem = element("small", { className: "problem", role: "alert" });
     const about = [type, range ? `${range.from} to ${range.to}` : "", isFixed ? "read-only" : ""].filter(Boolean).join(", ");
-    input.onchange = () => this.#set(name, type === "string" ? JSON.stringify(input.value) : input.value, problem);
+    input.onchange = async () => {
+      const isSet = await this.#set(name, text(), problem);
+      if (type === "bool" && !isSet) input.checked = !input.checked; // it shows what the node has
+    };
     return element("label", { className: "value" }, element("span", { title: description }, name, element("small", {}, ` ${about}`)), input, problem);
   }
 
+  /** Set a parameter to a JSON text, and return whether the node has it now. */
   async #set(name, text, problem) {
     problem.textContent = "";
     try {
       valueOf(text);
     } catch (error) {
       problem.textContent = error.cause ? "expected a value as JSON has it, such as true, 0.5 or [1, 2]" : error.message;
-      return;
+      return false;
     }
     try {
       const { results } = await this.gateway.ask({ op: "set_parameters", node: this.topic }, { values: `{${JSON.stringify(name)}:${text}}` });
       problem.textContent = results[name].successful ? "" : results[name].reason;
       this.footer.textContent = results[name].successful ? `${name} is set` : "";
+      return results[name].successful;
     } catch (error) {
       problem.textContent = error.message;
+      return false;
     }
   }
 }

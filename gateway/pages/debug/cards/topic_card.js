@@ -6,6 +6,7 @@ import { OF_SILENCE } from "../../shared/passing.js";
 import { makeView, misfit, nameOf, viewsFor } from "../../views/views.js";
 import { Card } from "./card.js";
 import { copyButton } from "./copy_button.js";
+import { sorted } from "./large_fields.js";
 
 const RATES_HZ = [0, 30, 10, 5, 1]; // 0: as the robot publishes
 const MOST_NAMES = 2; // of nodes, in a footer
@@ -60,8 +61,17 @@ export class TopicCard extends Card {
     if (!this.fields.length) return this.choose(path);
     this.fields = [...this.fields, path];
     this.#view.add();
-    this.#subscribe();
+    this.subscribe();
     this.actions.changed();
+  }
+
+  /** Return which fields of its type are small, and which may be large; none if the gateway does not know. */
+  async sortedFields() {
+    try {
+      return sorted((await this.gateway.ask({ op: "describe", type: this.#type })).schema);
+    } catch {
+      return { small: [], large: [] };
+    }
   }
 
   draw(ms) {
@@ -125,7 +135,7 @@ export class TopicCard extends Card {
   get #words() {
     if (misfit(this.view, this.#type)) return "";
     if (this.#isPaused) return ["paused", this.#view.held].filter(Boolean).join(": ");
-    if (this.#arrivals.messages) return this.#arrivals.words + this.#cap;
+    if (this.#arrivals.messages) return this.#arrivals.words + (this.#arrivals.hasRate ? this.#cap : "");
     return this.problem.hidden ? NOTHING_YET + this.#reason : ""; // what is wrong may be the reason
   }
 
@@ -241,11 +251,11 @@ export class TopicCard extends Card {
     this.body.replaceChildren(this.#view.element);
     const problem = misfit(this.view, this.#type);
     this.tell(problem);
-    if (!problem) this.#subscribe();
+    if (!problem) this.subscribe();
   }
 
   /** Subscribe as the view asks for it now. */
-  #subscribe() {
+  subscribe() {
     const { throttle_rate: least = 0, ...options } = this.#view.options;
     const throttle = Math.max(least, this.rate ? Math.round(1000 / this.rate) : 0);
     const endBefore = this.#unsubscribe;
