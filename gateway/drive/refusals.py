@@ -35,7 +35,8 @@ _GUARD_TEXTS: Final[dict[GuardState, str]] = {
     "starting": _NOT_READY,
     "prepared": _NOT_READY,
     "ready": _NOT_READY,  # too late
-    "lost": "is not there: publish a command of zero in some seconds, then drive on",
+    "lost": "was lost, and another starts in a second, or in up to 30 s if it is lost again and"
+    " again: publish a command of zero then, and drive on",
 }
 
 

@@ -968,7 +968,7 @@ def test_a_robot_that_starts_does_not_move_until_the_stick_is_let_go(guard: Guar
 @pytest.mark.parametrize(
     ("event", "why"),
     [
-        (lambda bench: bench.drive.set_guard("lost", bench.now), "is not there: publish"),
+        (lambda bench: bench.drive.set_guard("lost", bench.now), "was lost, and another starts"),
         (lambda bench: bench.drive.set_guard("starting", bench.now), "another node began"),
         (lambda bench: bench.drive.acquire("b", bench.now), "another client took control"),
         (lambda bench: bench.drive.shut_down(bench.now), "the gateway shuts down"),

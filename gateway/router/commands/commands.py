@@ -5,6 +5,7 @@ import asyncio
 import time
 from collections.abc import Iterator
 from functools import partial
+from typing import Final
 
 from gateway.access.audit import Audit
 from gateway.config.control import ControlConfig
@@ -24,6 +25,9 @@ from gateway.router.permission_checks import check_publish
 from gateway.router.topic_counts import CountsByTopic
 from gateway.router.topic_events import TopicEvents
 from gateway.router.topic_types import TopicTypes
+
+# Two clients that take over from each other all the time would drive a robot to and fro.
+TAKEOVER_NS: Final = 1_000_000_000
 
 
 class Commands:
@@ -45,6 +49,7 @@ class Commands:
     ) -> None:
         self._types = types
         self._turn_ns: int | None = None
+        self._taken_ns: dict[TopicName, int] = {}  # when control was taken over last
         rules = Rules(
             deadline_ns=round(config.deadline_s * 1e9),
             lease_ns=round(config.lease_s * 1e9),
@@ -158,10 +163,13 @@ class Commands:
         """Give a client control of a topic.
 
         Raises:
-            ProtocolError: the topic is no command topic, or the client may not publish on it.
+            ProtocolError: the topic is no command topic, the client may not publish on it, or
+                control has just been taken over.
         """
         topic = self._named(session, request.topic)
         check_publish(session, topic.name)
+        if topic.state(session)["holder"] == "other":
+            self._check_takeover(topic.name)
         topic.acquire(session)
         session.answer(request.op, request.id, **topic.state(session))
 
@@ -212,6 +220,14 @@ class Commands:
         """Release everything; what is stopping gets a last zero."""
         for topic in self._topics.values():
             topic.close()
+
+    def _check_takeover(self, name: TopicName) -> None:
+        now_ns = self._now_ns()
+        taken_ns = self._taken_ns.get(name)
+        if taken_ns is not None and now_ns - taken_ns < TAKEOVER_NS:
+            text = f"control of {name} was taken over less than 1 s ago: try again in a second"
+            raise ProtocolError("limit_exceeded", f'{text}, or stop the robot by {{"op":"stop"}}')
+        self._taken_ns[name] = now_ns
 
     def _named(self, session: Session, requested: str | None) -> CommandTopic:
         """Return a topic by its name, or the only one there is."""

@@ -211,7 +211,7 @@ async def test_a_guard_that_is_found_lost_while_a_command_goes_out_keeps_it_back
     assert set(speeds(heard)) == {0.0}
     push(client)
     assert client.statuses[-1][0] == "tripped"
-    assert "if the gateway dies is not there" in client.statuses[-1][1]
+    assert "if the gateway dies was lost" in client.statuses[-1][1]
 
 
 async def test_a_gateway_that_stood_still_within_a_command_keeps_it_back(build: Build):
@@ -468,6 +468,22 @@ async def test_control_is_taken_held_and_given_back(scene: Scene):
     assert one.of("control")[0]["holder"] == "other"
     two.send(op="release_control")
     assert two.of("release_control")[0]["holder"] is None
+
+
+async def test_control_is_taken_over_once_a_second_at_most(scene: Scene, clock: StoppedClock):
+    scene.listen()
+    first, second = scene.client(), scene.client()
+    first.send(op="advertise", topic="/cmd_vel", type=TWIST)
+    first.send(op="acquire_control")
+    second.send(op="acquire_control")
+    await clock.advance(0.98)
+    first.send(op="acquire_control")
+    code, text = first.statuses[-1]
+    assert code == "limit_exceeded"
+    assert "taken over less than 1 s ago: try again" in text
+    await clock.advance(0.03)
+    first.send(op="acquire_control")
+    assert len(first.of("acquire_control")) == 2
 
 
 async def test_a_watcher_gets_the_changes_and_no_more_after_it_has_ended_it(scene: Scene):
