@@ -97,7 +97,6 @@ class Inbound:
         self._is_at_end = False  # the client sends nothing more
         self._left_s: float | None = None  # when it was seen that the client has left
         self.is_paused = False  # reading, until what waits is handled, or there is room
-        self._full_reads = 0
         self._read_s = 0.0  # the time of the oldest one that is not handled
         self._cost_s = 0.0  # of reading, since it was paid for
         self._late_since_s: float | None = None  # what comes may have waited since then
@@ -113,7 +112,6 @@ class Inbound:
         """Take what was read, and have it handled as soon as all sockets are read."""
         if not self:
             self._read_s = now_s
-        self._full_reads += len(data) >= READ_CHUNK_BYTES
         self._cost_s += READ_COST_S
         if not self._is_ignored:
             self._unparsed += data
@@ -222,7 +220,7 @@ class Inbound:
             self._is_waiting = True
             self._spending.wait()
         # a large message that is read does not wait for the budget: it takes memory meanwhile
-        if self._is_turn_over or (self and not self._is_waiting) or self._can_look_ahead():
+        if (self and not self._is_waiting) or self._can_look_ahead():
             self._spending.turns.add(self)
 
     def _read_on(self) -> None:
@@ -241,7 +239,7 @@ class Inbound:
             self._transport.resume_reading()
         if not (is_left or self._is_catching_up or self._late_since_s is None):
             self._is_catching_up = True
-            self._catch_up(self._full_reads, EMPTY_TURNS)
+            self._catch_up(EMPTY_TURNS)
 
     def _has_no_room(self) -> bool:
         if self._is_behind:  # else what waits is handled before more is read
@@ -253,12 +251,12 @@ class Inbound:
             self.is_paused = True
             self._transport.pause_reading()
 
-    def _catch_up(self, full_reads: int, turns: int) -> None:
+    def _catch_up(self, turns: int) -> None:
         """Note that nothing is late any more, if no read is full for some turns of the loop."""
-        if self.is_paused or self._is_waiting or full_reads != self._full_reads:
+        if self.is_paused or self._is_waiting:  # a read that is full pauses
             self._is_catching_up = False  # the next turn of this client begins again
         elif turns > 0 or (turns == 0 and self):  # what was read in the last one is handled next
-            asyncio.get_running_loop().call_soon(self._catch_up, full_reads, turns - 1)
+            asyncio.get_running_loop().call_soon(self._catch_up, turns - 1)
         else:
             self._is_catching_up = False
             self._late_since_s = None

@@ -717,6 +717,7 @@ def test_who_drives_does_not_wait_for_the_others_of_its_address_but_for_its_own_
     assert session.waited_s() >= 5
     wire.acceptor.cost_s = 3
     wire.receive(pings(5, 6))
+    wire.run(0)
     assert wire.pongs == [1, 2, 3, 4, 5]
     neighbour.close()
 
