@@ -60,7 +60,7 @@ async def command(*arguments: str) -> str:
 async def shown_token(gateway: GatewayProcess) -> str:
     await eventually(lambda: "more    " in "".join(gateway.output))
     printed = "".join(gateway.output)
-    if found := re.search(r'Bearer \$\(cat (\S+)\)"', printed):  # this is no terminal
+    if found := re.search(r"Bearer \$\(cat (\S+)\)", printed):  # this is no terminal
         return (text_of(Path(found[1])) or "").strip()
     found = re.search(r"Bearer (\S+)'", printed)
     assert found
