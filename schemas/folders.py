@@ -70,6 +70,8 @@ def find_definitions(folder: Path) -> Iterator[Found]:
             raise TooManyFoldersError(0, f"over {MAX_FOLDERS} folders below it", str(folder))
         names[:] = sorted(name for name in names if not name.startswith("."))
         places[here] = _place(here, places.get(here.parent, _Place()))
+        if places[here].package is not None and _ROS_1 in names:
+            names.remove(_ROS_1)
         found = _in(here, places[here], sorted(files, key=_plain_first))
         if places[here].kind is None:
             elsewhere += found
@@ -101,7 +103,7 @@ def _plain_first(file: str) -> tuple[str, bool]:
 
 
 def _in(here: Path, place: _Place, files: list[str]) -> Iterator[Found]:
-    if not _PACKAGE.fullmatch(place.package or "") or (place.kind is None and here.name == _ROS_1):
+    if not _PACKAGE.fullmatch(place.package or ""):
         return
     extensions = KINDS if place.kind is None else (place.kind, "idl")
     for file in files:

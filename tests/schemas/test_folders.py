@@ -62,8 +62,8 @@ def test_the_package_is_named_by_its_file(tmp_path: Path):
 def test_a_package_may_have_its_definitions_in_any_of_its_folders(tmp_path: Path, place: str):
     write(tmp_path / "lamps-2.0/package.xml", "<package><name>my_msgs</name></package>")
     write(tmp_path / "lamps-2.0" / place / "Lamp.msg", "bool on\n")
-    write(tmp_path / "lamps-2.0/ros1/Lamp.msg", "time stamp\n")
-    write(tmp_path / "lamps-2.0/ros1/Old.msg", "time stamp\n")
+    for old in ("Lamp", "Old", "msg/Lamp", "msg/Old", "more/Old"):
+        write(tmp_path / f"lamps-2.0/ros1/{old}.msg", "time stamp\n")
     assert names(tmp_path) == [NAME]
     assert InstalledDefinitions([], [tmp_path]).get(NAME).text == "bool on\n"
 
