@@ -23,7 +23,7 @@ MAX_FRAME_CHARACTERS: Final = 256
 # Looking for frames that have ceased takes a millisecond. If too many frames are alive, that
 # must not happen for each new one.
 SWEEP_NS: Final = 1_000_000_000
-# 32 clients with all the repeated lookups that they may have, each of a different pair; 0.3 MB.
+# All the repeated lookups that 32 clients may have, each of a different pair, take 0.3 MB.
 _MAX_ANSWERS: Final = 512
 
 
