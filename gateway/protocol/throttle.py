@@ -2,6 +2,7 @@
 """The pace of a throttled subscription."""
 
 from collections import Counter, deque
+from itertools import pairwise
 from typing import Final, NamedTuple
 
 from gateway.protocol.outbox import Entry
@@ -24,7 +25,8 @@ class Throttle:
     The first passes at once. What comes before its interval is over is held, and passes at the end
     of this or a later one; so the last entry of all passes, too. If more are held than the pace's
     length says, the oldest makes room: with one, the newest of each interval passes. Where
-    publishers are told apart, an entry makes room for those of its own publisher alone.
+    publishers are told apart, an entry makes room for those of its own publisher alone, in its
+    place.
     """
 
     __slots__ = ("_held", "_held_bytes", "_pace", "_publishers", "due_ns")
@@ -54,7 +56,7 @@ class Throttle:
         self._held_bytes += entry.size
         before = len(self._held)
         if self._publishers[publisher] > self._pace.length:
-            self._take(next(at for at, (each, _) in enumerate(self._held) if each == publisher))
+            self._replace_oldest(publisher)
         while len(self._publishers) > MAX_HELD_PUBLISHERS or (
             self._held_bytes > MAX_HELD_BYTES and len(self._held) > 1
         ):
@@ -73,6 +75,23 @@ class Throttle:
         self._held.clear()
         self._publishers.clear()
         self._held_bytes = 0
+
+    def _replace_oldest(self, publisher: bytes | None) -> None:
+        """Let each entry of a publisher take the place of the one before it.
+
+        Behind those of the others, a publisher that is faster than they are would never have a
+        turn.
+        """
+        if len(self._publishers) == 1:
+            self._take()
+            return
+        held = self._held
+        places = [at for at, (each, _) in enumerate(held) if each == publisher]
+        oldest = held[places[0]]
+        for at, following in pairwise(places):
+            held[at] = held[following]
+        held[-1] = oldest
+        self._take(-1)
 
     def _take(self, at: int = 0) -> Entry:
         publisher, entry = self._held[at]

@@ -97,9 +97,25 @@ def test_entries_make_room_for_those_of_their_own_publisher():
     assert throttle.passes(0)
     whose = [b"a", b"b", b"a", b"c", b"b"]
     assert [throttle.hold(Item(at), each) for at, each in enumerate(whose)] == [0, 0, 1, 0, 1]
-    assert [throttle.release(at * 100 * MS) for at in (1, 2, 3)] == [Item(2), Item(3), Item(4)]
+    assert [throttle.release(at * 100 * MS) for at in (1, 2, 3)] == [Item(2), Item(4), Item(3)]
     dropped = [throttle.hold(Item(number), b"%d" % number) for number in range(257)]
     assert dropped == [0] * 256 + [1]
+
+
+def test_no_publisher_waits_for_ever_behind_slower_ones():
+    throttle = Throttle(Pace(100 * MS, 2))
+    assert throttle.passes(0)
+    passed = []
+    for at in range(1, 40):
+        throttle.hold(Item(at), b"slow")
+        for number in range(5):
+            throttle.hold(Item(100 * at + number), b"fast")
+        held = throttle.release(at * 100 * MS)
+        assert isinstance(held, Item)
+        passed.append(held.number)
+    fast, slow = ([one for one in passed if (one >= 100) is is_fast] for is_fast in (True, False))
+    assert abs(len(fast) - len(slow)) <= 2
+    assert (fast, slow) == (sorted(fast), sorted(slow))
 
 
 def test_entries_that_were_forgotten_are_not_released():
