@@ -4,7 +4,7 @@
 from collections.abc import Mapping
 from typing import Final
 
-from gateway.codec.error_text import misspelt, suggestion
+from gateway.codec.error_text import MAX_ECHO, misspelt, suggestion
 from gateway.protocol.errors import Level
 from gateway.protocol.messages import SEVERITY
 from gateway.protocol.operations import OPERATIONS, rosbridge
@@ -60,10 +60,13 @@ class Dialect:
         return text
 
     def _compare(self, op: str, key: str, values: Mapping[str, object]) -> str:
-        """Return a text on a key that resembles one of the operation, once for each key."""
+        """Return a text on a key that resembles one of the operation, once for each key.
+
+        A long one resembles none, and is not kept.
+        """
         if key in _KNOWN[op] or (op, key) in self._compared:
             return ""
-        if len(self._compared) == MAX_KEYS_COMPARED:
+        if len(self._compared) == MAX_KEYS_COMPARED or len(key) > MAX_ECHO:
             return ""
         self._compared.add((op, key))
         near = misspelt(key, _KNOWN[op] - values.keys())

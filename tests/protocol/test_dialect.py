@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
+import tracemalloc
+
 import pytest
 
 from gateway.protocol.dialect import Dialect
@@ -77,3 +79,14 @@ def test_a_bounded_number_of_keys_is_compared():
     dialect.note("subscribe", many)
     assert dialect.note("subscribe", {"feilds": 0})
     assert dialect.note("subscribe", {"typ": 0}) == ""
+
+
+def test_a_long_key_is_not_kept():
+    dialect = Dialect()
+    tracemalloc.start()
+    try:
+        for number in range(64):
+            assert dialect.note("subscribe", {f"{number}" * 10_000: 0}) == ""
+        assert tracemalloc.get_traced_memory()[0] < 10_000
+    finally:
+        tracemalloc.stop()
