@@ -153,8 +153,9 @@ class _Scan:
                 f"JSON has over {MAX_STRINGS} strings, names included; send fewer at once"
             )
         size, outside = len(self._data), self._outside
-        if self._takes_arrays and self._last.size and self._octets[self._last[0]] == ord("["):
-            outside -= self._end - int(self._last[0]) - 1  # if they are not those of an array
+        may_be_array = self._takes_arrays and self._end < size  # else nothing closes it
+        if may_be_array and self._last.size and self._octets[self._last[0]] == ord("["):
+            outside -= self._end - int(self._last[0]) - 1
         costs = {
             "characters that are not ASCII": WIDE_COST * size if self._is_wide else 0,
             "backslashes": BACKSLASH_COST * self._backslashes,

@@ -125,6 +125,12 @@ def test_others_have_their_turn_while_a_long_text_is_looked_at_and_read():
     assert pauses(b"[" + b"1," * 512 * 1024 + b"1]") >= 4 + 16
 
 
+@pytest.mark.parametrize("filling", [b" ", b"x", b"1"])
+def test_what_follows_a_bracket_that_nothing_closes_takes_time(filling: bytes):
+    with pytest.raises(JsonError, match="takes too long to read, for its numbers and white space"):
+        in_one_go(loads_in_slices(b"[" + filling * 4_000_000))
+
+
 def test_an_array_of_over_16_kib_is_long():
     for characters in (16 * 1024, 16 * 1024 + 1):
         text = b"[" + b"1," * 8000 + b"1" * (characters - 16_000) + b"]"
