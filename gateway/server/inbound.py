@@ -41,8 +41,8 @@ MAX_STOP_BYTES: Final = 1024  # of a message that may be a `stop`: two names, an
 LEFTOVER_S: Final = 1.0
 # ... and when its socket is gone: 500 small ones, and its robot stops behind them.
 LAST_S: Final = 0.02
-# What is carried out for a client that has left: what it did to others.
-_LASTING: Final = (b"publish", b"advertise")
+# What is carried out for a client that has left: what it did to others, perhaps in fragments.
+_LASTING: Final = (b"publish", b"advertise", b"fragment")
 
 _END_OF_HEAD: Final = b"\r\n\r\n"
 
@@ -358,4 +358,6 @@ def _may_stop(event: Event) -> TypeGuard[Frame]:
 
 def _is_lasting(event: Event | Callable[[], None]) -> bool:
     """Return whether an event of a client that has left is carried out: it may be a publish."""
-    return not isinstance(event, Frame) or any(word in event.data for word in _LASTING)
+    if not isinstance(event, Frame) or not event.fin or event.opcode is Opcode.CONT:
+        return True
+    return any(word in event.data for word in _LASTING)

@@ -758,6 +758,21 @@ def test_of_what_a_client_leaves_that_has_spent_its_time_only_publishes_are_carr
     assert wire.transport.is_aborted == (how == "end")
 
 
+def test_a_publish_in_fragments_that_a_client_leaves_is_carried_out(wire: Wire):
+    first, last = b'{"op":"publish","topic":"/log",', b'"type":"std_msgs/String"}'
+    fragment = b'{"op":"fragment","id":"f","num":1,"total":2,"data":"}"}'
+    wire.transport.tcp_state = 1
+    wire.acceptor.cost_s = 0.3
+    wire.receive(pings(1, 2))
+    wire.receive(masked(Opcode.TEXT, first, fin=False) + masked(Opcode.CONT, last) + pings(3))
+    wire.receive(masked(Opcode.TEXT, fragment))
+    wire.acceptor.cost_s = 0.001
+    leave(wire, "closed")
+    while wire.connection._inbound:
+        wire.next_turn()
+    assert wire.acceptor.received[1:] == [first + last, fragment]
+
+
 def test_what_a_client_leaves_is_carried_out_for_a_second_at_most(wire: Wire):
     wire.acceptor.cost_s = 0.3
     wire.receive(pings(1) + b"".join(map(publish, range(50))))
