@@ -135,6 +135,8 @@ class GuardProcess:
         self._topics[topic] = _Topic(type_name, some, on_state, next(self._numbers))
         if self.is_ready:
             self._open(topic)
+        elif self._restart is not None:
+            on_state("lost")  # until another one starts, which may take a while
 
     def prove(self, topic: str, stamp_offset_ns: int, frame_id: str) -> None:
         """Have the guard prove that its zeros arrive, before something moves."""

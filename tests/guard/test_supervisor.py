@@ -231,6 +231,15 @@ async def test_a_lost_guard_is_a_fault_until_another_is_ready():
         assert guard.faults() == ()
 
 
+async def test_a_topic_that_is_opened_while_no_guard_is_there_is_told_so():
+    async with GuardProcess("_guard", "/", None, deadline_s=0.5) as guard:
+        guard.command = ("/nowhere/python",)
+        guard.start()
+        states: list[GuardState] = []
+        guard.open(TOPIC, TWIST, [], states.append)
+        assert states == ["lost"]
+
+
 async def test_a_guard_that_does_not_become_ready_is_a_fault(clock: Clock):
     async with GuardProcess("_guard", "/", None, deadline_s=0.5) as guard:
         guard.command = (sys.executable, "-c", "input()")
