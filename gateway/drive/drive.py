@@ -32,7 +32,7 @@ from gateway.drive.effects import (
     Stopped,
 )
 from gateway.drive.freshness import LATE
-from gateway.drive.held import GUARD_WAIT_NS, HOLD_NS, Held
+from gateway.drive.held import HOLD_NS, Held, for_guard
 from gateway.drive.lease import Lease
 from gateway.drive.stop import Zeros
 from gateway.drive.trip_latch import QUIET_NS, TripLatch
@@ -307,7 +307,7 @@ class Drive:
             until_ns = self._held.until_ns if self._held else now_ns + HOLD_NS
             self._held = Held(command, now_ns, until_ns or now_ns + HOLD_NS)
         elif self._guard != "ready":
-            self._held = Held(command, now_ns, None)
+            self._held = for_guard(command, now_ns, self._held, self._rules.deadline_ns)
         else:
             self._accept(command, now_ns, out)
 
@@ -319,7 +319,7 @@ class Drive:
 
     def _tick_held(self, held: Held, now_ns: int, out: Effects) -> None:
         if held.until_ns is None:
-            if now_ns - held.since_ns >= GUARD_WAIT_NS:  # else `set_guard` sends it
+            if now_ns >= held.due_ns:  # else `set_guard` sends it
                 self._held = None
                 out.append(refusals.unguarded(held.command, self._topic, self._guard))
         elif now_ns - held.until_ns >= HOLD_NS:

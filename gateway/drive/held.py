@@ -28,8 +28,20 @@ class Held:
     command: Command
     since_ns: int  # when it came
     until_ns: int | None
+    wait_ns: int = GUARD_WAIT_NS
 
     @property
     def due_ns(self) -> int:
         """The time at which it goes out, or no longer does."""
-        return self.until_ns or self.since_ns + GUARD_WAIT_NS
+        return self.until_ns or self.since_ns + self.wait_ns
+
+
+def for_guard(command: Command, now_ns: int, before: Held | None, deadline_ns: int) -> Held:
+    """Let a command wait for the guard: one of a stick no longer than the robot may move after it.
+
+    *before* waits until now. A stick that has fallen silent moves no robot later.
+    """
+    is_stick = before is not None and now_ns - before.since_ns < deadline_ns
+    return Held(
+        command, now_ns, None, min(deadline_ns, GUARD_WAIT_NS) if is_stick else GUARD_WAIT_NS
+    )

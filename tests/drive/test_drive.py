@@ -922,6 +922,21 @@ def test_a_command_waits_for_the_guard_for_a_second_and_moves_then_for_a_whole_d
     assert bench.sent() == []
 
 
+def test_the_last_command_of_a_stick_waits_for_the_guard_for_a_deadline():
+    bench = Bench(guard="starting")
+    for _ in range(20):  # longer than one of them may wait
+        bench.command()
+        bench.wait(50)
+    assert bench.refusals() == []
+    bench.wait(449)
+    assert bench.refusals() == []
+    bench.wait(1)
+    assert bench.refusals() == ["tripped"]
+    bench.take(bench.drive.set_guard("ready", bench.now))
+    bench.end_turn()
+    assert bench.sent() == []
+
+
 def test_a_command_that_waits_for_the_guard_gets_no_younger_by_what_happens_meanwhile():
     bench = Bench(guard="starting")
     bench.command()
