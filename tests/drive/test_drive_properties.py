@@ -34,7 +34,7 @@ class Event:
     """A line of the history."""
 
     at_ns: int
-    kind: str  # command, gone, sent, trip, stop
+    kind: str  # command, asked, gone, sent, trip, stop
     client: str = ""
     velocity: Velocity = ZERO
     age: str = "unknown"
@@ -112,6 +112,8 @@ class Driving(RuleBasedStateMachine):
     def operate(self, client: str, method: str) -> None:
         over = {"stop": "abc", "acquire": "abc".replace(client, "")}.get(method, client)
         self.history += [Event(self.now, "gone", each) for each in over]  # what they have sent
+        if method == "acquire":
+            self.history.append(Event(self.now, "asked", client))
         self.judge(getattr(self.drive, method)(client, self.now))
 
     @rule(guard=st.sampled_from(["starting", "prepared", "ready", "ready", "lost"]))
@@ -175,7 +177,7 @@ class Driving(RuleBasedStateMachine):
             self.judge_reset(trips[-1], index, command)
 
     def has_let_go(self, command: Event) -> bool:
-        """Return whether nobody else drove when its client began to push."""
+        """Return whether nobody else drove when its client began to push, or it has asked since."""
         own = [e for e in self.history if e.client == command.client]
         newest = own.index(command)
         for event, later in itertools.pairwise(reversed(own[: newest + 1])):
