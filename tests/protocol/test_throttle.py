@@ -102,7 +102,7 @@ def test_entries_make_room_for_those_of_their_own_publisher():
     assert dropped == [0] * 256 + [1]
 
 
-def test_no_publisher_waits_for_ever_behind_slower_ones():
+def test_no_publisher_waits_forever_behind_slower_ones():
     throttle = Throttle(Pace(100 * MS, 2))
     assert throttle.passes(0)
     passed = []
