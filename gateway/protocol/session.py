@@ -33,7 +33,8 @@ Reading: TypeAlias = Generator[None, None, ClientOperation | None]
 """Parses a long message, with pauses in which other clients can have their turn."""
 
 MAX_TEXT_CHARACTERS: Final = 4096  # of names and types, which are compared with known ones
-_LONG_TEXTS: Final = frozenset({"data", "values"})  # of a fragment, of a response that failed
+# of a fragment, of a response that failed, of a ping
+_LONG_TEXTS: Final = frozenset({"data", "values", "value"})
 
 SLICED_BYTES: Final = 64 * 1024  # a shorter text takes 2 ms at most, and has no long array
 

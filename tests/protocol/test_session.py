@@ -355,3 +355,9 @@ def test_a_long_text_is_refused_before_it_is_compared_with_what_is_known(name):
         in_one_go(reading)
         text = f"{name}: 4097 characters, at most 4096 are allowed; send a shorter text"
         assert (text in [answer["msg"] for answer in client.answers]) is (length > 4096)
+
+
+def test_the_value_of_a_ping_may_be_long():
+    client = Client(Limits())
+    ping = json.dumps({"op": "ping", "value": "x" * 70_000}).encode()
+    assert isinstance(in_one_go(client.session.receive(ping, 0)), Ping)
