@@ -246,6 +246,8 @@ class Session:
         values: dict[str, object] = {}
         try:
             values = _object(data, self._max_json_depth, self._max_json_items)
+            if len(data) > SLICED_BYTES:  # of CBOR
+                _expect_short_texts(values)
             return self._operation(values)
         except ProtocolError as error:
             self._refuse_malformed(error, data, values)

@@ -2,6 +2,7 @@
 import json
 from collections.abc import Generator
 
+import cbor2
 import pytest
 
 from gateway.codec.json import in_one_go
@@ -355,6 +356,10 @@ def test_a_long_text_is_refused_before_it_is_compared_with_what_is_known(name):
         in_one_go(reading)
         text = f"{name}: 4097 characters, at most 4096 are allowed; send a shorter text"
         assert (text in [answer["msg"] for answer in client.answers]) is (length > 4096)
+    client = Client(Limits())
+    client.session.receive(cbor2.dumps(operation | {name: "x" * 70_000}), 0)
+    (answer,) = client.answers
+    assert answer["msg"].startswith(f"{name}: 70000 characters, at most 4096 are allowed")
 
 
 def test_the_value_of_a_ping_may_be_long():
