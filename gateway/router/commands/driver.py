@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from gateway.drive.freshness import Freshness
+from gateway.router.advertisement_ids import AdvertisementIds
 
 # A refused stream is answered once in so long: a client that holds a stick sends 120 a second.
 REPEAT_NS: Final = 1_000_000_000
@@ -14,7 +15,7 @@ REPEAT_NS: Final = 1_000_000_000
 class Driver:
     """One client that has the topic open."""
 
-    ids: set[str | int | None] = field(default_factory=set)  # of its advertisements
+    ids: AdvertisementIds = field(default_factory=AdvertisementIds)
     commands: int = 0  # that came, also those refused
     freshness: Freshness = field(default_factory=Freshness)
     _answered_ns: dict[str, int] = field(default_factory=dict)  # by the code of the answer

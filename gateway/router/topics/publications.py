@@ -14,6 +14,7 @@ from gateway.protocol.errors import NothingThereError, ProtocolError, over_limit
 from gateway.protocol.names import TopicName, resolve_topic
 from gateway.protocol.operations.topics import Advertise, Publish, Unadvertise
 from gateway.protocol.session import Session
+from gateway.router.advertisement_ids import AdvertisementIds
 from gateway.router.commands.commands import Commands
 from gateway.router.tasks import FAILURES, refuse
 from gateway.router.topic_counts import CountsByTopic, TopicCounts
@@ -37,7 +38,7 @@ class Advertised:
     counts: TopicCounts
     messages: int = 0  # that were published
     size: int = 0  # of them, in bytes
-    ids: set[str | int | None] = field(default_factory=set)
+    ids: AdvertisementIds = field(default_factory=AdvertisementIds)
 
     def send(self, cdr: bytes) -> None:
         """Publish a message into ROS."""
