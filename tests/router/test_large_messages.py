@@ -190,6 +190,21 @@ async def test_encoding_a_large_message_and_handing_it_over_take_a_turn_each(ben
     assert not turns.left
 
 
+async def test_a_large_message_of_who_is_behind_goes_out_before_its_topic_is_withdrawn(
+    bench: Bench,
+):
+    heard = listen(bench)
+    turns = Turns()
+    client = turns.client(bench)
+    client.send(op="advertise", topic="/map", type=GRID, queue_size=1)
+    client.session.is_behind = True
+    as_bytes(client, 1006, 1674, cells(1006, 1674))
+    turns.finish()
+    client.send(op="unadvertise", topic="/map")
+    turns.finish()
+    await eventually(lambda: len(heard) == 1)
+
+
 async def test_a_large_message_that_ros_refuses_is_answered(bench: Bench, monkeypatch):
     client = bench.client()
     client.send(op="advertise", topic="/map", type=GRID)

@@ -151,7 +151,9 @@ class Publications:
         elif request.type is not None:
             self._check_type(topic, known, request.type)
         if known.keeps_newest and session.is_behind:
-            session.defer(topic, request, partial(self._send, session, topic, known, request))
+            # what comes next may withdraw the topic
+            send = partial(self._send, session, topic, known, request, is_in_turn=True)
+            session.defer(topic, request, send)
         else:
             self._send(session, topic, known, request)
 
@@ -222,7 +224,13 @@ class Publications:
         session.warn(warning(event, session), request.op, request.id)
 
     def _send(
-        self, session: Session, topic: TopicName, known: Advertised, request: Publish
+        self,
+        session: Session,
+        topic: TopicName,
+        known: Advertised,
+        request: Publish,
+        *,
+        is_in_turn: bool = False,
     ) -> None:
         if known.has_pictures:
             send = partial(self._send_later, session, topic, known)
@@ -232,7 +240,7 @@ class Publications:
             cdr = known.message_type.encode(request.msg, self._ros.now_ns)
         except CodecError as error:
             raise ProtocolError("invalid_value", str(error)) from error
-        if len(cdr) > LARGE_CDR_BYTES:
+        if len(cdr) > LARGE_CDR_BYTES and not is_in_turn:
             session.next_turn(partial(self._send_large, session, topic, known, cdr, request))
         else:
             known.send(cdr)
