@@ -25,6 +25,7 @@ Array = npt.NDArray[Any]
 # begin here. A text that has them itself is refused.
 _FIRST_MARK: Final = 5203881634907120000
 _SMALL: Final = [np.iinfo(dtype) for dtype in (np.int8, np.int16, np.int32)]
+_LEAST: Final = np.iinfo(np.int64).min
 _CONTAINERS: Final = frozenset({dict, list})
 
 
@@ -113,10 +114,13 @@ def _slice(text: bytes, offset: int) -> Array:
             return np.array(values, np.bool_)
         return np.array(values, np.float64)  # NaN for None
     try:
-        return _smallest(np.array(values, np.int64))
+        numbers = np.array(values, np.int64)
     except OverflowError:  # those beyond 64 bits are floats already
         is_unsigned = set(map(type, values)) == {int} and min(values) >= 0
         return np.array(values, np.uint64 if is_unsigned else np.float64)
+    if numbers.min() == _LEAST and float in set(map(type, values)):  # a little less than that
+        return np.array(values, np.float64)
+    return _smallest(numbers)
 
 
 def _values(text: bytes) -> list[Any]:

@@ -94,6 +94,8 @@ def test_an_array_takes_the_least_bytes_that_hold_its_numbers():
     assert numbers("[" + "-1,0,100," * 10_000 + "127]").dtype == np.int8
     assert numbers("[" + "1,2," * 10_000 + "40000]").dtype == np.int32
     assert numbers("[" + "1," * 40_000 + f"{2**64 - 1}]").dtype == np.uint64
+    assert numbers("[" + "1," * 40_000 + f"{-(2**63)}]").dtype == np.int64
+    assert numbers("[" + "1," * 40_000 + f"{-(2**63) - 1}]").dtype == np.float64
 
 
 def test_numbers_in_long_arrays_are_no_items_and_others_are():
