@@ -141,7 +141,7 @@ class GuardProcess:
     def prove(self, topic: str, stamp_offset_ns: int, frame_id: str) -> None:
         """Have the guard prove that its zeros arrive, before something moves."""
         if topic in self._topics:
-            self._write("prove", topic, stamp_offset_ns, frame_id)
+            self._ask("prove", topic, stamp_offset_ns, frame_id)
 
     def close(self, topic: str) -> None:
         """Have the guard forget a topic."""
@@ -155,14 +155,7 @@ class GuardProcess:
         if known is None or now_ns - known.sent_ns < REPEAT_S * 1e9:
             return
         known.sent_ns = now_ns
-        if now_ns - self._wrote_ns > UNANSWERED_S * 1e9 / 2:
-            self._asked_ns = None  # it was not spoken to, and owes no answer
-        if self._asked_ns is None:
-            self._asked_ns = now_ns
-        elif now_ns - self._asked_ns > UNANSWERED_S * 1e9:
-            self._lose(f"has not answered for {UNANSWERED_S:g} s")
-            return
-        self._write("moving", topic, stamp_offset_ns, frame_id)
+        self._ask("moving", topic, stamp_offset_ns, frame_id)
 
     def rest(self, topic: str) -> None:
         """Announce that the last zero has gone out."""
@@ -176,6 +169,18 @@ class GuardProcess:
     def _open(self, topic: str) -> None:
         known = self._topics[topic]
         self._write("open", topic, known.type_name, known.number, *known.readers)
+
+    def _ask(self, *message: object) -> None:
+        """Write what is repeated often, unless the guard answers nothing: then it is lost."""
+        now_ns = time.monotonic_ns()
+        if now_ns - self._wrote_ns > UNANSWERED_S * 1e9 / 2:
+            self._asked_ns = None  # it was not spoken to, and owes no answer
+        if self._asked_ns is None:
+            self._asked_ns = now_ns
+        elif now_ns - self._asked_ns > UNANSWERED_S * 1e9:
+            self._lose(f"has not answered for {UNANSWERED_S:g} s")
+            return
+        self._write(*message)
 
     def _write(self, *message: object) -> None:
         if self._process is None:

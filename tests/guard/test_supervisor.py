@@ -143,13 +143,14 @@ async def test_a_guard_that_is_lost_is_replaced(source: str):
         await eventually(lambda: not is_running(first))
 
 
-async def test_a_guard_that_answers_nothing_for_a_second_while_something_moves_is_lost(
-    clock: Clock,
+@pytest.mark.parametrize("verb", ["moving", "prove"])
+async def test_a_guard_that_answers_nothing_for_a_second_while_somebody_drives_is_lost(
+    clock: Clock, verb: str
 ):
     async with supervised(SILENT) as (guard, states):
         await eventually(lambda: states == ["prepared"])
         for number in range(100):
-            guard.moving(TOPIC, 0, "")
+            getattr(guard, verb)(TOPIC, 0, "")
             assert ("lost" in states) == (number > 33)
             clock.now_s += 0.03
 
