@@ -69,7 +69,7 @@ start = RclpyRos.__init__
 
 def __init__(self, *arguments):
     start(self, *arguments)
-    signal.signal(signal.SIGUSR1, lambda *_: self._debug.context.try_shutdown())
+    signal.signal(signal.SIGRTMIN, lambda *_: self._debug.context.try_shutdown())
 
 RclpyRos.__init__ = __init__
 """
@@ -80,7 +80,7 @@ async def test_if_ros_shuts_down_below_it_another_start_is_asked_for(tmp_path, m
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     async with gateway_process("serve") as gateway:
         assert (await asyncio.to_thread(health, gateway))[0] == 200
-        gateway.process.send_signal(signal.SIGUSR1)
+        gateway.process.send_signal(signal.SIGRTMIN)
         async with asyncio.timeout(TIMEOUT_S):
             while (await asyncio.to_thread(health, gateway, "/healthz/live"))[0] == 200:  # noqa: ASYNC110
                 await asyncio.sleep(0.02)

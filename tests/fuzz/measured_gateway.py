@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The gateway on a loop that reports what holds it for too long; its tests send SIGUSR1 to begin.
+"""The gateway on a loop that reports what holds it for too long; its tests send SIGRTMIN to begin.
 
 The time is that of the loop's thread on a CPU, so other programs do not matter, and a callback that
 waits for the GIL is not blamed. A record of the log is a fault for the conversations, and says how
@@ -89,7 +89,7 @@ def run() -> None:
     from gateway.cli.main import main
 
     app._loop_factory = lambda: MeasuredLoop
-    signal.signal(signal.SIGUSR1, begin)
+    signal.signal(signal.SIGRTMIN, begin)
     gc.callbacks.append(_count_collection)
     code = main()
     print(f"longest: {MeasuredLoop.longest_s * 1e3:.1f} ms", file=sys.stderr, flush=True)

@@ -165,7 +165,7 @@ class Stage:
 
     def begin_to_measure(self) -> None:
         """Have a measured gateway report what holds its loop from now on."""
-        self.gateway.process.send_signal(signal.SIGUSR1)
+        self.gateway.process.send_signal(signal.SIGRTMIN)
 
     def _answer(self, request: Request) -> None:
         request.answer(types.types().get(f"{SETBOOL}_Response").encode({"success": True}, 0))

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The gateway, which fails on demand.
 
-By SIGUSR1 its event loop hangs, by SIGUSR2 all of its threads do; by SIGRTMIN no zero goes out
-until the next one.
+By SIGRTMIN no zero goes out until the next one. By SIGRTMIN + 1 its event loop hangs, by
+SIGRTMIN + 2 all of its threads do.
 """
 
 import ctypes
@@ -43,6 +43,6 @@ def keep_zeros_back_or_no_more(*_: object) -> None:
 
 if __name__ == "__main__":
     signal.signal(signal.SIGRTMIN, keep_zeros_back_or_no_more)
-    signal.signal(signal.SIGUSR1, block_the_loop)
-    signal.signal(signal.SIGUSR2, hold_the_gil)
+    signal.signal(signal.SIGRTMIN + 1, block_the_loop)
+    signal.signal(signal.SIGRTMIN + 2, hold_the_gil)
     sys.exit(main(sys.argv[1:]))

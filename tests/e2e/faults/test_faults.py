@@ -227,8 +227,8 @@ async def test_a_gateway_that_is_ended_stops_the_robot(robot, measured, number, 
     ("number", "name"),
     [
         (signal.SIGSTOP, "gateway frozen"),
-        (signal.SIGUSR1, "event loop blocked"),
-        (signal.SIGUSR2, "GIL held"),
+        (signal.SIGRTMIN + 1, "event loop blocked"),
+        (signal.SIGRTMIN + 2, "GIL held"),
     ],
 )
 async def test_a_gateway_that_hangs_stops_the_robot_and_does_not_move_it_afterwards(
