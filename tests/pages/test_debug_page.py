@@ -146,7 +146,7 @@ async def test_any_number_is_plotted_by_two_clicks_and_the_address_keeps_it(demo
     async with open_page(page_address(demo) + "#card=tree+0+/battery_state") as page:
         battery = f"{card('/battery_state')}"
         await page.click("#topics button:has-text('/imu')")
-        row = page.locator(f"{card('/imu')} .row:has(> dt:text-is('z: '))").last
+        row = page.locator(f"{card('/imu')} .row:has(> dt > bdi:text-is('z'))").last
         await row.locator("button").click()
         plot = f"{card('/imu')}:has(.uplot)"
         await until_painted(page, f"{plot} canvas")

@@ -401,7 +401,8 @@ async def test_a_command_after_a_stop_is_refused_in_words_for_whoever_drives(dem
     async with open_page(f"{page_address(demo)}drive") as page:
         words = await page.evaluate("""async () => {
             const { refusal } = await import("/shared/control_words.js");
-            return refusal({ code: "tripped", msg: 'publish a command of zero ("msg":{})' });
+            const msg = 'topic /cmd_vel is stopped, commands ceased: publish "msg":{}';
+            return refusal({ code: "tripped", msg });
         }""")
         assert words.endswith("Let go of everything, then drive on.")
         assert "msg" not in words

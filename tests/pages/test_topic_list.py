@@ -248,7 +248,7 @@ async def test_a_topic_that_is_not_measured_says_why_until_there_is_room(open_pa
         await until(page, f"() => /at most 1 /.test({words('/diagnostics')})")
         assert "at most 1" not in await page.evaluate(f"() => {words('/rosout')}")
         await page.click("button[aria-label='close /rosout']")
-        await until(page, f"() => {both}.some((each) => / Hz · /.test(each))")
+        await until(page, f"() => {both}.some((each) => / old$/.test(each))")
         await page.uncheck(MEASURE)
         await until(page, f"() => {both}.every((each) => each === '')")
         assert await page.is_hidden("#notice")  # to end what was refused is nothing to tell of
@@ -306,7 +306,7 @@ async def test_a_long_list_makes_the_page_no_longer(open_page, nowhere):
         # each: the time of a message in ms, and its number; the clock ticks once a second
         ([(100 * n, n) for n in range(30)], "10 Hz"),
         ([(500 * n, 15 * n) for n in range(6)], "30 Hz"),
-        ([(2000, n) for n in range(10)], "0 Hz"),  # at once: that is no rate
+        ([(2000, n) for n in range(10)], "1 B"),  # at once: that is no rate
         ([(0, 1), (2000, 2)], "0.5 Hz"),
         (
             [(0, 70), (500, 75)] + [(1000 + 500 * n, 5 * n) for n in range(5)],

@@ -44,7 +44,10 @@ export function connect(gateway, here, ...more) {
     if (state === "token") ask(reason);
     before = state;
   });
-  gateway.on("status", (frame) => tell(refusal(frame), isOver(frame)));
+  gateway.on("status", (frame) => {
+    const words = refusal(frame);
+    if (words) tell(words, isOver(frame));
+  });
   gateway.on("graph", () => review());
   addEventListener("hashchange", () => location.reload()); // another address was typed or followed
 }

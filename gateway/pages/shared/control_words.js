@@ -36,9 +36,10 @@ export function sentence(frame) {
   return why ? `Stopped: ${why}.` : "Stopped.";
 }
 
-/** Return what a `status` says, without what only programs can do about it. */
+/** Return what a `status` says, without what only programs can do about it; "" for what somebody expects who pressed STOP. */
 export function refusal({ code, msg }) {
   if (code === "tripped" && msg.includes(" is stopped, ")) return "The robot was stopped, and took no command since. Let go of everything, then drive on.";
+  if (code === "stale_command" && msg.includes(" before a stop, ")) return "";
   if (code === "stale_command") return "What you held came late and was not carried out: the connection or this device is slow.";
   if (code !== "not_lease_holder") return msg;
   const [first] = msg.split(";");

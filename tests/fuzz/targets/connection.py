@@ -105,6 +105,7 @@ def run(data: bytes) -> None:
         connection.connection_made(transport)
         if is_upgraded:
             receive(connection, UPGRADE + b"\r\n")
+            await turns()  # what is read is handled in the next one
             check(b" 101 " in transport.written, transport.written)
         for start in range(0, len(sent), size):
             while not transport.is_read:  # noqa: ASYNC110  # what waits goes on in each turn
