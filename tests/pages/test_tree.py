@@ -107,3 +107,9 @@ async def test_a_value_turns_no_text_around_it(tree):
     await tree.evaluate("message => view.show(message)", {"n\u202ee": "it is\u202e so"})
     apart = "() => [...document.querySelectorAll('.tree bdi')].map((each) => each.textContent)"
     assert await tree.evaluate(apart) == ["n\u202ee", '"it is\u202e so"']
+
+
+async def test_a_view_that_was_closed_meanwhile_subscribes_to_nothing(tree):
+    await tree.evaluate("() => { view.show(items(5), ' '.repeat(100_001)); view.close(); }")
+    await tree.evaluate("() => new Promise((done) => setTimeout(done))")
+    assert await tree.evaluate("() => asked") == []

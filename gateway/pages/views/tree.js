@@ -15,6 +15,7 @@ export class TreeView {
   #empty = element("p", { className: "quiet" });
   #leftOut = element("p", { className: "quiet", hidden: true });
   #isSorted = false;
+  #isClosed = false;
   #fields;
 
   /** @param {{plot: (path: string) => void, sortedFields?: () => Promise<{small: string[], large: string[]}>, subscribe?: () => void}} card */
@@ -30,11 +31,15 @@ export class TreeView {
     if (!this.#isSorted && this.#card.sortedFields && (data?.length ?? data?.byteLength) > LARGE_BYTES) this.#leaveOut();
   }
 
+  close() {
+    this.#isClosed = true;
+  }
+
   /** Fetch the arrays of further messages only if somebody asks for them. */
   async #leaveOut() {
     this.#isSorted = true;
     const { small, large } = await this.#card.sortedFields();
-    if (!large.length) return;
+    if (!large.length || this.#isClosed) return; // its card has gone, or shows another view
     this.options = { ...this.options, fields: small };
     const buttons = large.map((path) => {
       const button = element("button", { type: "button", aria: { label: `fetch ${path}` } }, "Fetch ", element("bdi", {}, path));
