@@ -66,6 +66,7 @@ async def vanish(url: str, number: int) -> bool:
             for operation in sending[: chance.randint(len(sending) // 2, len(sending))]:
                 await socket.send(json.dumps(operation))
             for _ in range(chance.randint(0, 3)):
+                await socket.send('{"op":"ping"}')  # nothing else is sure to be answered
                 await socket.recv()
             socket.transport.abort()
     except InvalidMessage:  # closed before the handshake

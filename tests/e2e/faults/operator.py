@@ -34,7 +34,8 @@ class Stick:
 
 
 def drive(url: str, stick: Stick) -> None:
-    with connect(url, proxy=None, compression=None) as socket:
+    # a queue that fills up would keep pongs, too, from a program that reads nothing
+    with connect(url, proxy=None, compression=None, max_queue=None) as socket:
         while True:
             socket.send(json.dumps(stick.command))
             time.sleep(PERIOD_S)

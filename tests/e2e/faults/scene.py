@@ -173,12 +173,21 @@ async def publisher(
         yield Publisher(started)
 
 
-async def until_it_moves(robot: Base, driver: Process) -> None:
-    """Wait until the robot moves, with the stick let go of whenever the latch has tripped."""
+async def until_it_moves(
+    robot: Base, driver: Process, *, since_ns: int = 0, commands: int = MOVES_FOR
+) -> None:
+    """Wait until the robot moves and has heard so many commands since a time.
+
+    The driver lets go of the stick whenever the latch has tripped, as on a machine that pauses.
+    """
+
+    def moves() -> bool:
+        return robot.is_moving and len(robot.moved_after(since_ns)) >= commands
+
     async with asyncio.timeout(START_S):
         while True:
             try:
-                await until(lambda: robot.is_moving, within_s=3)
+                await until(moves, within_s=3)
             except TimeoutError:
                 driver.send_signal(signal.SIGUSR1)
             else:

@@ -205,9 +205,8 @@ async def test_a_gateway_that_is_killed_and_started_anew_leaves_nothing_and_lose
                 if repetition == 0:
                     await comes_back.start(gateway)
                 await comes_back.is_back()
-                await until_it_moves(robot, driver_)
                 # a guard that has just begun may discover the robot later than the gateway does
-                await scene.until(lambda since=began_ns: len(robot.moved_after(since)) >= SETTLED)
+                await until_it_moves(robot, driver_, since_ns=began_ns, commands=SETTLED)
                 guard = guard_of(gateway)
                 assert not [name for name in remains if (SHARED_MEMORY / name).exists()]
                 if repetition == REPEAT:
