@@ -71,10 +71,10 @@ docs: $(READY_FOR_TESTS) ## write the generated parts of code and documentation 
 	$(BIN)/python -m schemas.generate
 	$(BIN)/python -m tools.unity_scenes
 	$(BIN)/python -m tools.unity_metas
-	@page=$$($(BIN)/python -m tools.mutants --page) && printf '%s\n' "$$page" > docs/mutants.md
+	@page=$$($(BIN)/python -m tools.mutants --page) && printf '%s\n' "$$page" > docs/contributing/mutants.md
 	@keys=$$($(BIN)/ros2-gateway check-config --keys) \
-	    && sed -i '/^| key |/,$$d' docs/configuration.md \
-	    && printf '%s\n' "$$keys" >> docs/configuration.md
+	    && sed -i '/^| key |/,$$d' docs/reference/configuration.md \
+	    && printf '%s\n' "$$keys" >> docs/reference/configuration.md
 
 screenshots: $(READY_FOR_TESTS) ## take the pictures of the pages anew, for docs/
 	$(BIN)/python -m tests.pages.screenshots

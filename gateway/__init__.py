@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 """ROS 2 topics, services, actions and parameters as JSON over a WebSocket, and back.
 
-docs/architecture.md is the map: the rooms, the threads, and the ways through the code.
+docs/contributing/architecture.md is the map: the rooms, the threads, and the ways through the code.
 """

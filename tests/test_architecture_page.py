@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""docs/architecture.md names what there is."""
+"""docs/contributing/architecture.md names what there is."""
 
 import ast
 import re
@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-PAGE = ROOT / "docs" / "architecture.md"
+PAGE = ROOT / "docs/contributing/architecture.md"
 ROW = re.compile(r"^\| `([\w.<>]+)` \| `([^`]+)` \|", re.MULTILINE)
 
 
@@ -78,4 +78,4 @@ def test_every_class_and_method_that_is_named_exists():
 )
 def test_the_docstrings_of_the_rooms_point_to_the_page(room: str):
     text = (ROOT / f"gateway{room}" / "__init__.py").read_text("utf-8")
-    assert "docs/architecture.md" in (ast.get_docstring(ast.parse(text)) or "")
+    assert "docs/contributing/architecture.md" in (ast.get_docstring(ast.parse(text)) or "")

@@ -17,8 +17,9 @@ PAGE = "Words.\n\n| key | default |\n| old | 1 |\n"
 def tree(tmp_path):
     """Return a source tree whose .venv is ready and whose page of settings is out of date."""
     (tmp_path / "pyproject.toml").touch()
-    (tmp_path / "docs").mkdir()
-    (tmp_path / "docs/configuration.md").write_text(PAGE)
+    (tmp_path / "docs/reference").mkdir(parents=True)
+    (tmp_path / "docs/contributing").mkdir()
+    (tmp_path / "docs/reference/configuration.md").write_text(PAGE)
     (tmp_path / ".venv/bin").mkdir(parents=True)
     script(tmp_path, "python", "exit 0")
     for ready in (".ready", ".ready-for-tests"):
@@ -40,7 +41,7 @@ def make_docs(tree):
     finished = subprocess.run(
         command, cwd=tree, capture_output=True, timeout=TIMEOUT_S, check=False
     )
-    return finished.returncode, (tree / "docs/configuration.md").read_text()
+    return finished.returncode, (tree / "docs/reference/configuration.md").read_text()
 
 
 def test_make_docs_replaces_the_table_of_settings(tree):

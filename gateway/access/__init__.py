@@ -2,5 +2,5 @@
 """The rules of who may connect, and do what: tokens, roles, permissions, web pages, audit.
 
 Time and bytes come as arguments; only `token_file` and `audit_file` touch a disk. The map is
-docs/architecture.md.
+docs/contributing/architecture.md.
 """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 """CDR to values, JSON and pictures, and back; pure computation.
 
-The map is docs/architecture.md.
+The map is docs/contributing/architecture.md.
 """

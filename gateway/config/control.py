@@ -23,7 +23,7 @@ class ControlConfig(Section):
     topics: CommandTopics = Field(
         ("/cmd_vel",),
         description="topics of `geometry_msgs/msg/Twist` or `TwistStamped` that move a robot:"
-        " deadline, stop, lease and the other rules of docs/safety.md hold for these",
+        " deadline, stop, lease and the other rules of docs/explanation/safety.md hold for these",
     )
     deadline_s: Annotated[float, Field(ge=0.1, le=2, allow_inf_nan=False)] = Field(
         0.5,

@@ -38,7 +38,7 @@ guard to gateway, on its standard output
 ``["stopped", TOPIC]``                     the gateway was silent, and it has begun a stop
 =========================================  =======================================================
 
-The map is docs/architecture.md.
+The map is docs/contributing/architecture.md.
 """
 
 from typing import Final

@@ -2,5 +2,6 @@
 """Measurements of the gateway itself, for /metrics and /diagnostics.
 
 Pure computation: a `State` comes in, text or a diagnosis comes out. The only importer of
-prometheus_client. The map is docs/architecture.md; docs/observability.md lists the metrics.
+prometheus_client. The map is docs/contributing/architecture.md.
+docs/reference/observability.md lists the metrics.
 """

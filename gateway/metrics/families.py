@@ -2,7 +2,7 @@
 """The metric families: their names, and where their values are in a `State`.
 
 Labels have few values: topics and clients that are there, and closed sets of words. Names are
-part of what users rely on; docs/observability.md lists them all.
+part of what users rely on; docs/reference/observability.md lists them all.
 """
 
 from collections.abc import Callable, Iterable, Iterator

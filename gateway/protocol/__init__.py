@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 """The rosbridge protocol as pure functions of bytes and time: no sockets, no clocks, no ROS.
 
-The map is docs/architecture.md.
+The map is docs/contributing/architecture.md.
 """

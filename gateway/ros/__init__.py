@@ -3,7 +3,7 @@
 
 Importing this needs no rclpy, opening does.
 
-The map is docs/architecture.md.
+The map is docs/contributing/architecture.md.
 """
 
 import asyncio

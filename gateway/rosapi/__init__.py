@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The rosapi services of rosbridge, answered in-process: the graph, types, parameters, time.
 
-The map is docs/architecture.md.
+The map is docs/contributing/architecture.md.
 """
 
 from gateway.rosapi.interfaces import interfaces_prefix

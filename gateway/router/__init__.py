@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 """Between the clients' sessions and ROS: one subscription serves many, one frame many sockets.
 
-The map is docs/architecture.md.
+The map is docs/contributing/architecture.md.
 """

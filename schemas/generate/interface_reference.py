@@ -16,8 +16,9 @@ _INTRODUCTION: Final = f"""\
 
 Clients name a type as `pkg/srv/Name` or `pkg/action/Name`, or as `pkg/Name`. What JSON carries, and
 the types that are nested here, stand on the page of [messages]({_MESSAGES}). Services and actions
-outside this table work too, as far as their packages are installed where the gateway runs, or their
-definitions are there; [adding a type](adding-a-type.md) says how, and what a row here is good for.
+outside this table work too, if their packages or their definitions are installed on the machine
+of the gateway. [Your own messages](../how-to/own-messages.md) says how, and what a row here is
+good for.
 
 A field that a client leaves out gets its default; one that the type does not have is refused. Where
 a client sends an array instead of an object, its elements are the values of the fields in the order
@@ -33,7 +34,7 @@ def write(catalogue: Catalogue) -> dict[str, str]:
     for package, interfaces in by_package(catalogue.interfaces.values()).items():
         parts.append(f"\n## {package}")
         parts += [_section(interface, rows[interface.name]) for interface in interfaces]
-    return {"docs/services.md": "\n".join(parts) + "\n"}
+    return {"docs/reference/services.md": "\n".join(parts) + "\n"}
 
 
 def _section(interface: Interface, row: InterfaceRow) -> str:

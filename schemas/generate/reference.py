@@ -13,8 +13,8 @@ _INTRODUCTION: Final = f"""\
 # Messages
 
 Clients name a type as `pkg/msg/Name`, as `pkg/Name`, or by its number below. Numbers never
-change. Types outside this table work too, as far as their packages are installed where the
-gateway runs, or their definitions are there; [adding a type](adding-a-type.md) says how, and gives
+change. Types outside this table work too, if their packages or their definitions are installed on
+the machine of the gateway. [Your own messages](../how-to/own-messages.md) says how, and how to give
 one a number.
 
 ## What JSON carries
@@ -64,7 +64,7 @@ def write(catalogue: Catalogue) -> dict[str, str]:
         parts.append(f"\n## {package}")
         for definition in sorted(definitions, key=lambda one: one.name):
             parts.append(_section(definition, rows.get(definition.name)))
-    return {"docs/messages.md": "\n".join(parts) + "\n"}
+    return {"docs/reference/messages.md": "\n".join(parts) + "\n"}
 
 
 def _section(definition: Definition, row: Row | None) -> str:

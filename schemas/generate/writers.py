@@ -32,8 +32,8 @@ WRITERS: Final = (
     Writer(python_models.write, "schemas/models/*.py"),
     Writer(json_schemas.write, "schemas/json/**/*.json"),
     Writer(csharp_messages.write, f"{csharp_messages.CSHARP_FOLDER}/*.cs"),
-    Writer(reference.write, "docs/messages.md"),
-    Writer(interface_reference.write, "docs/services.md"),
+    Writer(reference.write, "docs/reference/messages.md"),
+    Writer(interface_reference.write, "docs/reference/services.md"),
 )
 
 

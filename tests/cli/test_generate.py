@@ -45,7 +45,7 @@ def commands(text):
 
 
 @pytest.mark.parametrize(
-    "text", [(ROOT / "docs/generate.md").read_text("utf-8"), None], ids=["page", "help"]
+    "text", [(ROOT / "docs/how-to/client-code.md").read_text("utf-8"), None], ids=["page", "help"]
 )
 def test_the_examples_are_commands(text):
     found = commands(text or ros2_gateway("generate", "--help").stdout.partition("examples:")[2])

@@ -42,7 +42,7 @@ def test_every_duration_size_and_side_has_its_unit_in_its_name():
 
 
 def test_the_reference_page_has_the_table_of_the_model():
-    page = (ROOT / "docs/configuration.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/reference/configuration.md").read_text(encoding="utf-8")
     assert page.endswith(reference()), "run: make docs"
 
 

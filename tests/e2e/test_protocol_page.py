@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every example of docs/protocol.md, executed against the gateway and the simulated robot."""
+"""Every example of docs/reference/protocol.md, executed by the gateway and the simulated robot."""
 
 import asyncio
 import json
@@ -13,7 +13,7 @@ import pytest
 from tests.client import Client, client
 from tests.demonstration import demonstration
 
-PAGE = Path(__file__).parents[2] / "docs" / "protocol.md"
+PAGE = Path(__file__).parents[2] / "docs/reference/protocol.md"
 CONVERSATIONS = re.findall(r"^```wscat\n(.*?)^```", PAGE.read_text(), re.DOTALL | re.MULTILINE)
 
 # At an example: on a busy machine nodes of ROS answer later than the page expects, and a name may

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Seeds: the examples of docs/protocol.md, which show each operation."""
+"""Seeds: the examples of docs/reference/protocol.md, which show each operation."""
 
 import re
 from pathlib import Path
 
-PAGE = Path(__file__).parents[2] / "docs" / "protocol.md"
+PAGE = Path(__file__).parents[2] / "docs/reference/protocol.md"
 _EXAMPLES = re.compile(r"^```wscat\n(.*?)^```", re.DOTALL | re.MULTILINE)
 
 

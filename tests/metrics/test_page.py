@@ -12,7 +12,7 @@ from gateway.metrics.page import PIECE_HISTOGRAMS, PIECE_SAMPLES, pieces
 from gateway.metrics.state import State, seen_by
 from tests.metrics.states import client_state, state, summary
 
-PAGE = Path(__file__).parents[2] / "docs" / "observability.md"
+PAGE = Path(__file__).parents[2] / "docs/reference/observability.md"
 ALL = [*FAMILIES, *TIME_FAMILIES]
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Write the pictures of docs/pages.md, with the simulated robot; ``make screenshots``."""
+"""Write the pictures of docs/how-to/pages.md, with the simulated robot; ``make screenshots``."""
 
 import asyncio
 from pathlib import Path
@@ -10,7 +10,7 @@ from tests.client import client
 from tests.demonstration import demonstration
 from tests.pages.conftest import CHROMIUM, page_address
 
-FOLDER = Path(__file__).parents[2] / "docs"
+FOLDER = Path(__file__).parents[2] / "docs/images"
 DESK = {"width": 1440, "height": 900}
 PHONE = {"width": 390, "height": 844}
 SETTLED_MS = 12_000  # the plot has something to show

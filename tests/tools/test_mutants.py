@@ -77,7 +77,7 @@ def test_the_list_fits_the_code():
 
 def test_the_page_tells_of_the_list_and_its_survivors():
     expected = page(load(), MIN_KILLED)
-    assert (ROOT / "docs/mutants.md").read_text() == expected, "run make docs"
+    assert (ROOT / "docs/contributing/mutants.md").read_text() == expected, "run make docs"
 
 
 def test_an_entry_that_is_incomplete_or_names_no_test_is_refused(tmp_path):

@@ -202,7 +202,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m tools.mutants", description=__doc__)
     parser.add_argument("what", nargs="*", help="only files or rules with one of these words")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="runs at once")
-    parser.add_argument("--page", action="store_true", help="print docs/mutants.md, run nothing")
+    parser.add_argument(
+        "--page", action="store_true", help="print the page of mutants, run nothing"
+    )
     arguments = parser.parse_args()
     words = arguments.what
     try:

@@ -82,7 +82,7 @@ def load(tables: Iterable[Path] | None = None, root: Path = ROOT) -> list[Mutant
 
 
 def page(mutants: Sequence[Mutant], share: float) -> str:
-    """Return docs/mutants.md."""
+    """Return docs/contributing/mutants.md."""
     packages = sorted({_package(mutant) for mutant in mutants})
     counts = []
     for package in packages:

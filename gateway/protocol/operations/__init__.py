@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The operations that clients send, as frozen models.
 
-rosbridge protocol v2 and this gateway's extensions (docs/protocol.md). Unknown keys are ignored,
-because clients send extras; known keys are strict.
+rosbridge protocol v2 and this gateway's extensions (docs/reference/protocol.md). Unknown keys are
+ignored, because clients send extras. Known keys are strict.
 """
 
 from typing import Final, get_args

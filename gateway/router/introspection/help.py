@@ -7,7 +7,7 @@ from typing import Any, Final
 from gateway.access.permissions import Action
 from gateway.ports import Graph, TopicInfo
 
-DOCS: Final = "docs/protocol.md, docs/services.md and docs/messages.md in the source tree"
+DOCS: Final = "docs/reference in the source tree: protocol.md, services.md and messages.md"
 
 May = Callable[[Action, str], bool]
 

@@ -17,7 +17,7 @@ def catalogue_of(*names):
 
 
 def page(catalogue):
-    return interface_reference.write(catalogue)["docs/services.md"]
+    return interface_reference.write(catalogue)["docs/reference/services.md"]
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +27,7 @@ def whole_table():
 
 def test_every_link_leads_to_an_anchor_here_or_on_the_page_of_messages(whole_table):
     text = page(whole_table)
-    messages = reference.write(whole_table)["docs/messages.md"]
+    messages = reference.write(whole_table)["docs/reference/messages.md"]
     here, there = (set(re.findall(r'<a id="([^"]+)">', one)) for one in (text, messages))
     links = re.findall(r"\]\((messages\.md)?#([^)]+)\)", text)
 
@@ -60,6 +60,6 @@ def test_an_action_is_shown_with_goal_result_and_feedback_and_its_nested_message
 
 
 def test_what_a_service_nests_is_shown_on_the_page_of_messages():
-    messages = reference.write(catalogue_of("nav_msgs/srv/GetMap"))["docs/messages.md"]
+    messages = reference.write(catalogue_of("nav_msgs/srv/GetMap"))["docs/reference/messages.md"]
 
     assert '<a id="nav_msgs-msg-occupancygrid"></a>' in messages

@@ -62,7 +62,7 @@ def generated_module(tmp_path, package):
 
 
 def test_the_rows_that_the_page_shows_work_on_the_types_that_the_wheels_have(tmp_path):
-    page = (REPOSITORY / "docs/adding-a-type.md").read_text(encoding="utf-8")
+    page = (REPOSITORY / "docs/how-to/own-messages.md").read_text(encoding="utf-8")
     message, interface = re.findall(r"^```toml\n(  \{ .*\},)\n^```", page, re.MULTILINE)
     table = (REPOSITORY / "schemas/messages.toml").read_text(encoding="utf-8")
     messages, _, interfaces = table.partition("\n]\n")
@@ -70,7 +70,10 @@ def test_the_rows_that_the_page_shows_work_on_the_types_that_the_wheels_have(tmp
     (tmp_path / "messages.toml").write_text(f"{messages}\n{message}\n]\n{ends}{interface}\n]\n")
     arguments = ["--table", str(tmp_path / "messages.toml"), "--root", str(tmp_path / "tree")]
     assert main(arguments) == 0
-    written = (tmp_path / "tree/docs/messages.md", tmp_path / "tree/docs/services.md")
+    written = (
+        tmp_path / "tree/docs/reference/messages.md",
+        tmp_path / "tree/docs/reference/services.md",
+    )
     for row, path in zip((message, interface), written, strict=True):
         name = tomllib.loads(f"rows = [{row}]")["rows"][0]["name"]
         assert name not in table
@@ -84,8 +87,8 @@ def test_what_is_checked_in_is_what_would_be_generated(capsys):
 def test_it_writes_models_schemas_classes_and_the_reference_page(tmp_path, tree, capsys):
     assert main(tree) == 0
     assert files(tmp_path) == [
-        "docs/messages.md",
-        "docs/services.md",
+        "docs/reference/messages.md",
+        "docs/reference/services.md",
         "schemas/json/std_msgs/String.json",
         "schemas/models/__init__.py",
         "schemas/models/std_msgs.py",
@@ -117,7 +120,10 @@ def test_one_row_more_generates_its_type(tmp_path, tree, made_up):
     assert module.Lamp.__doc__.split("\n\n")[0] == "A lamp."
     schema = json.loads((tmp_path / "tree/schemas/json/made_up_msgs/Lamp.json").read_bytes())
     assert schema["properties"]["level"]["default"] == 7
-    assert "| 1 | [made_up_msgs/msg/Lamp]" in (tmp_path / "tree/docs/messages.md").read_text()
+    assert (
+        "| 1 | [made_up_msgs/msg/Lamp]"
+        in (tmp_path / "tree/docs/reference/messages.md").read_text()
+    )
     classes = tmp_path / "tree" / CSHARP_FOLDER
     assert "public byte level = 7;" in (classes / "MadeUpMsgs.cs").read_text()
     assert "return new MadeUpMsgs.LampMsg();" in (classes / "MessageTable.cs").read_text()
@@ -140,7 +146,7 @@ def test_one_row_more_generates_its_service_or_action(tmp_path, tree):
     action = json.loads((schemas / "test_msgs" / "action" / "Fibonacci.json").read_bytes())
     assert list(service["properties"]) == ["request", "response"]
     assert list(action["properties"]) == ["goal", "result", "feedback"]
-    page = (tmp_path / "tree" / "docs" / "services.md").read_text()
+    page = (tmp_path / "tree" / "docs/reference/services.md").read_text()
     assert "| [std_srvs/srv/SetBool](#std_srvs-srv-setbool) | Switches |" in page
     assert "| [test_msgs/action/Fibonacci](#test_msgs-action-fibonacci) | Counts rabbits |" in page
 
@@ -166,7 +172,7 @@ def test_a_service_that_no_row_names_any_more_is_removed(tmp_path, tree):
 def test_check_names_each_file_that_differs_and_writes_nothing(tmp_path, tree, capsys):
     main(tree)
     root = tmp_path / "tree"
-    (root / "docs/messages.md").write_text("edited")
+    (root / "docs/reference/messages.md").write_text("edited")
     (root / "schemas/json/std_msgs/String.json").unlink()
     (root / "schemas/models/gone_msgs.py").write_text("stale")
     capsys.readouterr()
@@ -174,12 +180,12 @@ def test_check_names_each_file_that_differs_and_writes_nothing(tmp_path, tree, c
     assert main([*tree, "--check"]) == 1
     output = capsys.readouterr()
     assert output.out.splitlines() == [
-        "differs: docs/messages.md",
+        "differs: docs/reference/messages.md",
         "differs: schemas/json/std_msgs/String.json",
         "differs: schemas/models/gone_msgs.py",
     ]
     assert "3 files differ; run make docs" in output.err
-    assert (root / "docs/messages.md").read_text() == "edited"
+    assert (root / "docs/reference/messages.md").read_text() == "edited"
 
 
 def test_what_no_row_generates_any_more_is_removed(tmp_path, tree):

@@ -10,7 +10,7 @@ from schemas.table import Row, Table
 
 
 def page(table):
-    return write(Catalogue.of(table, InstalledDefinitions()))["docs/messages.md"]
+    return write(Catalogue.of(table, InstalledDefinitions()))["docs/reference/messages.md"]
 
 
 def test_every_link_within_the_page_has_its_anchor():
