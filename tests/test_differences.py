@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Each difference from rosbridge that docs/reference/protocol.md lists has a test."""
+"""Each difference from rosbridge that docs/reference/rosbridge-differences.md lists has a test."""
 
 import ast
 import re
@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 REPOSITORY = Path(__file__).parents[1]
-PAGE = REPOSITORY / "docs/reference/protocol.md"
+PAGE = REPOSITORY / "docs/reference/rosbridge-differences.md"
 SECTION = "## Differences from rosbridge_suite"
 
 SUBSCRIPTIONS = "router/topics/test_subscriptions.py"

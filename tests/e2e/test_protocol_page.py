@@ -1,20 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every example of docs/reference/protocol.md, executed by the gateway and the simulated robot."""
+"""Every example of docs/reference/protocol/, executed by the gateway and the simulated robot."""
 
 import asyncio
 import json
 import re
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 import pytest
 
 from tests.client import Client, client
 from tests.demonstration import demonstration
+from tests.protocol_pages import examples
 
-PAGE = Path(__file__).parents[2] / "docs/reference/protocol.md"
-CONVERSATIONS = re.findall(r"^```wscat\n(.*?)^```", PAGE.read_text(), re.DOTALL | re.MULTILINE)
+CONVERSATIONS = examples()
 
 # At an example: on a busy machine nodes of ROS answer later than the page expects, and a name may
 # be too new to be suggested.
@@ -85,7 +84,7 @@ def is_timeout(frame: Any) -> bool:
 
 
 @pytest.mark.brief
-async def test_every_example_of_the_page_holds():
+async def test_every_example_of_the_pages_holds():
     assert len(CONVERSATIONS) > 25
     places = [f"limits.{limit}=64" for limit in ("max_clients", "max_clients_per_address")]
     async with demonstration("--set", places[0], "--set", places[1]) as gateway:

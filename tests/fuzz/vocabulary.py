@@ -223,7 +223,7 @@ GARBAGE: list[str | bytes] = [
     *(b"\xff\xfe", b'{"op":"ping"', b"\0" * 100, b"[" + b"[]," * 15_000 + b"0]"),
 ]
 TOO_LONG = SETTINGS["limits.max_message_bytes"] + 1
-# bytes on the wire, and the close codes of docs/reference/protocol.md that may answer them
+# bytes on the wire, and the close codes of docs/reference/errors.md that may answer them
 BROKEN_WIRE: list[tuple[bytes, frozenset[int]]] = [
     (b"\x81\x82\0\0\0\0\xff\xfe", frozenset({1007})),  # a text that is not UTF-8
     (b"\x83\x80\0\0\0\0", frozenset({1002})),  # a reserved opcode

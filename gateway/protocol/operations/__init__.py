@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The operations that clients send, as frozen models.
 
-rosbridge protocol v2 and this gateway's extensions (docs/reference/protocol.md). Unknown keys are
+rosbridge protocol v2 and this gateway's extensions (docs/reference/protocol/). Unknown keys are
 ignored, because clients send extras. Known keys are strict.
 """
 

@@ -7,7 +7,7 @@ from typing import Any, Final
 from gateway.access.permissions import Action
 from gateway.ports import Graph, TopicInfo
 
-DOCS: Final = "docs/reference in the source tree: protocol.md, services.md and messages.md"
+DOCS: Final = "docs/reference in the source tree: protocol/, services.md and messages.md"
 
 May = Callable[[Action, str], bool]
 

@@ -23,7 +23,7 @@ from tests.fuzz.gateway_in_memory import LIMITS, World, run_in_a_loop, turns
 from tests.fuzz.target import Target, check
 
 STATUSES = frozenset({101, 200, 400, 403, 404, 405, 421, 426, 431})
-# docs/reference/protocol.md; 1000 and those without a code answer the client's own
+# docs/reference/errors.md; 1000 and those without a code answer the client's own
 CLOSE_CODES = frozenset({1000, 1001, 1002, 1007, 1008, 1009, 1011, 1013, 4401, 4403, 4503})
 UPGRADE = (
     b"GET / HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
