@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Write the pictures of docs/how-to/pages.md, with the simulated robot; ``make screenshots``."""
+"""Write the pictures of the docs with the simulated robot (``make screenshots``)."""
 
 import asyncio
 from pathlib import Path
