@@ -71,6 +71,7 @@ docs: $(READY_FOR_TESTS) ## write the generated parts of code and documentation 
 	$(BIN)/python -m schemas.generate
 	$(BIN)/python -m tools.unity_scenes
 	$(BIN)/python -m tools.unity_metas
+	$(BIN)/python -m tools.errors_page
 	@page=$$($(BIN)/python -m tools.mutants --page) && printf '%s\n' "$$page" > docs/contributing/mutants.md
 	@keys=$$($(BIN)/ros2-gateway check-config --keys) \
 	    && sed -i '/^| key |/,$$d' docs/reference/configuration.md \
