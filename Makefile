@@ -34,7 +34,7 @@ SELECTION := $(if $(ALL),,-m 'not long')
 DURATION := $(if $(ALL),a quarter of an hour,six minutes)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo serve test kilted lint format docs screenshots bench faults fuzz soak mutants clean
+.PHONY: help demo serve test kilted lint format docs site screenshots bench faults fuzz soak mutants clean
 
 help: ## list the targets
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
@@ -76,6 +76,10 @@ docs: $(READY_FOR_TESTS) ## write the generated parts of code and documentation 
 	@keys=$$($(BIN)/ros2-gateway check-config --keys) \
 	    && sed -i '/^| key |/,$$d' docs/reference/configuration.md \
 	    && printf '%s\n' "$$keys" >> docs/reference/configuration.md
+
+site: $(READY_FOR_TESTS) $(CLIENTS) ## build the site of the documentation into build/site, ten seconds, without a network
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict $(ARGS)
+	@echo "to look at it: $(BIN)/python -m http.server --bind 127.0.0.1 --directory build/site 8000"
 
 screenshots: $(READY_FOR_TESTS) ## take the pictures of the pages anew, for docs/
 	$(BIN)/python -m tests.pages.screenshots

