@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The package's pages: every example in C# compiles against the package."""
+"""The package's pages and the tutorial: every example in C# compiles against the package."""
 
 import re
 from pathlib import Path
@@ -8,7 +8,8 @@ import pytest
 
 from tests.unity import mono, own_messages, package
 
-PAGES = sorted((package.PACKAGE / "Documentation~").glob("*.md"))
+TUTORIAL = package.PACKAGE.parent / "docs/tutorials/unity.md"
+PAGES = [*sorted((package.PACKAGE / "Documentation~").glob("*.md")), TUTORIAL]
 EXAMPLES = [
     pytest.param(example, id=f"{page.stem}-{number}")
     for page in PAGES

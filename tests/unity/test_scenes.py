@@ -101,7 +101,7 @@ def test_every_component_that_the_menu_offers_is_in_a_prefab():
 
 def test_the_menu_makes_every_component_of_the_documentations_table():
     index = (PACKAGE / "Documentation~" / "index.md").read_text()
-    (table,) = re.findall(r"^\| component \|.*\n((?:\|.*\n)+)", index, re.MULTILINE)
+    (table,) = re.findall(r"^\| Component \|.*\n((?:\|.*\n)+)", index, re.MULTILINE)
     cells = re.findall(r"^\| ([^|-]+) \|", table, re.MULTILINE)
     wanted = {name.strip().replace(" ", "").lower() for cell in cells for name in cell.split(",")}
     menus = "".join(path.read_text() for path in (PACKAGE / "Editor").glob("*Menu.cs"))
@@ -114,6 +114,18 @@ def test_the_menu_makes_every_component_of_the_documentations_table():
     missing = {name for name in wanted if re.sub("(display)?s?$", "", name) not in made}
     assert len(wanted) > 20
     assert missing == set()
+
+
+def test_the_drawing_of_the_tutorial_names_fields_of_the_components():
+    drawing = (PACKAGE.parent / "docs/images/unity-scene.svg").read_text()
+    components = re.findall(r'<g data-component="(\w+)">(.*?)</g>', drawing, re.DOTALL)
+    assert len(components) > 5
+    for component, group in components:
+        public = re.findall(r"public \w+ (\w+) =", SOURCES[component].read_text())
+        names = [*all_fields(read_script(SOURCES[component]), SOURCES), *public]
+        fields = {name.strip("_").lower() for name in names}
+        for label in re.findall(r'class="field"[^>]*>([^<]+)<', group):
+            assert label.replace(" ", "").lower() in fields, f"{component}: {label}"
 
 
 @pytest.mark.parametrize(
