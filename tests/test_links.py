@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-FOLDERS = ("docs", "docker", "benchmarks", "schemas", "unity_client")
+FOLDERS = ("changes", "docs", "docker", "benchmarks", "schemas", "unity_client")
 PAGES = [
     *ROOT.glob("*.md"),
     *(page for folder in FOLDERS for page in (ROOT / folder).rglob("*.md")),

@@ -2,7 +2,6 @@
 """The demonstrations run: their scenes build themselves, and drive the simulated robot."""
 
 import json
-import re
 from functools import cache
 from pathlib import Path
 
@@ -38,12 +37,6 @@ def binary() -> Binary:
 @pytest.mark.parametrize("test", csharp.parameters_of_compiled("samples", binary))
 def test_samples(test, check_csharp):
     check_csharp(test)
-
-
-def test_the_changelog_begins_with_the_version_of_the_package():
-    version = json.loads((package.PACKAGE / "package.json").read_text())["version"]
-    changes = (package.PACKAGE / "CHANGELOG.md").read_text()
-    assert re.findall(r"^## \[(.+?)\]", changes, re.MULTILINE)[0] == version
 
 
 def test_every_sample_is_offered_by_the_package_and_says_how_to_start_it():
