@@ -14,22 +14,21 @@ _INTRODUCTION: Final = f"""\
 <!-- {GENERATED} -->
 # Services and actions
 
-Clients name a type as `pkg/srv/Name` or `pkg/action/Name`, or as `pkg/Name`. What JSON carries, and
-the types that are nested here, stand on the page of [messages]({_MESSAGES}). Services and actions
-outside this table work too, if their packages or their definitions are installed on the machine
-of the gateway. [Your own messages](../how-to/own-messages.md) says how, and what a row here is
-good for.
+Look up a service or action type here: its parts, its fields, and its constants.
 
-A field that a client leaves out gets its default; one that the type does not have is refused. Where
-a client sends an array instead of an object, its elements are the values of the fields in the order
-of the tables below.
+Clients name a type as `pkg/srv/Name`, as `pkg/action/Name`, or as `pkg/Name`. Nested types and the
+values in JSON are in [Messages]({_MESSAGES}). Types that are not in this list also work.
+[Use your own messages](../how-to/own-messages.md) explains how.
+
+If a client leaves out a field, it gets its default. Unknown fields are refused. A client can also
+send an array instead of an object: the values of the fields, in the order of the tables below.
 """
 
 
 def write(catalogue: Catalogue) -> dict[str, str]:
     """Return the page."""
     rows = {row.name: row for row in catalogue.interface_rows}
-    parts = [_INTRODUCTION, "| type | purpose |\n|---|---|"]
+    parts = [_INTRODUCTION, "| Type | Purpose |\n|---|---|"]
     parts += [f"| [{name}](#{anchor(name)}) | {row.purpose} |" for name, row in rows.items()]
     for package, interfaces in by_package(catalogue.interfaces.values()).items():
         parts.append(f"\n## {package}")

@@ -8,12 +8,12 @@ def members(definition: Definition, page: str = "") -> list[str]:
     """Return the tables of a type's fields and constants; *page* has the nested messages."""
     lines = []
     if definition.fields:
-        lines.append("| field | type | default | |\n|---|---|---|---|")
+        lines.append("| Field | Type | Default | Description |\n|---|---|---|---|")
         lines += [_field(field, page) for field in definition.fields]
     else:
         lines.append("No fields.")
     if definition.constants:
-        lines.append("\n| constant | type | value | |\n|---|---|---|---|")
+        lines.append("\n| Constant | Type | Value | Description |\n|---|---|---|---|")
         lines += [_constant(constant) for constant in definition.constants]
     return lines
 

@@ -12,40 +12,38 @@ _INTRODUCTION: Final = f"""\
 <!-- {GENERATED} -->
 # Messages
 
-Clients name a type as `pkg/msg/Name`, as `pkg/Name`, or by its number below. Numbers never
-change. Types outside this table work too, if their packages or their definitions are installed on
-the machine of the gateway. [Your own messages](../how-to/own-messages.md) says how, and how to give
-one a number.
+Look up a message type here: its number, its JSON, its fields, and its constants.
 
-## What JSON carries
+Clients name a type as `pkg/msg/Name`, as `pkg/Name`, or by its number. Numbers never change.
+Types that are not in this list also work. [Use your own messages](../how-to/own-messages.md)
+explains how.
+
+## Values in JSON
 """
 
 _CARRIED: Final = {
     "`bool`": "`true` or `false`",
     "`int8` ... `uint64`, `byte`, `char`": "a number without fraction, in the range of its type",
-    "`float32`, `float64`": (
-        "a number, or `null` for NaN; infinities go out as `null` too; a `float32` beyond its "
-        "range is refused"
-    ),
+    "`float32`, `float64`": ("a number; `null` for NaN, and for infinities that the gateway sends"),
     "`string`, `wstring`": (
-        "text without NUL; `string<=N` counts bytes of UTF-8, `wstring<=N` code units of UTF-16"
+        "text without NUL; `N` counts bytes in `string<=N`, UTF-16 units in `wstring<=N`"
     ),
     "`uint8[]`, `byte[]`, `char[]`, also `[N]`, `[<=N]`": (
-        "base64; an array of integers is taken too"
+        "base64; clients can also send an array of integers"
     ),
-    "other arrays": "an array, `[N]` of exactly, `[<=N]` of at most that length",
+    "other arrays": "an array: `[N]` has exactly `N` elements, `[<=N]` at most",
     "`builtin_interfaces/msg/Time`": (
-        '`{"sec": 1, "nanosec": 5}`, `nanosec` as it is, also from 10^9 on; also taken: '
-        '`{"secs": 1, "nsecs": 5}` and `"now"`'
+        '`{"sec": 1, "nanosec": 5}`; clients can also send `{"secs": 1, "nsecs": 5}` or `"now"`'
     ),
-    "`builtin_interfaces/msg/Duration`": 'like Time, without `"now"`',
+    "`builtin_interfaces/msg/Duration`": 'as for `Time`, without `"now"`',
     "`std_msgs/msg/Header`": (
-        "an object; one without `stamp` is stamped on arrival, `seq` is ignored"
+        "an object; without `stamp` it gets the time of arrival; `seq` is ignored"
     ),
 }
 
 _OMITTED: Final = """\
-A field that a client leaves out gets its default; one that the type does not have is refused.
+If a client leaves out a field, it gets its default. Unknown fields and values out of range are
+refused.
 """
 
 
@@ -54,8 +52,8 @@ def write(catalogue: Catalogue) -> dict[str, str]:
     rows = {row.name: row for row in catalogue.rows}
     parts = [_INTRODUCTION, "| ROS 2 | JSON |\n|---|---|"]
     parts += [f"| {ros} | {carried} |" for ros, carried in _CARRIED.items()]
-    parts += ["", _OMITTED, "## The table\n"]
-    parts.append("| no. | type | directions | purpose |\n|---|---|---|---|")
+    parts += ["", _OMITTED, "## List of message types\n"]
+    parts.append("| Number | Type | Directions | Purpose |\n|---|---|---|---|")
     parts += [
         f"| {row.number} | [{row.name}](#{anchor(row.name)}) | {row.directions} | {row.purpose} |"
         for row in catalogue.rows

@@ -8,7 +8,7 @@ from schemas.models.std_msgs import Header
 
 
 class GoalID(ros.Message):
-    """The identity of a goal of an action in the manner of ROS 1."""
+    """The identity of a goal of a ROS 1 action."""
 
     ros_type: ros.ClassVar[str] = "actionlib_msgs/msg/GoalID"
     ros_type_hash: ros.ClassVar[str] = (
@@ -34,7 +34,7 @@ class GoalID(ros.Message):
 
 
 class GoalStatus(ros.Message):
-    """The state of one goal of such an action."""
+    """The state of one goal of a ROS 1 action."""
 
     ros_type: ros.ClassVar[str] = "actionlib_msgs/msg/GoalStatus"
     ros_type_hash: ros.ClassVar[str] = (
@@ -77,7 +77,7 @@ class GoalStatus(ros.Message):
 
 
 class GoalStatusArray(ros.Message):
-    """The states of all goals of such an action."""
+    """The states of all goals of a ROS 1 action."""
 
     ros_type: ros.ClassVar[str] = "actionlib_msgs/msg/GoalStatusArray"
     ros_type_hash: ros.ClassVar[str] = (

@@ -97,7 +97,7 @@ class AccelWithCovarianceStamped(ros.Message):
 
 
 class Inertia(ros.Message):
-    """Mass, centre of mass and inertia tensor of a body."""
+    """Mass, center of mass and inertia tensor of a body."""
 
     ros_type: ros.ClassVar[str] = "geometry_msgs/msg/Inertia"
     ros_type_hash: ros.ClassVar[str] = (
@@ -205,7 +205,7 @@ class Polygon(ros.Message):
 
 
 class PolygonInstance(ros.Message):
-    """An outline with a number that tells it from others.
+    """An outline with a number that identifies it.
 
     A specification of a polygon where the first and last points are assumed to be connected
     It includes a unique identification field for disambiguating multiple instances
@@ -320,7 +320,7 @@ class PoseArray(ros.Message):
 
 
 class PoseStamped(ros.Message):
-    """A pose in a frame: the goal a robot is sent to.
+    """A pose in a frame, for example the goal of a robot.
 
     A Pose with reference coordinate frame and timestamp
     """
@@ -360,7 +360,7 @@ class PoseWithCovariance(ros.Message):
 
 
 class PoseWithCovarianceStamped(ros.Message):
-    """A pose with its uncertainty: where a robot is told it stands.
+    """A pose with its uncertainty, for example the initial pose of a robot.
 
     This expresses an estimated pose with a reference coordinate frame and timestamp
     """

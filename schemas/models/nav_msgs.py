@@ -115,7 +115,7 @@ class OccupancyGrid(ros.Message):
 
 
 class Odometry(ros.Message):
-    """Pose and velocity of a robot as it estimates them itself.
+    """The pose and velocity that a robot estimates for itself.
 
     This represents an estimate of a position and velocity in free space.
     The pose in this message should be specified in the coordinate frame given by header.frame_id
@@ -146,7 +146,7 @@ class Odometry(ros.Message):
 
 
 class Path(ros.Message):
-    """The way a robot has planned.
+    """A planned path.
 
     An array of poses that represents a Path for a robot to follow.
     """

@@ -7,7 +7,7 @@ from schemas.models.builtin_interfaces import Time
 
 
 class Clock(ros.Message):
-    """The time, as on /clock when a simulator sets it."""
+    """The simulated time, as on /clock."""
 
     ros_type: ros.ClassVar[str] = "rosgraph_msgs/msg/Clock"
     ros_type_hash: ros.ClassVar[str] = (

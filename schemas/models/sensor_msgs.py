@@ -310,7 +310,7 @@ class CameraInfo(ros.Message):
 
 
 class ChannelFloat32(ros.Message):
-    """One value per point of a point cloud of the old kind.
+    """One value per point of a PointCloud (the old type).
 
     This message is used by the PointCloud message to hold optional data
     associated with each point in the cloud. The length of the values
@@ -352,7 +352,7 @@ class ChannelFloat32(ros.Message):
 
 
 class CompressedImage(ros.Message):
-    """A camera picture as JPEG or PNG.
+    """A camera image as JPEG or PNG.
 
     This message contains a compressed image.
     """
@@ -484,7 +484,7 @@ class Illuminance(ros.Message):
 
 
 class Image(ros.Message):
-    """A camera picture, uncompressed.
+    """A camera image, uncompressed.
 
     This message contains an uncompressed image
     (0, 0) is at top-left corner of image
@@ -841,7 +841,7 @@ class MultiDOFJointState(ros.Message):
 
 
 class MultiEchoLaserScan(ros.Message):
-    """A scan of a laser scanner that tells several echoes per beam.
+    """A laser scan with several echoes per beam.
 
     Single scan from a multi-echo planar laser range-finder
 
@@ -999,7 +999,7 @@ class NavSatFix(ros.Message):
 
 
 class PointCloud(ros.Message):
-    """Points in space, the old kind.
+    """Points in space (the old type).
 
     THIS MESSAGE IS DEPRECATED AS OF FOXY
     Please use sensor_msgs/PointCloud2
@@ -1035,7 +1035,7 @@ class PointCloud(ros.Message):
 
 
 class PointField(ros.Message):
-    """Where one value lies within a point of a cloud."""
+    """The place of one value in the data of a point."""
 
     ros_type: ros.ClassVar[str] = "sensor_msgs/msg/PointField"
     ros_type_hash: ros.ClassVar[str] = (

@@ -7,7 +7,7 @@ from schemas.models.builtin_interfaces import Time
 
 
 class Header(ros.HeaderMessage):
-    """A stamp and a frame, as most messages carry them.
+    """The time and the frame that most messages have.
 
     Standard metadata for higher-level stamped data types.
     This is generally used to communicate timestamped data
@@ -169,7 +169,7 @@ class Char(ros.Message):
 
 
 class ColorRGBA(ros.Message):
-    """A colour with its opacity."""
+    """A color with its opacity."""
 
     ros_type: ros.ClassVar[str] = "std_msgs/msg/ColorRGBA"
     ros_type_hash: ros.ClassVar[str] = (
@@ -183,7 +183,7 @@ class ColorRGBA(ros.Message):
 
 
 class Empty(ros.Message):
-    """Nothing: a trigger."""
+    """No data: a trigger."""
 
     ros_type: ros.ClassVar[str] = "std_msgs/msg/Empty"
     ros_type_hash: ros.ClassVar[str] = (
@@ -438,7 +438,7 @@ class Int8MultiArray(ros.Message):
 
 
 class String(ros.Message):
-    """Text: information screens, logs, commands in words.
+    """Text, for example for screens and logs.
 
     This was originally provided as an example message.
     It is deprecated as of Foxy

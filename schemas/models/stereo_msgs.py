@@ -8,7 +8,7 @@ from schemas.models.std_msgs import Header
 
 
 class DisparityImage(ros.Message):
-    """How far things lie apart in the two pictures of a stereo camera."""
+    """The disparity between the two images of a stereo camera."""
 
     ros_type: ros.ClassVar[str] = "stereo_msgs/msg/DisparityImage"
     ros_type_hash: ros.ClassVar[str] = (

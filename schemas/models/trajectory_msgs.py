@@ -60,7 +60,7 @@ class JointTrajectoryPoint(ros.Message):
 
 
 class JointTrajectory(ros.Message):
-    """Where the joints of an arm shall be, and when."""
+    """The positions of the joints of an arm over time."""
 
     ros_type: ros.ClassVar[str] = "trajectory_msgs/msg/JointTrajectory"
     ros_type_hash: ros.ClassVar[str] = (
@@ -91,7 +91,7 @@ class JointTrajectory(ros.Message):
 
 
 class MultiDOFJointTrajectoryPoint(ros.Message):
-    """One instant of such a trajectory."""
+    """One instant of a trajectory with several degrees of freedom."""
 
     ros_type: ros.ClassVar[str] = "trajectory_msgs/msg/MultiDOFJointTrajectoryPoint"
     ros_type_hash: ros.ClassVar[str] = (
@@ -117,7 +117,7 @@ class MultiDOFJointTrajectoryPoint(ros.Message):
 
 
 class MultiDOFJointTrajectory(ros.Message):
-    """Where joints with several degrees of freedom shall be, and when."""
+    """The poses of joints with several degrees of freedom over time."""
 
     ros_type: ros.ClassVar[str] = "trajectory_msgs/msg/MultiDOFJointTrajectory"
     ros_type_hash: ros.ClassVar[str] = (

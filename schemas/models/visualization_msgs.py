@@ -10,7 +10,7 @@ from schemas.models.std_msgs import ColorRGBA, Header
 
 
 class ImageMarker(ros.Message):
-    """A shape drawn onto a picture."""
+    """A shape to draw onto an image."""
 
     ros_type: ros.ClassVar[str] = "visualization_msgs/msg/ImageMarker"
     ros_type_hash: ros.ClassVar[str] = (
@@ -74,7 +74,7 @@ class ImageMarker(ros.Message):
 
 
 class MenuEntry(ros.Message):
-    """One entry of the menu of an interactive shape.
+    """One entry of the menu of an interactive marker.
 
     MenuEntry message.
 
@@ -145,7 +145,7 @@ class MenuEntry(ros.Message):
 
 
 class UVCoordinate(ros.Message):
-    """A place on a texture."""
+    """A point on a texture."""
 
     ros_type: ros.ClassVar[str] = "visualization_msgs/msg/UVCoordinate"
     ros_type_hash: ros.ClassVar[str] = (
@@ -187,7 +187,7 @@ class MeshFile(ros.Message):
 
 
 class Marker(ros.Message):
-    """A shape drawn into a 3D viewer.
+    """A shape to show in a 3D viewer.
 
     See:
      - http://www.ros.org/wiki/rviz/DisplayTypes/Marker
@@ -316,7 +316,7 @@ class Marker(ros.Message):
 
 
 class InteractiveMarkerControl(ros.Message):
-    """One handle of such a shape.
+    """One handle of an interactive marker.
 
     Represents a control that is to be displayed together with an interactive marker
     """
@@ -414,7 +414,7 @@ class InteractiveMarkerControl(ros.Message):
 
 
 class InteractiveMarker(ros.Message):
-    """A shape that people can move in a viewer."""
+    """An interactive marker: a shape that people can move in a viewer."""
 
     ros_type: ros.ClassVar[str] = "visualization_msgs/msg/InteractiveMarker"
     ros_type_hash: ros.ClassVar[str] = (
@@ -462,7 +462,7 @@ class InteractiveMarker(ros.Message):
 
 
 class InteractiveMarkerFeedback(ros.Message):
-    """What somebody did with such a shape."""
+    """What a person did with an interactive marker."""
 
     ros_type: ros.ClassVar[str] = "visualization_msgs/msg/InteractiveMarkerFeedback"
     ros_type_hash: ros.ClassVar[str] = (
@@ -519,7 +519,7 @@ class InteractiveMarkerFeedback(ros.Message):
 
 
 class InteractiveMarkerInit(ros.Message):
-    """All such shapes of a server, for a viewer that has just started."""
+    """All interactive markers of a server, for a viewer that has just started."""
 
     ros_type: ros.ClassVar[str] = "visualization_msgs/msg/InteractiveMarkerInit"
     ros_type_hash: ros.ClassVar[str] = (
@@ -551,7 +551,7 @@ class InteractiveMarkerInit(ros.Message):
 
 
 class InteractiveMarkerPose(ros.Message):
-    """The new pose of such a shape."""
+    """The new pose of an interactive marker."""
 
     ros_type: ros.ClassVar[str] = "visualization_msgs/msg/InteractiveMarkerPose"
     ros_type_hash: ros.ClassVar[str] = (
@@ -573,7 +573,7 @@ class InteractiveMarkerPose(ros.Message):
 
 
 class InteractiveMarkerUpdate(ros.Message):
-    """Which such shapes came, moved or went."""
+    """Interactive markers that are new, moved or removed."""
 
     ros_type: ros.ClassVar[str] = "visualization_msgs/msg/InteractiveMarkerUpdate"
     ros_type_hash: ros.ClassVar[str] = (
@@ -620,7 +620,7 @@ class InteractiveMarkerUpdate(ros.Message):
 
 
 class MarkerArray(ros.Message):
-    """Many shapes drawn into a 3D viewer."""
+    """Many shapes to show in a 3D viewer."""
 
     ros_type: ros.ClassVar[str] = "visualization_msgs/msg/MarkerArray"
     ros_type_hash: ros.ClassVar[str] = (

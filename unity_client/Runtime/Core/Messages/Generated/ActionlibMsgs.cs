@@ -5,7 +5,7 @@ using Ros2Gateway.Json;
 
 namespace Ros2Gateway.Messages.ActionlibMsgs
 {
-    /// <summary>The identity of a goal of an action in the manner of ROS 1.</summary>
+    /// <summary>The identity of a goal of a ROS 1 action.</summary>
     [Serializable]
     public sealed class GoalIDMsg : IMessage
     {
@@ -70,7 +70,7 @@ namespace Ros2Gateway.Messages.ActionlibMsgs
         }
     }
 
-    /// <summary>The state of one goal of such an action.</summary>
+    /// <summary>The state of one goal of a ROS 1 action.</summary>
     [Serializable]
     public sealed class GoalStatusMsg : IMessage
     {
@@ -190,7 +190,7 @@ namespace Ros2Gateway.Messages.ActionlibMsgs
         }
     }
 
-    /// <summary>The states of all goals of such an action.</summary>
+    /// <summary>The states of all goals of a ROS 1 action.</summary>
     [Serializable]
     public sealed class GoalStatusArrayMsg : IMessage
     {

@@ -317,7 +317,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
         }
     }
 
-    /// <summary>Mass, centre of mass and inertia tensor of a body.</summary>
+    /// <summary>Mass, center of mass and inertia tensor of a body.</summary>
     [Serializable]
     public sealed class InertiaMsg : IMessage
     {
@@ -750,7 +750,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     }
 
     /// <summary>
-    /// An outline with a number that tells it from others.
+    /// An outline with a number that identifies it.
     ///
     /// A specification of a polygon where the first and last points are assumed to be connected
     /// It includes a unique identification field for disambiguating multiple instances
@@ -1211,7 +1211,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     }
 
     /// <summary>
-    /// A pose in a frame: the goal a robot is sent to.
+    /// A pose in a frame, for example the goal of a robot.
     ///
     /// A Pose with reference coordinate frame and timestamp
     /// </summary>
@@ -1339,7 +1339,7 @@ namespace Ros2Gateway.Messages.GeometryMsgs
     }
 
     /// <summary>
-    /// A pose with its uncertainty: where a robot is told it stands.
+    /// A pose with its uncertainty, for example the initial pose of a robot.
     ///
     /// This expresses an estimated pose with a reference coordinate frame and timestamp
     /// </summary>

@@ -318,7 +318,7 @@ namespace Ros2Gateway.Messages.NavMsgs
     }
 
     /// <summary>
-    /// Pose and velocity of a robot as it estimates them itself.
+    /// The pose and velocity that a robot estimates for itself.
     ///
     /// This represents an estimate of a position and velocity in free space.
     /// The pose in this message should be specified in the coordinate frame given by header.frame_id
@@ -399,7 +399,7 @@ namespace Ros2Gateway.Messages.NavMsgs
     }
 
     /// <summary>
-    /// The way a robot has planned.
+    /// A planned path.
     ///
     /// An array of poses that represents a Path for a robot to follow.
     /// </summary>

@@ -5,7 +5,7 @@ using Ros2Gateway.Json;
 
 namespace Ros2Gateway.Messages.RosgraphMsgs
 {
-    /// <summary>The time, as on /clock when a simulator sets it.</summary>
+    /// <summary>The simulated time, as on /clock.</summary>
     [Serializable]
     public sealed class ClockMsg : IMessage
     {

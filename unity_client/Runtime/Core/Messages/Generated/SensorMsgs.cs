@@ -621,7 +621,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     }
 
     /// <summary>
-    /// One value per point of a point cloud of the old kind.
+    /// One value per point of a PointCloud (the old type).
     ///
     /// This message is used by the PointCloud message to hold optional data
     /// associated with each point in the cloud. The length of the values
@@ -703,7 +703,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     }
 
     /// <summary>
-    /// A camera picture as JPEG or PNG.
+    /// A camera image as JPEG or PNG.
     ///
     /// This message contains a compressed image.
     /// </summary>
@@ -973,7 +973,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     }
 
     /// <summary>
-    /// A camera picture, uncompressed.
+    /// A camera image, uncompressed.
     ///
     /// This message contains an uncompressed image
     /// (0, 0) is at top-left corner of image
@@ -1926,7 +1926,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     }
 
     /// <summary>
-    /// A scan of a laser scanner that tells several echoes per beam.
+    /// A laser scan with several echoes per beam.
     ///
     /// Single scan from a multi-echo planar laser range-finder
     ///
@@ -2317,7 +2317,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
     }
 
     /// <summary>
-    /// Points in space, the old kind.
+    /// Points in space (the old type).
     ///
     /// THIS MESSAGE IS DEPRECATED AS OF FOXY
     /// Please use sensor_msgs/PointCloud2
@@ -2397,7 +2397,7 @@ namespace Ros2Gateway.Messages.SensorMsgs
         }
     }
 
-    /// <summary>Where one value lies within a point of a cloud.</summary>
+    /// <summary>The place of one value in the data of a point.</summary>
     [Serializable]
     public sealed class PointFieldMsg : IMessage
     {

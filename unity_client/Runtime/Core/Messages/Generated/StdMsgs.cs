@@ -6,7 +6,7 @@ using Ros2Gateway.Json;
 namespace Ros2Gateway.Messages.StdMsgs
 {
     /// <summary>
-    /// A stamp and a frame, as most messages carry them.
+    /// The time and the frame that most messages have.
     ///
     /// Standard metadata for higher-level stamped data types.
     /// This is generally used to communicate timestamped data
@@ -476,7 +476,7 @@ namespace Ros2Gateway.Messages.StdMsgs
         }
     }
 
-    /// <summary>A colour with its opacity.</summary>
+    /// <summary>A color with its opacity.</summary>
     [Serializable]
     public sealed class ColorRGBAMsg : IMessage
     {
@@ -551,7 +551,7 @@ namespace Ros2Gateway.Messages.StdMsgs
         }
     }
 
-    /// <summary>Nothing: a trigger.</summary>
+    /// <summary>No data: a trigger.</summary>
     [Serializable]
     public sealed class EmptyMsg : IMessage
     {
@@ -1323,7 +1323,7 @@ namespace Ros2Gateway.Messages.StdMsgs
     }
 
     /// <summary>
-    /// Text: information screens, logs, commands in words.
+    /// Text, for example for screens and logs.
     ///
     /// This was originally provided as an example message.
     /// It is deprecated as of Foxy

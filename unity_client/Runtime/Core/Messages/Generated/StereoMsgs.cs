@@ -5,7 +5,7 @@ using Ros2Gateway.Json;
 
 namespace Ros2Gateway.Messages.StereoMsgs
 {
-    /// <summary>How far things lie apart in the two pictures of a stereo camera.</summary>
+    /// <summary>The disparity between the two images of a stereo camera.</summary>
     [Serializable]
     public sealed class DisparityImageMsg : IMessage
     {

@@ -111,7 +111,7 @@ namespace Ros2Gateway.Messages.TrajectoryMsgs
         }
     }
 
-    /// <summary>Where the joints of an arm shall be, and when.</summary>
+    /// <summary>The positions of the joints of an arm over time.</summary>
     [Serializable]
     public sealed class JointTrajectoryMsg : IMessage
     {
@@ -186,7 +186,7 @@ namespace Ros2Gateway.Messages.TrajectoryMsgs
         }
     }
 
-    /// <summary>One instant of such a trajectory.</summary>
+    /// <summary>One instant of a trajectory with several degrees of freedom.</summary>
     [Serializable]
     public sealed class MultiDOFJointTrajectoryPointMsg : IMessage
     {
@@ -261,7 +261,7 @@ namespace Ros2Gateway.Messages.TrajectoryMsgs
         }
     }
 
-    /// <summary>Where joints with several degrees of freedom shall be, and when.</summary>
+    /// <summary>The poses of joints with several degrees of freedom over time.</summary>
     [Serializable]
     public sealed class MultiDOFJointTrajectoryMsg : IMessage
     {

@@ -5,7 +5,7 @@ using Ros2Gateway.Json;
 
 namespace Ros2Gateway.Messages.VisualizationMsgs
 {
-    /// <summary>A shape drawn onto a picture.</summary>
+    /// <summary>A shape to draw onto an image.</summary>
     [Serializable]
     public sealed class ImageMarkerMsg : IMessage
     {
@@ -186,7 +186,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
     }
 
     /// <summary>
-    /// One entry of the menu of an interactive shape.
+    /// One entry of the menu of an interactive marker.
     ///
     /// MenuEntry message.
     ///
@@ -323,7 +323,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
         }
     }
 
-    /// <summary>A place on a texture.</summary>
+    /// <summary>A point on a texture.</summary>
     [Serializable]
     public sealed class UVCoordinateMsg : IMessage
     {
@@ -448,7 +448,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
     }
 
     /// <summary>
-    /// A shape drawn into a 3D viewer.
+    /// A shape to show in a 3D viewer.
     ///
     /// See:
     ///  - http://www.ros.org/wiki/rviz/DisplayTypes/Marker
@@ -747,7 +747,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
     }
 
     /// <summary>
-    /// One handle of such a shape.
+    /// One handle of an interactive marker.
     ///
     /// Represents a control that is to be displayed together with an interactive marker
     /// </summary>
@@ -948,7 +948,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
         }
     }
 
-    /// <summary>A shape that people can move in a viewer.</summary>
+    /// <summary>An interactive marker: a shape that people can move in a viewer.</summary>
     [Serializable]
     public sealed class InteractiveMarkerMsg : IMessage
     {
@@ -1060,7 +1060,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
         }
     }
 
-    /// <summary>What somebody did with such a shape.</summary>
+    /// <summary>What a person did with an interactive marker.</summary>
     [Serializable]
     public sealed class InteractiveMarkerFeedbackMsg : IMessage
     {
@@ -1215,7 +1215,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
         }
     }
 
-    /// <summary>All such shapes of a server, for a viewer that has just started.</summary>
+    /// <summary>All interactive markers of a server, for a viewer that has just started.</summary>
     [Serializable]
     public sealed class InteractiveMarkerInitMsg : IMessage
     {
@@ -1291,7 +1291,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
         }
     }
 
-    /// <summary>The new pose of such a shape.</summary>
+    /// <summary>The new pose of an interactive marker.</summary>
     [Serializable]
     public sealed class InteractiveMarkerPoseMsg : IMessage
     {
@@ -1360,7 +1360,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
         }
     }
 
-    /// <summary>Which such shapes came, moved or went.</summary>
+    /// <summary>Interactive markers that are new, moved or removed.</summary>
     [Serializable]
     public sealed class InteractiveMarkerUpdateMsg : IMessage
     {
@@ -1473,7 +1473,7 @@ namespace Ros2Gateway.Messages.VisualizationMsgs
         }
     }
 
-    /// <summary>Many shapes drawn into a 3D viewer.</summary>
+    /// <summary>Many shapes to show in a 3D viewer.</summary>
     [Serializable]
     public sealed class MarkerArrayMsg : IMessage
     {
