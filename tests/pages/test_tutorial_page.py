@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The page of the tutorial, served as it says, in a real browser."""
+
+import functools
+import http.server
+import threading
+from urllib.parse import urlsplit
+
+import pytest
+
+from tests.client import client
+from tests.demonstration import demonstration, until_it_can_be_driven
+from tests.doc_blocks import DOCS, texts
+from tests.pages.conftest import robots_domain
+from tests.pages.patient_demo import PATIENT
+
+TUTORIAL = "tutorials/browser-page.md"
+MOVED = "() => parseFloat(document.getElementById('x').textContent) > 0.05"
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+
+class Handler(http.server.SimpleHTTPRequestHandler):
+    def log_message(self, *_: object) -> None:
+        pass
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A folder that a web server of this machine serves, and the address of that."""
+    handler = functools.partial(Handler, directory=tmp_path)
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler)
+    thread = threading.Thread(target=server.serve_forever)
+    thread.start()
+    yield tmp_path, f"http://localhost:{server.server_port}"
+    server.shutdown()
+    thread.join()
+    server.server_close()
+
+
+def serve(folder, gateway) -> None:
+    (html,) = texts(TUTORIAL, "html")
+    port = str(urlsplit(gateway.url).port)
+    assert "ws://localhost:9090" in html
+    (folder / "index.html").write_text(html.replace("9090", port))
+    (folder / "favicon.ico").touch()
+
+
+def patient_demo(*arguments):
+    apart = ("env", f"ROS_DOMAIN_ID={robots_domain()}")
+    arguments = (*PATIENT, *arguments)
+    return demonstration(*arguments, module="tests.pages.patient_demo", before=apart)
+
+
+async def test_the_page_shows_and_drives_with_the_setting_of_the_tutorial(folder, open_page):
+    files, address = folder
+    command = "make demo ARGS='--set allowed_origins=http://localhost:8000'\n"
+    assert command in texts(TUTORIAL, "sh")
+    async with patient_demo("--set", f"allowed_origins={address}") as gateway:
+        serve(files, gateway)
+        async with client(gateway.url) as person, open_page(address) as page:
+            await until_it_can_be_driven(person)
+            await page.get_by_text("connected", exact=True).wait_for()
+            await person.send(op="control", topic="/cmd_vel", watch=True)
+            await page.hover("#forward")
+            await page.mouse.down()
+            await page.wait_for_function(MOVED)
+            await page.mouse.up()
+            await person.receive(
+                lambda frame: frame["op"] == "control" and frame["cause"] == "zero"
+            )
+            await page.hover("#stop")
+            await page.mouse.down()
+            await person.receive(
+                lambda frame: frame["op"] == "control" and frame["cause"] in {"zero", "stop"}
+            )
+            assert await page.inner_text("#error") == ""
+
+
+async def test_without_the_setting_the_page_watches_stops_and_says_why(folder, open_page):
+    files, address = folder
+    async with patient_demo() as gateway:
+        serve(files, gateway)
+        async with open_page(address) as page:
+            await page.wait_for_function(
+                "() => document.getElementById('x').textContent.includes('m')"
+            )
+            await page.hover("#forward")
+            await page.mouse.down()
+            error = texts(TUTORIAL, "text")[0].strip()
+            await page.get_by_text(error, exact=True).wait_for()
+            await page.mouse.up()
+            await page.evaluate("() => show('error', '')")
+            await page.click("#stop")
+            await page.evaluate("() => send({ op: 'ping', id: 'after' })")
+            assert await page.inner_text("#error") == ""
+
+
+def test_the_command_of_the_tutorial_serves_this_machine_alone():
+    page = (DOCS / TUTORIAL).read_text(encoding="utf-8")
+    assert "python3 -m http.server 8000 --bind 127.0.0.1\n" in page
