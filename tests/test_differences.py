@@ -23,124 +23,124 @@ PERMISSIONS = "router/test_permission_checks.py"
 DRIVE = "drive/test_drive.py"
 BAD_INPUT = "router/test_bad_input.py"
 
-# how each row of the page begins, and the tests that fail without what it says
+# The beginning of each item on the page, and the tests that fail without it.
 TESTS = {
-    "Every refusal is answered": [
+    "**Refusals:**": [
         f"{BAD_INPUT}::test_every_operation_that_is_refused_is_answered_with_its_id",
         f"{CALLS}::test_a_call_that_fails_is_answered_with_the_reason",
         f"{CALLS}::test_a_call_whose_server_dies_is_answered",
         f"{CALLS}::test_a_call_that_nobody_answers_times_out",
         f"{GOALS}::test_a_goal_whose_server_dies_is_answered",
     ],
-    "Calls and goals never hold up": [
+    "**Waiting:**": [
         f"{CALLS}::test_calls_do_not_wait_for_each_other",
         "clients/test_services.py::test_a_slow_service_holds_up_nothing_else",
         "clients/test_actions.py::test_several_goals_at_once_keep_apart",
     ],
-    "A service has 5 s to answer": [
+    "**Time limit:**": [
         f"{CALLS}::test_a_call_that_nobody_answers_times_out",
         f"{CALLS}::test_no_time_limit_is_a_long_one",
     ],
-    "Types are checked": [
+    "**Types**": [
         f"{PUBLICATIONS}::test_a_message_that_does_not_fit_its_type_is_refused_with_its_path",
     ],
-    "If `type` of `call_service` differs": [
+    "**Type of a call:**": [
         f"{CALLS}::test_a_service_of_another_type_is_not_called",
         f"{CALLS}::test_the_type_may_be_said",
         f"{CALLS}::test_rosapi_takes_any_type",
     ],
-    "A string with U+0000 is refused": [
+    "**NUL:**": [
         "codec/test_validation.py::test_text_without_encoding_is_refused_in_words",
     ],
-    "In a call, a list in `args`": [
+    "**Long `args`:**": [
         f"{CALLS}::test_a_call_that_fails_is_answered_with_the_reason",
     ],
-    "A frame holds one JSON object": [
+    "**Frames:**": [
         "codec/test_json.py::test_what_is_no_json_raises_json_error_with_the_place",
     ],
-    "A `float32` has as many digits": [
+    "**`float32`**": [
         "codec/cdr/test_float32.py::test_every_float32_is_spelled_as_numpy_spells_it",
     ],
-    "A duplicate key in JSON is refused": [
+    "**Duplicate keys**": [
         "codec/test_json.py::test_a_duplicate_key_raises_json_error_naming_it",
     ],
-    "NaN and infinities are `null`": [
+    "**NaN and infinities**": [
         "codec/cdr/test_decoder.py::test_non_finite_floats_are_kept_and_written_as_null",
         "codec/test_types.py::test_null_reaches_ros_as_nan",
     ],
-    "The `nanosec` of a time is relayed": [
+    "**`nanosec`**": [
         f"{PUBLICATIONS}::test_a_stamp_is_relayed_as_it_is",
         "codec/test_types.py::test_a_time_is_the_same_on_both_sides_whatever_its_nanoseconds",
         "e2e/test_message_table.py::test_what_a_robot_publishes_reaches_a_client",
         "e2e/test_message_table.py::test_what_a_client_publishes_reaches_a_robot",
         f"{OPERATIONS}::test_the_last_value_within_a_bound_is_taken_and_the_first_beyond_it_refused",
     ],
-    "The last sample of a throttled topic": [
+    "**Throttle:**": [
         f"{SUBSCRIPTIONS}::test_a_throttled_topic_delivers_the_last_sample_too",
     ],
-    "Queues drop the oldest message": [
+    "**Queues**": [
         "protocol/test_outbox.py::test_a_full_queue_drops_its_oldest_entry_and_counts_it",
         f"{SUBSCRIPTIONS}::test_meta_numbers_samples_and_counts_what_was_dropped",
     ],
-    "A client that takes nothing of what waits": [
+    "**Slow clients:**": [
         "server/test_server.py::test_a_client_that_takes_nothing_is_cut_off_and_harms_nobody",
         "server/test_server.py::test_a_client_that_answers_no_ping_stays_and_a_late_answer_is_measured",
     ],
-    "A subscription is transient local only": [
+    "**Durability:**": [
         "ros/test_qos.py::test_reliable_and_transient_local_only_if_all_are",
     ],
-    "`sensor_msgs/msg/Image` comes as JPEG": [
+    "**Images:**": [
         f"{SUBSCRIPTIONS}::test_an_image_comes_as_jpeg_in_the_shape_of_compressed_image",
         f"{SUBSCRIPTIONS}::test_raw_pixels_and_single_fields_of_an_image_come_when_asked_for",
         f"{SUBSCRIPTIONS}::test_who_asks_for_no_format_gets_that_of_its_connection",
     ],
-    "When a client leaves, everything": [
+    "**After a client leaves,**": [
         "clients/test_many.py::test_a_client_that_is_killed_leaves_nothing",
         f"{CLIENT_SERVICES}::test_a_client_that_leaves_lets_its_calls_fail",
         f"{GOALS}::test_a_client_that_leaves_cancels_its_goals",
         f"{PUBLICATIONS}::test_publishers_go_with_their_client",
     ],
-    '`"result":false` without `values`': [
+    '**`"result":false`**': [
         f"{CLIENT_SERVICES}::test_a_failure_without_values_reaches_the_caller_as_one",
         f"{CLIENT_SERVICES}::test_a_failure_with_values_passes_them_on_with_a_warning",
     ],
-    "`action_result` without `status`": [
+    "**`action_result`**": [
         f"{CLIENT_ACTIONS}::test_a_result_may_leave_out_what_old_clients_leave_out",
     ],
-    "`fragment_size` is for the subscription": [
+    "**`fragment_size`**": [
         "protocol/test_session.py::test_an_answer_is_cut_only_where_that_is_asked_for",
         "protocol/test_session.py::test_a_malformed_fragment_is_answered_with_its_id",
         f"{FRAGMENTS}::test_pieces_of_several_messages_come_in_any_order_and_twice",
     ],
-    "In CBOR, short and empty arrays": [
+    "**CBOR:**": [
         "codec/cdr/test_to_cbor.py::test_arrays_of_numbers_are_typed_short_and_empty_ones_too",
     ],
-    "`auth` takes a `token`": [
+    "**`auth`**": [
         f"{PERMISSIONS}::test_auth_goes_to_who_knows_the_tokens_and_is_ignored_where_nobody_does",
         "schemas/test_message.py::test_the_seq_of_a_header_is_ignored",
     ],
-    "A `fragment_size` below 64": [
+    "**Small fragments:**": [
         f"{OPERATIONS}::test_the_last_value_within_a_bound_is_taken_and_the_first_beyond_it_refused",
         f"{CALLS}::test_a_call_that_fails_is_answered_with_the_reason",
     ],
-    "A node that is killed stays in the ROS graph": [
+    "**Killed nodes**": [
         f"{GOALS}::test_a_goal_whose_server_dies_is_answered",
     ],
-    "The `Origin` of a web page is checked": [
+    "**Web pages:**": [
         "access/test_web_rules.py::test_a_page_of_another_server_on_this_machine_is_local",
         f"{PERMISSIONS}::test_a_local_page_watches_and_calls_but_does_not_drive",
         "server/test_server.py::test_only_own_pages_and_allowed_ones_connect",
         "server/test_server.py::test_a_refused_page_is_logged_once_with_the_setting_that_allows_it",
     ],
-    "Clients, and what each may open": [
+    "**Limits:**": [
         f"{SUBSCRIPTIONS}::test_subscriptions_are_limited_per_client",
         f"{PUBLICATIONS}::test_advertisements_are_limited_per_client",
         "server/test_server.py::test_one_address_cannot_take_all_places",
     ],
-    "A command topic is volatile": [
+    "**Command topics**": [
         "router/commands/test_commands.py::test_the_publisher_is_reliable_and_keeps_one_command_for_a_moment",
     ],
-    "A robot is stopped when commands": [
+    "**Stop:**": [
         f"{DRIVE}::test_after_the_deadline_five_zeros_come_within_250_ms_and_then_nothing",
         f"{DRIVE}::test_a_client_that_drives_keeps_others_out_until_it_is_silent_for_the_lease",
     ],

@@ -77,7 +77,7 @@ EXPLANATIONS: Final[Mapping[StatusCode, Explanation]] = {
         "Use the type that `msg` names. If `msg` names several, choose one by `type`.",
     ),
     "not_found": Explanation(
-        "What you named does not exist.",
+        "The name does not exist.",
         "The name is misspelled, its node is not running, or what you want to end has already"
         " ended. A name that your role may not see does not exist for you.",
         "Use the name that `msg` suggests, or start the node that provides it.",
@@ -115,7 +115,7 @@ EXPLANATIONS: Final[Mapping[StatusCode, Explanation]] = {
     ),
     "tripped": Explanation(
         "The robot was stopped, and the gateway refuses commands that move it.",
-        "`msg` names the cause: commands stopped arriving, somebody sent `stop`, the guard process"
+        "`msg` names the cause: commands stopped arriving, a client sent `stop`, the guard process"
         " is not ready, or others. See [driving](protocol/driving.md).",
         'Publish a zero command (`"msg":{}`), wait 250 ms, then send commands again.',
     ),
