@@ -57,11 +57,16 @@ kilted: $(READY_ON_KILTED) ## test what depends on ROS with ROS 2 Kilted, in .ve
 	@$(KILTED)/bin/python -m tests.interfaces
 	$(KILTED)/bin/python -m pytest $(WORKERS) $(or $(ARGS),$(TESTS_OF_ROS))
 
-lint: $(READY_FOR_TESTS) ## check style, types and layers
+# Generated pages, and the text of the licence.
+NOT_LINTED := docs/reference/messages.md docs/reference/services.md unity_client/LICENSE.md
+
+lint: $(READY_FOR_TESTS) ## check style, types, layers, and spelling
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-logo
+	$(BIN)/codespell
+	$(BIN)/pymarkdown scan -r $(NOT_LINTED:%=-e %) README.md CONTRIBUTING.md CHANGELOG.md docker docs unity_client
 
 format: $(READY_FOR_TESTS) ## repair what style repairs can
 	$(BIN)/ruff check --fix

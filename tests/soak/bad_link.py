@@ -99,7 +99,7 @@ async def bad_link(port: int, far: FarNetwork | None) -> AsyncIterator[BadLink]:
     async def cut(is_cut: bool) -> None:
         far.cut(is_cut)
 
-    words = "a network namespace of its own, 2 Mbit/s by tc tbf"
+    words = "a separate network namespace, 2 Mbit/s by tc tbf"
     yield BadLink(words, f"ws://{_NEAR}:{port}/", far.enter, cut)
 
 

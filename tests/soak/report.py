@@ -46,10 +46,11 @@ def _head(record: Record, *, strict: bool) -> list[str]:
     manner = "strictly" if strict else "leniently"
     worst_ms = late[-1] * 1e3 if late else 0.0
     load = f"{sum(loads) / len(loads):.1f} ({max(loads):.1f} at most)"
-    lateness = f"{worst_ms:.0f} ms late once, and {len(late)} times more than 5 ms"
+    lateness = f"up to {worst_ms:.0f} ms late, and {len(late)} times more than 5 ms"
     return [
-        f"{record.minutes:g} minutes on {now:%Y-%m-%d}, {cores} cores, {system}; judged {manner}.",
-        f"The load average was {load}; a process that only sleeps was {lateness}.",
+        f"{record.minutes:g} minutes on {now:%Y-%m-%d}, {cores} cores, {system}. Judged {manner}.",
+        f"The load average was {load}.",
+        f"A process that only sleeps was {lateness}.",
         f"The bad link: {record.link}.",
         "",
     ]
@@ -57,13 +58,13 @@ def _head(record: Record, *, strict: bool) -> list[str]:
 
 def _table(verdicts: Sequence[Verdict]) -> list[str]:
     rows = [f"| {one.subject} | {one.figure} | {one.bound} | {one.word} |" for one in verdicts]
-    return ["| | figure | bound | |", "|---|---|---|---|", *rows, ""]
+    return ["| Subject | Figure | Limit | Verdict |", "|---|---|---|---|", *rows, ""]
 
 
 def _load(record: Record) -> list[str]:
     topics = list(record.bare["heard"])
     lines = [
-        "| client | " + " | ".join(topics) + " | connections |",
+        "| Client | " + " | ".join(topics) + " | Connections |",
         "|---|" + "---|" * (len(topics) + 1),
         "| (bare subscriber) | "
         + " | ".join(str(record.bare["heard"][topic]) for topic in topics)
@@ -72,14 +73,17 @@ def _load(record: Record) -> list[str]:
     for name, report in record.clients.items():
         heard = " | ".join(str(report["heard"][topic]) for topic in topics)
         lines.append(f"| {name} | {heard} | {report['connections']} |")
-    disturbances = ", ".join(f"{name} {count} times" for name, count in record.counts.items())
+    disturbances = [f"- {name}: {count} times" for name, count in record.counts.items()]
     first, last = record.vitals[0], record.vitals[-1]
     resident = f"{first.resident_mb:.0f} -> {last.resident_mb:.0f} MB"
     own = f"{first.own_mb:.0f} -> {last.own_mb:.0f} MB"
     return [
         *lines,
         "",
-        f"Disturbances: {disturbances}.",
-        f"Resident memory: {resident}, of that its own: {own}; the rest are libraries, and",
-        "segments of shared memory that belong to the publishers.",
+        "Disturbances:",
+        "",
+        *disturbances,
+        "",
+        f"Resident memory: {resident}, of which {own} are the gateway's.",
+        "The rest are libraries, and shared memory of the publishers.",
     ]

@@ -13,16 +13,20 @@ FOLDER: Final = Path(__file__).parent
 _PAGE: Final = """\
 # Mutants
 
-`make mutants` breaks lines of the code on purpose, one at a time, in a copy of the tree, and runs
-the tests that belong to each; `make mutants WHAT=codec` takes those whose path or rule contains
-that word. A mutant that no test notices survives: either a test is missing, or there is a reason,
-and it stands below. The command fails below {share:.0%} killed, and where a survivor has no reason.
+After this page you can check that tests notice a broken line, and add an entry for a new limit.
 
-The lists are `tools/mutants/*.toml`: a file, the rule that the line keeps, the line and what it
-becomes. Where a listed line changes, its entry changes with it; `tests/tools/test_mutants.py` sees
-to that. `make docs` writes this page.
+`make mutants` breaks one line of code at a time, in a copy of the tree, and runs the tests of it.
+Run it in the directory of the repository. `make mutants WHAT=codec` takes the entries whose path or
+rule contains that word.
 
-| package | mutants | expected to survive |
+If no test notices a mutant, it survives. Then write the missing test, or add a reason to the entry.
+The command fails if fewer than {share:.0%} are killed, or if a survivor has no reason.
+
+The entries are in `tools/mutants/*.toml`. Each has a file, a rule, a line, and the broken line.
+If you change such a line, change its entry. `tests/tools/test_mutants.py` checks this.
+`make docs` writes this page.
+
+| Package | Mutants | Expected to survive |
 |---|---|---|
 {counts}
 
@@ -90,7 +94,7 @@ def page(mutants: Sequence[Mutant], share: float) -> str:
         surviving = sum(mutant.survives is not None for mutant in of_package)
         counts.append(f"| `{package}` | {len(of_package)} | {surviving} |")
     survivors = [
-        f"- `{mutant.file}`, {mutant.rule}: {mutant.survives}"
+        f"- `{mutant.file}`, {mutant.rule}:\n  {mutant.survives}"
         for mutant in mutants
         if mutant.survives is not None
     ]
