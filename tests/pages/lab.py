@@ -12,7 +12,7 @@ from tests.pages.conftest import OpenPage
 SMALL = {"width": 640, "height": 360}  # WebGL is drawn by the processor
 LATE_S = 120
 # what a busy machine does to an approach: it is stopped, and begun anew
-LATE = ("odometry", "ceased", "came late", "left")
+LATE = ("odometry", "stopped arriving", "arrived late", "disconnected")
 
 KEEP = "() => import('/lab/main.js').then(({ lab }) => { window.lab = lab; })"
 READY = "() => lab.twin.points > 0 && /^(Stopped|You may watch)/.test(control.textContent)"

@@ -70,9 +70,9 @@ async def test_a_card_says_who_would_have_to_send_something(open_page, nowhere):
         silent, wanted = (footer.format(card(topic)) for topic in ("/silent", "/wanted"))
         await until(
             page,
-            f"() => /nothing yet: .+ has sent nothing since this card was opened$/.test({silent})",
+            f"() => /no message yet: .+ has sent nothing since this card was/.test({silent})",
         )
-        await until(page, f"() => /nothing yet: nobody publishes it$/.test({wanted})")
+        await until(page, f"() => /no message yet: no node publishes it$/.test({wanted})")
         await speaker.send(op="publish", topic="/silent", msg={"data": "at last"})
         await until(page, f"() => / old/.test({silent})")
 
@@ -241,7 +241,7 @@ async def test_a_card_that_drives_obeys_stop_and_ends_with_a_stop(demo, open_pag
         await watched.until(state="moving")
         if how == "STOP":
             await page.keyboard.press("Space")
-            await page.wait_for_selector(".notice:has-text('STOP went to /cmd_vel')")
+            await page.wait_for_selector(".notice:has-text('The gateway stopped /cmd_vel')")
             await watched.until(state="stopped")
             await page.wait_for_timeout(300)  # in which it would go on, several times over
             await control.wait_for()

@@ -222,7 +222,7 @@ async def test_a_topic_that_nobody_has_is_told_of(demo, open_page):
 async def test_a_view_that_does_not_fit_says_so_in_words(demo, open_page):
     async with open_page(page_address(demo) + "#card=image+0+/odom") as page:
         problem = page.locator(f"{card('/odom')} > .problem")
-        words = "A picture shows Image, CompressedImage: Odometry is none of these."
+        words = "The view Image shows Image, CompressedImage, not Odometry: choose another view."
         await until(page, "() => document.querySelector('article > .problem')?.textContent")
         assert await problem.inner_text() == words
         await page.select_option(f"{card('/odom')} select[aria-label^=view]", "tree")
@@ -233,7 +233,7 @@ async def test_a_view_that_does_not_fit_says_so_in_words(demo, open_page):
 @pytest.mark.parametrize("part", ["foo+0+/odom", "%"])
 async def test_what_the_address_names_in_vain_is_said(demo, open_page, part):
     async with open_page(page_address(demo) + f"#card={part}") as page:
-        await until(page, "() => notice.textContent.includes('The address names what is no card')")
+        await until(page, "() => notice.textContent.includes('The address names unknown cards')")
         assert part.replace("+", " ") in await page.inner_text("#notice")
         await until(page, "() => cards.textContent.includes('Choose a topic in the list')")
 
@@ -375,7 +375,7 @@ async def test_stop_stops_what_another_client_drives(demo, open_page):
         await speaker.send(op="control", topic="/cmd_vel", watch=True)
         await speaker.send(op="publish", topic="/cmd_vel", msg={"angular": {"z": 0.2}})
         await page.click("#stop")
-        await until(page, "() => notice.textContent === 'STOP went to /cmd_vel.'")
+        await until(page, "() => notice.textContent === 'The gateway stopped /cmd_vel.'")
         await speaker.receive(lambda frame: frame.get("cause") in {"stop", "deadline"})
 
 
@@ -384,7 +384,7 @@ async def test_without_a_robot_the_page_says_so(open_page, nowhere):
         gateway_process("serve", *nowhere) as gateway,
         open_page(page_address(gateway)) as page,
     ):
-        await until(page, "() => cards.textContent.includes('Nobody publishes anything here yet')")
+        await until(page, "() => cards.textContent.includes('There are no topics yet')")
         assert "ros2-gateway demo" in await page.inner_text("#cards")
         async with client(gateway.url) as speaker:
             await speaker.send(op="advertise", topic="/scan", type="sensor_msgs/msg/LaserScan")
@@ -502,7 +502,7 @@ async def test_what_is_no_json_or_no_operation_is_said_and_harms_nothing(demo, o
 
         await page.route_web_socket("**/*", garble)
         await page.goto(page_address(demo))
-        await until(page, "() => notice.textContent.startsWith('the gateway sent what is no JSON')")
+        await until(page, "() => notice.textContent.startsWith('the gateway sent invalid JSON')")
         for frame in (
             "null",
             "12",
@@ -512,7 +512,7 @@ async def test_what_is_no_json_or_no_operation_is_said_and_harms_nothing(demo, o
             '{"n":12345678901234567890}',
         ):
             routes[0].send(frame)
-            told = f"the gateway sent what is no operation: {frame}"
+            told = f"the gateway sent an unknown operation: {frame}"
             await until(page, "told => notice.textContent === told", told)
         await until_painted(page, f"{card('/map')} canvas")
 

@@ -92,7 +92,7 @@ async def test_a_notice_lies_above_the_page_until_it_is_clicked_away(demo, open_
         await page.wait_for_selector(".state[data-state=open]")
         before = await page.evaluate(top)
         for taken_away in (lambda: page.click("#notice"), lambda: page.keyboard.press("Escape")):
-            await page.evaluate(SPEAK, "STOP went to /cmd_vel.")
+            await page.evaluate(SPEAK, "The gateway stopped /cmd_vel.")
             await page.wait_for_selector("#notice")
             assert await page.evaluate(top) == before
             assert (await page.evaluate(PLACE, "notice"))[1] >= (

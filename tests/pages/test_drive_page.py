@@ -234,7 +234,7 @@ async def test_what_a_dead_robot_has_sent_turns_pale_and_nobody_says_that_it_dri
             await page.wait_for_function(STALE)
             await page.wait_for_function(ODOMETRY_IS_OLD)  # the scan may be so first
             assert re.fullmatch(r"picture [0-9.]+ s old", await page.inner_text("#camera .age"))
-            missed = "/no odometry comes/.test(control.textContent)"
+            missed = "/odometry has stopped/.test(control.textContent)"
             await until_while_driving(page, "KeyA", missed)
         await page.wait_for_function(FRESH)
         await page.keyboard.up("KeyA")
@@ -401,10 +401,10 @@ async def test_a_command_after_a_stop_is_refused_in_words_for_whoever_drives(dem
     async with open_page(f"{page_address(demo)}drive") as page:
         words = await page.evaluate("""async () => {
             const { refusal } = await import("/shared/control_words.js");
-            const msg = 'topic /cmd_vel is stopped, commands ceased: publish "msg":{}';
+            const msg = '/cmd_vel is stopped because commands stopped arriving: publish "msg":{}';
             return refusal({ code: "tripped", msg });
         }""")
-        assert words.endswith("Let go of everything, then drive on.")
+        assert words.endswith("To drive on, let go of everything, then press again.")
         assert "msg" not in words
 
 
@@ -414,7 +414,7 @@ async def test_a_command_that_came_late_is_told_of_in_words_for_whoever_drives(d
             const { refusal } = await import("/shared/control_words.js");
             return refusal({ code: "stale_command", msg: "over 250 ms old, by monotonic_ms" });
         }""")
-        assert words.startswith("What you held came late")
+        assert words.startswith("Your command arrived late")
         assert "monotonic" not in words
 
 
@@ -425,7 +425,7 @@ async def test_a_robot_that_does_not_move_is_said_with_its_own_reason(drive, wat
         await drive_by(page, "KeyW")
         await page.wait_for_function("() => /does not move/.test(control.textContent)")
         words = await page.inner_text("#control")
-        assert "it may take less than 0.30 m/s. It says: cmd_vel dismissed" in words
+        assert "it may accept less than 0.30 m/s. It says: cmd_vel dismissed" in words
         await page.keyboard.up("KeyW")
         await watched.until(state="stopped")
 

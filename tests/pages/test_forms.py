@@ -154,8 +154,8 @@ async def test_json_that_fits_is_the_same_by_fields(demo, open_page, message):
 @pytest.mark.parametrize(
     ("message", "words"),
     [
-        ('{"typo_field": 5}', "typo_field does not fit: there is no such field"),
-        ('{"points": [{"y": 5}]}', "points.0.y does not fit: there is no such field"),
+        ('{"typo_field": 5}', "typo_field does not fit: this field is unknown"),
+        ('{"points": [{"y": 5}]}', "points.0.y does not fit: this field is unknown"),
         (
             f'{{"points": [{",".join(["{}"] * 101)}]}}',
             "points does not fit: the fields take at most 100 items, not 101",
@@ -391,7 +391,7 @@ async def test_a_goal_tells_its_feedback_and_is_cancelled(demo, open_page):
             "sent.find((text) => text.includes('send_action_goal'))"
         )
         await page.click(f"{form(title)} button:text-is('Send goal')")
-        await until(page, "() => cards.textContent.includes('a goal is on its way')")
+        await until(page, "() => cards.textContent.includes('a goal is in progress')")
         await page.click(f"{form(title)} button:text-is('Cancel')")
         await until(page, "() => /canceled after/.test(cards.textContent)")
 
@@ -537,7 +537,7 @@ async def test_the_limits_of_the_connection_are_shown_in_words_with_units(demo, 
         wanted = {
             "message_bytes": "10.49 MB",
             "client_time_share": "25 % of the gateway's time",
-            "frames_per_s": "20,000 a second",
+            "frames_per_s": "20,000 per second",
             "service_timeout_s": "5 s",
             "queue_length": "1,024 messages",
         }

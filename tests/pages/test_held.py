@@ -158,7 +158,7 @@ async def test_what_is_held_while_a_robot_leaves_moves_nothing_when_it_comes_bac
             await drive_by(page, "ArrowLeft")
             await page.wait_for_function(f"{says}('Commands go out')")  # no odometry comes
             await motor.send(op="unsubscribe", topic="/cmd_vel")
-            await page.wait_for_function(f"{says}('Nobody listens on /cmd_vel')")
+            await page.wait_for_function(f"{says}('No node listens on /cmd_vel')")
         await page.keyboard.up("ArrowLeft")
 
 

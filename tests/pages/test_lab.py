@@ -184,7 +184,7 @@ async def test_odometry_that_jumps_ends_an_approach(lab, speaker):
 async def test_what_stop_has_said_is_over_when_the_robot_drives_again(lab):
     async with lab() as page:
         await page.click("#stop")
-        await page.wait_for_function("() => notice.textContent === 'STOP went to /cmd_vel.'")
+        await page.wait_for_function("() => notice.textContent === 'The gateway stopped /cmd_vel.'")
         await send_and_arrive(page, click_on(page, 0.3, 0.2))
         await page.wait_for_function("() => notice.hidden")
 
@@ -257,9 +257,7 @@ async def test_arrow_keys_drive_and_end_an_approach(lab):
         await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
         await send(page, click_on(page, 0.8, 0.1))
         await page.keyboard.down("ArrowLeft")
-        await page.wait_for_function(
-            "() => lab.pilot.words === 'The approach was ended by the keys.'"
-        )
+        await page.wait_for_function("() => lab.pilot.words === 'The keys ended the approach.'")
         await page.keyboard.up("ArrowLeft")
         await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
 
@@ -304,7 +302,7 @@ async def test_keys_that_drive_a_robot_without_odometry_are_told_so(demo, lab):
         await page.keyboard.down("ArrowLeft")
         await page.wait_for_function("() => control.textContent.startsWith('Driving')")
         with frozen_robot(demo):
-            await page.wait_for_function("() => /no odometry comes/.test(control.textContent)")
+            await page.wait_for_function("() => /odometry has stopped/.test(control.textContent)")
         await page.keyboard.up("ArrowLeft")
         await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
 
@@ -403,7 +401,7 @@ async def until_told(page, key: str, words: str) -> None:
         while True:
             await page.keyboard.press(key)
             said = await page.inner_text("#approach")
-            if said.startswith("This page may look") and words in said:
+            if said.startswith("This page may watch") and words in said:
                 return
             await asyncio.sleep(0.1)
 

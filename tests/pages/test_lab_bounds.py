@@ -165,7 +165,7 @@ async def test_a_target_is_dropped_where_the_gateway_lets_nothing_move(lab):
             return [waits, pilot.isActive, pilot.words, sent.some(([linear]) => linear !== 0)];
         }""")
         assert words[:2] == [True, False]
-        assert words[2] == "The approach has ended: somebody pressed STOP."
+        assert words[2] == "The approach has ended: another client pressed STOP."
         assert not words[3]
 
 
@@ -189,7 +189,7 @@ async def test_who_may_not_drive_sends_nothing_until_another_connection_lets_him
             pilot.hold(0, 0);
             return [ended, again, more, sent.length - before];
         }""")
-        words = "This page may look, and drive nothing: not you."
+        words = "This page may watch, but not drive: not you."
         assert sent == [[False, words, 0], False, 0, 2]
 
 

@@ -135,7 +135,7 @@ async def test_a_place_where_the_map_has_something_is_refused_in_words(lab):
         await send(page, click_on(page, 0.8, 0.1))
         await click_on(page, 1.9, 1.75)()  # the partition
         await page.wait_for_function(
-            "() => approach.textContent.includes('Something stands there')"
+            "() => approach.textContent.includes('The map shows an obstacle there')"
         )
         assert not await page.evaluate("() => lab.pilot.isActive")
         await click_on(
@@ -235,7 +235,7 @@ async def test_a_place_that_nobody_knows_is_told_of_after_a_while(
     ("place", "words"),
     [
         ((0.3, 0.3), ""),
-        ((0.7, 0.2), "Something stands there"),
+        ((0.7, 0.2), "The map shows an obstacle there"),
         ((1.2, 0.2), "does not know"),
         ((-0.1, 0.2), "The map ends"),
         ((0.2, 1.1), "The map ends"),
@@ -262,7 +262,7 @@ async def test_a_map_without_a_place_is_hidden_and_a_bad_one_changes_nothing(dem
         bad = "async (map) => { await made.take(map); return said; }"
         assert "6 values" in await page.evaluate(bad, grid(9, 9, [0] * 6))
         nowhere = grid(3, 2, [0] * 6, (None, 0))
-        assert "a place in it is no number" in await page.evaluate(bad, nowhere)
+        assert "a place in it is not a number" in await page.evaluate(bad, nowhere)
         assert await page.evaluate("() => made.size") == {"width": 3, "height": 2}
         await page.evaluate("() => made.place(null)")
         assert await page.evaluate("() => [made.world.visible, made.reach]") == [False, 0]

@@ -36,11 +36,11 @@ async def test_the_camera_of_the_address_is_shown_and_no_other(page_at, speaker,
 
 async def test_a_camera_that_comes_later_is_waited_for_in_words(page_at, speaker):
     async with page_at("drive#camera=/late/image") as page:
-        await page.get_by_text("Nobody publishes /late/image, which the address").wait_for()
+        await page.get_by_text("names /late/image, but no node publishes it").wait_for()
         await speaker.send(**PICTURES, topic="/late/image")
         await page.wait_for_function(SUBSCRIBED, arg="/late/image")
         assert not await page.evaluate(SUBSCRIBED, "/camera/image_raw")
-        await page.get_by_text("Nobody publishes").wait_for(state="detached")
+        await page.get_by_text("no node publishes").wait_for(state="detached")
 
 
 async def test_a_scan_that_is_named_lies_on_the_first_map(page_at, speaker):
@@ -54,20 +54,20 @@ async def test_a_scan_that_is_named_lies_on_the_first_map(page_at, speaker):
 
 async def test_a_map_that_is_missing_is_not_replaced_by_a_scan(page_at):
     async with page_at("drive#map=/other_map") as page:
-        await page.get_by_text("Nobody publishes /other_map, which the address").wait_for()
+        await page.get_by_text("names /other_map, but no node publishes it").wait_for()
         assert not await page.evaluate(SUBSCRIBED, "/scan")
 
 
 async def test_a_topic_of_another_type_is_told_of(page_at):
     async with page_at("drive#camera=/odom") as page:
-        words = "/odom, which the address of this page names, is no picture but of the type"
+        words = "names /odom as camera, but its type is"
         await page.get_by_text(words).wait_for()
 
 
 async def test_the_lab_says_which_of_its_topics_nobody_publishes(page_at):
     async with page_at("lab#odometry=/other/odom") as page:
         await page.wait_for_function(
-            "() => missing.textContent.startsWith('Nobody publishes /other/odom')"
+            "() => missing.textContent.includes('names /other/odom, but no node publishes it')"
         )
         assert not await page.evaluate(SUBSCRIBED, "/odom")
 
@@ -87,12 +87,12 @@ async def test_what_listens_to_the_command_topic_of_the_address_is_driven(page_a
 async def test_what_a_page_does_not_know_of_its_address_is_told_of(page_at, path):
     async with page_at(f"{path}#cam=/rear/image") as page:
         notice = page.locator("#notice")
-        await notice.get_by_text('does not know: "cam". It knows camera, map,').wait_for()
+        await notice.get_by_text('unknown names: "cam". Use camera, map,').wait_for()
 
 
 async def test_another_address_is_followed(page_at):
     async with page_at("drive#camera=/odom") as page:
-        await page.get_by_text("is no picture").wait_for()
+        await page.get_by_text("as camera, but").wait_for()
         await page.evaluate("() => { location.hash = ''; }")
         await page.wait_for_selector("#camera canvas, #camera img")
 
@@ -101,7 +101,7 @@ async def test_another_address_is_followed(page_at):
 async def test_the_drive_page_says_which_of_them_is_missing_until_it_comes(page_at, speaker, kind):
     type_name = {"scan": "sensor_msgs/LaserScan", "odometry": "nav_msgs/Odometry"}[kind]
     async with page_at(f"drive#{kind}=/missing/{kind}") as page:
-        said = page.locator(f"#notice:has-text('Nobody publishes /missing/{kind}')")
+        said = page.locator(f"#notice:has-text('names /missing/{kind}, but no node publishes it')")
         await said.wait_for()
         await speaker.send(op="advertise", topic=f"/missing/{kind}", type=type_name)
         await said.wait_for(state="hidden")
@@ -110,8 +110,8 @@ async def test_the_drive_page_says_which_of_them_is_missing_until_it_comes(page_
 @pytest.mark.parametrize(
     ("address", "words"),
     [
-        ("#camera=/a&camera=/b", "The address names camera 2 times: the first one counts."),
-        ("?camera=/a", "The address has camera behind a question mark, where it means nothing"),
+        ("#camera=/a&camera=/b", "The address names camera 2 times. The first one counts."),
+        ("?camera=/a", "The address has camera after a question mark: write it after #."),
     ],
 )
 async def test_an_address_that_is_meant_otherwise_is_told_of(page_at, address, words):
@@ -127,7 +127,7 @@ async def test_a_name_without_its_first_slash_is_understood(page_at, speaker):
 
 async def test_a_topic_that_takes_no_commands_moves_nothing_and_says_how_to_mend_it(page_at):
     async with page_at("drive#command=/base/cmd_vel") as page:
-        await page.get_by_text("setting control.topics says which").wait_for()
+        await page.get_by_text("See the setting control.topics").wait_for()
         assert await page.get_attribute("#stick", "aria-disabled") == "true"
 
 

@@ -14,7 +14,7 @@ from tests.gateway_process import gateway_process
 from tests.pages.conftest import page_address
 from tests.pages.test_debug_page import new_token
 
-NOT_CONNECTED = "Not connected: the gateway asks for a token."
+NOT_CONNECTED = "Not connected. Enter a token."
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 

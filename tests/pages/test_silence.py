@@ -74,7 +74,7 @@ async def test_a_link_that_is_dark_for_a_moment_is_said_and_what_was_held_moves_
         await page.click("#stop")
         await page.wait_for_function(UNCONFIRMED)
         await page.evaluate("() => darken(false)")
-        await page.wait_for_function("() => notice.textContent === 'STOP went to /cmd_vel.'")
+        await page.wait_for_function("() => notice.textContent === 'The gateway stopped /cmd_vel.'")
         await page.wait_for_selector(".state[data-state=open]:text-is('connected')")
         await page.wait_for_function("() => control.textContent.startsWith('Stopped')")
         await page.wait_for_timeout(300)  # in which it would go on, several times over

@@ -14,7 +14,7 @@ pytestmark = pytest.mark.asyncio(loop_scope="module")
 
 FINGER_PX = 44
 THUMBS = {"viewport": PHONE, "has_touch": True, "is_mobile": True}
-STOPPED = "() => notice.textContent === 'STOP went to /cmd_vel.'"
+STOPPED = "() => notice.textContent === 'The gateway stopped /cmd_vel.'"
 STOPS = "() => sent.filter((each) => JSON.parse(each).op === 'stop').length"
 
 
@@ -103,7 +103,7 @@ async def test_who_stopped_the_robot_is_said_as_it_is(demo, open_page):
             return [true, false].map(
                 (isStopper) => sentence({ ...frame, cause: "stop", isStopper }));
         }""")
-        assert words == ["Stopped: you pressed STOP.", "Stopped: somebody pressed STOP."]
+        assert words == ["Stopped: you pressed STOP.", "Stopped: another client pressed STOP."]
 
 
 async def test_nothing_moves_while_space_holds_stop(drive, watched: Watched):

@@ -188,7 +188,7 @@ async def test_every_topic_is_measured_on_request_and_the_address_keeps_it(demo,
         await page.check(MEASURE)
         await until(page, f"() => /^[0-9.]+ Hz · 2.9 kB · /.test({words('/scan')})")
         await until(page, f"() => /^[0-9.]+ Hz · /.test({words('/camera/camera_info')})")
-        await until(page, f"() => {words('/parameter_events')} === 'nothing yet'")
+        await until(page, f"() => {words('/parameter_events')} === 'no message yet'")
         await page.reload()
         await until(page, f"() => /^[0-9.]+ Hz · 2.9 kB · /.test({words('/scan')})")
         await page.uncheck(MEASURE)

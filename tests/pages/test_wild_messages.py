@@ -19,7 +19,7 @@ FLOAT = "std_msgs/msg/Float64"
 INFINITE = "Infinity"
 NO_HIT = {"angle_increment": 0.1, "range_min": 0.1, "range_max": INFINITE}
 FAR_AWAY = "it lies over a million km away"
-NO_NUMBER = "a place in it is no number"
+NO_NUMBER = "a place in it is not a number"
 CELLS = {"resolution": 0.05, "width": 3, "height": 2}
 
 
@@ -163,5 +163,5 @@ async def test_a_card_that_is_refused_takes_no_part_in_what_another_one_gets(dem
 
 async def test_a_view_that_does_not_fit_does_not_say_that_nothing_comes(demo, open_page):
     async with open_page(f"{page_address(demo)}#card=image+0+/odom") as page:
-        await until(page, "() => /Odometry is none of these/.test(cards.textContent)")
+        await until(page, "() => /not Odometry: choose another view/.test(cards.textContent)")
         await until(page, "() => document.querySelector('article footer').textContent === ''")

@@ -3,7 +3,7 @@ import { bytes, element } from "../shared/dom.js";
 
 const HEALTH_MS = 4000;
 const ABOUT = {
-  dropped: "messages that this page did not get, as its connection or DDS was too slow; not those that a rate leaves out, nor pictures that a newer one replaced",
+  dropped: "messages that this page did not get, because its connection or DDS was too slow",
   clients: "connections to this gateway",
 };
 

@@ -5,7 +5,7 @@ import { bytes } from "../shared/dom.js";
 
 const count = (value) => value.toLocaleString("en");
 const seconds = (value) => `${value} s`;
-const rate = (value) => (value ? `${count(value)} a second` : "no limit");
+const rate = (value) => (value ? `${count(value)} per second` : "no limit");
 const share = (value) => (value < 1 ? `${Math.round(value * 100)} % of the gateway's time` : "no limit");
 
 /** Of each member of `hello` and of its `limits` what it means, and how its value is written. @type {Object<string, [string, (value: any) => string]>} */
@@ -16,21 +16,21 @@ const WORDS = {
   ros_distro: ["ROS 2 distribution", String],
   role: ["Role of this page", String],
   message_bytes: ["Largest frame that this page may send", bytes],
-  client_time_share: ["Work for this page; beyond, it is read more slowly", share],
+  client_time_share: ["Work for this page, before the gateway slows it down", share],
   address_time_share: ["Work for all clients of this computer", share],
   frames_per_s: ["Frames that this page may send, on average", rate],
   frames_burst: ["Frames that it may send at once", count],
   subscriptions: ["Topics that it may subscribe to", count],
   advertisements: ["Topics that it may advertise", count],
-  pending_calls: ["Service calls under way at once", count],
+  pending_calls: ["Service calls at once", count],
   goals: ["Action goals at once", count],
   transforms: ["Transforms that it may follow", count],
-  service_timeout_s: ["A service has to answer within", seconds],
+  service_timeout_s: ["Time for a service to answer", seconds],
   name_characters: ["Longest name", (value) => `${count(value)} characters`],
   json_depth: ["Deepest nesting of its JSON", (value) => `${count(value)} levels`],
   json_items: ["Values in one frame of JSON", count],
   queue_length: ["Longest queue of a topic", (value) => `${count(value)} messages`],
-  send_queue_bytes: ["What may wait for this page; beyond, the oldest is dropped", bytes],
+  send_queue_bytes: ["Data that waits for this page, before the oldest is dropped", bytes],
 };
 
 /** Return the words for a member and its value; of one that is unknown here, its key and the bare value. */

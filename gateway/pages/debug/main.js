@@ -17,7 +17,7 @@ import { isView, viewsFor } from "../views/views.js";
 
 const NARROW = 720; // pixels, as style.css has it: the cards stand above the list
 const MOST_FIELDS = 4; // in one plot
-const NO_ROBOT = "Nobody publishes anything here yet. Start a robot, or the simulated one by ";
+const NO_ROBOT = "There are no topics yet. Start a robot, or the simulated one with ";
 
 const gateway = new Gateway();
 const figures = new Figures(gateway);
@@ -27,7 +27,7 @@ const measuring = new Measuring(gateway);
 const topics = new TopicList(find("topics"), find("search"), gateway, measuring, {
   open: (name) => open(name), plot: (name) => open(name, "plot"), drive: (name) => open(name, "drive"), publish: (name) => open(name, "publish"), counted: (words) => counted("tab-topics", words),
 });
-const none = element("p", { className: "empty", tabIndex: -1 }, "Choose a topic in the list; ✎ publishes on it.");
+const none = element("p", { className: "empty", tabIndex: -1 }, "Choose a topic in the list. ✎ publishes on it.");
 const empty = element("p", { className: "empty" }, NO_ROBOT, element("code", {}, "ros2-gateway demo"), ".");
 let wanted = page.read();
 const firstVisit = new FirstVisit(gateway, add);
@@ -107,7 +107,7 @@ function keep() {
 /** Open what the address names, and say what nobody knows. */
 function restore({ cards: known, unknown }) {
   for (const shown of known) add(shown);
-  if (unknown.length) bar.tell(`The address names what is no card here: ${unknown.map((each) => JSON.stringify(each.slice(0, 80))).join(", ")}.`);
+  if (unknown.length) bar.tell(`The address names unknown cards: ${unknown.map((each) => JSON.stringify(each.slice(0, 80))).join(", ")}.`);
   if (!known.length) changed();
 }
 
@@ -165,7 +165,7 @@ const nodes = new NameList(find("nodes"), find("search"), gateway, {
 });
 /** What marks the names that have a card, and which views are of its kind. @type {[TopicList|NameList, (view: string) => boolean][]} */
 const lists = [[topics, isView], [services, (view) => view === "call"], [actions, (view) => view === "goal"], [nodes, (view) => view === "node"]];
-const limits = element("button", { type: "button", title: "the limits of this connection, and what came" }, "Limits");
+const limits = element("button", { type: "button", title: "the limits and the messages of this connection" }, "Limits");
 limits.onclick = () => open("/", "connection");
 find("graph").onclick = () => open("/", "graph");
 find("skip").onclick = (event) => {

@@ -54,7 +54,7 @@ export class NameList {
     replace(this.#list, found.map((each) => this.#item(each).element), wanted ? `No ${this.#kind} has "${wanted}" in its name or type.` : `There is no ${this.#kind} yet.`);
     this.#settle();
     const words = countOf(found.length, entries.length, this.#kind);
-    this.#counted(!wanted && found.length < entries.length ? `${words}; a search finds the others, too` : words);
+    this.#counted(!wanted && found.length < entries.length ? `${words}. Search to find the others` : words);
   }
 
   #item({ name, about }) {

@@ -72,14 +72,14 @@ export class TopicList {
     for (const { topic, title, figures } of this.#items.values()) {
       const isLate = Boolean(this.#measuring.arrivals(topic.name)?.isLate);
       title.element.classList.toggle("stale", !topic.publishers.length || isLate);
-      figures.textContent = this.#misname(topic.name) || (topic.publishers.length ? this.#measuring.words(topic.name) : "nobody publishes it");
+      figures.textContent = this.#misname(topic.name) || (topic.publishers.length ? this.#measuring.words(topic.name) : "no node publishes it");
     }
   }
 
   /** Return why a topic cannot be opened, if it cannot. */
   #misname({ length }) {
     const most = this.#gateway.hello?.limits.name_characters ?? Infinity;
-    return length > most ? `its name has ${length} characters; the gateway takes ${most}` : "";
+    return length > most ? `its name has ${length} characters, the gateway accepts ${most}` : "";
   }
 
   /** @param {import("./namespaces.js").Node} node */

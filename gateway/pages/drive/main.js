@@ -73,8 +73,8 @@ function told() {
 }
 
 gateway.on("graph", () => {
-  camera.show("Nobody publishes pictures.", [ImageView, "camera"]);
-  world.show("Nobody publishes a map or a laser scan.", [MapView, "map"], [ScanView, "scan"]);
+  camera.show("No node publishes images.", [ImageView, "camera"]);
+  world.show("No node publishes a map or a laser scan.", [MapView, "map"], [ScanView, "scan"]);
   hear();
 });
 gateway.subscribe("/rosout", {}, (line) => motion.log(line, command.name), () => {}); // without it the page knows less, and drives

@@ -85,7 +85,7 @@ export class Place {
       if (this.#failures.has(what)) this.#untell(this.#failures.get(what));
       this.#failures.delete(what);
     } catch (error) {
-      this.#failures.set(what, `What the robot says cannot be shown: ${error.message}.`);
+      this.#failures.set(what, `Cannot show the data of the robot: ${error.message}.`);
       this.#tell(this.#failures.get(what));
     }
   }

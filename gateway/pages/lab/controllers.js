@@ -45,7 +45,7 @@ export class Controllers {
   /** Send the robot, unless one hand holds what stops it. */
   #target(hand, ray) {
     this.#sender = hand;
-    if (this.#hands.some((each) => each.isStopping)) this.#to.refuse("A hand holds what stops the robot: let go of it first.");
+    if (this.#hands.some((each) => each.isStopping)) this.#to.refuse("A hand squeezes, which stops the robot: release it first.");
     else this.#to.target(ray);
   }
 

@@ -3,7 +3,7 @@
 
 import { element } from "../shared/dom.js";
 
-const WORDS = "The room is not drawn: the browser has taken WebGL away. It comes back by itself, or when this page is loaded anew.";
+const WORDS = "The room is not drawn because the browser stopped WebGL. Wait, or load this page again.";
 
 /** Says in the view that the room is not drawn. */
 export class Drawing {

@@ -65,11 +65,11 @@ export class FloorMap {
     const { resolution, width, height } = this.#message.info;
     const { x, y } = this.#cornerOf(place);
     const [column, row] = [Math.floor(x / resolution), Math.floor(y / resolution)];
-    if (column < 0 || row < 0 || column >= width || row >= height) return "The map ends before that place: point at a free one of the map.";
+    if (column < 0 || row < 0 || column >= width || row >= height) return "The map ends before that place: point at a free place on the map.";
     const [cells, columns] = [this.#cells, Math.ceil(width / this.#cells)];
     const value = this.#values[Math.floor(row / cells) * columns + Math.floor(column / cells)];
-    if (value < 0) return "The map does not know that place: point at a free one.";
-    return value >= OCCUPIED ? "Something stands there, by the map: point at a free place." : "";
+    if (value < 0) return "The map does not know that place: point at a free place.";
+    return value >= OCCUPIED ? "The map shows an obstacle there: point at a free place." : "";
   }
 
   async #paint(message) {

@@ -45,7 +45,7 @@ export async function connectHeadset(xr, button, note, tell) {
 const system = () => Reflect.get(navigator, "xr");
 
 async function whyNot() {
-  if (!isSecureContext) return "VR needs https: open this page by https (the gateway's option --tls-port).";
+  if (!isSecureContext) return "VR needs https: start the gateway with --tls-port, and open this page by https.";
   if (!system()) return "This browser has no WebXR.";
   const isThere = await system().isSessionSupported("immersive-vr").catch(() => false);
   return isThere ? "" : "No headset is connected to this browser.";

@@ -26,7 +26,7 @@ import { Television } from "./television.js";
 import { Twin } from "./twin.js";
 import { Viewer } from "./walk.js";
 
-const BEYOND = `That is beyond the walls, which stand ${HALF_M} m from the middle of the room: point at a place inside.`;
+const BEYOND = `That is beyond the walls, ${HALF_M} m from the middle of the room: point at a place inside.`;
 const DRIVING = { ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowLeft: [0, 1], ArrowRight: [0, -1] };
 
 const gateway = new Gateway();
@@ -100,18 +100,18 @@ function furnish() {
 
 /** Return what draws, or null where there is no WebGL. */
 function begin() {
-  const label = "Room with the robot: Enter sends it to the middle of the view";
+  const label = "Room with the robot. Enter sends it to the middle of the view";
   const canvas = element("canvas", { tabIndex: 0, role: "application", aria: { label } });
   let made;
   try {
     made = new WebGLRenderer({ canvas, antialias: devicePixelRatio < 2 });
   } catch (error) {
-    find("view").prepend(element("p", {}, `This browser draws no rooms (WebGL): ${error.message}`));
+    find("view").prepend(element("p", {}, `This browser cannot draw the room with WebGL: ${error.message}`));
     return null;
   }
   find("view").prepend(canvas);
   drawing = new Drawing(canvas, () => {
-    letGoOfAll("the room is not drawn any more");
+    letGoOfAll("the room is no longer drawn");
     made.xr.getSession()?.end(); // which shows nothing either, and does not come back
   });
   made.setPixelRatio(Math.min(devicePixelRatio, 2));
@@ -166,7 +166,7 @@ function render() {
 /** Send the robot to where a ray meets the floor; if it meets the screen of any topic, show the next one there. */
 function point(raycaster) {
   if (drawing.refusal) return pilot.stop(drawing.refusal);
-  if (isHeld()) return pilot.stop("STOP is held.");
+  if (isHeld()) return pilot.stop("STOP is held: release it first.");
   const thing = sight.thing(raycaster);
   if (thing === screens.topic.mesh) return next();
   const refusal = refusalOf(raycaster.ray, thing);

@@ -70,7 +70,7 @@ export class Pilot {
     this.#isMoving = false;
     this.approach.begin(x, y, now / 1000);
     this.step(now);
-    if (this.isWaiting) this.#say("Waiting: the gateway lets the robot move in a moment.");
+    if (this.isWaiting) this.#say("Waiting until the gateway lets the robot move.");
     return true;
   }
 
@@ -83,7 +83,7 @@ export class Pilot {
 
   /** Take what is held, in shares; keys end an approach, and what is said of the one before is over. */
   hold(linear, angular) {
-    if (this.isActive && (linear || angular)) this.#drop("The approach was ended by the keys.");
+    if (this.isActive && (linear || angular)) this.#drop("The keys ended the approach.");
     else if ((linear || angular) && this.words) this.#say("");
     if (this.isActive) return;
     if (this.#forbidden && (linear || angular)) this.#say(this.#mayLook());
@@ -137,14 +137,14 @@ export class Pilot {
 
   #refusal(now) {
     if (this.#forbidden) return this.#mayLook();
-    if (!this.#state) return "There is nothing to drive.";
+    if (!this.#state) return "There is nothing to drive. Start the robot.";
     if (this.#state.holder === "other" || this.#state.guard !== "ready") return sentence(this.#state);
-    if (now - this.#poseMs > STALE_S * 1000) return `Nothing moves: no odometry for ${STALE_S} s.`;
+    if (now - this.#poseMs > STALE_S * 1000) return `Nothing moves, because there is no odometry for ${STALE_S} s.`;
     return "";
   }
 
   #mayLook() {
-    return `This page may look, and drive nothing: ${this.#forbidden}.`;
+    return `This page may watch, but not drive: ${this.#forbidden}.`;
   }
 
   #drop(words) {

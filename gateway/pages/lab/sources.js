@@ -34,7 +34,7 @@ export class Sources {
     this.#gateway = gateway;
     this.#tell = tell;
     this.#parts = parts;
-    this.#map = new Placement(gateway, "the map is hidden, and no target is checked by it", MAP_HZ, (transform) => parts.map.place(transform));
+    this.#map = new Placement(gateway, "the map is hidden, and targets are not checked against it", MAP_HZ, (transform) => parts.map.place(transform));
     this.#laser = new Placement(gateway, "the scan is hidden", LASER_HZ, (transform) => parts.twin.mount(transform));
   }
 
@@ -93,7 +93,7 @@ export class Sources {
 
   /** Show a topic on a screen as text; return what ends that. */
   read(topic, screen) {
-    screen.show(topic, "nothing yet");
+    screen.show(topic, "no message yet");
     return this.#gateway.subscribe(
       topic, { throttle_rate: SLOW_MS },
       (message) => screen.show(topic, readable(message)),

@@ -33,7 +33,7 @@ export class Television {
         // upside down, as a texture begins at the bottom and WebGL turns no bitmap
         this.#put(await createImageBitmap(new Blob([data], { type }), { imageOrientation: "flipY" }));
       } catch (error) {
-        this.#tell(`this picture (${format}) cannot be shown: ${error.message}`);
+        this.#tell(`this image (${format}) cannot be shown: ${error.message}`);
       }
     }
     this.#isDecoding = false;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { bytes, span } from "./dom.js";
 
-export const NOTHING_YET = "nothing yet";
+export const NOTHING_YET = "no message yet";
 const LEAST_MS = 400; // between two messages that a rate is reckoned from: a burst has none
 const LATE_MS = 2000;
 const LEAST_HZ = 0.05; // less would be shown as 0

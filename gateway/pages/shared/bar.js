@@ -15,7 +15,7 @@ const WORDS = {
   connecting: () => "connecting",
   silent: (seconds) => `no answer for ${seconds} s`,
   closed: (reason) => `not connected${reason ? `: ${reason}` : ""}; trying again`,
-  token: () => "a token is needed",
+  token: () => "enter a token",
 };
 
 /**
@@ -79,8 +79,8 @@ function tokenDialog(gateway) {
     "dialog", { id: "token" },
     element(
       "form", { method: "dialog" },
-      element("h2", {}, "This gateway asks for a token"),
-      element("p", {}, element("code", {}, "ros2-gateway token create NAME"), " makes one. It is kept until this tab is closed."),
+      element("h2", {}, "This gateway needs a token"),
+      element("p", {}, element("code", {}, "ros2-gateway token create NAME"), " makes one. This page keeps it until you close the tab."),
       element("label", {}, "Token ", token),
       element("p", { id: "token-problem", role: "alert" }),
       element("button", { type: "submit", value: "connect" }, "Connect"),

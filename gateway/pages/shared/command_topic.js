@@ -6,8 +6,8 @@ const STAMPED = "geometry_msgs/msg/TwistStamped";
 export const COMMAND_TYPES = ["geometry_msgs/msg/Twist", STAMPED];
 
 const LOST = {
-  closed: "Not connected: the gateway stops what you drove.",
-  token: "Not connected: the gateway asks for a token.",
+  closed: "Not connected. The gateway stops the robot that you drove.",
+  token: "Not connected. Enter a token.",
 };
 
 /** The topic that moves the robot, as the gateway guards it. */
@@ -76,8 +76,8 @@ export class CommandTopic {
 
   /** What a person who drives reads. */
   get words() {
-    if (this.#silentS) return `The gateway has not answered for ${this.#silentS} s: it stops what you drove.`;
-    if (this.isForbidden) return "You may watch, not drive.";
+    if (this.#silentS) return `The gateway has not answered for ${this.#silentS} s. It stops the robot that you drove.`;
+    if (this.isForbidden) return "You may watch, but not drive.";
     return this.state ? sentence(this.state) : this.#problem;
   }
 
@@ -148,11 +148,11 @@ export class CommandTopic {
 
   /** What keeps the gateway from telling the state, in words. */
   #refusal({ code, message }) {
-    if (code === "not_found") return `${message}. The gateway's setting control.topics says which.`;
+    if (code === "not_found") return `${message}. See the setting control.topics of the gateway.`;
     const [, names] = message.match(/name one of (.+)/) ?? [];
     if (names === "none") return "No topic takes commands from this page.";
     if (this.#wanted || !names) return message;
-    return `Several topics take commands, ${names}: name one in the address of this page, as ${location.pathname}#command=${names.split(",")[0]}`;
+    return `Several topics take commands, ${names}: name one in the address of this page, such as ${location.pathname}#command=${names.split(",")[0]}`;
   }
 
   #hush(seconds) {
@@ -170,6 +170,6 @@ export class CommandTopic {
   }
 
   get #unheard() {
-    return `Nobody listens on ${this.#topic}: there is nothing to drive.`;
+    return `No node listens on ${this.#topic}, so there is nothing to drive. Start the robot.`;
   }
 }

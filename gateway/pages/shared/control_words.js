@@ -2,17 +2,17 @@
 // The state of a command topic, as a person who drives reads it.
 
 const CAUSES = {
-  stop: "somebody pressed STOP",
-  deadline: "commands ceased",
-  disconnect: "the client that drove has left",
+  stop: "another client pressed STOP",
+  deadline: "commands stopped arriving",
+  disconnect: "the client that drove disconnected",
   takeover: "another client took over",
   lease: "control was lost",
-  permission: "this role may not drive any more",
-  invalid_value: "a command was wrong",
-  backlog: "commands came late",
-  guard: "the process that would stop it was lost",
-  reader: "another program began to listen",
-  shutdown: "the gateway ended",
+  permission: "this role may no longer drive",
+  invalid_value: "a command was invalid",
+  backlog: "commands arrived late",
+  guard: "the guard process was lost",
+  reader: "another node began to listen",
+  shutdown: "the gateway shut down",
 };
 
 // The same, where this page is the cause.
@@ -27,22 +27,22 @@ export function reason({ cause, holder, isStopper }) {
 /** Return the sentence for a `control` frame; its member `isStopper` is whether this page has pressed STOP. */
 export function sentence(frame) {
   const { state, tripped, holder, guard, clamped } = frame;
-  if (guard === "lost") return "Nothing moves: the process that would stop the robot was lost; a new one is starting.";
-  if (guard === "starting") return "Nothing moves yet: the process that would stop the robot is starting.";
-  if (holder === "other") return tripped ? "Stopped; another client has control." : "Another client drives.";
-  if (state === "moving" && !tripped) return clamped ? "Driving, slower than you ask: the gateway limits the speed." : "Driving.";
+  if (guard === "lost") return "Nothing moves because the guard process was lost. A new one is starting: wait, then press again.";
+  if (guard === "starting") return "Nothing moves yet because the guard process is starting. Wait a moment.";
+  if (holder === "other") return tripped ? "Stopped. Another client has control." : "Another client drives.";
+  if (state === "moving" && !tripped) return clamped ? "Driving, but the gateway limits the speed." : "Driving.";
   const why = reason(frame);
-  if (tripped) return `Stopped${why && `: ${why}`}. Let go of everything, then drive on.`;
+  if (tripped) return `Stopped${why && `: ${why}`}. To drive on, let go of everything, then press again.`;
   return why ? `Stopped: ${why}.` : "Stopped.";
 }
 
 /** Return what a `status` says, without what only programs can do about it; "" for what somebody expects who pressed STOP. */
 export function refusal({ code, msg }) {
-  if (code === "tripped" && msg.includes(" is stopped, ")) return "The robot was stopped, and took no command since. Let go of everything, then drive on.";
-  if (code === "stale_command" && msg.includes(" before a stop, ")) return "";
-  if (code === "stale_command") return "What you held came late and was not carried out: the connection or this device is slow.";
+  if (code === "tripped" && msg.includes(" is stopped")) return "The robot was stopped. To drive on, let go of everything, then press again.";
+  if (code === "stale_command" && msg.includes(" before a stop")) return "";
+  if (code === "stale_command") return "Your command arrived late and was not carried out, because the connection or this device is slow. Let go, then press again.";
   if (code !== "not_lease_holder") return msg;
-  const [first] = msg.split(";");
+  const [first] = msg.split(/; |: let go/);
   return `${first[0].toUpperCase()}${first.slice(1)}.`;
 }
 

@@ -77,7 +77,7 @@ export class Gateway extends EventTarget {
 
   connect() {
     if (this.#token && !tokens.isToken(this.#token)) {
-      this.#refuse("this is no token: one has letters, digits and _, and no space");
+      this.#refuse("this is not a token: use letters, digits, and _, without spaces");
       return;
     }
     this.#announce("connecting");
@@ -255,11 +255,11 @@ export class Gateway extends EventTarget {
     try {
       frame = isText ? parse(data) : decode(data);
     } catch (error) {
-      this.#tell(`the gateway sent what is no ${isText ? "JSON" : "CBOR"}: ${error.message}`);
+      this.#tell(`the gateway sent invalid ${isText ? "JSON" : "CBOR"}: ${error.message}`);
       return;
     }
     if (typeof frame?.op !== "string" || (frame.op === "publish" && !(frame.msg instanceof Object))) {
-      this.#tell(`the gateway sent what is no operation: ${json(frame)?.slice(0, 80)}`);
+      this.#tell(`the gateway sent an unknown operation: ${json(frame)?.slice(0, 80)}`);
       return;
     }
     if (this.#listeners.has(frame.id)) {
@@ -339,7 +339,7 @@ export class Gateway extends EventTarget {
     this.#pulse.end();
     this.counts.roundTripMs = null;
     for (const id of [...this.#pending.keys()]) this.#settle(id, null, "the connection was lost", "", true);
-    if (event.code === WRONG_TOKEN) this.#refuse("this token is not known here, or was revoked");
+    if (event.code === WRONG_TOKEN) this.#refuse("this token is unknown or revoked: enter another one");
     if (this.#isRefused) return;
     this.#announce("closed", event.reason);
     setTimeout(() => this.connect(), this.#retryMs);

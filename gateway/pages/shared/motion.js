@@ -52,14 +52,14 @@ export class Motion {
   get words() {
     const now = performance.now();
     if (this.#sinceMs === Infinity) return "";
-    if (this.#odometryMs === -Infinity) return "Commands go out, but no odometry says whether the robot moves.";
-    if (now - this.#odometryMs > STILL_MS) return "Commands go out, but no odometry comes any more.";
+    if (this.#odometryMs === -Infinity) return "Commands go out, but there is no odometry that shows whether the robot moves.";
+    if (now - this.#odometryMs > STILL_MS) return "Commands go out, but odometry has stopped arriving.";
     if (now - Math.max(this.#sinceMs, this.#movedMs) < STILL_MS) return "";
     const { linear, angular } = this.#wish;
     const stuck = "Commands go out, but the robot does not move:";
     const reason = this.#reason && ` It says: ${this.#reason}`;
-    if (Math.abs(linear) <= MEASURED * this.#took.linear && Math.abs(angular) <= MEASURED * this.#took.angular) return `${stuck} something may be in its way.${reason}`;
+    if (Math.abs(linear) <= MEASURED * this.#took.linear && Math.abs(angular) <= MEASURED * this.#took.angular) return `${stuck} an obstacle may be in its way.${reason}`;
     const speeds = [linear && `${Math.abs(linear).toFixed(2)} m/s`, angular && `${Math.abs(angular).toFixed(2)} rad/s`];
-    return `${stuck} it may take less than ${speeds.filter(Boolean).join(" and ")}.${reason}`;
+    return `${stuck} it may accept less than ${speeds.filter(Boolean).join(" and ")}.${reason}`;
   }
 }

@@ -2,7 +2,7 @@
 // Which topic of each kind a page shows: the one that its address names behind #, else the first that somebody publishes.
 
 const KINDS = {
-  camera: { what: "picture", types: ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"] },
+  camera: { what: "camera", types: ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"] },
   map: { what: "map", types: ["nav_msgs/msg/OccupancyGrid"] },
   scan: { what: "laser scan", types: ["sensor_msgs/msg/LaserScan"] },
   odometry: { what: "odometry", types: ["nav_msgs/msg/Odometry"] },
@@ -49,8 +49,8 @@ export function published(graph, kind) {
 export function missing(graph, kind) {
   const name = named(kind);
   if (!name || !graph.topics.size || published(graph, kind)) return ""; // before it is known what there is, nothing is missing
-  if (!graph.topics.get(name)?.publishers.length) return `Nobody publishes ${name}, which the address of this page names.`;
-  return `${name}, which the address of this page names, is no ${KINDS[kind].what} but of the type ${graph.typeOf(name)}.`;
+  if (!graph.topics.get(name)?.publishers.length) return `The address of this page names ${name}, but no node publishes it.`;
+  return `The address of this page names ${name} as ${KINDS[kind].what}, but its type is ${graph.typeOf(name)}.`;
 }
 
 /**
@@ -73,9 +73,9 @@ export function tellWrong(gateway, tell, ...kinds) {
 function mistake() {
   const keys = [...address().keys()];
   const unknown = keys.filter((key) => !ALL.includes(key)).map((key) => JSON.stringify(key.slice(0, 80)));
-  if (unknown.length) return `The address names what this page does not know: ${unknown.join(", ")}. It knows ${ALL.join(", ")}.`;
+  if (unknown.length) return `The address has unknown names: ${unknown.join(", ")}. Use ${ALL.join(", ")}.`;
   const again = keys.find((key, at) => keys.indexOf(key) !== at);
-  if (again) return `The address names ${again} ${address().getAll(again).length} times: the first one counts.`;
+  if (again) return `The address names ${again} ${address().getAll(again).length} times. The first one counts.`;
   const behind = [...new URLSearchParams(location.search).keys()].find((key) => ALL.includes(key));
-  return behind ? `The address has ${behind} behind a question mark, where it means nothing: it belongs behind #.` : "";
+  return behind ? `The address has ${behind} after a question mark: write it after #.` : "";
 }

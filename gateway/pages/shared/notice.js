@@ -11,7 +11,7 @@ const untilDriving = ({ isDriving }) => isDriving;
 /** Return where it stands: above the page, as it would else move what a finger holds; a click or Escape takes it away. */
 export function notice() {
   addEventListener("keydown", ({ key }) => key === "Escape" && tell(""));
-  return element("p", { id: "notice", className: "notice", role: "alert", hidden: true, title: "A click or Escape takes this away", onclick: () => tell("") });
+  return element("p", { id: "notice", className: "notice", role: "alert", hidden: true, title: "Click or press Escape to close", onclick: () => tell("") });
 }
 
 /**

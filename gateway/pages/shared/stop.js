@@ -14,7 +14,7 @@ const SOON_MS = 500; // the gateway's deadline: by then it has stopped what this
  * @param {import("./gateway.js").Gateway} gateway
  */
 export function stopButton(gateway) {
-  const button = element("button", { id: "stop", className: "stop", type: "button", title: "Stop the robot, whoever drives it" }, "STOP");
+  const button = element("button", { id: "stop", className: "stop", type: "button", title: "Stop the robot, even if another client drives" }, "STOP");
   let isPressed = false; // by a pointer, which may have a click to come
   button.onpointerdown = ({ pointerId, button: which }) => { // a second finger makes no click
     isPressed = true;
@@ -50,11 +50,11 @@ export function stopBySpace({ where = window, isMoving = () => false } = {}) {
 const isIn = (target, selector) => target instanceof Element && target.closest(selector) !== null;
 
 async function stop(gateway) {
-  const late = setTimeout(() => tell("STOP is not confirmed: the gateway has not answered yet."), SOON_MS);
+  const late = setTimeout(() => tell("STOP is not confirmed, because the gateway has not answered yet."), SOON_MS);
   try {
     const { topics } = await gateway.stop();
-    if (topics.length) tell(`STOP went to ${topics.join(", ")}.`);
-    else tell("nothing moves: no command topic is in use", ({ state }) => state !== null || isDriveable(gateway.graph));
+    if (topics.length) tell(`The gateway stopped ${topics.join(", ")}.`);
+    else tell("Nothing to stop: no command topic is in use.", ({ state }) => state !== null || isDriveable(gateway.graph));
   } catch (error) {
     tell(`STOP ${error.isLost ? "is not confirmed" : "was not carried out"}: ${error.message}`);
   } finally {

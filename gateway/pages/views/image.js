@@ -11,8 +11,8 @@ export class ImageView {
 
   constructor(card) {
     this.element = this.#canvas;
-    this.#canvas.setAttribute("aria-label", `picture of ${card.topic}`);
-    this.#newest = new Newest(card, ({ format }) => `this picture (${format})`, (message) => this.#decode(message));
+    this.#canvas.setAttribute("aria-label", `image of ${card.topic}`);
+    this.#newest = new Newest(card, ({ format }) => `this image (${format})`, (message) => this.#decode(message));
   }
 
   show(message) {

@@ -7,7 +7,7 @@ const LONGEST = 4096; // pixels of a side: what any GPU takes, for a map that is
 
 /** Throw an error with words unless a map has as many cells as it says. */
 export function insistOnCells(width, height, count) {
-  if (!(width > 0 && height > 0)) throw new RangeError(`it is ${width} x ${height} cells large`);
+  if (!(width > 0 && height > 0)) throw new RangeError(`it has ${width} x ${height} cells`);
   if (count !== width * height) throw new RangeError(`${width} x ${height} cells, but ${count} values`);
 }
 

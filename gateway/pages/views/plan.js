@@ -16,7 +16,7 @@ export function yawOf({ x = 0, y = 0, z = 0, w = 1 }) {
 
 /** Throw an error with words unless a place can be drawn, or a distance. */
 export function insist(...metres) {
-  if (!metres.every(Number.isFinite)) throw new RangeError("a place in it is no number");
+  if (!metres.every(Number.isFinite)) throw new RangeError("a place in it is not a number");
   if (metres.some((each) => Math.abs(each) > FARTHEST)) throw new RangeError("it lies over a million km away");
 }
 

@@ -19,7 +19,7 @@ const COLOURS = ["series-1", "series-2", "series-3", "series-4"];
 /** Numeric fields over the last 30 s, by the time of arrival; where one points at, their values then. */
 export class PlotView {
   /** What to do with a plot that stands still, in words. */
-  held = "drag across the plot to look closer, double click to see all";
+  held = "drag across the plot to zoom, double-click to see all";
   /** Milliseconds between two drawings: the eye sees no more of a line. */
   rest = 66;
   element = element("div", { className: "plot" });
@@ -70,7 +70,7 @@ export class PlotView {
     const late = this.#columns[0].findIndex((each) => each >= now - SPAN_S);
     const excess = Math.max(late, this.#columns[0].length - MOST_POINTS);
     if (excess > MOST_POINTS / 10 || late > 200) for (const each of this.#columns) each.splice(0, excess);
-    if (strange) throw new TypeError(`${strange} is no number`);
+    if (strange) throw new TypeError(`${strange} is not a number`);
   }
 
   show(message) {

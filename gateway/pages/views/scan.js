@@ -15,7 +15,7 @@ export class ScanView {
 
   show(scan) {
     const { ranges, range_min: least, range_max: most } = scan;
-    if (!Number.isFinite(scan.angle_min + scan.angle_increment)) throw new RangeError("an angle in it is no number");
+    if (!Number.isFinite(scan.angle_min + scan.angle_increment)) throw new RangeError("an angle in it is not a number");
     const farthest = ranges.reduce((far, each) => (isHit(each, least, most) ? Math.max(far, each) : far), 1);
     this.#plan.begin(HERE, farthest, HERE.yaw);
     this.#plan.rings(HERE, farthest);

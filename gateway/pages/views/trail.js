@@ -14,7 +14,7 @@ export class TrailView {
   #pose = null;
 
   constructor(card) {
-    this.#plan = new Plan(`way of ${card.topic}, seen from above`);
+    this.#plan = new Plan(`trail of ${card.topic}, seen from above`);
     this.element = this.#plan.element;
   }
 

@@ -20,7 +20,7 @@ const POSES = ["nav_msgs/msg/Odometry", "nav_msgs/msg/Path", "geometry_msgs/msg/
  * `draw` is called before each frame of the screen, `close` at the end.
  */
 const VIEWS = {
-  image: { name: "Picture", make: ImageView, types: ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"] },
+  image: { name: "Image", make: ImageView, types: ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"] },
   scan: { name: "Scan", make: ScanView, types: ["sensor_msgs/msg/LaserScan"] },
   map: { name: "Map", make: MapView, types: ["nav_msgs/msg/OccupancyGrid"] },
   battery: { name: "Battery", make: BatteryView, types: ["sensor_msgs/msg/BatteryState"] },
@@ -40,7 +40,7 @@ export function viewsFor(type) {
 export function misfit(key, type) {
   const { name, types } = VIEWS[key];
   if (!type || !types || types.includes(type)) return "";
-  return `A ${name.toLowerCase()} shows ${types.map((each) => each.split("/").at(-1)).join(", ")}: ${type.split("/").at(-1)} is none of these.`;
+  return `The view ${name} shows ${types.map((each) => each.split("/").at(-1)).join(", ")}, not ${type.split("/").at(-1)}: choose another view.`;
 }
 
 /** Return the name of a view, as people read it. */

@@ -24,7 +24,7 @@ export class ConnectionCard extends Card {
     }));
     const shown = [...this.gateway.arrivals].filter(([name]) => name.startsWith("/")); // the others are measured only
     write(this.#topics, shown.map(([name, { words }]) => [[name], words]));
-    this.footer.textContent = this.gateway.hello ? "as the gateway has told" : "not connected";
+    this.footer.textContent = this.gateway.hello ? "as the gateway reports" : "not connected";
   }
 }
 

@@ -22,7 +22,7 @@ export class DriveCard extends Card {
     const title = `Drive ${shown.topic}`;
     super(gateway, shown, actions, { label: title, title });
     const knob = element("div", { className: "knob" });
-    const stick = element("div", { className: "stick", tabIndex: 0, aria: { label: `Stick of ${this.topic}: drag it, or use the arrow keys` } }, knob);
+    const stick = element("div", { className: "stick", tabIndex: 0, aria: { label: `Joystick of ${this.topic}: drag it, or use the arrow keys` } }, knob);
     stick.setAttribute("role", "application");
     this.#stick = stick;
     this.#take = element("button", { type: "button", hidden: true, aria: { label: `Take over ${this.topic}` } }, "Take over");
@@ -33,7 +33,7 @@ export class DriveCard extends Card {
     this.#held = watch(stick, knob, (linear, angular) => driver.hold(linear, angular), stick);
     this.#forgets = ["state", "stopping"].map((each) => gateway.on(each, this.#held.letGo)); // what was held before belongs to another connection
     this.body.append(stick, this.#words, this.#take); // below: what is said moves no stick that is held
-    this.footer.textContent = `at most ${MOST_M_S} m/s and ${MOST_RAD_S} rad/s; the Drive page has more`;
+    this.footer.textContent = `at most ${MOST_M_S} m/s and ${MOST_RAD_S} rad/s. The Drive page has more`;
     this.#write();
   }
 

@@ -88,7 +88,7 @@ export class FormCard extends Card {
     const type = this.#typeOf();
     if (type && type !== this.#described) this.#describe(type);
     if (type || this.form) return; // a form goes on with the type that there was
-    this.#missing = `${this.topic} is not there (any more): nothing says which type it has.`;
+    this.#missing = `${this.topic} does not exist, or no longer exists, so its type is unknown.`;
     this.tell(this.#missing);
   }
 

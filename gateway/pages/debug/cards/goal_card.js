@@ -21,7 +21,7 @@ export class GoalCard extends FormCard {
     this.#cancel.onclick = () => this.#askToCancel();
     this.buttons.append(this.#cancel);
     this.body.append(this.#feedback, this.#result);
-    this.#ignore = gateway.on("state", () => this.#end("the connection was lost: the gateway cancels the goal"));
+    this.#ignore = gateway.on("state", () => this.#end("the connection was lost, so the gateway cancels the goal"));
   }
 
   formOf({ schema }) {
@@ -29,8 +29,8 @@ export class GoalCard extends FormCard {
   }
 
   submit() {
-    if (isHeld()) throw new Error("STOP is held.");
-    if (this.#goal) throw new Error("a goal is on its way: cancel it first");
+    if (isHeld()) throw new Error("STOP is held: release it first.");
+    if (this.#goal) throw new Error("a goal is in progress: cancel it first");
     const args = this.form.json();
     this.tell("");
     this.#feedback.textContent = this.#result.textContent = "";
@@ -42,7 +42,7 @@ export class GoalCard extends FormCard {
     }
     this.#beganMs = performance.now();
     this.#cancel.disabled = false;
-    this.footer.textContent = "on its way";
+    this.footer.textContent = "in progress";
   }
 
   close() {

@@ -54,7 +54,7 @@ export class GraphCard extends Card {
     this.#picture.replaceChildren(picture);
     this.#lead(this.#find(this.#current) ?? this.#boxes.flat()[0], hadFocus);
     const count = new Set([...columns[0], ...columns[2]]).size;
-    this.footer.textContent = `topics: ${topics.length} · nodes: ${count} · a click or Enter opens one, arrow keys go to the next`;
+    this.footer.textContent = `topics: ${topics.length} · nodes: ${count} · click or Enter opens one, arrow keys go to the next`;
   }
 
   /** Let Tab lead to a box, and give it the focus if it is to have it. */

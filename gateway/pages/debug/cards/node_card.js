@@ -85,7 +85,7 @@ export class NodeCard extends Card {
     try {
       valueOf(text);
     } catch (error) {
-      problem.textContent = error.cause ? "expected a value as JSON has it, such as true, 0.5 or [1, 2]" : error.message;
+      problem.textContent = error.cause ? "expected a JSON value, such as true, 0.5 or [1, 2]" : error.message;
       return false;
     }
     try {

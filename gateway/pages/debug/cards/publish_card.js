@@ -6,7 +6,7 @@ import { Form } from "../forms/form.js";
 import { FormCard, NOT_CONNECTED } from "./form_card.js";
 
 const RATES_HZ = [1, 2, 5, 10, 20];
-const TRIPPED = "The robot was stopped, and took no command since: publish a command of zero, then go on.";
+const TRIPPED = "The robot was stopped: publish a command of zero, then drive on.";
 
 /** A form that publishes to a topic: once, or again and again until it is told to stop, by STOP too, or nobody looks. */
 export class PublishCard extends FormCard {
@@ -14,7 +14,7 @@ export class PublishCard extends FormCard {
   #timer = 0;
   #count = 0;
   #refused = 0; // of these, by the gateway
-  #rates = element("select", { title: "so many messages a second" });
+  #rates = element("select", { title: "messages per second" });
   #repeat = element("button", { type: "button", aria: { pressed: "false" } }, "Repeat");
   #forgets = [];
   #isCommand = false; // whether the gateway guards what moves a robot by it
@@ -48,7 +48,7 @@ export class PublishCard extends FormCard {
   }
 
   submit() {
-    if (isHeld()) throw new Error("STOP is held.");
+    if (isHeld()) throw new Error("STOP is held: release it first.");
     this.tell("");
     const { topic, type } = this;
     const isSent = this.gateway.send({ op: "publish", id: this.#listener.id, topic, type }, { msg: this.form.json() });

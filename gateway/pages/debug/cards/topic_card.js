@@ -27,7 +27,7 @@ export class TopicCard extends Card {
   #shownBeat = -1; // of the `rest` of its view
   #arrivals = new Arrivals();
   #views = element("select", { title: "how it is shown" });
-  #types = element("select", { title: "of its types, which one comes" });
+  #types = element("select", { title: "which of its types is shown" });
   #isBroken = false; // the view has failed at the newest message
   #failure = ""; // what is said of that
   #notCopied = ""; // likewise of a copy that has failed
@@ -143,7 +143,7 @@ export class TopicCard extends Card {
   get #reason() {
     if (!this.gateway.graph.topics.has(this.topic)) return "";
     const publishers = this.#publishers;
-    if (!publishers.length) return ": nobody publishes it";
+    if (!publishers.length) return ": no node publishes it";
     return `: ${names(publishers)} ${new Set(publishers).size === 1 ? "has" : "have"} sent nothing since this card was opened`;
   }
 
@@ -167,7 +167,7 @@ export class TopicCard extends Card {
       action();
     } catch (error) {
       this.#isBroken = true;
-      this.#failure = `The view ${nameOf(this.view)} cannot show this ${this.#type.split("/").at(-1) || "message"}: ${error.message}. Another view may.`;
+      this.#failure = `The view ${nameOf(this.view)} cannot show this ${this.#type.split("/").at(-1) || "message"}: ${error.message}. Choose another view.`;
       this.tell(this.#failure);
     }
   }
@@ -182,7 +182,7 @@ export class TopicCard extends Card {
     this.#views.setAttribute("aria-label", `view of ${this.topic}`);
     this.#views.onchange = () => this.#restart({ view: this.#views.value });
     this.#offer();
-    const rates = element("select", { title: "at most so many messages a second", aria: { label: `rate of ${this.topic}` } });
+    const rates = element("select", { title: "at most this many messages per second", aria: { label: `rate of ${this.topic}` } });
     for (const hz of RATES_HZ) rates.append(new Option(hz ? `${hz} Hz` : "all", String(hz), false, hz === this.rate));
     rates.onchange = () => this.#restart({ rate: Number(rates.value) });
     const pause = element("button", { type: "button", aria: { label: `Pause ${this.topic}` } }, "Pause");
@@ -209,7 +209,7 @@ export class TopicCard extends Card {
   /** Return what is copied: paused, what one sees. */
   #copied() {
     const copied = (this.#isPaused && this.#visible) || this.#newest;
-    if (!copied) throw new Error("nothing has come yet");
+    if (!copied) throw new Error("no message has arrived yet");
     return json(copied.message, 2);
   }
 

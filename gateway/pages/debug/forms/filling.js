@@ -45,7 +45,7 @@ function checkGroup({ fields }, value, path) {
   for (const [name, its] of Object.entries(value)) {
     const inside = path ? `${path}.${name}` : name;
     const field = fields.find((each) => each.name === name);
-    if (!field) throw misfit(inside, "there is no such field");
+    if (!field) throw misfit(inside, "this field is unknown");
     checkFit(field, its, inside);
   }
 }
@@ -80,7 +80,7 @@ function isDefault({ fallback }, value) {
 }
 
 const isObject = (value) => typeof value === "object" && value !== null && !Array.isArray(value);
-const misfit = (path, words) => new Error(`it stays JSON, as ${path} does not fit: ${words}`);
+const misfit = (path, words) => new Error(`it stays JSON, because ${path} does not fit: ${words}`);
 
 function shown(value) {
   const text = json(value);

@@ -11,7 +11,7 @@ export function valueOf(text) {
   try {
     value = parse(text);
   } catch (error) {
-    throw new Error(`this is no JSON: ${error.message}`, { cause: error });
+    throw new Error(`this is not JSON: ${error.message}`, { cause: error });
   }
   const path = endless(value);
   if (path) throw new Error(`${path.slice(1).join(".") || "it"}: this number is larger than any float64`);
