@@ -130,7 +130,7 @@ class Line:
         self._routes.append(route)
 
     async def cut(self) -> None:
-        """End all connections; new ones end at once."""
+        """End all connections. New ones end at once."""
         self._is_cut = True
         for route in self._routes:
             await route.close()

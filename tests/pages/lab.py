@@ -48,7 +48,7 @@ async def send(page: Any, point: Callable[[], Awaitable[None]]) -> None:
 
 
 async def send_and_end(page: Any, point: Callable[[], Awaitable[None]], by: str) -> str:
-    """Point at the floor, end the approach by a script once the robot drives; return what is said.
+    """Point at the floor, end the approach by a script once the robot drives. Return what is said.
 
     A busy machine may have ended it before.
     """

@@ -24,7 +24,7 @@ NOTE_SENT = """
     const { send } = WebSocket.prototype;
     WebSocket.prototype.send = function (data) { sent.push(data); send.call(this, data); };
 """
-# whether a canvas has more than one colour; asked of a copy, as reading makes a canvas slow
+# whether a canvas has more than one colour. Asked of a copy, as reading makes a canvas slow
 PAINTED = """canvas => {
     const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
     copy.drawImage(canvas, 0, 0);

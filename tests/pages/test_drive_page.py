@@ -181,7 +181,7 @@ async def drive_by(page, key: str) -> None:
 
 
 async def until_while_driving(page, key: str, condition: str) -> None:
-    """Hold a key until something holds; a busy machine may keep the page longer than its lease."""
+    """Hold a key until something holds. A busy machine may keep the page longer than its lease."""
     async with asyncio.timeout(LATE_S):
         while not await page.evaluate(condition):
             if await page.evaluate("control.textContent.startsWith('Stopped')"):

@@ -31,7 +31,7 @@ WHERE = """([x, y]) => {
     const { left, top, width, height } = lab.renderer.domElement.getBoundingClientRect();
     return [left + (place.x + 1) * width / 2, top + (1 - place.y) * height / 2];
 }"""
-# before something that hangs on a wall; where it is on the page, so low that
+# before something that hangs on a wall. Where it is on the page, so low that
 # the ray goes on to the floor behind
 BEFORE = """(thing) => {
     const { rig, camera } = lab.viewer;
@@ -396,7 +396,7 @@ async def test_whoever_may_only_look_is_told_so(open_page, speaker, settings, wo
 
 
 async def until_told(page, key: str, words: str) -> None:
-    """Press a key until the page says why it may only look; it may first miss robot or guard."""
+    """Press a key until the page says why it may only look. It may first miss robot or guard."""
     async with asyncio.timeout(TIMEOUT_S):
         while True:
             await page.keyboard.press(key)

@@ -47,7 +47,7 @@ INSTALL = """
     window.device = new IWER.XRDevice(HEADSET);
     device.installRuntime({ forceInstall: true });
 """
-# a hand that points at a place of the floor; positions of the device are relative to the rig
+# a hand that points at a place of the floor. Positions of the device are relative to the rig
 POINT = """([hand, x, y]) => {
     const source = device[device.primaryInputMode === "hand" ? "hands" : "controllers"][hand];
     const from = [hand === "left" ? -0.2 : 0.2, 1.3, -0.3];

@@ -17,7 +17,7 @@ BEHIND = ("ground", "surface", "raised")
 
 
 def colours(scheme: str) -> dict[str, str]:
-    """Return the tokens of a scheme; light says only what is different from dark."""
+    """Return the tokens of a scheme. Light says only what is different from dark."""
     dark, light = (
         dict(re.findall(r"--([a-z0-9-]+): (#[0-9a-f]{6});", block))
         for block in re.findall(r":root \{(.*?)\}", STYLE, re.DOTALL)

@@ -14,7 +14,7 @@ from tests.pages.test_world_views import COUNT
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 
-# a card that gets what `take` and `says` give it; time passes when `drawn` draws it
+# a card that gets what `take` and `says` give it. Time passes when `drawn` draws it
 ALONE = """async ({ view, fields = [], type = "std_msgs/msg/Float64", types = [type] }) => {
     const { TopicCard } = await import("/debug/cards/topic_card.js");
     window.now = 1000;

@@ -303,7 +303,7 @@ async def test_a_long_list_makes_the_page_no_longer(open_page, nowhere):
 @pytest.mark.parametrize(
     ("came", "hz"),
     [
-        # each: the time of a message in ms, and its number; the clock ticks once a second
+        # each: the time of a message in ms, and its number. The clock ticks once a second
         ([(100 * n, n) for n in range(30)], "10 Hz"),
         ([(500 * n, 15 * n) for n in range(6)], "30 Hz"),
         ([(2000, n) for n in range(10)], "1 B"),  # at once: that is no rate

@@ -104,7 +104,7 @@ async def test_scan_and_robot_turn_grey_on_the_map_when_the_scan_stays_away(demo
             await until(page, f"about => ({COUNT})(about) > 20", about)
 
 
-# paints a map of 3000 x 3000 cells with a thin wall; returns something of some pixels
+# paints a map of 3000 x 3000 cells with a thin wall. Returns something of some pixels
 PAINT_THIN_WALLS = """async (asPicture) => {
     const { Painter } = await import("/views/painter.js");
     const side = 3000;

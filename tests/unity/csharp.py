@@ -42,7 +42,7 @@ class CSharpTest:
 
 
 def parameters(assembly: str, target: Target = IN_EDITOR) -> list[Any]:
-    """Return an assembly's tests as parameters for pytest; without Mono one that is skipped."""
+    """Return an assembly's tests as parameters for pytest. Without Mono one that is skipped."""
     return parameters_of_compiled(assembly, lambda: package.compiled(assembly, target))
 
 
@@ -66,7 +66,7 @@ class Runner:
     )
 
     def check(self, test: CSharpTest, env: Mapping[str, str] | None = None) -> None:
-        """Run the test, with these variables in its environment; fail or skip as it did."""
+        """Run the test, with these variables in its environment. Fail or skip as it did."""
         if test.problem:
             pytest.fail(test.problem, pytrace=False)
         assert test.binary is not None
@@ -135,7 +135,7 @@ class _Process:
         try:
             result: dict[str, Any] = json.loads(line)
         except json.JSONDecodeError:
-            # Mono writes its own crash report there; it ends after that
+            # Mono writes its own crash report there. It ends after that
             report = line + self.process.stdout.read()
             pytest.fail(f"{name}: the process crashed in it\n{report}", pytrace=False)
         if result["last"]:

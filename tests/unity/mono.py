@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Mono as the tests use it: compile C# once per content, run it, translate it ahead of time.
 
-What Unity's editor and desktop players run on is Mono, too; the full ahead-of-time mode, without a
+What Unity's editor and desktop players run on is Mono, too. The full ahead-of-time mode, without a
 JIT compiler, stands in for IL2CPP.
 """
 
@@ -23,7 +23,7 @@ COMPILE_TIMEOUT_S: Final = 300  # takes 1 to 3 s, on a machine that does nothing
 TRANSLATE_TIMEOUT_S: Final = 900
 
 # By default there is room for 4096 delegates and lazily bound calls in a process, and for 512 calls
-# by interfaces; one that runs hundreds of tests needs more.
+# by interfaces. One that runs hundreds of tests needs more.
 _TRANSLATE: Final = "--aot=full,ntrampolines=65536,nimt-trampolines=16384"
 
 _NUNIT_DIRECTORIES: Final = Path("/usr/lib/cli")
@@ -36,7 +36,7 @@ _FRAMEWORK: Final = (
 
 
 class CompileError(Exception):
-    """The C# compiler or the translator refused; the text is what it said."""
+    """The C# compiler or the translator refused. The text is what it said."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class Binary:
 
 
 def missing() -> str:
-    """Say what is not installed, in words for a skipped test; empty if all is there."""
+    """Say what is not installed, in words for a skipped test. Empty if all is there."""
     absent = [program for program in ("mono", "mcs") if shutil.which(program) is None]
     if not _nunit_paths():
         absent.append("NUnit 2.6")
@@ -151,7 +151,7 @@ def ahead_of_time(binary: Binary) -> Binary:
 
 
 def command(binary: Binary, *arguments: str, full_aot: bool = False) -> list[str]:
-    """What runs a program; `environment` belongs to it."""
+    """What runs a program. `environment` belongs to it."""
     return ["mono", "--debug", *(["--full-aot"] if full_aot else []), str(binary.path), *arguments]
 
 
@@ -175,7 +175,7 @@ def _translated(binary: Binary, references: tuple[Binary, ...]) -> Binary:
 
 
 def _translated_framework() -> Binary:
-    """All of the framework in one directory; `mscorlib` stands for it."""
+    """All of the framework in one directory. `mscorlib` stands for it."""
     sources = [_FRAMEWORK_DIRECTORY / f"{name}.dll" for name in _FRAMEWORK]
     digest = hashlib.sha256(_TRANSLATE.encode())
     for source in sources:

@@ -18,7 +18,7 @@ NAME: Final = "Robot.Messages"
 
 
 def generated() -> list[Path]:
-    """Write what a project gets, into a folder that stays; return the sources."""
+    """Write what a project gets, into a folder that stays. Return the sources."""
     definitions = InstalledDefinitions(folders=[SHIPPED])
     names = [name for name in definitions.all_names() if name.split("/")[0] in PACKAGES]
     texts = files(request_of(*names, definitions=definitions, asmdef=NAME))

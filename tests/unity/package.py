@@ -202,7 +202,7 @@ def referenced(definition: AssemblyDefinition, target: Target) -> list[str]:
 
 
 def undocumented(name: str) -> str:
-    """Return what the compiler says of public members without a summary; empty if all have one."""
+    """Return what the compiler says of public members without a summary. Empty if all have one."""
     definition = assembly_definitions()[name]
     target = EDITOR.with_everything()
     # 1573: a parameter's meaning may be in the summary

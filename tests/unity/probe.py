@@ -20,7 +20,7 @@ _CHUNK_BYTES: Final = 32_768
 
 
 class ProbeFailedError(AssertionError):
-    """Another exception came out than the format's own; the text is what."""
+    """Another exception came out than the format's own. The text is what."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ Question = tuple[str, bytes]
 
 
 class Probe:
-    """One process; `close` ends it. The library is what it asks, with the JSON and the messages."""
+    """One process. `close` ends it. The library is what it asks, with the JSON and the messages."""
 
     def __init__(self, library: Binary, name: str = JSON, *, full_aot: bool = False) -> None:
         sources = sorted((Path(__file__).parent / name).glob("*.cs"))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A gateway that misbehaves, by the path that a client connects to; for tests of clients.
+"""A gateway that misbehaves, by the path that a client connects to. For tests of clients.
 
 ``/through`` is the exception: it passes everything on to a real gateway, until a client sends
 ``{"op":"cut"}`` and the line is cut. ``/assets`` serves meshes, some of which are refused, held
@@ -75,7 +75,7 @@ RED_DAE: Final = """<COLLADA>
 
 
 class Rogue:
-    """The server of all paths; *gateway* is where ``/through`` leads."""
+    """The server of all paths. *Gateway* is where ``/through`` leads."""
 
     def __init__(self, gateway: str) -> None:
         self._gateway = gateway
@@ -156,7 +156,7 @@ class Rogue:
         await client.close(1013, reason)
 
     async def _stops_reading(self, client: ServerConnection) -> None:
-        """Read nothing from the first message on until told how many came; then echo the rest."""
+        """Read nothing from the first message on until told how many came. Then echo the rest."""
         async for text in client:
             if json.loads(text)["op"] == "publish":
                 client.transport.pause_reading()
@@ -279,7 +279,7 @@ async def _subscribed(client: ServerConnection) -> None:
 
 @contextlib.asynccontextmanager
 async def rogue(gateway: str) -> AsyncIterator[str]:
-    """Serve on a free port until the context ends; the value is the address, without path."""
+    """Serve on a free port until the context ends. The value is the address, without path."""
     handler = Rogue(gateway).serve
     async with serve(handler, "127.0.0.1", 0, compression=None, max_size=None) as server:
         port = next(iter(server.sockets)).getsockname()[1]

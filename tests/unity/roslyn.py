@@ -2,7 +2,7 @@
 """Roslyn, the C# compiler of Unity, as the tests use it: it checks assemblies, and emits nothing.
 
 It comes in a package of Microsoft's on npm that needs it, and runs on the .NET that Microsoft has
-on PyPI; both are installed by ``tools/make-clients.sh``. That .NET knows OpenSSL up to 1.1, which
+on PyPI. Both are installed by ``tools/make-clients.sh``. That .NET knows OpenSSL up to 1.1, which
 wheels bring, those of ROS too.
 """
 
@@ -50,7 +50,7 @@ _SETTINGS: Final = """{"runtimeOptions": {"tfm": "netcoreapp3.1",
 
 @dataclass(frozen=True)
 class Assembly:
-    """An assembly to check; a reference is the name of one before it, or a library."""
+    """An assembly to check. A reference is the name of one before it, or a library."""
 
     name: str
     sources: tuple[Path, ...]
@@ -70,7 +70,7 @@ class Assembly:
 
 
 def described(target: Target) -> list[Assembly]:
-    """Describe the stub, and what Unity compiles for a target; what is needed comes first."""
+    """Describe the stub, and what Unity compiles for a target. What is needed comes first."""
     assemblies = [
         Assembly(name, sources, references=references, suppressed=_OF_THE_STUB)
         for name, (sources, references) in package.stub_sources().items()
@@ -94,7 +94,7 @@ def described(target: Target) -> list[Assembly]:
 
 
 def missing() -> str:
-    """Say what is not installed, in words for a skipped test; empty if all is there."""
+    """Say what is not installed, in words for a skipped test. Empty if all is there."""
     if not (_DOTNET / "dotnet").exists() or not _PACKAGE.exists():
         return "Roslyn is missing: run tools/make-clients.sh .venv"
     if not _openssl():
@@ -106,7 +106,7 @@ def diagnostics(assemblies: Iterable[Assembly]) -> list[str]:
     """Return errors and warnings, each with its assembly, file and line.
 
     Raises:
-        CompileError: The compiler itself failed; with its words.
+        CompileError: The compiler itself failed. With its words.
     """
     driver = _driver()
     libraries = f"{driver.parent}:{_openssl()[0].parent}"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A build has the messages that its code refers to; all, only where types are named by text."""
+"""A build has the messages that its code refers to. All, only where types are named by text."""
 
 import re
 import subprocess

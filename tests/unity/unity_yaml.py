@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads Unity's text format and the sources that it refers to; knows nothing of what writes it."""
+"""Reads Unity's text format and the sources that it refers to. Knows nothing of what writes it."""
 
 import re
 from dataclasses import dataclass, field

@@ -7,7 +7,7 @@ using Ros2Gateway.Json;
 namespace Ros2Gateway.Editor
 {
     /// <summary>
-    /// Tries a connection once: who answers, and how fast; or why nobody does. It lets go of the connection
+    /// Tries a connection once: who answers, and how fast. Or why nobody does. It lets go of the connection
     /// as soon as it knows. Pump it from the editor's update until <see cref="IsDone"/>.
     /// </summary>
     public sealed class ConnectionProbe : IDisposable
@@ -34,7 +34,7 @@ namespace Ros2Gateway.Editor
         public bool IsGood { get; private set; }
 
         /// <summary>
-        /// The server, its version and the round trip, or the error; before, what is being done.
+        /// The server, its version and the round trip, or the error. Before, what is being done.
         /// </summary>
         public string Text { get; private set; }
 

@@ -27,7 +27,7 @@ namespace Ros2Gateway.Editor
         /// <summary>Where it connects to.</summary>
         public string Address { get; private set; }
 
-        /// <summary>Why there is no connection, or that it is being made; empty while there is one.</summary>
+        /// <summary>Why there is no connection, or that it is being made. Empty while there is one.</summary>
         public string Problem
         {
             get
@@ -40,13 +40,13 @@ namespace Ros2Gateway.Editor
             }
         }
 
-        /// <summary>What a connection of the scene says; without one, where the gateway is by default.</summary>
+        /// <summary>What a connection of the scene says. Without one, where the gateway is by default.</summary>
         public static GatewayOptions OptionsOf(GatewayConnection connection)
         {
             return connection != null ? connection.Options() : new GatewayOptions();
         }
 
-        /// <summary>Calls what waits; from the editor's update.</summary>
+        /// <summary>Calls what waits. From the editor's update.</summary>
         public void Pump()
         {
             Client.Pump();

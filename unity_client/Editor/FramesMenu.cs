@@ -13,7 +13,7 @@ namespace Ros2Gateway.Editor
         private const int MarkerQueue = 32; // each message may add to the others
         private const float DepthRate = 5; // pictures a second: each is decoded on the main thread
 
-        /// <summary>The origin of a ROS frame; what stands in it goes below.</summary>
+        /// <summary>The origin of a ROS frame. What stands in it goes below.</summary>
         [MenuItem(Path + "Fixed Frame", false, Priority)]
         public static void FixedFrame(MenuCommand command)
         {

@@ -30,7 +30,7 @@ namespace Ros2Gateway.Editor
 
         private readonly string _folder;
 
-        /// <summary>Those in a folder, which need not be there; in Unity below <c>Assets</c>.</summary>
+        /// <summary>Those in a folder, which need not be there. In Unity below <c>Assets</c>.</summary>
         public GeneratedMessages(string folder)
         {
             if (string.IsNullOrEmpty(folder))
@@ -67,7 +67,7 @@ namespace Ros2Gateway.Editor
         /// </summary>
         /// <param name="files">Texts by the names of files.</param>
         /// <returns>The paths that have changed.</returns>
-        /// <exception cref="GatewayException">A file of somebody else is in the way, or cannot be written; in the first
+        /// <exception cref="GatewayException">A file of somebody else is in the way, or cannot be written. In the first
         /// case nothing has changed.</exception>
         public IList<string> Write(JsonValue files)
         {

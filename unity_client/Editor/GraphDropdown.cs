@@ -5,7 +5,7 @@ using System.Collections.Generic;
 namespace Ros2Gateway.Editor
 {
     /// <summary>
-    /// The topics that there are now, with their types, for a dropdown; or why there are none.
+    /// The topics that there are now, with their types, for a dropdown. Or why there are none.
     /// </summary>
     public sealed class GraphDropdown : IDisposable
     {
@@ -28,7 +28,7 @@ namespace Ros2Gateway.Editor
         public event Action Changed;
 
         /// <summary>
-        /// The topics in the order of their names; the last known ones while the connection is lost.
+        /// The topics in the order of their names. The last known ones while the connection is lost.
         /// </summary>
         public IList<string> Topics
         {
@@ -36,7 +36,7 @@ namespace Ros2Gateway.Editor
         }
 
         /// <summary>
-        /// Why the topics are missing or old, in words; empty if they are as they are now. Changes in
+        /// Why the topics are missing or old, in words. Empty if they are as they are now. Changes in
         /// <see cref="Pump"/> only: the editor draws in two passes, which must agree.
         /// </summary>
         public string Problem
@@ -45,14 +45,14 @@ namespace Ros2Gateway.Editor
         }
 
         /// <summary>
-        /// The type of a topic; empty if there is no such topic, or if it has several types.
+        /// The type of a topic. Empty if there is no such topic, or if it has several types.
         /// </summary>
         public string TypeOf(string topic)
         {
             return _graph == null || string.IsNullOrEmpty(topic) ? "" : _graph.TopicType(topic);
         }
 
-        /// <summary>Calls what waits; from the editor's update.</summary>
+        /// <summary>Calls what waits. From the editor's update.</summary>
         public void Pump()
         {
             _client.Pump();

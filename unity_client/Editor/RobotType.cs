@@ -17,7 +17,7 @@ namespace Ros2Gateway.Editor
         /// <summary><c>pkg/msg/Name</c>, <c>pkg/srv/Name</c> or <c>pkg/action/Name</c>.</summary>
         public string Name { get; private set; }
 
-        /// <summary>The topics, services and actions that have it now; empty if none has.</summary>
+        /// <summary>The topics, services and actions that have it now. Empty if none has.</summary>
         public string Uses { get; private set; }
 
         /// <summary>Whether its class is there, in the package or in the project.</summary>

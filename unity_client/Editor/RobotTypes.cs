@@ -32,7 +32,7 @@ namespace Ros2Gateway.Editor
         public event Action Changed;
 
         /// <summary>
-        /// Those that a topic, a service or an action has, then the others, each by name; the last known ones
+        /// Those that a topic, a service or an action has, then the others, each by name. The last known ones
         /// while the connection is lost. Like <see cref="Problem"/> it changes in <see cref="Pump"/> only: the
         /// editor draws in two passes, which must agree.
         /// </summary>
@@ -41,10 +41,10 @@ namespace Ros2Gateway.Editor
             get { return _types; }
         }
 
-        /// <summary>Why types are missing or old, in words; empty if they are as they are now.</summary>
+        /// <summary>Why types are missing or old, in words. Empty if they are as they are now.</summary>
         public string Problem { get; private set; }
 
-        /// <summary>Calls what waits; from the editor's update.</summary>
+        /// <summary>Calls what waits. From the editor's update.</summary>
         public void Pump()
         {
             _client.Pump();

@@ -4,7 +4,7 @@ using Ros2Gateway.Messages;
 
 namespace Ros2Gateway.Editor
 {
-    /// <summary>What is wrong with a topic or its type, in words; null where nothing is.</summary>
+    /// <summary>What is wrong with a topic or its type, in words. Null where nothing is.</summary>
     public static class TopicCheck
     {
         private static readonly Regex Name =
@@ -25,7 +25,7 @@ namespace Ros2Gateway.Editor
                     + "' is no topic: words of letters, digits and _ with / between them, no digit first";
         }
 
-        /// <summary>Of a type; *mayBeEmpty* where the gateway finds it out.</summary>
+        /// <summary>Of a type. *mayBeEmpty* where the gateway finds it out.</summary>
         public static string OfType(string type, bool mayBeEmpty)
         {
             if (string.IsNullOrEmpty(type))
@@ -46,7 +46,7 @@ namespace Ros2Gateway.Editor
                 : "'" + type + "' is no type: pkg/msg/Name, or a number of the message table";
         }
 
-        /// <summary>Of a type, given what the topic carries now; empty if that is not known.</summary>
+        /// <summary>Of a type, given what the topic carries now. Empty if that is not known.</summary>
         public static string OfGraph(string topic, string type, string carried)
         {
             string chosen = MessageCatalogue.Resolve(type);

@@ -25,7 +25,7 @@ namespace Ros2Gateway.Editor
         /// <summary>Whether the type may be left to the gateway.</summary>
         protected abstract bool TypeMayBeEmpty { get; }
 
-        /// <summary>Draws it; what is chosen can be undone.</summary>
+        /// <summary>Draws it. What is chosen can be undone.</summary>
         public override void OnInspectorGUI()
         {
             serializedObject.Update();
@@ -181,7 +181,7 @@ namespace Ros2Gateway.Editor
             return chosen != null ? chosen : FindAnyObjectByType<GatewayConnection>();
         }
 
-        // A slash in it would make a submenu; this one only looks like it.
+        // A slash in it would make a submenu. This one only looks like it.
         private static GUIContent Flat(string label)
         {
             return new GUIContent(label.Replace('/', '\u2215'));

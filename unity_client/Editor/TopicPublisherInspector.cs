@@ -9,7 +9,7 @@ using UnityEngine;
 
 namespace Ros2Gateway.Editor
 {
-    /// <summary>Of Topic Publishers, which need a type; their message is a text, or has fields.</summary>
+    /// <summary>Of Topic Publishers, which need a type. Their message is a text, or has fields.</summary>
     [CanEditMultipleObjects]
     [CustomEditor(typeof(TopicPublisher))]
     public sealed class TopicPublisherInspector : TopicInspector
@@ -58,7 +58,7 @@ namespace Ros2Gateway.Editor
             Warn(_problem);
         }
 
-        /// <summary>A message of a type with what a text says of it; null, with a problem, if that cannot be.</summary>
+        /// <summary>A message of a type with what a text says of it. Null, with a problem, if that cannot be.</summary>
         private IMessage Read(string type, string text)
         {
             _problem = null;

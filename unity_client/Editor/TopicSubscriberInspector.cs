@@ -4,7 +4,7 @@ using UnityEditor;
 
 namespace Ros2Gateway.Editor
 {
-    /// <summary>Of Topic Subscribers; an empty type takes what the topic has.</summary>
+    /// <summary>Of Topic Subscribers. An empty type takes what the topic has.</summary>
     [CanEditMultipleObjects]
     [CustomEditor(typeof(TopicSubscriber))]
     public sealed class TopicSubscriberInspector : TopicInspector

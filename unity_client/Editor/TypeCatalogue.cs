@@ -30,8 +30,8 @@ namespace Ros2Gateway.Editor
         public int Count { get; private set; }
 
         /// <summary>
-        /// The types that a search finds: part of a name in any case, a number, or nothing for all of them;
-        /// those with a number first, by it, then the others by name.
+        /// The types that a search finds: part of a name in any case, a number, or nothing for all of them.
+        /// Those with a number first, by it, then the others by name.
         /// </summary>
         public IList<string> Find(string search)
         {

@@ -7,7 +7,7 @@ const ABOUT = {
   clients: "connections to this gateway",
 };
 
-/** The connection in numbers, for the bar; `tick` is called once a second. */
+/** The connection in numbers, for the bar. `tick` is called once a second. */
 export class Figures {
   element = element("dl", { id: "figures", className: "figures", aria: { label: "Connection" } });
   #gateway;

@@ -35,7 +35,7 @@ export class FirstVisit {
     this.isOver = true;
   }
 
-  /** Open what the robot has by now; called at each change of the graph. */
+  /** Open what the robot has by now. Called at each change of the graph. */
   fill() {
     if (performance.now() > this.#endMs) this.end();
     if (this.isOver) return;
@@ -45,7 +45,7 @@ export class FirstVisit {
     this.#drive();
   }
 
-  /** Open the first of some kinds that somebody publishes; return whether there is one. */
+  /** Open the first of some kinds that somebody publishes. Return whether there is one. */
   #open(kinds) {
     const shown = kinds.map((each) => ({ ...each, topic: published(this.#gateway.graph, each.kind) })).find((each) => each.topic);
     if (!shown) return false;

@@ -33,7 +33,7 @@ const WORDS = {
   send_queue_bytes: ["Data that waits for this page, before the oldest is dropped", bytes],
 };
 
-/** Return the words for a member and its value; of one that is unknown here, its key and the bare value. */
+/** Return the words for a member and its value. Of one that is unknown here, its key and the bare value. */
 export function worded(key, value) {
   const [words, write] = Object.hasOwn(WORDS, key) ? WORDS[key] : [key, String];
   return { words, value: write(value) };

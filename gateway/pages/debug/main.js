@@ -42,14 +42,14 @@ function add(shown) {
   return card;
 }
 
-/** Open a name of the ROS graph, by default a topic in the view that fits it best, or show its card; a plot takes a further field. */
+/** Open a name of the ROS graph, by default a topic in the view that fits it best, or show its card. A plot takes a further field. */
 function open(topic, asked, fields = []) {
   firstVisit.end();
   const shown = fields.length ? plotOf(topic, fields[0]) : shownBy(topic, asked);
   look(shown ?? add({ topic, view: asked ?? viewsFor(gateway.graph.typeOf(topic))[0], fields, rate: 0 }));
 }
 
-/** Return a plot that has a field of a topic; one that has room takes it. */
+/** Return a plot that has a field of a topic. One that has room takes it. */
 function plotOf(topic, field) {
   const plots = cards.filter((each) => each.view === "plot" && each.topic === topic);
   const found = plots.find((each) => each.fields.includes(field));
@@ -59,7 +59,7 @@ function plotOf(topic, field) {
   return plot;
 }
 
-/** Return the card that shows a name in a view, by default a topic in any; a plot is another one for each choice of fields. */
+/** Return the card that shows a name in a view, by default a topic in any. A plot is another one for each choice of fields. */
 function shownBy(topic, view) {
   return cards.find((each) => each.topic === topic && (view ? each.view === view && !each.fields.length : isView(each.view)));
 }

@@ -47,7 +47,7 @@ export class Measuring {
     return this.arrivals(topic)?.words ?? (measured ? measured.problem || NOTHING_YET : "");
   }
 
-  /** Measure what is to be measured now; called once a second, so that scrolling by asks for nothing. */
+  /** Measure what is to be measured now. Called once a second, so that scrolling by asks for nothing. */
   tick() {
     for (const [topic, measured] of this.#measured) {
       measured.ticksRefused += measured.isRefused ? 1 : 0;

@@ -15,7 +15,7 @@ export class NameList {
   #entries;
   #open;
   #counted;
-  #items = new Map(); // name -> its item, and the button in it; one that stays keeps the focus
+  #items = new Map(); // name -> its item, and the button in it. One that stays keeps the focus
   #opened = new Set(); // names that have a card
   #settle;
 

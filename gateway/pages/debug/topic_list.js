@@ -5,7 +5,7 @@ import { countOf, mark, replace } from "./name_list.js";
 import { treeOf } from "./namespaces.js";
 import { rove } from "./roving.js";
 
-/** The topics of the ROS graph, by namespace, as a list that can be searched; with rate, size and age as far as these are measured. */
+/** The topics of the ROS graph, by namespace, as a list that can be searched. With rate, size and age as far as these are measured. */
 export class TopicList {
   #list;
   #search;
@@ -62,7 +62,7 @@ export class TopicList {
     mark(this.#items, names);
   }
 
-  /** Write what changes with time; called once a second. */
+  /** Write what changes with time. Called once a second. */
   tick() {
     for (const arrivals of this.#gateway.arrivals.values()) arrivals.tick();
     this.#write();
@@ -127,7 +127,7 @@ export class TopicList {
   }
 }
 
-/** Make an element for a name, of which only the end is seen, its label; all of it is read out. */
+/** Make an element for a name, of which only the end is seen, its label. All of it is read out. */
 function titled(kind) {
   const above = element("span", { className: "unseen" });
   const made = element(kind, {}, above);

@@ -22,7 +22,7 @@ const gateway = new Gateway();
 const camera = new Place(find("camera"), gateway);
 const world = new Place(find("world"), gateway, LATE_MS);
 const motion = new Motion();
-const heard = { odometry: "", scan: "", map: "" }; // topics; a robot that is gone takes them out of the graph
+const heard = { odometry: "", scan: "", map: "" }; // topics. A robot that is gone takes them out of the graph
 let isConnected = false;
 gateway.on("state", ({ state }) => {
   isConnected = state === "open";

@@ -36,7 +36,7 @@ export class Place {
     return this.#gateway.arrivals.get(this.#view?.topic);
   }
 
-  /** Show a topic in the first of some views, each with its kind, that the address or else the robot has something for; or say what is missing. */
+  /** Show a topic in the first of some views, each with its kind, that the address or else the robot has something for. Or say what is missing. */
   show(nothing, ...views) {
     const { graph } = this.#gateway;
     const [View, kind] = views.find(([, each]) => named(each) || published(graph, each)) ?? [];
@@ -51,7 +51,7 @@ export class Place {
     this.#home.replaceChildren(view.element, this.#problem);
   }
 
-  /** Draw what has changed; called before each frame of the screen. */
+  /** Draw what has changed. Called before each frame of the screen. */
   draw() {
     this.#attempt("drawing", () => this.#view?.draw?.());
   }

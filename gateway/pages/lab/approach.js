@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // From a target and odometry to commands, in steps: turn towards it, drive, turn again where the heading has drifted.
-// Pure: pose and time are arguments. It sees no obstacle; one that stops the robot ends it for want of progress.
+// Pure: pose and time are arguments. It sees no obstacle. One that stops the robot ends it for want of progress.
 
 import { Pid } from "./pid.js";
 
@@ -19,7 +19,7 @@ const SPARE_S = 30; // beyond thrice what the straight way takes
 const TURNING = { proportional: 2, integral: 0.1, derivative: 0.1 };
 const DRIVING = { proportional: 1.2, integral: 0.1, derivative: 0.05 };
 
-/** Drives to one target at a time; `state` is `idle`, `turning`, `driving`, `arrived` or `failed`, and `reason` says why it failed. */
+/** Drives to one target at a time. `state` is `idle`, `turning`, `driving`, `arrived` or `failed`, and `reason` says why it failed. */
 export class Approach {
   state = "idle";
   reason = "";
@@ -56,7 +56,7 @@ export class Approach {
   }
 
   /**
-   * Return what to do now, in m/s and rad/s; the same object each time.
+   * Return what to do now, in m/s and rad/s. The same object each time.
    * @param {{x: number, y: number, yaw: number}} pose the newest
    * @param {number} poseTime when it came, in seconds of the clock of *now*
    * @param {number} now

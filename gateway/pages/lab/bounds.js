@@ -12,7 +12,7 @@ export class Bounds {
   #most = new Vector3(HALF_M, Infinity, HALF_M);
 
   /**
-   * Take what there is; nothing is made anew here.
+   * Take what there is. Nothing is made anew here.
    * @param {number} reach how far the map reaches from the middle, in metres
    * @param {{x: number, y: number}} robot where it is, in its own metres
    */
@@ -29,7 +29,7 @@ export class Bounds {
     place.clamp(this.#least, this.#most);
   }
 
-  /** Do so with a step from another place; whoever is outside, as the robot went home, is not moved, but goes no farther out. */
+  /** Do so with a step from another place. Whoever is outside, as the robot went home, is not moved, but goes no farther out. */
   keepStep(place, from) {
     place.x = Math.max(Math.min(this.#least.x, from.x), Math.min(Math.max(this.#most.x, from.x), place.x));
     place.z = Math.max(Math.min(this.#least.z, from.z), Math.min(Math.max(this.#most.z, from.z), place.z));

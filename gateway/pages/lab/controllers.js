@@ -25,7 +25,7 @@ export class Controllers {
    * @param {import("../vendor/three.js").Object3D} rig which they move with
    * @param {import("./room.js").Room} room
    * @param {{target: (ray: Raycaster) => void, refuse: (why: string) => void, stop: () => void, gone: () => void,
-   *   stand: (ray: Raycaster, place: Vector3) => boolean, teleport: (place: Vector3) => void}} to `gone`: what sent the robot is held no more, or nothing that could stop it;
+   *   stand: (ray: Raycaster, place: Vector3) => boolean, teleport: (place: Vector3) => void}} to `gone`: what sent the robot is held no more, or nothing that could stop it.
    *   `stand` puts into a place where the user can go, if he can
    */
   constructor(xr, rig, room, to) {
@@ -53,7 +53,7 @@ export class Controllers {
     if (hand === this.#sender || !this.#hands.some((each) => each.canStop)) this.#to.gone();
   }
 
-  /** Look at what is pushed; nothing is made anew here. */
+  /** Look at what is pushed. Nothing is made anew here. */
   step() {
     for (const hand of this.#hands) hand.step();
   }
@@ -66,7 +66,7 @@ export class Controllers {
 
 /** One hand. */
 class Hand {
-  /** Whether it holds what stops the robot; it still does after what `letGo` is for. */
+  /** Whether it holds what stops the robot. It still does after what `letGo` is for. */
   isStopping = false;
   #source = null; // XRInputSource
   #joints;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether the room is drawn: a browser takes WebGL away from a page, and may give it back; three.js then draws as before.
+// Whether the room is drawn: a browser takes WebGL away from a page, and may give it back. three.js then draws as before.
 
 import { element } from "../shared/dom.js";
 

@@ -16,7 +16,7 @@ export function asRos(group) {
 export const toRos = ({ x, z }) => ({ x: -z, y: -x });
 
 /**
- * Put into *place* where a ray meets the floor, which has no edges; return whether it does.
+ * Put into *place* where a ray meets the floor, which has no edges. Return whether it does.
  * @param {import("../vendor/three.js").Ray} ray
  * @param {import("../vendor/three.js").Vector3} place
  */

@@ -11,9 +11,9 @@ const OCCUPIED = 65; // percent and more: what Nav2's map server takes for occup
 
 /** A `nav_msgs/msg/OccupancyGrid` in the room. */
 export class FloorMap {
-  /** Where the map's frame is to the odometry's, or null while nobody says so; then the map is hidden. */
+  /** Where the map's frame is to the odometry's, or null while nobody says so. Then the map is hidden. */
   pose = null;
-  /** How far it reaches from where the odometry began, in metres along its axes; 0 while it is hidden. */
+  /** How far it reaches from where the odometry began, in metres along its axes. 0 while it is hidden. */
   reach = 0;
   world = asRos(new Group());
   #frame = new Group(); // the map's frame
@@ -27,7 +27,7 @@ export class FloorMap {
   /** @type {Int8Array} */
   #values = new Int8Array(); // of the pixels
 
-  /** @param {{tell: (words: string) => void, untell: (words: string) => void}} card says why a map cannot be shown; then the one before stays */
+  /** @param {{tell: (words: string) => void, untell: (words: string) => void}} card says why a map cannot be shown. Then the one before stays */
   constructor(card) {
     this.#newest = new Newest(card, () => "this map", (message) => this.#paint(message));
     this.world.position.y = -0.01; // between the floor and the lines on it
@@ -37,7 +37,7 @@ export class FloorMap {
     this.world.add(this.#frame);
   }
 
-  /** Take a map, with its cells or as a picture; it is shown once it is painted. */
+  /** Take a map, with its cells or as a picture. It is shown once it is painted. */
   take(message) {
     this.#newestMap = message;
     return this.#newest.take(message);
@@ -54,7 +54,7 @@ export class FloorMap {
     if (this.#newestMap) this.take(this.#newestMap);
   }
 
-  /** How wide and high it is, in cells; 0 before there is one. */
+  /** How wide and high it is, in cells. 0 before there is one. */
   get size() {
     const { width = 0, height = 0 } = this.#message?.info ?? {};
     return { width, height };

@@ -14,7 +14,7 @@ export class Jumps {
   #time = NaN;
 
   /**
-   * Take a pose; return how the robot cannot have come there from the one before, or "".
+   * Take a pose. Return how the robot cannot have come there from the one before, or "".
    * @param {{x: number, y: number, yaw: number}} pose in metres and radians
    * @param {number} time when it came, in seconds
    */

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The lab: a room with the robot's twin, its camera on a television, and screens; with a headset or without.
+// The lab: a room with the robot's twin, its camera on a television, and screens. With a headset or without.
 
 import { Vector3, WebGLRenderer } from "../vendor/three.js";
 import { Aging } from "../shared/aging.js";
@@ -144,7 +144,7 @@ function begin() {
   return made;
 }
 
-/** The page's own part of a frame; makes nothing anew. */
+/** The page's own part of a frame. Makes nothing anew. */
 function work(now, seconds, frame) {
   viewer.bounds.set(map.reach, twin.pose);
   if (frame) {
@@ -163,7 +163,7 @@ function render() {
   renderer.render(room.scene, viewer.camera);
 }
 
-/** Send the robot to where a ray meets the floor; if it meets the screen of any topic, show the next one there. */
+/** Send the robot to where a ray meets the floor. If it meets the screen of any topic, show the next one there. */
 function point(raycaster) {
   if (drawing.refusal) return pilot.stop(drawing.refusal);
   if (isHeld()) return pilot.stop("STOP is held: release it first.");
@@ -174,7 +174,7 @@ function point(raycaster) {
   else if (pilot.aim(toRos(place))) mark(target, place);
 }
 
-/** Put into `place` where a ray meets the floor, unless it meets a thing first; return why the robot cannot be sent there, or "". */
+/** Put into `place` where a ray meets the floor, unless it meets a thing first. Return why the robot cannot be sent there, or "". */
 function refusalOf(ray, thing) {
   if (room.walls.includes(thing)) return BEYOND;
   if (thing || !meet(ray, place)) return "There is no floor: point at a place on it.";
@@ -182,7 +182,7 @@ function refusalOf(ray, thing) {
   return Math.max(Math.abs(place.x), Math.abs(place.z)) < HALF_M ? "" : BEYOND;
 }
 
-/** Put into a place where a ray meets the floor, or the nearest one where the user may stand; return whether there is a floor. */
+/** Put into a place where a ray meets the floor, or the nearest one where the user may stand. Return whether there is a floor. */
 function stand(raycaster, where) {
   if (!sight.floor(raycaster, where)) return false;
   viewer.bounds.keep(where);

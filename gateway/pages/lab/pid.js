@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A controller of one quantity; time is an argument.
+// A controller of one quantity. Time is an argument.
 
 const MAX_STEP_S = 0.5; // after a longer silence what was remembered means nothing
 const FILTER_S = 0.05; // of the slope, some samples of odometry: its noise is not motion
@@ -28,7 +28,7 @@ export class Pid {
     this.#time = NaN;
   }
 
-  /** Return the output for an error (setpoint minus measurement) at a time in seconds; 0 if one of them is not finite. */
+  /** Return the output for an error (setpoint minus measurement) at a time in seconds. 0 if one of them is not finite. */
   step(error, now) {
     if (!Number.isFinite(error) || !Number.isFinite(now)) {
       this.reset();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What moves the robot: keys that are held, or a target that it approaches; and everything that ends either.
+// What moves the robot: keys that are held, or a target that it approaches. And everything that ends either.
 
 import { reason, sentence } from "../shared/control_words.js";
 import { Driver } from "../shared/driver.js";
@@ -56,7 +56,7 @@ export class Pilot {
     if (jump && this.isActive) this.end(jump);
   }
 
-  /** Approach a place of the odometry's frame; return whether that begins. */
+  /** Approach a place of the odometry's frame. Return whether that begins. */
   aim({ x, y }) {
     const now = performance.now();
     const refusal = this.#refusal(now);
@@ -81,7 +81,7 @@ export class Pilot {
     if (why) this.stop(this.#mayLook());
   }
 
-  /** Take what is held, in shares; keys end an approach, and what is said of the one before is over. */
+  /** Take what is held, in shares. Keys end an approach, and what is said of the one before is over. */
   hold(linear, angular) {
     if (this.isActive && (linear || angular)) this.#drop("The keys ended the approach.");
     else if ((linear || angular) && this.words) this.#say("");
@@ -95,7 +95,7 @@ export class Pilot {
     this.#driver.ready();
   }
 
-  /** Stop the robot and the approach, and say why it ended; nothing, if there was none. */
+  /** Stop the robot and the approach, and say why it ended. Nothing, if there was none. */
   end(why) {
     this.stop(this.isActive ? `The approach has ended: ${why}.` : "");
   }

@@ -13,7 +13,7 @@ export class Placement {
   #target = ""; // before there is one, and of who names none
   #source = null; // before there is anything to place
   #end = () => {};
-  #unknownMs = Infinity; // since when; Infinity while it is known
+  #unknownMs = Infinity; // since when. Infinity while it is known
 
   /**
    * @param {import("../shared/gateway.js").Gateway} gateway

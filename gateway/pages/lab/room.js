@@ -52,7 +52,7 @@ export class Room {
     return material;
   }
 
-  /** Return a ring for the floor, which marks a place; hidden at first. */
+  /** Return a ring for the floor, which marks a place. Hidden at first. */
   marker(colour, radius) {
     const marker = new Mesh(new RingGeometry(radius * 0.7, radius, 32), this.material(colour, MeshBasicMaterial));
     marker.rotation.x = -Math.PI / 2;

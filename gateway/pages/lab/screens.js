@@ -56,7 +56,7 @@ export class Screen {
     this.#isDirty = true;
   }
 
-  /** Draw, if there is something new and the last time is some while ago; return whether it did. */
+  /** Draw, if there is something new and the last time is some while ago. Return whether it did. */
   step(now) {
     if (!this.#isDirty || now - this.#drawnMs < REST_MS) return false;
     this.#isDirty = false;
@@ -81,7 +81,7 @@ export class Screen {
   }
 }
 
-/** Return lines that fit; what is longer goes on in the next one. */
+/** Return lines that fit. What is longer goes on in the next one. */
 function wrapped(text) {
   const lines = [];
   for (const line of text.slice(0, 2 * COLUMNS * LINES).split("\n")) {

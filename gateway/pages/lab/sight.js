@@ -27,7 +27,7 @@ export class Sight {
     return this.#hits[0]?.object ?? null;
   }
 
-  /** Put into *place* where a ray meets the floor; return whether it does, and nothing is before it. */
+  /** Put into *place* where a ray meets the floor. Return whether it does, and nothing is before it. */
   floor(raycaster, place) {
     return meet(raycaster.ray, place) && !this.thing(raycaster);
   }

@@ -75,7 +75,7 @@ export class Sources {
     return this.#gateway.arrivals.get(this.#known.get(kind));
   }
 
-  /** Return the topics that a screen can show as text; pictures are none. */
+  /** Return the topics that a screen can show as text. Pictures are none. */
   get readable() {
     return [...this.#gateway.graph.topics.values()]
       .filter(({ publishers, types }) => publishers.length && !isOf(types[0], "camera"))
@@ -91,7 +91,7 @@ export class Sources {
     return this.readable[0] ?? "";
   }
 
-  /** Show a topic on a screen as text; return what ends that. */
+  /** Show a topic on a screen as text. Return what ends that. */
   read(topic, screen) {
     screen.show(topic, "no message yet");
     return this.#gateway.subscribe(

@@ -8,7 +8,7 @@ import {
 import { yawOf } from "../views/plan.js";
 import { asRos } from "./floor.js";
 
-const MOST_POINTS = 4096; // of a scan; what is beyond is not drawn
+const MOST_POINTS = 4096; // of a scan. What is beyond is not drawn
 
 /** The robot, in its own metres. */
 export class Twin {
@@ -65,7 +65,7 @@ export class Twin {
     this.#body.quaternion.copy(orientation);
   }
 
-  /** Take where the laser is on the robot: a `translation` and a `rotation`, or null when nobody knows; then its scan is hidden. */
+  /** Take where the laser is on the robot: a `translation` and a `rotation`, or null when nobody knows. Then its scan is hidden. */
   mount(transform) {
     this.#laser.visible = transform !== null;
     if (!transform) return;

@@ -35,14 +35,14 @@ export class Viewer {
 
   /** Stand where one stands at first, and look straight ahead from the eyes' height: also after a headset. */
   goHome() {
-    this.rig.position.set(0, 0, 3.2); // behind the robot, which starts in the middle and looks ahead; far enough to see the screens whole
+    this.rig.position.set(0, 0, 3.2); // behind the robot, which starts in the middle and looks ahead. Far enough to see the screens whole
     this.rig.rotation.set(0, 0, 0);
     this.camera.position.set(0, EYES_M, 0);
     this.camera.rotation.set(-0.27, 0, 0); // the middle of the view is on the floor, before the wall of most rooms
     this.camera.scale.set(1, 1, 1);
   }
 
-  /** Listen to keys and mouse; *point* gets a raycaster along what was clicked. */
+  /** Listen to keys and mouse. *Point* gets a raycaster along what was clicked. */
   listen(canvas, point) {
     watchKeys(WALKING, (ahead, right) => Object.assign(this.#walking, { ahead, right }));
     watchKeys(TURNING, (turn) => (this.#walking.turn = turn));

@@ -5,9 +5,9 @@ export const NOTHING_YET = "no message yet";
 const LEAST_MS = 400; // between two messages that a rate is reckoned from: a burst has none
 const LATE_MS = 2000;
 const LEAST_HZ = 0.05; // less would be shown as 0
-const REGULAR = 3; // messages: whoever has sent so many is expected to go on; a map is as good as it was
+const REGULAR = 3; // messages: whoever has sent so many is expected to go on. A map is as good as it was
 
-/** What has come of one topic, or for one card; `tick` is called once a second. */
+/** What has come of one topic, or for one card. `tick` is called once a second. */
 export class Arrivals {
   messages = 0;
   dropped = 0; // for this page, while no throttle was asked for
@@ -20,7 +20,7 @@ export class Arrivals {
    * Count a message.
    * @param {number} bytes how large it is
    * @param {number} dropped how many were dropped before it
-   * @param {number} [seq] its number on the topic, of which not all messages need to come here; by default that here
+   * @param {number} [seq] its number on the topic, of which not all messages need to come here. By default that here
    */
   add(bytes, dropped, seq = this.#newest.seq + 1) {
     this.messages += 1;

@@ -39,7 +39,7 @@ export function connect(gateway, here, ...more) {
   gateway.on("state", ({ state, reason }) => {
     say(state, reason);
     find("ask-token").hidden = state !== "token";
-    // what was said belongs to the connection before; but what is said without one stays while others are tried
+    // what was said belongs to the connection before. But what is said without one stays while others are tried
     if (state === "open" || (state === "closed" && before === "open")) tell("");
     if (state === "token") ask(reason);
     before = state;

@@ -31,7 +31,7 @@ export class CommandTopic {
    * @param {import("./gateway.js").Gateway} gateway
    * @param {() => void} told is called when the state has changed, and when something is held in vain: unless it `isFree`, whoever
    *   holds something lets go of it
-   * @param {string} [wanted] its name; by default the one that the gateway names first
+   * @param {string} [wanted] its name. By default the one that the gateway names first
    */
   constructor(gateway, told, wanted) {
     this.#gateway = gateway;
@@ -81,7 +81,7 @@ export class CommandTopic {
     return this.state ? sentence(this.state) : this.#problem;
   }
 
-  /** Publish a speed in m/s and rad/s; return whether it was sent. */
+  /** Publish a speed in m/s and rad/s. Return whether it was sent. */
   publish(linear, angular) {
     if (this.isForbidden) return false;
     const isMotion = linear !== 0 || angular !== 0;
@@ -101,7 +101,7 @@ export class CommandTopic {
     return this.#topic;
   }
 
-  /** Take control from whoever has it; rejects with the gateway's words. */
+  /** Take control from whoever has it. Rejects with the gateway's words. */
   async acquire() {
     this.#take(await this.#gateway.ask({ op: "acquire_control", topic: this.#topic }));
   }
@@ -111,7 +111,7 @@ export class CommandTopic {
     this.isForbidden = this.#gateway.isOpen && this.#gateway.hello?.role === "viewer";
   }
 
-  /** Ask for the state, once somebody listens; its changes follow. */
+  /** Ask for the state, once somebody listens. Its changes follow. */
   async #watch() {
     try {
       this.#take(await this.#gateway.ask({ op: "control", topic: this.#wanted, watch: true }));
@@ -120,7 +120,7 @@ export class CommandTopic {
     }
   }
 
-  /** Look whether somebody listens; a robot that has left, and comes back, begins anew. */
+  /** Look whether somebody listens. A robot that has left, and comes back, begins anew. */
   #look() {
     if (!this.#type) this.#watch();
     else if (!this.#isHeard) this.#lose(this.#unheard);

@@ -24,7 +24,7 @@ export function reason({ cause, holder, isStopper }) {
   return (isOwn && OWN_CAUSES[cause]) || (CAUSES[cause] ?? "");
 }
 
-/** Return the sentence for a `control` frame; its member `isStopper` is whether this page has pressed STOP. */
+/** Return the sentence for a `control` frame. Its member `isStopper` is whether this page has pressed STOP. */
 export function sentence(frame) {
   const { state, tripped, holder, guard, clamped } = frame;
   if (guard === "lost") return "Nothing moves because the guard process was lost. A new one is starting: wait, then press again.";
@@ -36,7 +36,7 @@ export function sentence(frame) {
   return why ? `Stopped: ${why}.` : "Stopped.";
 }
 
-/** Return what a `status` says, without what only programs can do about it; "" for what somebody expects who pressed STOP. */
+/** Return what a `status` says, without what only programs can do about it. "" for what somebody expects who pressed STOP. */
 export function refusal({ code, msg }) {
   if (code === "tripped" && msg.includes(" is stopped")) return "The robot was stopped. To drive on, let go of everything, then press again.";
   if (code === "stale_command" && msg.includes(" before a stop")) return "";
@@ -52,5 +52,5 @@ const OVER = {
   tripped: ({ state }) => state !== null && !state.tripped,
 };
 
-/** Return when what a `status` says is over; by default, once the robot drives. */
+/** Return when what a `status` says is over. By default, once the robot drives. */
 export const isOver = ({ code }) => OVER[code];

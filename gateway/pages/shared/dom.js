@@ -4,7 +4,7 @@
 /**
  * Make an element.
  * @param {string} name
- * @param {Object<string, any>} [properties] of the element; `dataset` and `aria` are objects
+ * @param {Object<string, any>} [properties] of the element. `dataset` and `aria` are objects
  * @param {...(Node|string)} children
  * @returns {any} of the kind that the name says
  */

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is held becomes commands: repeated while it is held, a zero when it is let go.
 
-const REPEAT_MS = 66; // 15 a second; the gateway stops the robot after 0.5 s without one
+const REPEAT_MS = 66; // 15 a second. The gateway stops the robot after 0.5 s without one
 // The zeros that follow a stop of the gateway's own: it wants one before anything moves again.
 const ZEROS = 3;
 
@@ -17,7 +17,7 @@ export class Driver {
     this.#send = send;
   }
 
-  /** Take what is held now; all zero when nothing is. */
+  /** Take what is held now. All zero when nothing is. */
   hold(linear, angular) {
     const was = this.#wish;
     this.#wish = { linear: within(linear), angular: within(angular) };

@@ -5,7 +5,7 @@
  * replaced before they were encoded. The page asked for both, so it counts only while it asks for all messages.
  */
 export class Drops {
-  #before = null; // what the gateway had counted by the newest message; null if the page asked for fewer messages
+  #before = null; // what the gateway had counted by the newest message. Null if the page asked for fewer messages
 
   /** Return how many were dropped since the last message, as far as that is known. */
   since({ dropped = 0 }, asksForFewer) {

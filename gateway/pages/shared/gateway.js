@@ -27,7 +27,7 @@ export function address() {
 }
 
 /**
- * One subscription of a page; several may be to the same topic.
+ * One subscription of a page. Several may be to the same topic.
  * @typedef {object} Subscription
  * @property {string} id
  * @property {string} topic
@@ -37,8 +37,8 @@ export function address() {
  * @property {boolean} isRefused whether the gateway does not have it
  */
 
-/** Events: `state`, with `open`, `connecting`, `closed` or `token` as detail; `silence`, with the seconds for which nothing has come though
- * an answer is due, and with 0 when it is over; `stopping`, before this page's STOP goes out; the names of operations, such as `graph`,
+/** Events: `state`, with `open`, `connecting`, `closed` or `token` as detail. `silence`, with the seconds for which nothing has come though
+ * an answer is due, and with 0 when it is over. `stopping`, before this page's STOP goes out. The names of operations, such as `graph`,
  * `status` and `control`, with a frame that answers nothing as detail. */
 export class Gateway extends EventTarget {
   #socket = null;
@@ -59,7 +59,7 @@ export class Gateway extends EventTarget {
   counts = { frames: 0, bytes: 0, dropped: 0, roundTripMs: null };
   /** The answer to `hello`, or null. */
   hello = null;
-  /** What there is in ROS; the event `graph` follows each change. */
+  /** What there is in ROS. The event `graph` follows each change. */
   graph = new Graph();
   /** What has come of each topic, in bytes as they are in ROS. @type {Map<string, Arrivals>} */
   arrivals = new Map();
@@ -105,7 +105,7 @@ export class Gateway extends EventTarget {
   }
 
   /**
-   * Send an operation; return whether there is a connection to send it by.
+   * Send an operation. Return whether there is a connection to send it by.
    * @param {object} operation
    * @param {Object<string, string>} [json] further members, as JSON: their integers may be larger than a number here
    */
@@ -116,7 +116,7 @@ export class Gateway extends EventTarget {
     return true;
   }
 
-  /** Send an operation and return its answer; rejects with the gateway's words. */
+  /** Send an operation and return its answer. Rejects with the gateway's words. */
   ask(operation, json = {}) {
     const id = `page:${this.#nextId++}`;
     return new Promise((resolve, reject) => {
@@ -170,12 +170,12 @@ export class Gateway extends EventTarget {
     };
   }
 
-  /** Return the least number of milliseconds between two messages of a topic, as this page has asked for it; 0 for all messages. */
+  /** Return the least number of milliseconds between two messages of a topic, as this page has asked for it. 0 for all messages. */
   throttleOf(topic) {
     return this.#throttles.get(topic);
   }
 
-  /** Note the throttle of a topic, as the gateway makes one subscription of all; return whether there is any. */
+  /** Note the throttle of a topic, as the gateway makes one subscription of all. Return whether there is any. */
   #merge(topic) {
     const throttles = this.#heard(topic).map(({ options }) => options.throttle_rate ?? 0);
     if (throttles.length) this.#throttles.set(topic, Math.min(...throttles));
@@ -318,7 +318,7 @@ export class Gateway extends EventTarget {
       // the gateway tells a connection once, by the newest id
       for (const each of this.#subscriptions.values()) if (each.topic === subscription.topic) each.onStatus(frame);
     } else if (subscription) subscription.onStatus(frame);
-    else if (isLookup(frame)) return; // the frame may come yet; until then nothing is shown
+    else if (isLookup(frame)) return; // the frame may come yet. Until then nothing is shown
     else if (frame.request === "unsubscribe" && frame.code === "not_found") return; // it was refused
     else if (!this.#settle(frame.id, null, frame.msg, frame.code)) {
       this.dispatchEvent(new CustomEvent("status", { detail: frame }));

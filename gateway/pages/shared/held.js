@@ -16,7 +16,7 @@ const KNOB_REM = 3.5; // from the middle of the stick to its edge
  * Report what is held, until it is let go: also when the window loses the focus, or is hidden.
  * @param {HTMLElement} stick
  * @param {HTMLElement} knob
- * @param {(linear: number, angular: number) => void} report in shares, -1 to 1; forward and left are positive
+ * @param {(linear: number, angular: number) => void} report in shares, -1 to 1. Forward and left are positive
  * @param {Window|HTMLElement} [where] keys count only while this has the focus
  * @returns {{letGo: () => void, end: () => void}} let go of everything, until it is pressed anew, or for good
  */
@@ -27,7 +27,7 @@ export function watch(stick, knob, report, where = window) {
   let pushed = [0, 0];
   const tell = () => {
     const isHeld = [...keys, ...pushed].some(Boolean);
-    if (isHeld && stick.ariaDisabled === "true") return letGo(); // nobody may drive by it; once somebody may it has to be pressed anew
+    if (isHeld && stick.ariaDisabled === "true") return letGo(); // nobody may drive by it. Once somebody may it has to be pressed anew
     const [linear, angular] = [keys[0] + pushed[0], keys[1] + pushed[1]];
     point(knob, linear, angular);
     report(linear, angular);

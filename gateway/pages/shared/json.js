@@ -8,7 +8,7 @@ const LONG_INTEGER = /[:,[\s]-?[0-9]{16}/; // or a string or fraction that looks
 const BARE_INTEGER = /^-?[0-9]{16}/; // apart: together they are slower
 
 /**
- * Return the value of a JSON text. An integer that a number does not hold exactly becomes a BigInt; a browser that does not tell
+ * Return the value of a JSON text. An integer that a number does not hold exactly becomes a BigInt. A browser that does not tell
  * the digits (before Chromium 114, Firefox 135, Safari 18.4) rounds it.
  * @param {string} text
  * @returns {any}
@@ -32,7 +32,7 @@ export function narrowed(value) {
 const exact = (_, value, context) => (Number.isInteger(value) && INTEGER.test(context?.source) ? narrowed(BigInt(context.source)) : value);
 
 /**
- * Return a message as JSON; a BigInt becomes a number with all its digits.
+ * Return a message as JSON. A BigInt becomes a number with all its digits.
  * @param {any} message
  * @param {number} [indent]
  */

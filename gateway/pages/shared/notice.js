@@ -8,7 +8,7 @@ import { element, find } from "./dom.js";
 const UNKNOWN = { state: null, isDriving: false };
 const untilDriving = ({ isDriving }) => isDriving;
 
-/** Return where it stands: above the page, as it would else move what a finger holds; a click or Escape takes it away. */
+/** Return where it stands: above the page, as it would else move what a finger holds. A click or Escape takes it away. */
 export function notice() {
   addEventListener("keydown", ({ key }) => key === "Escape" && tell(""));
   return element("p", { id: "notice", className: "notice", role: "alert", hidden: true, title: "Click or press Escape to close", onclick: () => tell("") });
@@ -17,7 +17,7 @@ export function notice() {
 /**
  * Show a sentence to everybody, or nothing.
  * @param {string} text
- * @param {(command: Command) => boolean} [isOver] whether it is not true any more; by default, once the robot drives
+ * @param {(command: Command) => boolean} [isOver] whether it is not true any more. By default, once the robot drives
  */
 export function tell(text, isOver = untilDriving) {
   Object.assign(find("notice"), { textContent: text, hidden: !text, isOver });

@@ -3,9 +3,9 @@
 
 const BEAT_MS = 1000;
 const PING_BEATS = 2;
-// A slow link and a busy gateway answer within a second or so; what a person drives has been stopped before.
+// A slow link and a busy gateway answer within a second or so. What a person drives has been stopped before.
 const SILENT_BEATS = 3;
-// Longer than the gateway waits for a client that answers no ping (10 s), so that it has let go of the old connection; and than
+// Longer than the gateway waits for a client that answers no ping (10 s), so that it has let go of the old connection. And than
 // the operations of one client may wait for their turn (13 s behind 3,000 subscriptions).
 const LOST_BEATS = 15;
 

@@ -14,7 +14,7 @@ export function insistOnCells(width, height, count) {
 /** Return how many cells a pixel has to be wide, for a map in at most so many pixels. */
 export const scaleOf = (width, height, most) => Math.ceil(Math.max(Math.sqrt((width * height) / most), width / LONGEST, height / LONGEST));
 
-/** Return a colour for each octet of a cell: 0 to 100 from free to occupied; others, as -1, are unknown. */
+/** Return a colour for each octet of a cell: 0 to 100 from free to occupied. Others, as -1, are unknown. */
 export function palette() {
   const [free, occupied] = [octets(token("map-free")), octets(token("map-occupied"))];
   const colours = new Uint32Array(256).fill(packed(octets(token("map-unknown"))));

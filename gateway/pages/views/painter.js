@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { palette } from "./occupancy.js";
 
-/** How a map is asked for: of a large one a picture is a tenth, or less; one that grows comes as a whole. */
+/** How a map is asked for: of a large one a picture is a tenth, or less. One that grows comes as a whole. */
 export const MAP_OPTIONS = { compression: "cbor", throttle_rate: 1000, image: { format: "png" } };
 
 /** Paints maps beside the page's own thread: one of 16 million cells takes longer than a command may be late. */
@@ -9,9 +9,9 @@ export class Painter {
   #worker = new Worker(new URL("./map_worker.js", import.meta.url), { type: "module" });
 
   /**
-   * Paint a `nav_msgs/msg/OccupancyGrid`, with its cells or as a picture; call it again only when this one is done.
-   * @returns {Promise<{bitmap: ImageBitmap, cells: number, values: Int8Array}>} the first row is at the bottom; how many cells of the map a
-   *   pixel is wide; of each pixel, from the first row of the map on, the most occupied of its cells, 0 to 100, or -1 if none is known
+   * Paint a `nav_msgs/msg/OccupancyGrid`, with its cells or as a picture. Call it again only when this one is done.
+   * @returns {Promise<{bitmap: ImageBitmap, cells: number, values: Int8Array}>} the first row is at the bottom. How many cells of the map a
+   *   pixel is wide. Of each pixel, from the first row of the map on, the most occupied of its cells, 0 to 100, or -1 if none is known
    */
   paint({ info: { width, height }, data, format }) {
     return new Promise((resolve, reject) => {

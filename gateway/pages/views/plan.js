@@ -20,7 +20,7 @@ export function insist(...metres) {
   if (metres.some((each) => Math.abs(each) > FARTHEST)) throw new RangeError("it lies over a million km away");
 }
 
-/** A picture from above; `begin` says which part of the world it shows. */
+/** A picture from above. `begin` says which part of the world it shows. */
 export class Plan {
   #pen;
   #scale = 1; // pixels per metre
@@ -36,7 +36,7 @@ export class Plan {
    * Clear it, for what lies around a place.
    * @param {{x: number, y: number}} middle
    * @param {number} reach metres from there to the edge
-   * @param {number} up the heading that points up; by default that of y
+   * @param {number} up the heading that points up. By default that of y
    */
   begin({ x, y }, reach, up = Math.PI / 2) {
     insist(x, y, reach);
@@ -160,7 +160,7 @@ function marks(least, most, step) {
   return Array.from({ length: Math.max(0, Math.floor(most / step) - first + 1) }, (_, index) => (first + index) * step);
 }
 
-/** Return whether a ray of a laser has hit something; one that has not may be infinite, as may what its laser reaches. */
+/** Return whether a ray of a laser has hit something. One that has not may be infinite, as may what its laser reaches. */
 export const isHit = (range, least, most) => Number.isFinite(range) && range >= least && range <= most;
 
 const rounded = (metres) => Number(metres.toPrecision(3));

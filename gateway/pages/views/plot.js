@@ -16,7 +16,7 @@ const STEPS_S = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 30, 60]; // betwe
 const Plot = uPlot;
 const COLOURS = ["series-1", "series-2", "series-3", "series-4"];
 
-/** Numeric fields over the last 30 s, by the time of arrival; where one points at, their values then. */
+/** Numeric fields over the last 30 s, by the time of arrival. Where one points at, their values then. */
 export class PlotView {
   /** What to do with a plot that stands still, in words. */
   held = "drag across the plot to zoom, double-click to see all";
@@ -159,13 +159,13 @@ export class PlotView {
   }
 }
 
-/** Return a value as a curve has it; null is a gap. */
+/** Return a value as a curve has it. Null is a gap. */
 function drawable(value) {
   if (typeof value === "boolean") return Number(value);
   return typeof value === "bigint" || Number.isFinite(value) ? value : null;
 }
 
-/** Return seconds as text; none is 0, a little before and after. */
+/** Return seconds as text. None is 0, a little before and after. */
 function inSeconds(value, digits) {
   const text = value.toFixed(digits);
   return Number(text) === 0 ? "0" : text;

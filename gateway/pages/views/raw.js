@@ -2,7 +2,7 @@
 import { bytes, element } from "../shared/dom.js";
 import { json } from "../shared/json.js";
 
-const MOST = 20_000; // characters; the rest of a point cloud helps nobody
+const MOST = 20_000; // characters. The rest of a point cloud helps nobody
 
 /** The newest frame as wscat would show it: a text as it came, every digit of it. CBOR, which wscat cannot show, as JSON. */
 export class RawView {

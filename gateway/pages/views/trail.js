@@ -5,7 +5,7 @@ const MOST_PLACES = 2000;
 const LEAST_STEP = 0.01; // metres
 const LEAST_REACH = 1;
 
-/** The way of something that moves, from above; of a path all of it. */
+/** The way of something that moves, from above. Of a path all of it. */
 export class TrailView {
   options = { throttle_rate: 30 };
   #plan;

@@ -7,7 +7,7 @@ const MORE_ITEMS = 100; // a time
 const MOST_CHARACTERS = 120;
 const LARGE_BYTES = 100_000; // of a message: more is fetched on demand, as only some items of an array are shown
 
-/** All fields of a message with their values; a number can be plotted. Of a large message, arrays come on demand. */
+/** All fields of a message with their values. A number can be plotted. Of a large message, arrays come on demand. */
 export class TreeView {
   options = { throttle_rate: 200 };
   element = element("div", { className: "tree" });

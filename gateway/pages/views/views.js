@@ -15,7 +15,7 @@ const POSES = ["nav_msgs/msg/Odometry", "nav_msgs/msg/Path", "geometry_msgs/msg/
 
 /**
  * A way to show the messages of one topic. `element` is what is seen, `options` are members of
- * `subscribe`; `show` gets the newest message before the next frame of the screen, `keep` every one.
+ * `subscribe`. `show` gets the newest message before the next frame of the screen, `keep` every one.
  * `rest` is the least number of milliseconds between two calls of `show`.
  * `draw` is called before each frame of the screen, `close` at the end.
  */
@@ -46,7 +46,7 @@ export function misfit(key, type) {
 /** Return the name of a view, as people read it. */
 export const nameOf = (key) => VIEWS[key].name;
 
-/** Return whether there is a view of this key; an old address may have others. */
+/** Return whether there is a view of this key. An old address may have others. */
 export const isView = (key) => Object.hasOwn(VIEWS, key);
 
 /** Make a view of a card. */

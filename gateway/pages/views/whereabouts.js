@@ -5,7 +5,7 @@ import { Arrivals } from "../shared/arrivals.js";
 import { published } from "../shared/named_topics.js";
 import { yawOf } from "./plan.js";
 
-const BASES = ["base_footprint", "base_link"]; // REP 105 and REP 120; whichever is known first is the robot
+const BASES = ["base_footprint", "base_link"]; // REP 105 and REP 120. Whichever is known first is the robot
 const RATE_HZ = 15;
 const MISSING_MS = 2000; // so long a transform may take to come
 

@@ -9,7 +9,7 @@ namespace Ros2Gateway.Runner
 {
     /// <summary>Runs the NUnit tests of an assembly as Unity's Test Framework does: on the main thread, in
     /// its player loop. <c>runner TESTS.dll [PART-OF-A-NAME]</c> prints a line per test and exits by the
-    /// result; <c>--list</c> prints the names as JSON; <c>--serve</c> runs what it reads.</summary>
+    /// result. <c>--List</c> prints the names as JSON. <c>--Serve</c> runs what it reads.</summary>
     public static class Program
     {
         private const double TestTimeoutS = 240;  // a deadlock is one, and a busy machine is none

@@ -5,7 +5,7 @@ using System.Reflection;
 
 namespace Ros2Gateway.Runner
 {
-    /// <summary>A class with tests; one instance serves all of them, as in NUnit.</summary>
+    /// <summary>A class with tests. One instance serves all of them, as in NUnit.</summary>
     public sealed class Fixture
     {
         private readonly object[] _arguments;

@@ -29,7 +29,7 @@ class Page:
     process: Process
 
     async def call(self, name: str, *arguments: object) -> tuple[int, bytes]:
-        """Call one of the library's functions; bytes go in by pointer, a bytearray comes out."""
+        """Call one of the library's functions. Bytes go in by pointer, a bytearray comes out."""
         words = [name, *map(_word, arguments)]
         assert self.process.stdin is not None
         assert self.process.stdout is not None
@@ -102,7 +102,7 @@ class PageSocket:
 
 @contextlib.asynccontextmanager
 async def page(kind: str = "") -> AsyncIterator[Page]:
-    """Run a page; ``shared`` has memory that threads share, ``high`` has it beyond 2 GiB."""
+    """Run a page. ``shared`` has memory that threads share, ``high`` has it beyond 2 GiB."""
     process = await asyncio.create_subprocess_exec(
         *command(kind), stdin=PIPE, stdout=PIPE, limit=_LINE_BYTES
     )

@@ -20,7 +20,7 @@ namespace Ros2Gateway.Samples.XrTarget
         private readonly Hand _right = new Hand(XRNode.RightHand);
         private Hand _pointing;
 
-        /// <param name="space">The tracking space, which the devices' poses are relative to; null for the
+        /// <param name="space">The tracking space, which the devices' poses are relative to. Null for the
         /// world.</param>
         public ControllerInput(Transform space)
         {
@@ -35,7 +35,7 @@ namespace Ros2Gateway.Samples.XrTarget
         }
 
         /// <summary>
-        /// Whether there is a headset and somebody wears it; one without a sensor for that is always worn.
+        /// Whether there is a headset and somebody wears it. One without a sensor for that is always worn.
         /// </summary>
         public static bool IsHeadsetWorn
         {

@@ -12,8 +12,8 @@ namespace Ros2Gateway.Samples.XrTarget
         private readonly ControllerInput _controllers;
         private IPointerInput _current;
 
-        /// <param name="space">The tracking space; null for the world.</param>
-        /// <param name="head">The camera's; null for the main one.</param>
+        /// <param name="space">The tracking space. Null for the world.</param>
+        /// <param name="head">The camera's. Null for the main one.</param>
         public ControllerOrMouseInput(Transform space, Transform head)
         {
             _controllers = new ControllerInput(space);

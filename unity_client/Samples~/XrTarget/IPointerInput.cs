@@ -21,7 +21,7 @@ namespace Ros2Gateway.Samples.XrTarget
         /// <summary>Whether the robot must stand: true in one frame.</summary>
         bool StopPressed { get; }
 
-        /// <summary>Reads the devices; once per frame, before the rest is asked.</summary>
+        /// <summary>Reads the devices. Once per frame, before the rest is asked.</summary>
         void Poll();
     }
 }

@@ -13,7 +13,7 @@ namespace Ros2Gateway.Samples.XrTarget
     {
         private readonly Camera _camera;
 
-        /// <param name="camera">Through whose picture the mouse points; null for the main one.</param>
+        /// <param name="camera">Through whose picture the mouse points. Null for the main one.</param>
         public MouseInput(Camera camera)
         {
             _camera = camera;

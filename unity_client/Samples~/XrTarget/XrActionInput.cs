@@ -50,7 +50,7 @@ namespace Ros2Gateway.Samples.XrTarget
         }
 #endif
 
-        /// <summary>The pointing hand's transform; null for this one.</summary>
+        /// <summary>The pointing hand's transform. Null for this one.</summary>
         public Transform Hand
         {
             get { return _hand; }
@@ -58,7 +58,7 @@ namespace Ros2Gateway.Samples.XrTarget
         }
 
         /// <summary>
-        /// Sends the robot to what is pointed at; null for the trigger; like the others, set it before this
+        /// Sends the robot to what is pointed at. Null for the trigger. Like the others, set it before this
         /// is enabled.
         /// </summary>
         public InputActionReference Target
@@ -67,14 +67,14 @@ namespace Ros2Gateway.Samples.XrTarget
             set { _target = value; }
         }
 
-        /// <summary>Takes the user to what is pointed at; null for the touchpad or stick, clicked.</summary>
+        /// <summary>Takes the user to what is pointed at. Null for the touchpad or stick, clicked.</summary>
         public InputActionReference Teleport
         {
             get { return _teleport; }
             set { _teleport = value; }
         }
 
-        /// <summary>Stops the robot; null for the grip.</summary>
+        /// <summary>Stops the robot. Null for the grip.</summary>
         public InputActionReference Stop
         {
             get { return _stop; }

@@ -6,7 +6,7 @@ using UnityEngine.XR;
 namespace Ros2Gateway.Samples.XrTarget
 {
     /// <summary>
-    /// Puts the camera where the headset is, above the floor; without a headset it stays where it is. The XR
+    /// Puts the camera where the headset is, above the floor. Without a headset it stays where it is. The XR
     /// Interaction Toolkit's XR Origin does the same and more: with one, leave this out.
     /// </summary>
     public sealed class XrHead : MonoBehaviour

@@ -6,7 +6,7 @@ namespace Ros2Gateway.Samples.XrTarget
 {
     /// <summary>
     /// Sends the robot to where the user points (trigger), teleports the user (touchpad or stick) and stops
-    /// the robot (grip). A headset that is taken off stops it, too; focus, pause and connection are the
+    /// the robot (grip). A headset that is taken off stops it, too. Focus, pause and connection are the
     /// <see cref="TargetDriver"/>'s own business.
     /// </summary>
     public sealed class XrTargetControl : MonoBehaviour
@@ -63,7 +63,7 @@ namespace Ros2Gateway.Samples.XrTarget
             set { _head = value; }
         }
 
-        /// <summary>Shows what is pointed along; may be null.</summary>
+        /// <summary>Shows what is pointed along. May be null.</summary>
         public LineRenderer Line
         {
             get { return _line; }

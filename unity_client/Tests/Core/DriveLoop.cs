@@ -13,7 +13,7 @@ namespace Ros2Gateway.Tests
         /// <summary>Seconds of the clock that all this runs by.</summary>
         double Now { get; }
 
-        /// <summary>The newest pose and when it came; false before the first.</summary>
+        /// <summary>The newest pose and when it came. False before the first.</summary>
         bool TryGetPose(out PlanarPose pose, out double time);
 
         /// <summary>Sends a command.</summary>
@@ -27,7 +27,7 @@ namespace Ros2Gateway.Tests
     public static class DriveLoop
     {
         /// <summary>
-        /// Drives to a target, then lets the robot come to rest; demands of every command that it is finite
+        /// Drives to a target, then lets the robot come to rest. Demands of every command that it is finite
         /// and within the settings' limits. Returns the state that driving ended in.
         /// </summary>
         public static DriveState Run(

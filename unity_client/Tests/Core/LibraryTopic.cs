@@ -24,7 +24,7 @@ namespace Ros2Gateway.Tests
             Settle(topic, Messages.MessageCatalogue.Create(type.ToString()));
         }
 
-        /// <summary>Sends until one has come; then a message that is known again, and takes all up to that.</summary>
+        /// <summary>Sends until one has come. Then a message that is known again, and takes all up to that.</summary>
         public static void Settle(string topic, IMessage message)
         {
             IMessage found = null;

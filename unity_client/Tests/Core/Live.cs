@@ -15,7 +15,7 @@ namespace Ros2Gateway.Tests
         /// <summary>The gateway with the simulated robot.</summary>
         internal const string Gateway = "ROS2GATEWAY_TEST_URL";
 
-        /// <summary>A server that misbehaves, by path; "/through" leads to the gateway above.</summary>
+        /// <summary>A server that misbehaves, by path. "/through" leads to the gateway above.</summary>
         internal const string Rogue = "ROS2GATEWAY_ROGUE_URL";
 
         /// <summary>A port where nobody ever answers.</summary>

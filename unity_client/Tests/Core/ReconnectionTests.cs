@@ -6,7 +6,7 @@ using Ros2Gateway.Messages.StdSrvs;
 
 namespace Ros2Gateway.Tests
 {
-    /// <summary>A line to a live gateway is cut again and again; what was open is open again.</summary>
+    /// <summary>A line to a live gateway is cut again and again. What was open is open again.</summary>
     [TestFixture]
     [Category("Gateway")]
     public sealed class ReconnectionTests
@@ -120,7 +120,7 @@ namespace Ros2Gateway.Tests
                 caller.Until(() => provider.Client.FramesReceived > frames, "for the call to arrive");
                 provider.Client.Request("cut", null, null);
                 caller.Until(() => error != null, "for the failure");
-                // The gateway may notice first; pumped before it notices too, the provider would rightly handle it.
+                // The gateway may notice first. Pumped before it notices too, the provider would rightly handle it.
                 caller.Until(() => provider.Client.PendingRequests == 0, "for the provider to notice");
                 provider.Until(() => provider.Heard("lost") && provider.Client.IsConnected, "to be connected again");
                 Assert.IsFalse(isHandled);

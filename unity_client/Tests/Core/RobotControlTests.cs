@@ -9,7 +9,7 @@ using Ros2Gateway.Messages.StdMsgs;
 
 namespace Ros2Gateway.Tests
 {
-    /// <summary>Who drives, what stops, and what a refused publisher is told; through a live gateway.</summary>
+    /// <summary>Who drives, what stops, and what a refused publisher is told. Through a live gateway.</summary>
     [TestFixture]
     [Category("Gateway")]
     public sealed class RobotControlTests

@@ -32,7 +32,7 @@ namespace Ros2Gateway.Tests
         private double _angular;
 
         /// <summary>
-        /// A base at the origin; the delay in seconds each way, the noise in metres and radians.
+        /// A base at the origin. The delay in seconds each way, the noise in metres and radians.
         /// </summary>
         public SimulatedBase(int seed, double delay, double noise)
         {

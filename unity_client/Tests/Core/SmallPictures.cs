@@ -3,7 +3,7 @@ using System;
 
 namespace Ros2Gateway.Tests
 {
-    /// <summary>JPEGs of 24 x 16 pixels, the upper half red, the lower one blue; quality 90, 4:2:0.</summary>
+    /// <summary>JPEGs of 24 x 16 pixels, the upper half red, the lower one blue. Quality 90, 4:2:0.</summary>
     public static class SmallPictures
     {
         public const int Width = 24;

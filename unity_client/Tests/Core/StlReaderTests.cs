@@ -242,7 +242,7 @@ namespace Ros2Gateway.Tests
             Rgba white = new Rgba(255, 255, 255);
             TriangleMesh mesh = StlReader.Read(Binary("", 1, Flat));
             Assert.AreEqual(1, mesh.AddTo(buffer, 0, origin, new Vector3<Flu>(2, 3, 4), white));
-            // corners at (0, 0), (4, 0), (0, 9) on the floor, turned to (0, 0), (0, 4), (-9, 0); in Unity right, up, forward
+            // corners at (0, 0), (4, 0), (0, 9) on the floor, turned to (0, 0), (0, 4), (-9, 0). In Unity right, up, forward
             float[] expected = { 0, 0, 10, -4, 0, 10, 0, 0, 1 };
             for (int i = 0; i < 9; i++)
             {

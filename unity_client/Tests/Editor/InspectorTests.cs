@@ -7,7 +7,7 @@ using UnityEngine.TestTools;
 
 namespace Ros2Gateway.Editor.Tests
 {
-    /// <summary>The inspectors open, draw and close; the menu makes what it says.</summary>
+    /// <summary>The inspectors open, draw and close. The menu makes what it says.</summary>
     [TestFixture]
     public sealed class InspectorTests
     {

@@ -161,7 +161,7 @@ namespace Ros2Gateway.Unity.Tests
             Assert.IsNull(driver.CommandType);
         }
 
-        // Observes a robot; that of which a test says what it takes takes nothing yet.
+        // Observes a robot. That of which a test says what it takes takes nothing yet.
         private IEnumerator Begin(string robot)
         {
             _scene = new DrivingScene(robot + "/heard");

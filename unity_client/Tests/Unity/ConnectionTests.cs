@@ -12,7 +12,7 @@ using Object = UnityEngine.Object;
 
 namespace Ros2Gateway.Unity.Tests
 {
-    /// <summary>A connection and displays come and go in every order; a logged error fails a test.</summary>
+    /// <summary>A connection and displays come and go in every order. A logged error fails a test.</summary>
     [TestFixture]
     public sealed class ConnectionTests
     {
@@ -221,7 +221,7 @@ namespace Ros2Gateway.Unity.Tests
                 yield return PlayOnce();
             }
             yield return _scene.Until(() => Count(OpenFiles) <= files, "for sockets to be closed");
-            // one of ten that were left would be seen; two are the pool's own coming and going
+            // one of ten that were left would be seen. Two are the pool's own coming and going
             yield return _scene.Until(() => Count(Threads) <= threads + 2, "for threads to end");
         }
 

@@ -105,7 +105,7 @@ namespace Ros2Gateway.Unity.Tests
             return publisher;
         }
 
-        /// <summary>The origin of a frame, for what is put below it; needs a connection.</summary>
+        /// <summary>The origin of a frame, for what is put below it. Needs a connection.</summary>
         internal FixedFrame Fixed(string frame)
         {
             GameObject holder = Inactive("fixed");

@@ -40,8 +40,8 @@ namespace Ros2Gateway.Unity.Tests
 
         private readonly List<Object> _made = new List<Object>();
 
-        /// <param name="topic">What is observed, as Twist; null for nothing.</param>
-        /// <param name="path">"/through" for a line that "cut" cuts; empty for the gateway itself.</param>
+        /// <param name="topic">What is observed, as Twist. Null for nothing.</param>
+        /// <param name="path">"/through" for a line that "cut" cuts. Empty for the gateway itself.</param>
         internal DrivingScene(string topic, string path = "")
         {
             GatewaySettings settings = ScriptableObject.CreateInstance<GatewaySettings>();
@@ -117,7 +117,7 @@ namespace Ros2Gateway.Unity.Tests
             return Heard.Exists(heard => Same(heard, new DriveCommand(linear, angular)));
         }
 
-        /// <summary>Cuts the line behind "/through"; the frame may take until there is another.</summary>
+        /// <summary>Cuts the line behind "/through". The frame may take until there is another.</summary>
         internal IEnumerator CutAndReconnect(bool isFrozen)
         {
             LogAssert.ignoreFailingMessages = true; // the loss is an error, and is meant

@@ -12,7 +12,7 @@ using Object = UnityEngine.Object;
 
 namespace Ros2Gateway.Unity.Tests
 {
-    /// <summary>Connections come late, go early, and change with scenes; components take what there is.</summary>
+    /// <summary>Connections come late, go early, and change with scenes. Components take what there is.</summary>
     [TestFixture]
     [Category("Gateway")]
     public sealed class SceneChangeTests

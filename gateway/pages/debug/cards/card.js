@@ -59,7 +59,7 @@ export class Card {
     this.#type.hidden = !type;
   }
 
-  /** Say what is wrong, or nothing; the code is the gateway's, if it says so. */
+  /** Say what is wrong, or nothing. The code is the gateway's, if it says so. */
   tell(text, code = "") {
     this.problem.dataset.code = code;
     this.problem.textContent = text;
@@ -77,7 +77,7 @@ export class Card {
    */
   draw(_ms) {}
 
-  /** Write what changes with time; called once a second. */
+  /** Write what changes with time. Called once a second. */
   tick() {}
 
   close() {

@@ -13,7 +13,7 @@ import { TopicCard } from "./topic_card.js";
 
 const KINDS = { drive: DriveCard, publish: PublishCard, call: CallCard, goal: GoalCard, node: NodeCard, graph: GraphCard, connection: ConnectionCard };
 
-/** Return whether there is a card for a view; an old address may have others. */
+/** Return whether there is a card for a view. An old address may have others. */
 export const isKnown = (view) => Object.hasOwn(KINDS, view) || isView(view);
 
 /**

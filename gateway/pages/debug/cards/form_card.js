@@ -60,7 +60,7 @@ export class FormCard extends Card {
    */
   submit() {}
 
-  /** Do what the button does; return whether that was possible. */
+  /** Do what the button does. Return whether that was possible. */
   act() {
     return this.#attempt(() => this.submit());
   }

@@ -7,7 +7,7 @@ import { FormCard, NOT_CONNECTED } from "./form_card.js";
 
 const STATUS = { 4: "succeeded", 5: "canceled", 6: "aborted" }; // of action_msgs/msg/GoalStatus
 
-/** A form that sends a goal to an action, its feedback and its result; closing it cancels the goal. */
+/** A form that sends a goal to an action, its feedback and its result. Closing it cancels the goal. */
 export class GoalCard extends FormCard {
   #cancel = element("button", { type: "button", disabled: true }, "Cancel");
   #feedback = element("pre", { className: "raw", role: "group", aria: { live: "off", label: "feedback" } });

@@ -69,7 +69,7 @@ export class GraphCard extends Card {
     return place && this.#boxes[place.column].find((each) => each.dataset.name === place.name);
   }
 
-  /** Return the box that an arrow key leads to: in the same column the next; in another the first that a line leads to, or else the nearest. */
+  /** Return the box that an arrow key leads to: in the same column the next. In another the first that a line leads to, or else the nearest. */
   #next(column, name, [aside, down]) {
     const row = this.#boxes[column].findIndex((each) => each.dataset.name === name);
     if (!aside) return this.#boxes[column][Math.max(0, Math.min(this.#boxes[column].length - 1, row + down))];

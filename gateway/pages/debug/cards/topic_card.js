@@ -56,7 +56,7 @@ export class TopicCard extends Card {
     this.element.focus(); // what had it is gone
   }
 
-  /** Plot a further number here; what is plotted goes on. */
+  /** Plot a further number here. What is plotted goes on. */
   join(path) {
     if (!this.fields.length) return this.choose(path);
     this.fields = [...this.fields, path];
@@ -65,7 +65,7 @@ export class TopicCard extends Card {
     this.actions.changed();
   }
 
-  /** Return which fields of its type are small, and which may be large; none if the gateway does not know. */
+  /** Return which fields of its type are small, and which may be large. None if the gateway does not know. */
   async sortedFields() {
     try {
       return sorted((await this.gateway.ask({ op: "describe", type: this.#type })).schema);
@@ -147,7 +147,7 @@ export class TopicCard extends Card {
     return `: ${names(publishers)} ${new Set(publishers).size === 1 ? "has" : "have"} sent nothing since this card was opened`;
   }
 
-  /** Take the type, once somebody has given the topic one; the view may not fit it. */
+  /** Take the type, once somebody has given the topic one. The view may not fit it. */
   #learn() {
     this.#offerTypes();
     const type = this.chosenType || this.gateway.graph.typeOf(this.topic);
@@ -160,7 +160,7 @@ export class TopicCard extends Card {
     if (isOver || misfit(this.view, type)) this.#start();
   }
 
-  /** Do something with the view; say what it cannot show, and let other cards go on. */
+  /** Do something with the view. Say what it cannot show, and let other cards go on. */
   #attempt(action) {
     if (this.#isBroken) return;
     try {
@@ -289,7 +289,7 @@ export class TopicCard extends Card {
     this.#toldMs = performance.now();
   }
 
-  /** Say no longer what the gateway has said; what else is wrong stays. */
+  /** Say no longer what the gateway has said. What else is wrong stays. */
   #forgive() {
     if (this.problem.dataset.code) this.tell("");
   }

@@ -17,7 +17,7 @@ import { json } from "../../shared/json.js";
  * @property {Object<string, number|string>} [constants] values that have a name
  */
 
-const OUTSIDE = ["NaN", "Infinity", "-Infinity"]; // numbers that JSON lacks; the gateway takes them as texts
+const OUTSIDE = ["NaN", "Infinity", "-Infinity"]; // numbers that JSON lacks. The gateway takes them as texts
 const NESTED = new Set(["group", "list"]);
 
 /**
@@ -129,7 +129,7 @@ function textOf({ most }, text) {
   return JSON.stringify(text);
 }
 
-/** Return how many values a message has; a list counts as one. */
+/** Return how many values a message has. A list counts as one. */
 export function size({ kind, fields }) {
   return kind === "group" ? fields.reduce((sum, each) => sum + size(each), 0) : 1;
 }

@@ -71,7 +71,7 @@ function checkValue(field, value, path) {
   if (!isSame || OTHER_LINES[field.kind === "row" ? "row" : "value"].test(typed)) throw misfit(path, `the fields cannot hold ${shown(value)}`);
 }
 
-/** Return a time with both of its parts, in this order; anything else as it is. */
+/** Return a time with both of its parts, in this order. Anything else as it is. */
 const whole = ({ kind }, value) => (kind === "time" && isObject(value) ? { sec: 0, nanosec: 0, ...value } : value);
 
 /** Return whether a message has this value where its field is left empty. */

@@ -7,7 +7,7 @@ import { valueOf } from "./typed.js";
 
 const SMALL = 12; // values: so many are shown at once
 
-/** A form for a message, of which what is left empty has its default; or the same as JSON. */
+/** A form for a message, of which what is left empty has its default. Or the same as JSON. */
 export class Form {
   element = element("div", { className: "form" });
   #field;
@@ -29,7 +29,7 @@ export class Form {
 
   /**
    * Return the message as JSON.
-   * @throws {Error} in words; what is wrong has the focus
+   * @throws {Error} in words. What is wrong has the focus
    */
   json() {
     if (!this.#text) return this.#group.json() ?? "{}";
@@ -60,7 +60,7 @@ export class Form {
   }
 }
 
-/** The fields of a message within another; they are made when they are looked at, as some have hundreds. */
+/** The fields of a message within another. They are made when they are looked at, as some have hundreds. */
 class Group {
   content = element("div", { className: "group" });
   /** @type {HTMLElement|null} where it stands in a list */

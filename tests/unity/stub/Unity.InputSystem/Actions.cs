@@ -163,7 +163,7 @@ namespace UnityEngine.Stage
             Mouse.current = null;
         }
 
-        /// <summary>Presses or releases; it counts as pressed in the frame that comes next.</summary>
+        /// <summary>Presses or releases. It counts as pressed in the frame that comes next.</summary>
         public static void Press(ButtonControl button, bool isPressed = true)
         {
             button.Value = isPressed ? 1F : 0F;
@@ -176,7 +176,7 @@ namespace UnityEngine.Stage
             mouse.Position.Value = mouse.Position.ReadValue() + delta;
         }
 
-        /// <summary>Gives an action a value (a float, a Vector2); counts for the frame that comes
+        /// <summary>Gives an action a value (a float, a Vector2). Counts for the frame that comes
         /// next.</summary>
         public static void Set(InputAction action, object value, bool isPressed)
         {

@@ -7,7 +7,7 @@ using Object = UnityEngine.Object;
 
 namespace UnityEditor
 {
-    /// <summary>Draws nothing; Stage.Inspector clicks, types and reads.</summary>
+    /// <summary>Draws nothing. Stage.Inspector clicks, types and reads.</summary>
     public sealed class EditorGUILayout
     {
         public static bool PropertyField(SerializedProperty property, params GUILayoutOption[] options)

@@ -11,7 +11,7 @@ namespace Ros2Gateway.Messages
     /// <remarks>
     /// What a scene names by text is made here, so this class, like the classes that it lists, is one per process.
     /// A build in which nobody calls <see cref="Create"/> has only the package's classes that its code uses. The
-    /// components for any topic call it; with the scripting define <c>ROS2GATEWAY_REGISTERED_MESSAGES</c> they,
+    /// components for any topic call it. With the scripting define <c>ROS2GATEWAY_REGISTERED_MESSAGES</c> they,
     /// too, know registered classes alone.
     /// </remarks>
     public static class MessageCatalogue
@@ -23,7 +23,7 @@ namespace Ros2Gateway.Messages
             new Dictionary<string, Func<IMessage>>(StringComparer.Ordinal);
 
         /// <summary>
-        /// The types of messages as <c>pkg/msg/Name</c>, sorted; parts of services and actions,
+        /// The types of messages as <c>pkg/msg/Name</c>, sorted. Parts of services and actions,
         /// which no topic carries, are not among them.
         /// </summary>
         public static IReadOnlyList<string> Types
@@ -47,10 +47,10 @@ namespace Ros2Gateway.Messages
 
         /// <summary>
         /// Makes a class known: to the components for any topic, the editor's menus and <see cref="Create"/>. It
-        /// takes the place of the package's class of that type; the first that is registered stays.
+        /// takes the place of the package's class of that type. The first that is registered stays.
         /// </summary>
         /// <param name="type"><c>pkg/msg/Name</c>, or a part: <c>pkg/srv/Name_Request</c>.</param>
-        /// <param name="create">Makes a message with the defaults of its definition; any thread may call it.</param>
+        /// <param name="create">Makes a message with the defaults of its definition. Any thread may call it.</param>
         public static void Register(string type, Func<IMessage> create)
         {
             if (string.IsNullOrEmpty(type))
@@ -98,7 +98,7 @@ namespace Ros2Gateway.Messages
 
         /// <summary>
         /// Returns the full name of a type for what <see cref="Create"/> takes, also of an unknown
-        /// type; null for a number that the table has not.
+        /// type. Null for a number that the table has not.
         /// </summary>
         public static string Resolve(string typeOrNumber)
         {

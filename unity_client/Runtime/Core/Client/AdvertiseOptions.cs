@@ -8,7 +8,7 @@ namespace Ros2Gateway
         public const int DefaultQueue = 10;
 
         /// <summary>
-        /// How many messages may wait for the network from frame to frame, the oldest being dropped; what was
+        /// How many messages may wait for the network from frame to frame, the oldest being dropped. What was
         /// published within the last two frames waits beside them, up to 1024 messages and 1 MiB. 1 is always the
         /// newest alone, and so it is on a topic that moves a robot, whatever this says: a command that waited is a
         /// command for a robot that is elsewhere by now.
@@ -21,7 +21,7 @@ namespace Ros2Gateway
         /// </summary>
         public bool Latch;
 
-        /// <summary>Quality of service of the ROS publisher; null for reliable with depth 10.</summary>
+        /// <summary>Quality of service of the ROS publisher. Null for reliable with depth 10.</summary>
         public QosOptions Qos;
     }
 }

@@ -3,7 +3,7 @@ namespace Ros2Gateway
 {
     /// <summary>
     /// Whether the gateway has refused to advertise, and when to ask it again: what stands in the way may be gone,
-    /// such as a node with another type. It says nothing when it agrees; a pong that comes back without a refusal
+    /// such as a node with another type. It says nothing when it agrees. A pong that comes back without a refusal
     /// before it does.
     /// </summary>
     internal sealed class Advertisement
@@ -29,7 +29,7 @@ namespace Ros2Gateway
             get { return _isAgreed; }
         }
 
-        /// <summary>It is refused; returns whether that is news.</summary>
+        /// <summary>It is refused. Returns whether that is news.</summary>
         internal bool Refuse(string errorText, long now)
         {
             lock (_gate)

@@ -30,7 +30,7 @@ namespace Ros2Gateway
         private bool _isOver;
 
         /// <param name="timeoutMilliseconds">For each chunk.</param>
-        /// <param name="done">Called once by the pump; never after <see cref="Cancel"/>.</param>
+        /// <param name="done">Called once by the pump. Never after <see cref="Cancel"/>.</param>
         internal AssetFetch(
             Requests requests, Reports reports, string uri, int timeoutMilliseconds, Action<Reply<byte[]>> done,
             bool isAwaited)

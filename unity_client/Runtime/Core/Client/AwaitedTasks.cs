@@ -18,7 +18,7 @@ namespace Ros2Gateway
         private readonly HashSet<IAwaited> _open = new HashSet<IAwaited>(); // bounded as requests and goals are
         private bool _isClosed;
 
-        /// <summary>Keeps it until it is removed; of a client that has ended it is abandoned at once.</summary>
+        /// <summary>Keeps it until it is removed. Of a client that has ended it is abandoned at once.</summary>
         internal void Add(IAwaited awaited)
         {
             lock (_open)

@@ -54,7 +54,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>ROS time now, in seconds since the epoch of its clock; NaN while nothing is known.</summary>
+        /// <summary>ROS time now, in seconds since the epoch of its clock. NaN while nothing is known.</summary>
         public double RosSeconds
         {
             get

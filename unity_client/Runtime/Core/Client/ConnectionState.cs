@@ -13,10 +13,10 @@ namespace Ros2Gateway
         /// <summary>Frames flow.</summary>
         Connected,
 
-        /// <summary>The connection was lost or could not be made; the next attempt comes by itself.</summary>
+        /// <summary>The connection was lost or could not be made. The next attempt comes by itself.</summary>
         Waiting,
 
-        /// <summary>The gateway refuses this client (a wrong token, a role removed); trying again is no use.</summary>
+        /// <summary>The gateway refuses this client (a wrong token, a role removed). Trying again is no use.</summary>
         Refused,
     }
 }

@@ -48,7 +48,7 @@ namespace Ros2Gateway
         Lost,
     }
 
-    /// <summary>Who drives a robot, and whether it may be driven; as of one moment.</summary>
+    /// <summary>Who drives a robot, and whether it may be driven. As of one moment.</summary>
     public sealed class ControlState
     {
         private readonly string _text;
@@ -69,7 +69,7 @@ namespace Ros2Gateway
 
         /// <summary>
         /// Why it was stopped last, for programs: zero, stop, release, deadline, disconnect, takeover, lease,
-        /// permission, invalid_value, backlog, guard, shutdown; empty if it never was.
+        /// permission, invalid_value, backlog, guard, shutdown. Empty if it never was.
         /// </summary>
         public readonly string Cause;
 
@@ -85,7 +85,7 @@ namespace Ros2Gateway
         /// <summary>After so many seconds without a command another client may drive.</summary>
         public readonly double LeaseSeconds;
 
-        /// <summary>Why a command to move would be refused, in words; null if none of this is against it.</summary>
+        /// <summary>Why a command to move would be refused, in words. Null if none of this is against it.</summary>
         public readonly string Refusal;
 
         internal ControlState(string topic, string text)

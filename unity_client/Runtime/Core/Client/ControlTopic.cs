@@ -28,19 +28,19 @@ namespace Ros2Gateway
         /// <summary>Of the operation that asks for the state.</summary>
         internal string Id { get; private set; }
 
-        /// <summary>Publishers and controls that use it; under the lock of all.</summary>
+        /// <summary>Publishers and controls that use it. Under the lock of all.</summary>
         internal int Users { get; set; }
 
-        /// <summary>Whether this connection has asked for control and has had it since; under the lock of all.</summary>
+        /// <summary>Whether this connection has asked for control and has had it since. Under the lock of all.</summary>
         internal bool IsAskedFor { get; set; }
 
-        /// <summary>Until when control that a lost connection had is taken back; under the lock of all.</summary>
+        /// <summary>Until when control that a lost connection had is taken back. Under the lock of all.</summary>
         internal long TakeBackUntil { get; set; }
 
         /// <summary>Whether the gateway has ever said that it moves a robot.</summary>
         internal bool MovesARobot { get; private set; }
 
-        /// <summary>The newest; another object with every word of the gateway.</summary>
+        /// <summary>The newest. Another object with every word of the gateway.</summary>
         internal ControlState State
         {
             get { return _state; }

@@ -135,7 +135,7 @@ namespace Ros2Gateway
         }
 
         /// <summary>
-        /// The gateway refuses to tell a state; false if that is no answer to a question of ours. It is no event:
+        /// The gateway refuses to tell a state. False if that is no answer to a question of ours. It is no event:
         /// most topics with velocities move no robot, and gateways of old know no control.
         /// </summary>
         internal bool OnRefused(string id, string errorText)
@@ -151,7 +151,7 @@ namespace Ros2Gateway
             return false;
         }
 
-        /// <summary>Stops one robot, or all without a topic; nobody waits for the answer.</summary>
+        /// <summary>Stops one robot, or all without a topic. Nobody waits for the answer.</summary>
         internal void Stop(string topic)
         {
             string refusal = Send("stop", "stop", topic);

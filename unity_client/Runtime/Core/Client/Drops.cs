@@ -26,7 +26,7 @@ namespace Ros2Gateway
         private int _isPosted;
 
         /// <param name="request">The operation that they belong to: "publish" or "subscribe".</param>
-        /// <param name="reason">Why, and what to do; empty where it is no news for people.</param>
+        /// <param name="reason">Why, and what to do. Empty where it is no news for people.</param>
         internal Drops(Mailbox mailbox, Reports reports, string request, string topic, string reason)
         {
             _mailbox = mailbox;
@@ -49,7 +49,7 @@ namespace Ros2Gateway
             get { return _listeners; }
         }
 
-        /// <summary>One more; any thread.</summary>
+        /// <summary>One more. Any thread.</summary>
         internal void Add()
         {
             Interlocked.Increment(ref _count);

@@ -9,7 +9,7 @@ namespace Ros2Gateway
     /// <summary>How an exception of a handler of the application's is told.</summary>
     internal static class Faults
     {
-        /// <summary>The event of the first, the 10th, 100th ... time; null for all others.</summary>
+        /// <summary>The event of the first, the 10th, 100th ... time. Null for all others.</summary>
         /// <param name="where">The handler, for people: "handler of /odom".</param>
         internal static GatewayEvent Event(string where, Exception error, long times)
         {

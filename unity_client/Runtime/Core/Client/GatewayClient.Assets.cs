@@ -7,13 +7,13 @@ namespace Ros2Gateway
 {
     /// <content>
     /// Files of the robot's packages that the gateway serves, such as meshes. They come in chunks, one asked for after
-    /// the other, so that other frames pass between them; 64 MiB at most.
+    /// the other, so that other frames pass between them. 64 MiB at most.
     /// </content>
     public sealed partial class GatewayClient
     {
-        /// <summary>Fetches a file; *done* is called by <see cref="Pump"/>, once, whatever happens.</summary>
+        /// <summary>Fetches a file. *Done* is called by <see cref="Pump"/>, once, whatever happens.</summary>
         /// <param name="uri">Such as package://arm/meshes/upper.stl.</param>
-        /// <param name="timeoutMilliseconds">For each chunk; 0 for <see cref="GatewayOptions.CallMilliseconds"/>.</param>
+        /// <param name="timeoutMilliseconds">For each chunk. 0 for <see cref="GatewayOptions.CallMilliseconds"/>.</param>
         public void FetchAsset(string uri, Action<Reply<byte[]>> done, int timeoutMilliseconds = 0)
         {
             StartFetch(uri, done, timeoutMilliseconds);
@@ -22,7 +22,7 @@ namespace Ros2Gateway
         /// <summary>Fetches a file, to await.</summary>
         /// <param name="uri">Such as package://arm/meshes/upper.stl.</param>
         /// <param name="cancellation">Ends the waiting, and asks for no more chunks.</param>
-        /// <param name="timeoutMilliseconds">For each chunk; 0 for <see cref="GatewayOptions.CallMilliseconds"/>.</param>
+        /// <param name="timeoutMilliseconds">For each chunk. 0 for <see cref="GatewayOptions.CallMilliseconds"/>.</param>
         public Task<byte[]> FetchAssetAsync(
             string uri, CancellationToken cancellation = default(CancellationToken), int timeoutMilliseconds = 0)
         {

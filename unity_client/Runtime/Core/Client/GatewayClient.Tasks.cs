@@ -31,7 +31,7 @@ namespace Ros2Gateway
 
         /// <summary>
         /// Begins to connect unless that was done, and ends when the gateway has introduced itself. It tries until
-        /// then, for an absent gateway may come; it fails if it refuses this client, or on <see cref="Disconnect"/>.
+        /// then, for an absent gateway may come. It fails if it refuses this client, or on <see cref="Disconnect"/>.
         /// </summary>
         /// <param name="cancellation">Ends the waiting, and the attempts if this call has begun them.</param>
         public Task ConnectAsync(CancellationToken cancellation = default(CancellationToken))
@@ -61,7 +61,7 @@ namespace Ros2Gateway
         }
 
         /// <summary>Calls a service.</summary>
-        /// <param name="cancellation">Ends the waiting; ROS services themselves cannot be cancelled.</param>
+        /// <param name="cancellation">Ends the waiting. ROS services themselves cannot be cancelled.</param>
         /// <param name="timeoutMilliseconds">0 for <see cref="GatewayOptions.CallMilliseconds"/>.</param>
         public Task<TResponse> CallServiceAsync<TResponse>(
             string service, IMessage request, CancellationToken cancellation = default(CancellationToken),
@@ -77,7 +77,7 @@ namespace Ros2Gateway
         /// Sends a goal to an action server. Await what this returns for the result, or go through the feedback first.
         /// </summary>
         /// <param name="cancellation">Cancels the goal.</param>
-        /// <param name="keep">Whether the goal goes on when this client leaves; else it is cancelled then.</param>
+        /// <param name="keep">Whether the goal goes on when this client leaves. Else it is cancelled then.</param>
         public GoalTask<TFeedback, TResult> SendGoalAsync<TFeedback, TResult>(
             string action, IMessage goal, CancellationToken cancellation = default(CancellationToken), bool keep = false)
             where TFeedback : IMessage, new()
@@ -93,8 +93,8 @@ namespace Ros2Gateway
             return task;
         }
 
-        /// <summary>Asks for anything else that the gateway knows; the result is the whole frame of the answer.</summary>
-        /// <param name="members">The members of the operation; null for none.</param>
+        /// <summary>Asks for anything else that the gateway knows. The result is the whole frame of the answer.</summary>
+        /// <param name="members">The members of the operation. Null for none.</param>
         /// <param name="cancellation">Ends the waiting.</param>
         /// <param name="timeoutMilliseconds">0 for <see cref="GatewayOptions.CallMilliseconds"/>.</param>
         public Task<JsonValue> RequestAsync(

@@ -9,15 +9,15 @@ namespace Ros2Gateway
     /// A client of the gateway: topics, services, actions, parameters and the graph of ROS 2 over one WebSocket.
     /// </summary>
     /// <remarks>
-    /// Frames are read on a background thread; handlers and events are called by <see cref="Pump"/>, so
+    /// Frames are read on a background thread. Handlers and events are called by <see cref="Pump"/>, so
     /// on the application's own. Everything that was opened (subscriptions, publishers, services, watched
-    /// graphs) is opened again after a reconnection; everything that was asked is answered, if only by
+    /// graphs) is opened again after a reconnection. Everything that was asked is answered, if only by
     /// "connection lost". Methods may be called from any thread.
     /// </remarks>
     public sealed partial class GatewayClient : IDisposable
     {
         private const int TickMilliseconds = 50; // what is due is seconds away: this is soon enough
-        private const int GoodbyeMilliseconds = 200; // a LAN takes one; a scene that ends must not hang
+        private const int GoodbyeMilliseconds = 200; // a LAN takes one. A scene that ends must not hang
 
         private readonly GatewayOptions _options;
         private readonly Clock _clock = new Clock();
@@ -40,7 +40,7 @@ namespace Ros2Gateway
         private int _isStatePosted;
         private int _isDisposed;
 
-        /// <summary>A client that is not connected yet; what is opened before is opened with the connection.</summary>
+        /// <summary>A client that is not connected yet. What is opened before is opened with the connection.</summary>
         public GatewayClient(GatewayOptions options)
         {
             _options = options;
@@ -66,7 +66,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>The connection's state has changed; called by <see cref="Pump"/>, with the newest.</summary>
+        /// <summary>The connection's state has changed. Called by <see cref="Pump"/>, with the newest.</summary>
         public event Action<ConnectionState> StateChanged
         {
             add { _stateChanged.Add(value); }
@@ -83,14 +83,14 @@ namespace Ros2Gateway
             remove { _mailbox.Heard.Remove(value); }
         }
 
-        /// <summary>Where the gateway is; another address counts from the next attempt to connect on.</summary>
+        /// <summary>Where the gateway is. Another address counts from the next attempt to connect on.</summary>
         public string Address
         {
             get { return _options.Address; }
             set { _options.Address = value; }
         }
 
-        /// <summary>What the gateway asks for, if it does; like <see cref="Address"/>.</summary>
+        /// <summary>What the gateway asks for, if it does. Like <see cref="Address"/>.</summary>
         public string Token
         {
             set { _options.Token = value; }
@@ -135,7 +135,7 @@ namespace Ros2Gateway
             get { return _requests.Count + _goals.Count; }
         }
 
-        /// <summary>The graph as it is; null unless it is watched and has come.</summary>
+        /// <summary>The graph as it is. Null unless it is watched and has come.</summary>
         public RosGraph Graph
         {
             get { return _graph.Graph; }
@@ -177,7 +177,7 @@ namespace Ros2Gateway
         }
 
         /// <summary>
-        /// Disconnects for good, and calls no handler any more; what is awaited fails. Returns when the goodbye is
+        /// Disconnects for good, and calls no handler any more. What is awaited fails. Returns when the goodbye is
         /// through, mostly at once, or after 0.4 s.
         /// </summary>
         public void Dispose()
@@ -212,7 +212,7 @@ namespace Ros2Gateway
         }
 
         /// <summary>Subscribes to a topic whose messages are of type T.</summary>
-        /// <param name="handler">Called by <see cref="Pump"/>; null to take messages from the subscription.</param>
+        /// <param name="handler">Called by <see cref="Pump"/>. Null to take messages from the subscription.</param>
         /// <param name="reuse">Whether messages, and their arrays where the length stays, are filled anew: each is
         /// the handler's until the next one is handed out, and what it lacks is as in an earlier one.</param>
         public Subscription<T> Subscribe<T>(
@@ -227,7 +227,7 @@ namespace Ros2Gateway
         /// <param name="create">Makes an empty message, on the thread that reads frames.</param>
         /// <param name="prepare">Called with each message on the thread that reads frames, before it waits for
         /// the handler. All topics wait meanwhile: what takes long belongs to another thread.</param>
-        /// <param name="reuse">Whether messages are filled anew; see the other.</param>
+        /// <param name="reuse">Whether messages are filled anew. See the other.</param>
         public Subscription<T> Subscribe<T>(
             string topic, string type, Func<T> create, Action<T> handler = null, SubscribeOptions options = null,
             Action<T> prepare = null, bool reuse = false)
@@ -265,10 +265,10 @@ namespace Ros2Gateway
         }
 
         /// <summary>
-        /// Watches who drives the robot behind a command topic and whether it may be driven; by what this returns
+        /// Watches who drives the robot behind a command topic and whether it may be driven. By what this returns
         /// it is stopped, and control taken.
         /// </summary>
-        /// <param name="changed">Called by <see cref="Pump"/> with each change; null for none.</param>
+        /// <param name="changed">Called by <see cref="Pump"/> with each change. Null for none.</param>
         public RobotControl Control(string topic = "/cmd_vel", Action<ControlState> changed = null)
         {
             RobotControl control = new RobotControl(_controls, _requests, Names.Absolute(topic), _options.CallMilliseconds);
@@ -279,14 +279,14 @@ namespace Ros2Gateway
             return control;
         }
 
-        /// <summary>Stops every robot of the gateway, whoever drives it; any client may.</summary>
+        /// <summary>Stops every robot of the gateway, whoever drives it. Any client may.</summary>
         /// <param name="done">Gets the command topics that are stopped.</param>
         public void StopRobots(Action<Reply<string[]>> done = null)
         {
             RobotControl.Stop(_controls, _requests, null, done, _options.CallMilliseconds);
         }
 
-        /// <summary>Calls a service; *done* is called by <see cref="Pump"/>, once, whatever happens.</summary>
+        /// <summary>Calls a service. *Done* is called by <see cref="Pump"/>, once, whatever happens.</summary>
         /// <param name="timeoutMilliseconds">0 for <see cref="GatewayOptions.CallMilliseconds"/>.</param>
         public void CallService<TResponse>(
             string service, IMessage request, Action<Reply<TResponse>> done, int timeoutMilliseconds = 0)
@@ -295,7 +295,7 @@ namespace Ros2Gateway
             SendCall(Names.Absolute(service), request, done, timeoutMilliseconds);
         }
 
-        /// <summary>Provides a ROS service; the handler is called by <see cref="Pump"/>.</summary>
+        /// <summary>Provides a ROS service. The handler is called by <see cref="Pump"/>.</summary>
         /// <param name="type">pkg/srv/Name: the constant Service of the request's class.</param>
         public ServiceProvider AdvertiseService<TRequest, TResponse>(
             string service, string type, Func<TRequest, TResponse> handler)
@@ -308,9 +308,9 @@ namespace Ros2Gateway
             return provider;
         }
 
-        /// <summary>Sends a goal to an action server; *onResult* is called once, whatever happens.</summary>
-        /// <param name="onFeedback">Called with the newest feedback; null if none is wanted.</param>
-        /// <param name="keep">Whether the goal goes on when this client leaves; else it is cancelled then.</param>
+        /// <summary>Sends a goal to an action server. *onResult* is called once, whatever happens.</summary>
+        /// <param name="onFeedback">Called with the newest feedback. Null if none is wanted.</param>
+        /// <param name="keep">Whether the goal goes on when this client leaves. Else it is cancelled then.</param>
         public Goal SendGoal<TFeedback, TResult>(
             string action, IMessage goal, Action<TFeedback> onFeedback, Action<GoalResult<TResult>> onResult,
             bool keep = false)
@@ -321,10 +321,10 @@ namespace Ros2Gateway
         }
 
         /// <summary>
-        /// Asks for anything else that the gateway knows, such as "describe" or "lookup_transform"; the
+        /// Asks for anything else that the gateway knows, such as "describe" or "lookup_transform". The
         /// reply is the whole frame of the answer.
         /// </summary>
-        /// <param name="members">The members of the operation; null for none.</param>
+        /// <param name="members">The members of the operation. Null for none.</param>
         public void Request(
             string op, JsonValue members, Action<Reply<JsonValue>> done, int timeoutMilliseconds = 0)
         {
@@ -347,13 +347,13 @@ namespace Ros2Gateway
         /// Watches where a frame is in another, by the transforms that the gateway hears. A gateway takes 16
         /// watches of a client unless it is configured otherwise.
         /// </summary>
-        /// <param name="rateHz">How often the pose may come; 200 at most.</param>
+        /// <param name="rateHz">How often the pose may come. 200 at most.</param>
         public TransformWatch WatchTransform(string targetFrame, string sourceFrame, double rateHz = 30)
         {
             return _transforms.Add(NewId("t"), targetFrame, sourceFrame, rateHz);
         }
 
-        /// <summary>Tells of an exception of a handler of the application's; see <see cref="Listeners{T}"/>.</summary>
+        /// <summary>Tells of an exception of a handler of the application's. See <see cref="Listeners{T}"/>.</summary>
         internal void ReportFault(string where, Exception error, long times)
         {
             _mailbox.ReportFault(where, error, times);

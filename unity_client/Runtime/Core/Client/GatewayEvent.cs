@@ -3,7 +3,7 @@ using System;
 
 namespace Ros2Gateway
 {
-    /// <summary>How severe an event is; the numbers rise with it.</summary>
+    /// <summary>How severe an event is. The numbers rise with it.</summary>
     public enum EventLevel
     {
         /// <summary>Something was done.</summary>
@@ -34,7 +34,7 @@ namespace Ros2Gateway
         /// <summary>When it happened, by this machine's clock.</summary>
         public readonly DateTime Time;
 
-        /// <summary>The exception behind it, if the cause was a handler of the application's; else null.</summary>
+        /// <summary>The exception behind it, if the cause was a handler of the application's. Else null.</summary>
         public readonly Exception Exception;
 
         internal GatewayEvent(EventLevel level, string text, string code, string request, Exception exception = null)

@@ -6,22 +6,22 @@ namespace Ros2Gateway
     /// <summary>Where the gateway is, and how long the client waits for it.</summary>
     public sealed class GatewayOptions
     {
-        /// <summary>ws://HOST:PORT, or wss://; 9090 is the gateway's default port.</summary>
+        /// <summary>ws://HOST:PORT, or wss://. 9090 is the gateway's default port.</summary>
         public string Address = "ws://localhost:9090";
 
-        /// <summary>Sent as the first frame, if there is one; never part of the address or of any log.</summary>
+        /// <summary>Sent as the first frame, if there is one. Never part of the address or of any log.</summary>
         public string Token = "";
 
         /// <summary>How long connecting may take, in milliseconds.</summary>
         public int ConnectMilliseconds = 5000;
 
-        /// <summary>How often the gateway is pinged, in milliseconds; also how often clocks are compared.</summary>
+        /// <summary>How often the gateway is pinged, in milliseconds. Also how often clocks are compared.</summary>
         public int HeartbeatMilliseconds = 2000;
 
         /// <summary>Without any frame for this long the connection counts as dead: three heartbeats.</summary>
         public int SilenceMilliseconds = 6000;
 
-        /// <summary>The pause before the first new attempt, in milliseconds; it doubles with each that fails.</summary>
+        /// <summary>The pause before the first new attempt, in milliseconds. It doubles with each that fails.</summary>
         public int FirstPauseMilliseconds = 500;
 
         /// <summary>The longest pause between two attempts, in milliseconds.</summary>
@@ -38,10 +38,10 @@ namespace Ros2Gateway
         /// </summary>
         public int CallMilliseconds = 10000;
 
-        /// <summary>The longest message that is read; longer ones become an event. A 4K picture takes 4 MB.</summary>
+        /// <summary>The longest message that is read. Longer ones become an event. A 4K picture takes 4 MB.</summary>
         public int MaxMessageBytes = 16 * 1024 * 1024;
 
-        /// <summary>Makes the transport of each attempt; null for <see cref="WebSocketTransport"/>.</summary>
+        /// <summary>Makes the transport of each attempt. Null for <see cref="WebSocketTransport"/>.</summary>
         public Func<GatewayOptions, ITransport> Transport;
 
         /// <summary>

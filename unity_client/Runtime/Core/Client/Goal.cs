@@ -4,13 +4,13 @@ using Ros2Gateway.Json;
 
 namespace Ros2Gateway
 {
-    /// <summary>How a goal stands; the numbers of action_msgs/msg/GoalStatus.</summary>
+    /// <summary>How a goal stands. The numbers of action_msgs/msg/GoalStatus.</summary>
     public enum GoalStatus
     {
         /// <summary>It was rejected, could not be sent, or its server or the connection is gone.</summary>
         Unknown = 0,
 
-        /// <summary>It was sent; feedback may come.</summary>
+        /// <summary>It was sent. Feedback may come.</summary>
         Executing = 2,
 
         /// <summary>It was asked to end early.</summary>
@@ -65,7 +65,7 @@ namespace Ros2Gateway
         /// <summary>What a handler of its feedback handles, for people.</summary>
         internal string FeedbackName { get; private set; }
 
-        /// <summary>Asks for it to be cancelled; whether it was, its result tells.</summary>
+        /// <summary>Asks for it to be cancelled. Whether it was, its result tells.</summary>
         public void Cancel()
         {
             lock (_statusGate)
@@ -88,7 +88,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>Reads feedback; returns how to tell it, or null where that is on its way already.</summary>
+        /// <summary>Reads feedback. Returns how to tell it, or null where that is on its way already.</summary>
         internal abstract Action ReadFeedback(JsonReader reader);
 
         internal abstract Action ReadResult(GoalStatus status, JsonReader reader);
@@ -99,13 +99,13 @@ namespace Ros2Gateway
     /// <summary>The end of a goal: its result, or words that say why there is none.</summary>
     public struct GoalResult<TResult>
     {
-        /// <summary>Succeeded, canceled or aborted; unknown where there is no result.</summary>
+        /// <summary>Succeeded, canceled or aborted. Unknown where there is no result.</summary>
         public readonly GoalStatus Status;
 
-        /// <summary>What the server returned; in all three of these cases there is one.</summary>
+        /// <summary>What the server returned. In all three of these cases there is one.</summary>
         public readonly TResult Value;
 
-        /// <summary>Why there is no result; null where there is one.</summary>
+        /// <summary>Why there is no result. Null where there is one.</summary>
         public readonly string Error;
 
         internal GoalResult(GoalStatus status, TResult value, string error)
@@ -129,7 +129,7 @@ namespace Ros2Gateway
         private readonly object _gate = new object();
         private readonly Action<TFeedback> _onFeedback;
         private readonly Action<GoalResult<TResult>> _onResult;
-        private TFeedback _feedback; // the newest; one that was not looked at makes room for it
+        private TFeedback _feedback; // the newest. One that was not looked at makes room for it
         private bool _isFeedbackPosted;
 
         internal Goal(

@@ -8,7 +8,7 @@ namespace Ros2Gateway
 {
     /// <summary>A goal to await: its feedback one after the other, and its result.</summary>
     /// <remarks>
-    /// <c>await</c> it for the result; before that, <c>await foreach</c> over it (C# 8), or call
+    /// <c>await</c> it for the result. Before that, <c>await foreach</c> over it (C# 8), or call
     /// <see cref="MoveNextAsync"/> until it is false, for the feedback. A goal that ended as succeeded, canceled
     /// or aborted has a result. Without one (rejected, the connection lost) a <see cref="GatewayException"/> says
     /// why, to both. If its token was cancelled and the goal ended early, both throw OperationCanceledException.
@@ -26,7 +26,7 @@ namespace Ros2Gateway
         private CancellationTokenRegistration _registration;
         private Goal _goal; // null if it was cancelled before it was sent
         private TaskCompletionSource<bool> _next; // of who waits for feedback
-        private TFeedback _feedback; // the newest; what nobody looked at makes room for it
+        private TFeedback _feedback; // the newest. What nobody looked at makes room for it
         private bool _hasFeedback;
 
         internal GoalTask(AwaitedTasks all, string action, CancellationToken cancellation)
@@ -65,7 +65,7 @@ namespace Ros2Gateway
             return _end.Task.GetAwaiter();
         }
 
-        /// <summary>Waits for feedback that has not been seen; false once the goal has ended with a result.</summary>
+        /// <summary>Waits for feedback that has not been seen. False once the goal has ended with a result.</summary>
         /// <exception cref="InvalidOperationException">Somebody else waits already.</exception>
         public Task<bool> MoveNextAsync()
         {
@@ -102,7 +102,7 @@ namespace Ros2Gateway
             return this;
         }
 
-        /// <summary>Asks for the goal to be cancelled; whether it was, the result's status tells.</summary>
+        /// <summary>Asks for the goal to be cancelled. Whether it was, the result's status tells.</summary>
         public void Cancel()
         {
             if (_goal != null)

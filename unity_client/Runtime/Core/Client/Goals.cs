@@ -8,7 +8,7 @@ namespace Ros2Gateway
     /// <summary>The goals of a client that are under way. Each gets its result, once.</summary>
     internal sealed class Goals
     {
-        // Four times what a gateway pursues for a client by default; it refuses what is beyond its own limit.
+        // Four times what a gateway pursues for a client by default. It refuses what is beyond its own limit.
         private const int MaxGoals = 64;
 
         private readonly object _gate = new object();

@@ -21,7 +21,7 @@ namespace Ros2Gateway
             _watchers = new Listeners<RosGraph>(mailbox.ReportFault, "watcher of the graph");
         }
 
-        /// <summary>The newest; null while nobody watches, or none has come.</summary>
+        /// <summary>The newest. Null while nobody watches, or none has come.</summary>
         internal RosGraph Graph
         {
             get

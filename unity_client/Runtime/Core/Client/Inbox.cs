@@ -265,7 +265,7 @@ namespace Ros2Gateway
             }
         }
 
-        // To all but the last by a reader of their own; the last goes on where the frame's reader stands.
+        // To all but the last by a reader of their own. The last goes on where the frame's reader stands.
         // False if that one cannot read it.
         private bool Deliver(int at)
         {
@@ -320,7 +320,7 @@ namespace Ros2Gateway
             }
         }
 
-        // Mostly a JsonFormatException; but a class of the application's may throw anything while it reads.
+        // Mostly a JsonFormatException. But a class of the application's may throw anything while it reads.
         private void Unreadable(Subscription subscription, Exception error)
         {
             subscription.Unreadable++;

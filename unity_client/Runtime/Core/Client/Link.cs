@@ -4,7 +4,7 @@ using System.Threading;
 
 namespace Ros2Gateway
 {
-    /// <summary>What a link tells its client; on any thread, never two at once for one connection.</summary>
+    /// <summary>What a link tells its client. On any thread, never two at once for one connection.</summary>
     internal interface ILinkOwner
     {
         /// <summary>A connection stands: restore what was open. Within the link's lock, as is OnDown.</summary>
@@ -22,7 +22,7 @@ namespace Ros2Gateway
 
         void Report(EventLevel level, string text);
 
-        /// <summary>The client will not try again; called before the state says so.</summary>
+        /// <summary>The client will not try again. Called before the state says so.</summary>
         void OnRefused(string text);
     }
 
@@ -72,7 +72,7 @@ namespace Ros2Gateway
 
         internal ConnectionState State { get; private set; }
 
-        /// <summary>Why it is not connected, in words; null while nothing has failed.</summary>
+        /// <summary>Why it is not connected, in words. Null while nothing has failed.</summary>
         internal string LastError
         {
             get
@@ -164,7 +164,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>Does what is due; as often as one likes, twenty times a second is plenty.</summary>
+        /// <summary>Does what is due. As often as one likes, twenty times a second is plenty.</summary>
         internal void Tick(long now)
         {
             bool isHeartbeatDue = false;
@@ -186,7 +186,7 @@ namespace Ros2Gateway
                         }
                         break;
                     case ConnectionState.Connecting:
-                        // The transport keeps this deadline itself, mostly; twice as long and it is forgotten.
+                        // The transport keeps this deadline itself, mostly. Twice as long and it is forgotten.
                         if (now - _attemptBegan > 2 * _options.ConnectMilliseconds)
                         {
                             silent = _attempt;
@@ -238,7 +238,7 @@ namespace Ros2Gateway
             }
             catch (Exception error)
             {
-                // A transport of the application's own may throw; this is no thread to throw it on.
+                // A transport of the application's own may throw. This is no thread to throw it on.
                 End(0, error.Message);
             }
         }
@@ -339,7 +339,7 @@ namespace Ros2Gateway
             return code == 0 ? "" : " (" + code + ")";
         }
 
-        /// <summary>One transport; what an abandoned one still has to say is not heard.</summary>
+        /// <summary>One transport. What an abandoned one still has to say is not heard.</summary>
         private sealed class Attempt : ITransportListener
         {
             internal readonly ITransport Transport;

@@ -29,13 +29,13 @@ namespace Ros2Gateway
             get { return _all.Length == 0; }
         }
 
-        /// <summary>Adds one; returns whether it is the first.</summary>
+        /// <summary>Adds one. Returns whether it is the first.</summary>
         internal bool Add(Action<T> listener)
         {
             return listener != null && Add(new Listener(_what, listener, listener));
         }
 
-        /// <summary>Adds one that only wants to know when; returns whether it is the first.</summary>
+        /// <summary>Adds one that only wants to know when. Returns whether it is the first.</summary>
         internal bool Add(Action listener)
         {
             return listener != null && Add(new Listener(_what, listener, value => listener()));
@@ -48,7 +48,7 @@ namespace Ros2Gateway
             _last = new Listener(what, listener, listener);
         }
 
-        /// <summary>Removes one, the last of several that are equal; returns whether it was the only one.</summary>
+        /// <summary>Removes one, the last of several that are equal. Returns whether it was the only one.</summary>
         internal bool Remove(Delegate listener)
         {
             lock (_gate)

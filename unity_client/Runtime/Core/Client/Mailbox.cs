@@ -8,7 +8,7 @@ namespace Ros2Gateway
     /// <summary>What waits for the application's own thread: answers, events, and subscriptions with messages.</summary>
     internal sealed class Mailbox
     {
-        // Screenfuls of log; more than this between two frames of the application is one fault repeated.
+        // Screenfuls of log. More than this between two frames of the application is one fault repeated.
         private const int MaxEvents = 256;
 
         // More names of actions that throw than this are forgotten together, and counted anew: one fault repeated.
@@ -83,7 +83,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>A subscription has messages for its handler; once until it has none.</summary>
+        /// <summary>A subscription has messages for its handler. Once until it has none.</summary>
         internal void Ready(Subscription subscription)
         {
             lock (_gate)
@@ -102,7 +102,7 @@ namespace Ros2Gateway
         }
 
         /// <summary>
-        /// Calls handlers until nothing waits or the time is up; returns how many messages were handed out.
+        /// Calls handlers until nothing waits or the time is up. Returns how many messages were handed out.
         /// A handler that pumps gets nothing.
         /// </summary>
         internal int Pump(double budgetMilliseconds)
@@ -124,7 +124,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>Forgets all that waits; nothing is called from now on.</summary>
+        /// <summary>Forgets all that waits. Nothing is called from now on.</summary>
         internal void Close()
         {
             lock (_gate)

@@ -9,13 +9,13 @@ namespace Ros2Gateway
     /// <summary>What waits to be sent: requests in order, and a short queue per publisher beside them.</summary>
     /// <remarks>
     /// One frame at a time is with the transport, so what else waits can still be dropped for something
-    /// newer. Requests go first; queues take turns. What the transport has taken may wait on in the system's
+    /// newer. Requests go first. Queues take turns. What the transport has taken may wait on in the system's
     /// buffers, where nothing can be dropped: so queues are held while the gateway leaves a ping unanswered,
     /// or a robot would carry out seconds of commands at once when a network comes back. Any thread.
     /// </remarks>
     internal sealed class Outbox
     {
-        // Requests are few and small; this many waiting means that nothing is leaving any more.
+        // Requests are few and small. This many waiting means that nothing is leaving any more.
         private const int MaxRequests = 1024;
 
         // How often to ping while publishers are busy: twice within the time after which queues are held.
@@ -34,7 +34,7 @@ namespace Ros2Gateway
         private ITransport _transport;
         private bool _areQueuesOpen;
         private JsonWriter _next; // offered to the transport, or with it
-        private PublisherQueue _nextQueue; // the queue that it came from; null for a request
+        private PublisherQueue _nextQueue; // the queue that it came from. Null for a request
         private bool _isSending;
         private bool _isFlushing;
         private long _unansweredSince = Never; // when the first ping left that no pong has followed
@@ -48,10 +48,10 @@ namespace Ros2Gateway
             MaxFrameBytes = int.MaxValue;
         }
 
-        /// <summary>What the gateway takes; it closes a connection that sends more.</summary>
+        /// <summary>What the gateway takes. It closes a connection that sends more.</summary>
         internal int MaxFrameBytes { get; set; }
 
-        /// <summary>From now on requests go here; what waited for another transport is gone.</summary>
+        /// <summary>From now on requests go here. What waited for another transport is gone.</summary>
         internal void Attach(ITransport transport)
         {
             lock (_gate)
@@ -70,7 +70,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>Nothing goes anywhere; what waits is dropped.</summary>
+        /// <summary>Nothing goes anywhere. What waits is dropped.</summary>
         internal void Detach()
         {
             lock (_gate)
@@ -92,7 +92,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>Sends a request; returns why it does not go, or null.</summary>
+        /// <summary>Sends a request. Returns why it does not go, or null.</summary>
         internal string Post(JsonWriter frame)
         {
             lock (_gate)
@@ -111,7 +111,7 @@ namespace Ros2Gateway
             return null;
         }
 
-        /// <summary>Sends a frame of a queue when its turn comes; returns why it does not go, or null.</summary>
+        /// <summary>Sends a frame of a queue when its turn comes. Returns why it does not go, or null.</summary>
         internal string Post(PublisherQueue queue, JsonWriter frame, bool evenLate)
         {
             lock (_gate)

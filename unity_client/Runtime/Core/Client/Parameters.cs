@@ -7,7 +7,7 @@ using Ros2Gateway.Json;
 
 namespace Ros2Gateway
 {
-    /// <summary>Parameters of ROS nodes. A node has 2.5 seconds to answer; replies come while the client is pumped.</summary>
+    /// <summary>Parameters of ROS nodes. A node has 2.5 seconds to answer. Replies come while the client is pumped.</summary>
     public static class Parameters
     {
         private const int TimeoutMilliseconds = 3500; // the gateway gives a node 2500
@@ -22,7 +22,7 @@ namespace Ros2Gateway
                 TimeoutMilliseconds);
         }
 
-        /// <summary>Asks for values by name; without names for all that the node has.</summary>
+        /// <summary>Asks for values by name. Without names for all that the node has.</summary>
         public static void GetParameters(
             this GatewayClient client, string node, string[] names, Action<Reply<JsonValue>> done)
         {
@@ -34,7 +34,7 @@ namespace Ros2Gateway
         }
 
         /// <summary>
-        /// Sets values by name, each by itself; the reply holds for each {"successful", "reason"}.
+        /// Sets values by name, each by itself. The reply holds for each {"successful", "reason"}.
         /// </summary>
         public static void SetParameters(
             this GatewayClient client, string node, JsonValue values, Action<Reply<JsonValue>> done)
@@ -46,7 +46,7 @@ namespace Ros2Gateway
                 TimeoutMilliseconds);
         }
 
-        /// <summary>Asks for types, ranges and words; without names of all that the node has.</summary>
+        /// <summary>Asks for types, ranges and words. Without names of all that the node has.</summary>
         public static void DescribeParameters(
             this GatewayClient client, string node, string[] names, Action<Reply<JsonValue>> done)
         {
@@ -57,7 +57,7 @@ namespace Ros2Gateway
                 TimeoutMilliseconds);
         }
 
-        /// <summary>Asks for the names of a node's parameters, to await; a token ends the waiting.</summary>
+        /// <summary>Asks for the names of a node's parameters, to await. A token ends the waiting.</summary>
         public static async Task<string[]> ListParametersAsync(
             this GatewayClient client, string node, CancellationToken cancellation = default(CancellationToken))
         {
@@ -65,7 +65,7 @@ namespace Ros2Gateway
             return Strings(frame["names"]);
         }
 
-        /// <summary>Asks for values by name, to await; without names for all that the node has.</summary>
+        /// <summary>Asks for values by name, to await. Without names for all that the node has.</summary>
         public static async Task<JsonValue> GetParametersAsync(
             this GatewayClient client, string node, string[] names = null,
             CancellationToken cancellation = default(CancellationToken))
@@ -75,7 +75,7 @@ namespace Ros2Gateway
         }
 
         /// <summary>
-        /// Sets values by name, each by itself, to await; the result holds for each {"successful", "reason"}.
+        /// Sets values by name, each by itself, to await. The result holds for each {"successful", "reason"}.
         /// </summary>
         public static async Task<JsonValue> SetParametersAsync(
             this GatewayClient client, string node, JsonValue values,
@@ -86,7 +86,7 @@ namespace Ros2Gateway
             return frame["results"];
         }
 
-        /// <summary>Asks for types, ranges and words, to await; without names of all that the node has.</summary>
+        /// <summary>Asks for types, ranges and words, to await. Without names of all that the node has.</summary>
         public static async Task<JsonValue> DescribeParametersAsync(
             this GatewayClient client, string node, string[] names = null,
             CancellationToken cancellation = default(CancellationToken))

@@ -10,7 +10,7 @@ namespace Ros2Gateway
         // A refusal without a known end is asked for again after so long: soon enough not to miss a deadline.
         private const int AskAgainMilliseconds = 250;
 
-        // What resets a trip is told by a change of state; if that was lost on the way, this ends the waiting.
+        // What resets a trip is told by a change of state. If that was lost on the way, this ends the waiting.
         private const int ResetMilliseconds = 300;
 
         private readonly Publishers _publishers;
@@ -50,7 +50,7 @@ namespace Ros2Gateway
         }
 
         /// <summary>
-        /// Messages were dropped: gets <see cref="Dropped"/>; called by <see cref="GatewayClient.Pump"/>.
+        /// Messages were dropped: gets <see cref="Dropped"/>. Called by <see cref="GatewayClient.Pump"/>.
         /// </summary>
         public event Action<long> DroppedChanged
         {
@@ -60,7 +60,7 @@ namespace Ros2Gateway
 
         /// <summary>
         /// Why the gateway takes nothing, or no command to move, now, in words, or null. Then <see cref="Publish"/>
-        /// is false; on a command topic that is advertised for all but zeros, which reset a robot that was stopped.
+        /// is false. On a command topic that is advertised for all but zeros, which reset a robot that was stopped.
         /// </summary>
         public string Refusal
         {
@@ -83,7 +83,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>What is known of the robot that this may move; null for messages that move none.</summary>
+        /// <summary>What is known of the robot that this may move. Null for messages that move none.</summary>
         internal ControlTopic Control { get; set; }
 
         internal string Id { get; private set; }
@@ -99,7 +99,7 @@ namespace Ros2Gateway
         internal bool IsDisposed { get; private set; }
 
         /// <summary>
-        /// Sends a message; false, and an event says why, if there is no connection, if the gateway has left a
+        /// Sends a message. False, and an event says why, if there is no connection, if the gateway has left a
         /// ping unanswered for <see cref="GatewayOptions.FreshMilliseconds"/>, if it cannot be written, or if the
         /// gateway has refused the topic, or what moves a robot, see <see cref="Refusal"/>. True does not promise
         /// that it leaves: while the network takes less than is published, the oldest that waits is dropped, see
@@ -136,7 +136,7 @@ namespace Ros2Gateway
             return refusal == null;
         }
 
-        /// <summary>Publishes no longer on this topic; what was taken over still goes.</summary>
+        /// <summary>Publishes no longer on this topic. What was taken over still goes.</summary>
         public void Dispose()
         {
             if (!IsDisposed)
@@ -146,7 +146,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>Counts a message that was taken over, and then could not be made; any thread.</summary>
+        /// <summary>Counts a message that was taken over, and then could not be made. Any thread.</summary>
         internal void Drop()
         {
             _drops.Add();

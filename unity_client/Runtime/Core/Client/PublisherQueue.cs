@@ -21,7 +21,7 @@ namespace Ros2Gateway
             _drops = drops;
         }
 
-        /// <summary>Whether it stands in the outbox's queue; the outbox's own mark, under its lock.</summary>
+        /// <summary>Whether it stands in the outbox's queue. The outbox's own mark, under its lock.</summary>
         internal bool IsReady { get; set; }
 
         /// <summary>An empty frame to write into, to be handed back by one of the methods below.</summary>
@@ -58,7 +58,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>The oldest frame that waits; null if none does.</summary>
+        /// <summary>The oldest frame that waits. Null if none does.</summary>
         internal JsonWriter Take()
         {
             lock (_waiting)

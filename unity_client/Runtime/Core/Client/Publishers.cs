@@ -75,7 +75,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>The topic of a publisher; null if there is none with that id.</summary>
+        /// <summary>The topic of a publisher. Null if there is none with that id.</summary>
         internal string TopicOf(string id)
         {
             Publisher found = Find(id);
@@ -83,7 +83,7 @@ namespace Ros2Gateway
         }
 
         /// <summary>
-        /// The gateway has refused something of a publisher, if there is one with that id; returns whether that is
+        /// The gateway has refused something of a publisher, if there is one with that id. Returns whether that is
         /// known already.
         /// </summary>
         /// <param name="request">The operation that was refused.</param>
@@ -141,7 +141,7 @@ namespace Ros2Gateway
             return new Drops(_mailbox, _reports, "publish", topic, reason);
         }
 
-        /// <summary>Hands a frame over; returns why it does not go, or null.</summary>
+        /// <summary>Hands a frame over. Returns why it does not go, or null.</summary>
         internal string Send(PublisherQueue queue, JsonWriter frame, bool evenLate)
         {
             return _outbox.Post(queue, frame, evenLate);

@@ -9,10 +9,10 @@ namespace Ros2Gateway
         /// <summary>Whether there is a value.</summary>
         public readonly bool Ok;
 
-        /// <summary>The value; default where there is none.</summary>
+        /// <summary>The value. Default where there is none.</summary>
         public readonly T Value;
 
-        /// <summary>Why there is no value; null where there is one.</summary>
+        /// <summary>Why there is no value. Null where there is one.</summary>
         public readonly string Error;
 
         private Reply(bool ok, T value, string error)
@@ -46,7 +46,7 @@ namespace Ros2Gateway
         }
     }
 
-    /// <summary>A request failed; the text is the gateway's, or the client's own.</summary>
+    /// <summary>A request failed. The text is the gateway's, or the client's own.</summary>
     public sealed class GatewayException : Exception
     {
         /// <param name="errorText">What was wrong, where, and what to do.</param>

@@ -9,7 +9,7 @@ namespace Ros2Gateway
         // The same words at most once in this time: a handler that fails at 60 Hz is one piece of news.
         private const long RepeatMilliseconds = 5000;
 
-        // More different words than this are forgotten together; they differ by more than their numbers then.
+        // More different words than this are forgotten together. They differ by more than their numbers then.
         private const int MaxRemembered = 256;
 
         private readonly Mailbox _mailbox;
@@ -33,7 +33,7 @@ namespace Ros2Gateway
             Tell(EventLevel.Error, text, "client", request);
         }
 
-        /// <summary>Tells why a request failed; if it is awaited, an exception is its error.</summary>
+        /// <summary>Tells why a request failed. If it is awaited, an exception is its error.</summary>
         internal void Failure(string request, string text, bool isAwaited)
         {
             Tell(isAwaited ? EventLevel.Info : EventLevel.Error, text, "client", request);

@@ -11,7 +11,7 @@ namespace Ros2Gateway
         // As many calls as the gateway keeps for one client, those under way and those that wait.
         private const int MaxPending = 272;
 
-        // The gateway answers in time by itself; this is for one that does not.
+        // The gateway answers in time by itself. This is for one that does not.
         private const long GraceMilliseconds = 5000;
 
         private readonly object _gate = new object();
@@ -41,7 +41,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>Sends a request; *done* is called while the client is pumped. Returns its id.</summary>
+        /// <summary>Sends a request. *Done* is called while the client is pumped. Returns its id.</summary>
         /// <param name="what">What it is, for people: "call_service /reset".</param>
         /// <param name="write">Writes the members after op and id.</param>
         /// <param name="read">Reads the answer: its values, or the whole frame where it has none.</param>

@@ -6,14 +6,14 @@ namespace Ros2Gateway
     /// </summary>
     internal sealed class RetryPause
     {
-        // A node that is asked for a type's definition answers within this; it doubles with each refusal.
+        // A node that is asked for a type's definition answers within this. It doubles with each refusal.
         private const long FirstMilliseconds = 1000;
         private const long LongestMilliseconds = 30000; // a conflict that lasts is for people to solve
 
         private long _pause = FirstMilliseconds;
         private long _until;
 
-        /// <summary>It was refused; the next pause begins.</summary>
+        /// <summary>It was refused. The next pause begins.</summary>
         internal void Begin(long now)
         {
             _until = now + _pause;

@@ -33,7 +33,7 @@ namespace Ros2Gateway
         }
 
         /// <summary>
-        /// The state has changed, or is known for the first time; called by <see cref="GatewayClient.Pump"/>, with
+        /// The state has changed, or is known for the first time. Called by <see cref="GatewayClient.Pump"/>, with
         /// the newest.
         /// </summary>
         public event Action<ControlState> Changed
@@ -48,7 +48,7 @@ namespace Ros2Gateway
             get { return _topic.Name; }
         }
 
-        /// <summary>The newest state; never null, but <see cref="ControlState.IsKnown"/> may be false.</summary>
+        /// <summary>The newest state. Never null, but <see cref="ControlState.IsKnown"/> may be false.</summary>
         public ControlState State
         {
             get { return _topic.State; }
@@ -65,14 +65,14 @@ namespace Ros2Gateway
 
         /// <summary>
         /// Takes control, also from another client: what that one moves is stopped first. Commands keep it, zeros,
-        /// too; after two seconds without any it is free.
+        /// too. After two seconds without any it is free.
         /// </summary>
         public void Acquire(Action<Reply<ControlState>> done = null)
         {
             Send("acquire_control", done);
         }
 
-        /// <summary>Gives control back; what moves is stopped.</summary>
+        /// <summary>Gives control back. What moves is stopped.</summary>
         public void Release(Action<Reply<ControlState>> done = null)
         {
             _controls.GiveBack(_topic);

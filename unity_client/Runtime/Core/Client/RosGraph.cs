@@ -54,13 +54,13 @@ namespace Ros2Gateway
             get { return _nodes.Keys; }
         }
 
-        /// <summary>The type of a topic; empty if there is no such topic, or if it has several types.</summary>
+        /// <summary>The type of a topic. Empty if there is no such topic, or if it has several types.</summary>
         public string TopicType(string topic)
         {
             return Only(_topics, topic);
         }
 
-        /// <summary>The types of a topic, in order; none if there is no such topic, mostly one.</summary>
+        /// <summary>The types of a topic, in order. None if there is no such topic, mostly one.</summary>
         public string[] TopicTypes(string topic)
         {
             return All(_topics, topic);
@@ -72,13 +72,13 @@ namespace Ros2Gateway
             return All(_subscribers, topic);
         }
 
-        /// <summary>The type of a service; empty if there is no such service.</summary>
+        /// <summary>The type of a service. Empty if there is no such service.</summary>
         public string ServiceType(string service)
         {
             return Only(_services, service);
         }
 
-        /// <summary>The type of an action; empty if there is no such action.</summary>
+        /// <summary>The type of an action. Empty if there is no such action.</summary>
         public string ActionType(string action)
         {
             return Only(_actions, action);

@@ -28,7 +28,7 @@ namespace Ros2Gateway
             _providers.Remove(this);
         }
 
-        /// <summary>Reads a request; returns how to answer it, which is for the application's thread.</summary>
+        /// <summary>Reads a request. Returns how to answer it, which is for the application's thread.</summary>
         internal abstract Action<string> Read(JsonReader reader);
 
         internal void Answer(string id, IMessage response)

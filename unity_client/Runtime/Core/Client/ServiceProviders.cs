@@ -8,7 +8,7 @@ namespace Ros2Gateway
     /// <summary>All services that a client provides.</summary>
     internal sealed class ServiceProviders
     {
-        // An application that is pumped at 60 Hz answers these within a frame; a ROS caller that finds
+        // An application that is pumped at 60 Hz answers these within a frame. A ROS caller that finds
         // more of them waiting is better told so at once.
         private const int MaxWaiting = 64;
 
@@ -68,7 +68,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>A call has come from ROS; *reader* stands before its arguments.</summary>
+        /// <summary>A call has come from ROS. *Reader* stands before its arguments.</summary>
         internal void OnCall(string service, string id, JsonReader reader)
         {
             ServiceProvider provider;
@@ -135,7 +135,7 @@ namespace Ros2Gateway
             }
             catch (Exception error)
             {
-                // The caller gets an answer whatever the application's handler does; the pump tells the rest.
+                // The caller gets an answer whatever the application's handler does. The pump tells the rest.
                 Refuse(provider.Service, id, error.Message);
                 throw;
             }

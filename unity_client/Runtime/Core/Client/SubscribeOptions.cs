@@ -10,56 +10,56 @@ namespace Ros2Gateway
         public const int DefaultQueue = 10;
 
         /// <summary>
-        /// How many messages may wait for the application from frame to frame, the oldest being dropped; what came
+        /// How many messages may wait for the application from frame to frame, the oldest being dropped. What came
         /// within the last two frames waits beside them, up to 1024 messages and 1 MiB. 1 is always the newest alone:
         /// for pictures, scans, and poses that only place something.
         /// </summary>
         public int Queue = DefaultQueue;
 
-        /// <summary>Whether bursts wait beside the queue; false where a library of old is taken at its word.</summary>
+        /// <summary>Whether bursts wait beside the queue. False where a library of old is taken at its word.</summary>
         internal bool KeepsBursts = true;
 
-        /// <summary>At most one message in so many milliseconds, the newest; 0 for all.</summary>
+        /// <summary>At most one message in so many milliseconds, the newest. 0 for all.</summary>
         public double ThrottleMilliseconds;
 
-        /// <summary>Only these fields, as dotted paths ("pose.pose.position"); null for all.</summary>
+        /// <summary>Only these fields, as dotted paths ("pose.pose.position"). Null for all.</summary>
         public string[] Fields;
 
         /// <summary>
-        /// Whether messages come in binary frames (CBOR), without base64 and text; null: those of types whose
+        /// Whether messages come in binary frames (CBOR), without base64 and text. Null: those of types whose
         /// bulk is an array, pictures, scans, clouds and maps.
         /// </summary>
         public bool? Binary;
 
         /// <summary>
-        /// What pictures of sensor_msgs/msg/Image should be like; null for the gateway's defaults. The format png makes
+        /// What pictures of sensor_msgs/msg/Image should be like. Null for the gateway's defaults. The format png makes
         /// nav_msgs/msg/OccupancyGrid smaller on its way, too.
         /// </summary>
         public ImageOptions Image;
 
-        /// <summary>Quality of service; null to take what the publishers offer, which is nearly always right.</summary>
+        /// <summary>Quality of service. Null to take what the publishers offer, which is nearly always right.</summary>
         public QosOptions Qos;
     }
 
     /// <summary>How the gateway should send sensor_msgs/msg/Image: as JPEG, of this size and rate.</summary>
     public sealed class ImageOptions
     {
-        /// <summary>"jpeg", "png" or "raw"; null for the gateway's default, mostly JPEG.</summary>
+        /// <summary>"jpeg", "png" or "raw". Null for the gateway's default, mostly JPEG.</summary>
         public string Format;
 
-        /// <summary>1 to 100, of JPEG; 0 for the gateway's default.</summary>
+        /// <summary>1 to 100, of JPEG. 0 for the gateway's default.</summary>
         public int Quality;
 
-        /// <summary>Whether pictures may be smaller than asked for on a slow link; null: unless a quality is set.</summary>
+        /// <summary>Whether pictures may be smaller than asked for on a slow link. Null: unless a quality is set.</summary>
         public bool? Adapt;
 
-        /// <summary>Scaled down to fit, in pixels; 0 for no bound.</summary>
+        /// <summary>Scaled down to fit, in pixels. 0 for no bound.</summary>
         public int MaxWidth;
 
-        /// <summary>Scaled down to fit, in pixels; 0 for no bound.</summary>
+        /// <summary>Scaled down to fit, in pixels. 0 for no bound.</summary>
         public int MaxHeight;
 
-        /// <summary>At most so many pictures a second; 0 for all.</summary>
+        /// <summary>At most so many pictures a second. 0 for all.</summary>
         public double MaxFps;
 
         internal void Write(JsonWriter writer, int maxWidth, int maxHeight)
@@ -93,7 +93,7 @@ namespace Ros2Gateway
         }
     }
 
-    /// <summary>Quality of service in ROS' words; what is null or 0 is left to the gateway.</summary>
+    /// <summary>Quality of service in ROS' words. What is null or 0 is left to the gateway.</summary>
     public sealed class QosOptions
     {
         /// <summary>"reliable", "best_effort" or "best_available".</summary>

@@ -8,7 +8,7 @@ namespace Ros2Gateway
     /// <summary>A subscription to a topic. It survives reconnections and ends with <see cref="Dispose"/>.</summary>
     public abstract class Subscription : IDisposable
     {
-        /// <summary>How often its handler has thrown; for <see cref="Mailbox.ReportFault"/>.</summary>
+        /// <summary>How often its handler has thrown. For <see cref="Mailbox.ReportFault"/>.</summary>
         internal long HandlerFaults;
 
         private readonly Subscriptions _subscriptions;
@@ -29,7 +29,7 @@ namespace Ros2Gateway
         /// <summary>The topic, with its leading slash.</summary>
         public string Topic { get; private set; }
 
-        /// <summary>pkg/msg/Name; empty where it is left to the gateway to find out.</summary>
+        /// <summary>pkg/msg/Name. Empty where it is left to the gateway to find out.</summary>
         public string Type { get; private set; }
 
         /// <summary>How many messages have come from the gateway.</summary>
@@ -42,7 +42,7 @@ namespace Ros2Gateway
         }
 
         /// <summary>
-        /// Messages were dropped: gets <see cref="Dropped"/>; called by <see cref="GatewayClient.Pump"/>.
+        /// Messages were dropped: gets <see cref="Dropped"/>. Called by <see cref="GatewayClient.Pump"/>.
         /// </summary>
         public event Action<long> DroppedChanged
         {
@@ -50,7 +50,7 @@ namespace Ros2Gateway
             remove { _drops.Listeners.Remove(value); }
         }
 
-        /// <summary>How many messages could not be read as <see cref="Type"/>; events say why.</summary>
+        /// <summary>How many messages could not be read as <see cref="Type"/>. Events say why.</summary>
         public long Unreadable { get; internal set; }
 
         internal string Id { get; private set; }
@@ -60,7 +60,7 @@ namespace Ros2Gateway
         internal ImageOptions Image { get; private set; }
 
         /// <summary>
-        /// Asks for pictures of another size, quality or rate from now on; null for the gateway's defaults. Of several
+        /// Asks for pictures of another size, quality or rate from now on. Null for the gateway's defaults. Of several
         /// subscriptions to a topic the largest size counts, and else what the newest asks for.
         /// </summary>
         public void ChangeImage(ImageOptions image)
@@ -69,7 +69,7 @@ namespace Ros2Gateway
             _subscriptions.SendAgain(this);
         }
 
-        /// <summary>Ends the subscription; its handler is not called again.</summary>
+        /// <summary>Ends the subscription. Its handler is not called again.</summary>
         public void Dispose()
         {
             IsDisposed = true;
@@ -78,22 +78,22 @@ namespace Ros2Gateway
 
         internal bool IsDisposed { get; private set; }
 
-        /// <summary>Notes that a message made room for a newer one; on the thread that reads frames.</summary>
+        /// <summary>Notes that a message made room for a newer one. On the thread that reads frames.</summary>
         protected void CountDrop()
         {
             _drops.Add();
             _subscriptions.Dropped++;
         }
 
-        /// <summary>Reads one message and keeps it for the application; on the thread that reads frames.</summary>
+        /// <summary>Reads one message and keeps it for the application. On the thread that reads frames.</summary>
         internal abstract void Deliver(JsonReader reader);
 
-        /// <summary>Gives one message to the handler, if one waits; on the application's thread.</summary>
+        /// <summary>Gives one message to the handler, if one waits. On the application's thread.</summary>
         internal abstract bool HandOut();
     }
 
     /// <summary>A subscription whose messages are of type T.</summary>
-    /// <remarks>Messages go to the handler while the client is pumped; without a handler take them yourself.</remarks>
+    /// <remarks>Messages go to the handler while the client is pumped. Without a handler take them yourself.</remarks>
     public sealed class Subscription<T> : Subscription
         where T : IMessage
     {
@@ -136,7 +136,7 @@ namespace Ros2Gateway
         }
 
         /// <summary>
-        /// Takes the oldest message that waits; false if none does. Any thread. Where messages are used again it is
+        /// Takes the oldest message that waits. False if none does. Any thread. Where messages are used again it is
         /// the caller's until the next one is taken.
         /// </summary>
         public bool TryTake(out T message)
@@ -163,7 +163,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>Takes the oldest message if it is still this one; else it has made room for newer ones.</summary>
+        /// <summary>Takes the oldest message if it is still this one. Else it has made room for newer ones.</summary>
         internal void Remove(T message)
         {
             lock (_waiting)

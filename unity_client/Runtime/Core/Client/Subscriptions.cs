@@ -8,7 +8,7 @@ namespace Ros2Gateway
     /// <summary>All subscriptions of a client, by topic.</summary>
     internal sealed class Subscriptions
     {
-        // What the gateway lets wait for a client on a topic; more may wait here.
+        // What the gateway lets wait for a client on a topic. More may wait here.
         private const int MaxGatewayQueue = 1024;
 
         // Where binary frames save most: base64 is a third longer than its octets, and a float as text takes 35
@@ -89,7 +89,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>The topic of a subscription; null if there is none with that id.</summary>
+        /// <summary>The topic of a subscription. Null if there is none with that id.</summary>
         internal string TopicOf(string id)
         {
             lock (_gate)
@@ -105,7 +105,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>Those to a topic; the array never changes.</summary>
+        /// <summary>Those to a topic. The array never changes.</summary>
         internal Subscription[] Of(string topic)
         {
             lock (_gate)
@@ -138,7 +138,7 @@ namespace Ros2Gateway
                 queue = Math.Max(queue, subscription.Options.Queue);
             }
             queue = Math.Min(queue, MaxGatewayQueue);
-            // Whoever asks for a number gets that many, however old; left to itself the gateway keeps a burst
+            // Whoever asks for a number gets that many, however old. Left to itself the gateway keeps a burst
             // whole, and of what a slow link cannot take the newest.
             queue = queue > 1 && queue <= SubscribeOptions.DefaultQueue ? 0 : queue;
             int width = Largest(subscriptions, image => image.MaxWidth);
@@ -149,7 +149,7 @@ namespace Ros2Gateway
             }
         }
 
-        // Of bounds in pixels; 0, that there is none, is the largest.
+        // Of bounds in pixels. 0, that there is none, is the largest.
         private static int Largest(Subscription[] subscriptions, Func<ImageOptions, int> bound)
         {
             int largest = 1;

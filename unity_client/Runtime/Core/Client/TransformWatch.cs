@@ -52,7 +52,7 @@ namespace Ros2Gateway
         /// <summary>How often it comes at most.</summary>
         public double RateHz { get; private set; }
 
-        /// <summary>Why nothing, or nothing new, is known, in the gateway's words; null while all is well.</summary>
+        /// <summary>Why nothing, or nothing new, is known, in the gateway's words. Null while all is well.</summary>
         public string Problem
         {
             get
@@ -66,9 +66,9 @@ namespace Ros2Gateway
 
         internal string Id { get; private set; }
 
-        /// <summary>The newest pose; false if none has ever come.</summary>
+        /// <summary>The newest pose. False if none has ever come.</summary>
         /// <param name="pose">Finite, its orientation of length 1.</param>
-        /// <param name="ageSeconds">How long ago it came; 0 for a static one while there is a connection.</param>
+        /// <param name="ageSeconds">How long ago it came. 0 for a static one while there is a connection.</param>
         public bool TryGet(out Pose<Flu> pose, out double ageSeconds)
         {
             lock (_gate)
@@ -86,7 +86,7 @@ namespace Ros2Gateway
             _owner.Remove(this);
         }
 
-        /// <summary>A frame with the transform has come; on the thread that reads frames.</summary>
+        /// <summary>A frame with the transform has come. On the thread that reads frames.</summary>
         internal void OnFrame(JsonReader reader)
         {
             ReadFrame(reader);
@@ -109,7 +109,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>It is looked up, but not known; or the connection is lost, and nothing is refused any more.</summary>
+        /// <summary>It is looked up, but not known. Or the connection is lost, and nothing is refused any more.</summary>
         internal void OnProblem(string errorText)
         {
             lock (_gate)
@@ -119,7 +119,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>It is not looked up; returns whether that is news.</summary>
+        /// <summary>It is not looked up. Returns whether that is news.</summary>
         internal bool Refuse(string errorText, long now)
         {
             lock (_gate)
@@ -133,7 +133,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>Whether to ask for it again now; the caller does.</summary>
+        /// <summary>Whether to ask for it again now. The caller does.</summary>
         internal bool AsksAgain(long now)
         {
             lock (_gate)

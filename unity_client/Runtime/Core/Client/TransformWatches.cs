@@ -79,7 +79,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>The gateway refuses a lookup; returns whether that is known already.</summary>
+        /// <summary>The gateway refuses a lookup. Returns whether that is known already.</summary>
         internal bool OnRefused(string id, string errorText)
         {
             TransformWatch watch = Find(id);

@@ -28,7 +28,7 @@ namespace Ros2Gateway
             this.z = z;
         }
 
-        /// <summary>The same rotation as the other frame names it; exact.</summary>
+        /// <summary>The same rotation as the other frame names it. Exact.</summary>
         public AxialVector3<TOther> To<TOther>()
             where TOther : struct, IFrame
         {

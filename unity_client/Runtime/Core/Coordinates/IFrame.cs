@@ -3,7 +3,7 @@ namespace Ros2Gateway
 {
     /// <summary>
     /// Which way the axes point, as a type: what is in one frame cannot be taken for another. A frame
-    /// relabels axes; it neither scales nor moves the origin. Implemented by empty structs, yours as well: an
+    /// relabels axes. It neither scales nor moves the origin. Implemented by empty structs, yours as well: an
     /// axis of a frame is an axis of <see cref="Flu"/>, or its opposite.
     /// </summary>
     public interface IFrame
@@ -44,7 +44,7 @@ namespace Ros2Gateway
     }
 
     /// <summary>
-    /// Aircraft: the world's x north, y east, z down, right-handed, and on the body x forward, y right, z down;
+    /// Aircraft: the world's x north, y east, z down, right-handed, and on the body x forward, y right, z down.
     /// Unity's z is north. An attitude is that of the body's three in the world's three, as PX4 tells it.
     /// </summary>
     public struct Ned : IFrame

@@ -8,7 +8,7 @@ namespace Ros2Gateway
     {
         /// <summary>
         /// Radians, counter-clockwise from above, from -pi to pi: where the forward axis points on the floor.
-        /// Right for quaternions of any length but 0 (then 0), and for a robot on a slope; of one that looks
+        /// Right for quaternions of any length but 0 (then 0), and for a robot on a slope. Of one that looks
         /// straight up or down nobody knows it.
         /// </summary>
         public static double Yaw(this Quaternion<Flu> orientation)
@@ -20,7 +20,7 @@ namespace Ros2Gateway
 
         /// <summary>
         /// Degrees, clockwise from above, from -180 to 180: what <c>eulerAngles.y</c> is in Unity, up to
-        /// whole turns; minus the <see cref="Yaw"/>.
+        /// whole turns. Minus the <see cref="Yaw"/>.
         /// </summary>
         public static double HeadingDegrees(this Quaternion<Ruf> orientation)
         {
@@ -43,7 +43,7 @@ namespace Ros2Gateway
         }
 
         /// <summary>
-        /// The same direction within -pi to pi, both in radians; NaN for what is not finite.
+        /// The same direction within -pi to pi, both in radians. NaN for what is not finite.
         /// </summary>
         public static double Wrap(double angle)
         {

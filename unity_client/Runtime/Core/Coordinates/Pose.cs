@@ -30,7 +30,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>The same pose as the other frame names it; exact.</summary>
+        /// <summary>The same pose as the other frame names it. Exact.</summary>
         public Pose<TOther> To<TOther>()
             where TOther : struct, IFrame
         {

@@ -5,7 +5,7 @@ using System.Globalization;
 namespace Ros2Gateway
 {
     /// <summary>
-    /// A rotation or an orientation in a frame, of length 1 unless it came otherwise; Hamilton's product, as
+    /// A rotation or an orientation in a frame, of length 1 unless it came otherwise. Hamilton's product, as
     /// in ROS and in Unity. <c>default</c> is no rotation at all but four zeros, see <see
     /// cref="Normalized"/>.
     /// </summary>
@@ -46,7 +46,7 @@ namespace Ros2Gateway
         }
 
         /// <summary>
-        /// The same rotation at length 1; <see cref="Identity"/> for one of length 0, as careless publishers
+        /// The same rotation at length 1. <see cref="Identity"/> for one of length 0, as careless publishers
         /// send it, and for what is not finite.
         /// </summary>
         public Quaternion<TFrame> Normalized
@@ -63,7 +63,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>The same orientation as the other frame names it; exact.</summary>
+        /// <summary>The same orientation as the other frame names it. Exact.</summary>
         public Quaternion<TOther> To<TOther>()
             where TOther : struct, IFrame
         {
@@ -90,7 +90,7 @@ namespace Ros2Gateway
             return vector + rotation.w * once + axis.Cross(once);
         }
 
-        /// <summary>Equal to the last bit, except that NaN equals NaN; q and -q differ.</summary>
+        /// <summary>Equal to the last bit, except that NaN equals NaN. Q and -q differ.</summary>
         public bool Equals(Quaternion<TFrame> other)
         {
             return x.Equals(other.x) && y.Equals(other.y) && z.Equals(other.z) && w.Equals(other.w);

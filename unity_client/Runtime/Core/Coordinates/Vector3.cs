@@ -34,7 +34,7 @@ namespace Ros2Gateway
             get { return Math.Sqrt(x * x + y * y + z * z); }
         }
 
-        /// <summary>The same vector as the other frame names it; exact.</summary>
+        /// <summary>The same vector as the other frame names it. Exact.</summary>
         public Vector3<TOther> To<TOther>()
             where TOther : struct, IFrame
         {

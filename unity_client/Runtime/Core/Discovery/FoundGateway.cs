@@ -27,7 +27,7 @@ namespace Ros2Gateway
         /// <summary>For <see cref="GatewayOptions.Address"/>.</summary>
         public string Address { get; private set; }
 
-        /// <summary>With TLS, if that has a port of its own; else null.</summary>
+        /// <summary>With TLS, if that has a port of its own. Else null.</summary>
         public string SecureAddress { get; private set; }
 
         /// <summary>Whether clients without a token are refused.</summary>
@@ -36,7 +36,7 @@ namespace Ros2Gateway
         /// <summary>Of one run of one gateway, which may be heard in several ways.</summary>
         internal string Id { get; private set; }
 
-        /// <summary>The gateway that a datagram describes; null if it is no gateway's answer.</summary>
+        /// <summary>The gateway that a datagram describes. Null if it is no gateway's answer.</summary>
         internal static FoundGateway Read(byte[] datagram, int count, IPAddress sender)
         {
             JsonValue answer;

@@ -10,7 +10,7 @@ namespace Ros2Gateway
 {
     /// <summary>
     /// Looks for gateways on this network, from its creation until it is disposed of. Call <see cref="Pump"/> in
-    /// every frame; it uses no thread. Browsers cannot do this, see <see cref="Problem"/>.
+    /// every frame. It uses no thread. Browsers cannot do this, see <see cref="Problem"/>.
     /// </summary>
     public sealed class GatewayFinder : IDisposable
     {
@@ -33,7 +33,7 @@ namespace Ros2Gateway
         private bool _isClosed;
 
         /// <summary>Begins.</summary>
-        /// <param name="targets">Broadcast addresses; by default that of the network which the system prefers,
+        /// <param name="targets">Broadcast addresses. By default that of the network which the system prefers,
         /// and this machine's own. A machine in several networks names each, such as 192.168.1.255.</param>
         public GatewayFinder(params IPAddress[] targets)
         {
@@ -91,7 +91,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>Looks no longer; what was found stays.</summary>
+        /// <summary>Looks no longer. What was found stays.</summary>
         public void Dispose()
         {
             _isClosed = true;
@@ -159,7 +159,7 @@ namespace Ros2Gateway
             }
             catch (SocketException)
             {
-                return true; // too long for an answer; or Windows reports one that was not delivered
+                return true; // too long for an answer. Or Windows reports one that was not delivered
             }
             Add(FoundGateway.Read(_datagram, count, ((IPEndPoint)sender).Address));
             return true;

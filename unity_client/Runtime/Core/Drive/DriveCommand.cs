@@ -20,7 +20,7 @@ namespace Ros2Gateway.Drive
             this.angular = angular;
         }
 
-        /// <summary>Stand still; the same as <c>default</c>.</summary>
+        /// <summary>Stand still. The same as <c>default</c>.</summary>
         public static DriveCommand Zero
         {
             get { return default(DriveCommand); }

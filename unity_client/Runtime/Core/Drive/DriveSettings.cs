@@ -4,16 +4,16 @@ using System;
 namespace Ros2Gateway.Drive
 {
     /// <summary>
-    /// What a <see cref="DriveToTarget"/> may do and when it gives up; shows in Unity's Inspector. The
+    /// What a <see cref="DriveToTarget"/> may do and when it gives up. Shows in Unity's Inspector. The
     /// defaults suit a TurtleBot3.
     /// </summary>
     [Serializable]
     public sealed class DriveSettings
     {
-        /// <summary>m/s at most; the default is a TurtleBot3 Waffle Pi's.</summary>
+        /// <summary>m/s at most. The default is a TurtleBot3 Waffle Pi's.</summary>
         public double maxLinear = 0.26;
 
-        /// <summary>rad/s at most; the default is a TurtleBot3 Waffle Pi's.</summary>
+        /// <summary>rad/s at most. The default is a TurtleBot3 Waffle Pi's.</summary>
         public double maxAngular = 1.82;
 
         /// <summary>
@@ -49,7 +49,7 @@ namespace Ros2Gateway.Drive
         public PidGains turning = new PidGains(2.0, 0.1, 0.1);
 
         /// <summary>
-        /// Of the distance, metres to m/s; the integral overcomes motors that do not start below some speed.
+        /// Of the distance, metres to m/s. The integral overcomes motors that do not start below some speed.
         /// </summary>
         public PidGains driving = new PidGains(1.2, 0.1, 0.05);
 

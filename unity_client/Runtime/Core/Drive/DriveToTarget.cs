@@ -11,7 +11,7 @@ namespace Ros2Gateway.Drive
     /// </summary>
     /// <remarks>
     /// Step it at 10 to 50 Hz and send every command, the zeros too: a robot that hears nothing may drive on
-    /// for half a second. It sees no obstacle; one that stops the robot ends in <see
+    /// for half a second. It sees no obstacle. One that stops the robot ends in <see
     /// cref="DriveState.Failed"/>.
     /// </remarks>
     public sealed class DriveToTarget
@@ -37,7 +37,7 @@ namespace Ros2Gateway.Drive
         private double _turn;
 
         /// <summary>Copies the settings: later changes to them change nothing here.</summary>
-        /// <exception cref="ArgumentException">A setting makes no sense; the text names it.</exception>
+        /// <exception cref="ArgumentException">A setting makes no sense. The text names it.</exception>
         public DriveToTarget(DriveSettings settings)
         {
             _settings = settings.Checked();
@@ -49,10 +49,10 @@ namespace Ros2Gateway.Drive
         /// <summary>What it is doing since the last step, target or stop.</summary>
         public DriveState State { get; private set; }
 
-        /// <summary>Why it failed, waits or was stopped, in words; empty otherwise.</summary>
+        /// <summary>Why it failed, waits or was stopped, in words. Empty otherwise.</summary>
         public string Reason { get; private set; }
 
-        /// <summary>Metres from the target at the last usable pose; NaN before there was one.</summary>
+        /// <summary>Metres from the target at the last usable pose. NaN before there was one.</summary>
         public double Distance { get; private set; }
 
         /// <summary>Whether there is a target that is neither reached nor given up.</summary>
@@ -66,7 +66,7 @@ namespace Ros2Gateway.Drive
         }
 
         /// <summary>
-        /// Drives to a point from the next step on, in the odometry's frame, in metres; whatever was before
+        /// Drives to a point from the next step on, in the odometry's frame, in metres. Whatever was before
         /// is dropped. A point that is not finite is a failure at once.
         /// </summary>
         public void SetTarget(double x, double y, double nowSeconds)
@@ -91,7 +91,7 @@ namespace Ros2Gateway.Drive
         }
 
         /// <summary>
-        /// Takes the target away; the reason is for people. Without a target nothing happens.
+        /// Takes the target away. The reason is for people. Without a target nothing happens.
         /// </summary>
         public void Stop(string reason)
         {
@@ -103,7 +103,7 @@ namespace Ros2Gateway.Drive
 
         /// <summary>
         /// The command for now, given the newest pose and when it came, both times in seconds of one clock. A
-        /// clock that goes back stands still for that step; a pose that is not finite is none.
+        /// clock that goes back stands still for that step. A pose that is not finite is none.
         /// </summary>
         public DriveCommand Step(PlanarPose pose, double poseTime, double now)
         {

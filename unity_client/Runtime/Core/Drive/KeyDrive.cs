@@ -55,7 +55,7 @@ namespace Ros2Gateway.Drive
         }
 
         /// <summary>
-        /// Whether there is something to send now, and what; call it every frame with the keys that are held.
+        /// Whether there is something to send now, and what. Call it every frame with the keys that are held.
         /// Opposite keys cancel each other.
         /// </summary>
         public bool Step(DriveKeys keys, double now, out DriveCommand command)

@@ -3,7 +3,7 @@ using System;
 
 namespace Ros2Gateway.Drive
 {
-    /// <summary>The three gains of a <see cref="Pid"/>; shows in Unity's Inspector.</summary>
+    /// <summary>The three gains of a <see cref="Pid"/>. Shows in Unity's Inspector.</summary>
     [Serializable]
     public struct PidGains
     {

@@ -107,7 +107,7 @@ namespace Ros2Gateway.Json
             return magnitude;
         }
 
-        /// <summary>Reads an integer in a range; a float that is one counts, as 1.0 does in JSON.</summary>
+        /// <summary>Reads an integer in a range. A float that is one counts, as 1.0 does in JSON.</summary>
         private void Whole(int start, long least, ulong most, out bool isNegative, out ulong magnitude)
         {
             double value;
@@ -143,7 +143,7 @@ namespace Ros2Gateway.Json
             return -1; // another one is read number by number
         }
 
-        /// <summary>Goes to the bytes of a typed array; its tag, or 0 if none comes next.</summary>
+        /// <summary>Goes to the bytes of a typed array. Its tag, or 0 if none comes next.</summary>
         private int TakeTypedHead(out int bytes)
         {
             bytes = 0;
@@ -201,7 +201,7 @@ namespace Ros2Gateway.Json
             }
         }
 
-        /// <summary>A number of a typed array; true for an integer.</summary>
+        /// <summary>A number of a typed array. True for an integer.</summary>
         private bool Element(int tag, int at, out bool isNegative, out ulong magnitude, out double value)
         {
             isNegative = false;

@@ -166,7 +166,7 @@ namespace Ros2Gateway.Json
             return isNull;
         }
 
-        /// <summary>Reads a text; octets are the base64 that JSON has for them.</summary>
+        /// <summary>Reads a text. Octets are the base64 that JSON has for them.</summary>
         public override string ReadString()
         {
             Expect("a string");
@@ -241,7 +241,7 @@ namespace Ros2Gateway.Json
             }
         }
 
-        /// <summary>Passes over one value; its lengths are checked, not what is inside.</summary>
+        /// <summary>Passes over one value. Its lengths are checked, not what is inside.</summary>
         public override void Skip()
         {
             int tag = _levels[_depth].ElementTag;
@@ -335,7 +335,7 @@ namespace Ros2Gateway.Json
             return path.ToString();
         }
 
-        /// <summary>Goes behind the next key; its length in bytes, -1 when the object has ended.</summary>
+        /// <summary>Goes behind the next key. Its length in bytes, -1 when the object has ended.</summary>
         private int NextKey()
         {
             _levels[_depth].NameLength = 0;
@@ -383,7 +383,7 @@ namespace Ros2Gateway.Json
             }
         }
 
-        /// <summary>The number of items of what comes next; at least one byte is there for each.</summary>
+        /// <summary>The number of items of what comes next. At least one byte is there for each.</summary>
         private int Count(int expected, string words)
         {
             Expect(words);
@@ -483,7 +483,7 @@ namespace Ros2Gateway.Json
             public long Index; // of the element, -1 before the first
             public int NameStart;
             public int NameLength;
-            public int ElementTag; // of a typed array; else 0
+            public int ElementTag; // of a typed array. Else 0
         }
     }
 }

@@ -37,7 +37,7 @@ namespace Ros2Gateway.Json
             return WriteUInt64(buffer, at + 1, unchecked(0UL - (ulong)value));
         }
 
-        /// <summary>Writes a finite double; returns the position behind it.</summary>
+        /// <summary>Writes a finite double. Returns the position behind it.</summary>
         internal static int Write(byte[] buffer, int at, double value)
         {
             if (BitConverter.DoubleToInt64Bits(value) < 0)
@@ -49,7 +49,7 @@ namespace Ros2Gateway.Json
             return Write(buffer, at, value == 0 ? 0 : ShortestDecimal.Of(value, out exponent), exponent);
         }
 
-        /// <summary>Writes a finite float; returns the position behind it.</summary>
+        /// <summary>Writes a finite float. Returns the position behind it.</summary>
         internal static int Write(byte[] buffer, int at, float value)
         {
             if (BitConverter.DoubleToInt64Bits(value) < 0)

@@ -10,7 +10,7 @@ namespace Ros2Gateway.Json
     /// </summary>
     /// <remarks>
     /// .NET's own would be less code, and wrong. Of doubles outside their table, written shortest, Mono 6.8's
-    /// <c>double.Parse</c> misreads 0.9 % of the normal and 44 % of the subnormal ones; its <c>ToString("R")</c> writes
+    /// <c>double.Parse</c> misreads 0.9 % of the normal and 44 % of the subnormal ones. Its <c>ToString("R")</c> writes
     /// 0.1 % and 1.3 % of them as another number.
     /// </remarks>
     internal static class ExactDecimal
@@ -109,7 +109,7 @@ namespace Ros2Gateway.Json
             return format.Nearest(quotient, binary - 63, !numerator.IsZero);
         }
 
-        /// <summary>Reads digits and exponent; returns how many digits the value got.</summary>
+        /// <summary>Reads digits and exponent. Returns how many digits the value got.</summary>
         private static int Collect(byte[] text, int start, int end, Natural value, out long exponent)
         {
             int digits = 0;
@@ -179,7 +179,7 @@ namespace Ros2Gateway.Json
                 _most = most;
             }
 
-            /// <summary>Rounds bits * 2^exponent and a little more (if there is); the highest bit is set.
+            /// <summary>Rounds bits * 2^exponent and a little more (if there is). The highest bit is set.
             /// </summary>
             internal double Nearest(ulong bits, int exponent, bool hasMore)
             {

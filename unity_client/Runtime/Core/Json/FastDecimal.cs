@@ -21,7 +21,7 @@ namespace Ros2Gateway.Json
             1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
         };
 
-        /// <summary>Rounds mantissa * 10^exponent, ties to even; false without such a power.</summary>
+        /// <summary>Rounds mantissa * 10^exponent, ties to even. False without such a power.</summary>
         internal static bool TryRound(ulong mantissa, long exponent, out double value)
         {
             value = 0;

@@ -19,7 +19,7 @@ namespace Ros2Gateway.Json
         /// <summary>True or false.</summary>
         Boolean,
 
-        /// <summary>The literal null; in ROS messages the NaN of a float.</summary>
+        /// <summary>The literal null. In ROS messages the NaN of a float.</summary>
         Null,
 
         /// <summary>No value: the text has ended, or there is no such member.</summary>

@@ -15,7 +15,7 @@ namespace Ros2Gateway.Json
         private readonly string[] _names;
         private readonly byte[][] _encoded;
 
-        /// <summary>The names in the order in which they are expected; each is found at its index.</summary>
+        /// <summary>The names in the order in which they are expected. Each is found at its index.</summary>
         public JsonMembers(params string[] names)
         {
             _names = (string[])names.Clone();
@@ -66,7 +66,7 @@ namespace Ros2Gateway.Json
             return isNext ? name.Length : -1;
         }
 
-        /// <summary>Whether the name at an index is these bytes; false if there is no such index.</summary>
+        /// <summary>Whether the name at an index is these bytes. False if there is no such index.</summary>
         internal bool IsAt(int index, byte[] buffer, int start, int count)
         {
             return index < _encoded.Length && _encoded[index].Length == count

@@ -7,13 +7,13 @@ namespace Ros2Gateway.Json
     public partial class JsonReader
     {
         /// <summary>Reads an array of truth values.</summary>
-        /// <param name="length">How many there must be; -1 takes any number.</param>
+        /// <param name="length">How many there must be. -1 takes any number.</param>
         public bool[] ReadBools(int length = -1)
         {
             return ReadBools(null, length);
         }
 
-        /// <summary>Like the other; fills *previous* again if that has the right length.</summary>
+        /// <summary>Like the other. Fills *previous* again if that has the right length.</summary>
         public bool[] ReadBools(bool[] previous, int length = -1)
         {
             BeginArray();
@@ -34,13 +34,13 @@ namespace Ros2Gateway.Json
         /// Reads an array of integers, or the pixels of a PNG that comes in its place: so the cells of a map take a small
         /// part of the array's size, and a subscription that asks for it gets it for all of its client's to the topic.
         /// </summary>
-        /// <param name="length">How many there must be; -1 takes any number.</param>
+        /// <param name="length">How many there must be. -1 takes any number.</param>
         public sbyte[] ReadInt8s(int length = -1)
         {
             return ReadInt8s(null, length);
         }
 
-        /// <summary>Like the other; fills *previous* again if that has the right length.</summary>
+        /// <summary>Like the other. Fills *previous* again if that has the right length.</summary>
         public sbyte[] ReadInt8s(sbyte[] previous, int length = -1)
         {
             int typed = TypedArray(72, 1);
@@ -107,13 +107,13 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>Reads an array of integers.</summary>
-        /// <param name="length">How many there must be; -1 takes any number.</param>
+        /// <param name="length">How many there must be. -1 takes any number.</param>
         public short[] ReadInt16s(int length = -1)
         {
             return ReadInt16s(null, length);
         }
 
-        /// <summary>Like the other; fills *previous* again if that has the right length.</summary>
+        /// <summary>Like the other. Fills *previous* again if that has the right length.</summary>
         public short[] ReadInt16s(short[] previous, int length = -1)
         {
             int typed = TypedArray(77, 2);
@@ -136,13 +136,13 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>Reads an array of integers.</summary>
-        /// <param name="length">How many there must be; -1 takes any number.</param>
+        /// <param name="length">How many there must be. -1 takes any number.</param>
         public ushort[] ReadUInt16s(int length = -1)
         {
             return ReadUInt16s(null, length);
         }
 
-        /// <summary>Like the other; fills *previous* again if that has the right length.</summary>
+        /// <summary>Like the other. Fills *previous* again if that has the right length.</summary>
         public ushort[] ReadUInt16s(ushort[] previous, int length = -1)
         {
             int typed = TypedArray(69, 2);
@@ -165,13 +165,13 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>Reads an array of integers.</summary>
-        /// <param name="length">How many there must be; -1 takes any number.</param>
+        /// <param name="length">How many there must be. -1 takes any number.</param>
         public int[] ReadInt32s(int length = -1)
         {
             return ReadInt32s(null, length);
         }
 
-        /// <summary>Like the other; fills *previous* again if that has the right length.</summary>
+        /// <summary>Like the other. Fills *previous* again if that has the right length.</summary>
         public int[] ReadInt32s(int[] previous, int length = -1)
         {
             int typed = TypedArray(78, 4);
@@ -194,13 +194,13 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>Reads an array of integers.</summary>
-        /// <param name="length">How many there must be; -1 takes any number.</param>
+        /// <param name="length">How many there must be. -1 takes any number.</param>
         public uint[] ReadUInt32s(int length = -1)
         {
             return ReadUInt32s(null, length);
         }
 
-        /// <summary>Like the other; fills *previous* again if that has the right length.</summary>
+        /// <summary>Like the other. Fills *previous* again if that has the right length.</summary>
         public uint[] ReadUInt32s(uint[] previous, int length = -1)
         {
             int typed = TypedArray(70, 4);
@@ -223,13 +223,13 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>Reads an array of integers.</summary>
-        /// <param name="length">How many there must be; -1 takes any number.</param>
+        /// <param name="length">How many there must be. -1 takes any number.</param>
         public long[] ReadInt64s(int length = -1)
         {
             return ReadInt64s(null, length);
         }
 
-        /// <summary>Like the other; fills *previous* again if that has the right length.</summary>
+        /// <summary>Like the other. Fills *previous* again if that has the right length.</summary>
         public long[] ReadInt64s(long[] previous, int length = -1)
         {
             int typed = TypedArray(79, 8);
@@ -252,13 +252,13 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>Reads an array of integers.</summary>
-        /// <param name="length">How many there must be; -1 takes any number.</param>
+        /// <param name="length">How many there must be. -1 takes any number.</param>
         public ulong[] ReadUInt64s(int length = -1)
         {
             return ReadUInt64s(null, length);
         }
 
-        /// <summary>Like the other; fills *previous* again if that has the right length.</summary>
+        /// <summary>Like the other. Fills *previous* again if that has the right length.</summary>
         public ulong[] ReadUInt64s(ulong[] previous, int length = -1)
         {
             int typed = TypedArray(71, 8);
@@ -280,14 +280,14 @@ namespace Ros2Gateway.Json
             return Trimmed(values, count, length);
         }
 
-        /// <summary>Reads an array of numbers; null is NaN.</summary>
-        /// <param name="length">How many there must be; -1 takes any number.</param>
+        /// <summary>Reads an array of numbers. Null is NaN.</summary>
+        /// <param name="length">How many there must be. -1 takes any number.</param>
         public float[] ReadFloat32s(int length = -1)
         {
             return ReadFloat32s(null, length);
         }
 
-        /// <summary>Like the other; fills *previous* again if that has the right length.</summary>
+        /// <summary>Like the other. Fills *previous* again if that has the right length.</summary>
         public float[] ReadFloat32s(float[] previous, int length = -1)
         {
             int typed = TypedArray(85, 4);
@@ -309,14 +309,14 @@ namespace Ros2Gateway.Json
             return Trimmed(values, count, length);
         }
 
-        /// <summary>Reads an array of numbers; null is NaN.</summary>
-        /// <param name="length">How many there must be; -1 takes any number.</param>
+        /// <summary>Reads an array of numbers. Null is NaN.</summary>
+        /// <param name="length">How many there must be. -1 takes any number.</param>
         public double[] ReadFloat64s(int length = -1)
         {
             return ReadFloat64s(null, length);
         }
 
-        /// <summary>Like the other; fills *previous* again if that has the right length.</summary>
+        /// <summary>Like the other. Fills *previous* again if that has the right length.</summary>
         public double[] ReadFloat64s(double[] previous, int length = -1)
         {
             int typed = TypedArray(86, 8);
@@ -339,13 +339,13 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>Reads an array of texts.</summary>
-        /// <param name="length">How many there must be; -1 takes any number.</param>
+        /// <param name="length">How many there must be. -1 takes any number.</param>
         public string[] ReadStrings(int length = -1)
         {
             return ReadStrings(null, length);
         }
 
-        /// <summary>Like the other; fills *previous* again if that has the right length.</summary>
+        /// <summary>Like the other. Fills *previous* again if that has the right length.</summary>
         public string[] ReadStrings(string[] previous, int length = -1)
         {
             BeginArray();
@@ -371,7 +371,7 @@ namespace Ros2Gateway.Json
         /// Enters and leaves a typed array of RFC 8746 whose bytes are as they are in memory: *_position* is then
         /// at the bytes, which are the caller's to pass over.
         /// </summary>
-        /// <returns>How many elements it has; -1 if no such array comes next, as in JSON.</returns>
+        /// <returns>How many elements it has. -1 if no such array comes next, as in JSON.</returns>
         internal virtual int TypedArray(int tag, int elementBytes)
         {
             return -1;

@@ -13,13 +13,13 @@ namespace Ros2Gateway.Json
         /// Reads octets: base64 (RFC 4648, with its padding, no line breaks), or an array of integers from 0
         /// to 255.
         /// </summary>
-        /// <param name="length">How many there must be; -1 takes any number.</param>
+        /// <param name="length">How many there must be. -1 takes any number.</param>
         public byte[] ReadBytes(int length = -1)
         {
             return ReadBytes(null, length);
         }
 
-        /// <summary>Like the other; fills *previous* again if that has the right length.</summary>
+        /// <summary>Like the other. Fills *previous* again if that has the right length.</summary>
         public virtual byte[] ReadBytes(byte[] previous, int length = -1)
         {
             JsonKind kind = Kind;
@@ -43,7 +43,7 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>Reads octets into a buffer, in whose place a longer one is put if it is too short.</summary>
-        /// <returns>How many they are; what is behind them in the buffer is of earlier ones.</returns>
+        /// <returns>How many they are. What is behind them in the buffer is of earlier ones.</returns>
         public virtual int ReadBytes(ref byte[] buffer)
         {
             if (Kind == JsonKind.String)
@@ -78,7 +78,7 @@ namespace Ros2Gateway.Json
             _position = closing + 1;
             if (count == NoBase64)
             {
-                // Some writers escape the slash, which base64 has; or it is none, or no JSON.
+                // Some writers escape the slash, which base64 has. Or it is none, or no JSON.
                 _position = quote + 1;
                 count = DecodeBase64(DecodeString(), ref octets, isExact);
             }

@@ -7,7 +7,7 @@ namespace Ros2Gateway.Json
     public partial class JsonReader
     {
         /// <summary>So much of a name is in the path of an error.</summary>
-        private protected const int LongestNameInPath = 40; // a path is for people; names are the peer's
+        private protected const int LongestNameInPath = 40; // a path is for people. Names are the peer's
 
         /// <summary>Something else comes next than was asked for.</summary>
         private protected JsonFormatException Unexpected(string expected)

@@ -9,14 +9,14 @@ namespace Ros2Gateway.Json
         private const long LargestExponent = 1000000000000; // no text is long enough to bring more back
 
         // The number that was scanned last: its digits as they are, and its value as far as it fits,
-        // _mantissa * 10^_exponent; _isExact is false where digits other than 0 were left out of it.
+        // _mantissa * 10^_exponent. _isExact is false where digits other than 0 were left out of it.
         private int _numberStart;
         private bool _isNegative;
         private ulong _mantissa;
         private long _exponent;
         private bool _isExact;
 
-        /// <summary>Reads an integer from -128 to 127; 1.0 and 1e2 are integers too.</summary>
+        /// <summary>Reads an integer from -128 to 127. 1.0 and 1e2 are integers too.</summary>
         public sbyte ReadInt8()
         {
             return (sbyte)ReadSigned(sbyte.MinValue, sbyte.MaxValue);
@@ -65,7 +65,7 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>
-        /// Reads the single precision number nearest to what is written; null is NaN, the texts "NaN",
+        /// Reads the single precision number nearest to what is written. Null is NaN, the texts "NaN",
         /// "Infinity" and "-Infinity" are what they name.
         /// </summary>
         public virtual float ReadFloat32()
@@ -91,7 +91,7 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>
-        /// Reads the double precision number nearest to what is written; null is NaN, the texts "NaN",
+        /// Reads the double precision number nearest to what is written. Null is NaN, the texts "NaN",
         /// "Infinity" and "-Infinity" are what they name.
         /// </summary>
         public virtual double ReadFloat64()
@@ -106,7 +106,7 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>Reads a number as an integer where it is written as one and has 64 bits.</summary>
-        /// <returns>True for an integer: <paramref name="magnitude"/> and its sign; false for a double.
+        /// <returns>True for an integer: <paramref name="magnitude"/> and its sign. False for a double.
         /// </returns>
         internal virtual bool ReadNumber(out bool isNegative, out ulong magnitude, out double value)
         {
@@ -153,7 +153,7 @@ namespace Ros2Gateway.Json
             return magnitude;
         }
 
-        /// <summary>Carries out the exponent; false if the number is not whole or beyond 64 bits.</summary>
+        /// <summary>Carries out the exponent. False if the number is not whole or beyond 64 bits.</summary>
         private bool MakeWhole(ref ulong magnitude)
         {
             if (!_isExact)
@@ -261,7 +261,7 @@ namespace Ros2Gateway.Json
             _position = at;
         }
 
-        /// <summary>Takes as many digits as fit into 64 bits; returns the exponent of ten that is left.
+        /// <summary>Takes as many digits as fit into 64 bits. Returns the exponent of ten that is left.
         /// </summary>
         private long ScanLong(int first, int end, out ulong mantissa)
         {

@@ -4,7 +4,7 @@ namespace Ros2Gateway.Json
     public partial class JsonReader
     {
         /// <summary>
-        /// Passes over one value of any kind. Brackets must pair, nesting and strings must end; whether what
+        /// Passes over one value of any kind. Brackets must pair, nesting and strings must end. Whether what
         /// is inside is JSON in every detail is not looked at, which makes this several times as fast as
         /// reading.
         /// </summary>

@@ -5,12 +5,12 @@ namespace Ros2Gateway.Json
 {
     /// <summary>
     /// Reads JSON (RFC 8259, nothing beyond it) from UTF-8, value by value, in the order of the text. It
-    /// allocates nothing but what it returns. One thread at a time; use it again by <see cref="Reset"/>,
+    /// allocates nothing but what it returns. One thread at a time. Use it again by <see cref="Reset"/>,
     /// which it also needs after a <see cref="JsonFormatException"/>. Of two members of one name the last
     /// wins.
     /// </summary>
     /// <remarks>
-    /// A client's subscriptions may get the same values as CBOR; what reads them is of this class, too, so
+    /// A client's subscriptions may get the same values as CBOR. What reads them is of this class, too, so
     /// messages do not notice.
     /// </remarks>
     public partial class JsonReader
@@ -27,7 +27,7 @@ namespace Ros2Gateway.Json
 
         private int _depth;
 
-        /// <summary>Makes a reader of nothing; objects and arrays may nest up to a depth.</summary>
+        /// <summary>Makes a reader of nothing. Objects and arrays may nest up to a depth.</summary>
         public JsonReader(int maxDepth = 64)
         {
             _levels = new Level[maxDepth + 1];
@@ -39,7 +39,7 @@ namespace Ros2Gateway.Json
             get { return _position; }
         }
 
-        /// <summary>The kind of the value that comes next; nothing is consumed but white space.</summary>
+        /// <summary>The kind of the value that comes next. Nothing is consumed but white space.</summary>
         /// <exception cref="JsonFormatException">What comes next begins no value.</exception>
         public virtual JsonKind Kind
         {
@@ -105,7 +105,7 @@ namespace Ros2Gateway.Json
         /// read or skipped before the next call.
         /// </summary>
         /// <param name="members">The names that are known.</param>
-        /// <param name="member">Start with <see cref="JsonMembers.Unknown"/>; becomes the index of the name.
+        /// <param name="member">Start with <see cref="JsonMembers.Unknown"/>. Becomes the index of the name.
         /// The one after the last is tried first, because fields mostly come in order.</param>
         /// <returns>False when the object has ended.</returns>
         public virtual bool NextMember(JsonMembers members, ref int member)
@@ -268,7 +268,7 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>
-        /// Goes behind the quote that opens the next name; false when the object has ended.
+        /// Goes behind the quote that opens the next name. False when the object has ended.
         /// </summary>
         private bool NextQuote()
         {

@@ -17,7 +17,7 @@ namespace Ros2Gateway.Json
         private static readonly JsonValue[] NoItems = new JsonValue[0];
 
         /// <summary>
-        /// What an indexer returns where nothing is; its kind is <see cref="JsonKind.End"/>.
+        /// What an indexer returns where nothing is. Its kind is <see cref="JsonKind.End"/>.
         /// </summary>
         public static readonly JsonValue Missing = new JsonValue(JsonKind.End);
 
@@ -49,13 +49,13 @@ namespace Ros2Gateway.Json
             get { return _kind; }
         }
 
-        /// <summary>Whether there is a value at all; null is one.</summary>
+        /// <summary>Whether there is a value at all. Null is one.</summary>
         public bool Exists
         {
             get { return _kind != JsonKind.End; }
         }
 
-        /// <summary>How many members or elements there are; 0 for what is neither object nor array.</summary>
+        /// <summary>How many members or elements there are. 0 for what is neither object nor array.</summary>
         public int Count
         {
             get { return _items.Length; }
@@ -90,7 +90,7 @@ namespace Ros2Gateway.Json
             get { return index >= 0 && index < _items.Length ? _items[index] : Missing; }
         }
 
-        /// <summary>Makes a text; null makes <see cref="Null"/>.</summary>
+        /// <summary>Makes a text. Null makes <see cref="Null"/>.</summary>
         public static implicit operator JsonValue(string v)
         {
             return v == null ? Null : new JsonValue(JsonKind.String) { _text = v };
@@ -133,13 +133,13 @@ namespace Ros2Gateway.Json
             return double.IsNaN(v) ? Null : new JsonValue(JsonKind.Number) { _number = v };
         }
 
-        /// <summary>Makes an array; null among the elements is <see cref="Null"/>.</summary>
+        /// <summary>Makes an array. Null among the elements is <see cref="Null"/>.</summary>
         public static JsonValue Array(params JsonValue[] items)
         {
             return OfItems(new List<JsonValue>(items));
         }
 
-        /// <summary>Makes an object; of two members of one name the last wins.</summary>
+        /// <summary>Makes an object. Of two members of one name the last wins.</summary>
         public static JsonValue Object(IEnumerable<KeyValuePair<string, JsonValue>> members)
         {
             var builder = new ObjectBuilder();
@@ -151,7 +151,7 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>
-        /// Returns an object like this one, but with that member; of anything but an object, one with that
+        /// Returns an object like this one, but with that member. Of anything but an object, one with that
         /// member alone. <c>JsonValue.Object().With("x", 1.5).With("y", 2.5)</c> makes an object.
         /// </summary>
         public JsonValue With(string name, JsonValue value)
@@ -223,7 +223,7 @@ namespace Ros2Gateway.Json
             }
         }
 
-        /// <summary>Writes this value; <see cref="Missing"/> as null.</summary>
+        /// <summary>Writes this value. <see cref="Missing"/> as null.</summary>
         public void Write(JsonWriter writer)
         {
             switch (_kind)
@@ -261,7 +261,7 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>
-        /// The number; null is NaN, and the texts "NaN", "Infinity" and "-Infinity" are what they name, for that
+        /// The number. Null is NaN, and the texts "NaN", "Infinity" and "-Infinity" are what they name, for that
         /// is how the gateway sends them.
         /// </summary>
         public double AsDouble(double fallback = double.NaN)
@@ -280,7 +280,7 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>
-        /// The number if it is whole and has 64 bits; of a uint64 beyond them, the fallback.
+        /// The number if it is whole and has 64 bits. Of a uint64 beyond them, the fallback.
         /// </summary>
         public long AsLong(long fallback = 0)
         {
@@ -318,7 +318,7 @@ namespace Ros2Gateway.Json
             return _kind == JsonKind.String ? _text : fallback;
         }
 
-        /// <summary>True or false; nothing else counts as either.</summary>
+        /// <summary>True or false. Nothing else counts as either.</summary>
         public bool AsBool(bool fallback = false)
         {
             return _kind == JsonKind.Boolean ? _isTrue : fallback;

@@ -3,7 +3,7 @@ namespace Ros2Gateway.Json
 {
     public sealed partial class JsonWriter
     {
-        /// <summary>Writes an array of truth values; null is the empty array.</summary>
+        /// <summary>Writes an array of truth values. Null is the empty array.</summary>
         public void Values(bool[] v)
         {
             BeginArray();
@@ -14,7 +14,7 @@ namespace Ros2Gateway.Json
             EndArray();
         }
 
-        /// <summary>Writes an array of integers; null is the empty array.</summary>
+        /// <summary>Writes an array of integers. Null is the empty array.</summary>
         public void Values(sbyte[] v)
         {
             BeginArray();
@@ -25,7 +25,7 @@ namespace Ros2Gateway.Json
             EndArray();
         }
 
-        /// <summary>Writes an array of integers; null is the empty array.</summary>
+        /// <summary>Writes an array of integers. Null is the empty array.</summary>
         public void Values(short[] v)
         {
             BeginArray();
@@ -36,7 +36,7 @@ namespace Ros2Gateway.Json
             EndArray();
         }
 
-        /// <summary>Writes an array of integers; null is the empty array.</summary>
+        /// <summary>Writes an array of integers. Null is the empty array.</summary>
         public void Values(ushort[] v)
         {
             BeginArray();
@@ -47,7 +47,7 @@ namespace Ros2Gateway.Json
             EndArray();
         }
 
-        /// <summary>Writes an array of integers; null is the empty array.</summary>
+        /// <summary>Writes an array of integers. Null is the empty array.</summary>
         public void Values(int[] v)
         {
             BeginArray();
@@ -58,7 +58,7 @@ namespace Ros2Gateway.Json
             EndArray();
         }
 
-        /// <summary>Writes an array of integers; null is the empty array.</summary>
+        /// <summary>Writes an array of integers. Null is the empty array.</summary>
         public void Values(uint[] v)
         {
             BeginArray();
@@ -69,7 +69,7 @@ namespace Ros2Gateway.Json
             EndArray();
         }
 
-        /// <summary>Writes an array of integers; null is the empty array.</summary>
+        /// <summary>Writes an array of integers. Null is the empty array.</summary>
         public void Values(long[] v)
         {
             BeginArray();
@@ -80,7 +80,7 @@ namespace Ros2Gateway.Json
             EndArray();
         }
 
-        /// <summary>Writes an array of integers; null is the empty array.</summary>
+        /// <summary>Writes an array of integers. Null is the empty array.</summary>
         public void Values(ulong[] v)
         {
             BeginArray();
@@ -92,7 +92,7 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>
-        /// Writes an array of numbers as <see cref="Value(float)"/> does; null is the empty array.
+        /// Writes an array of numbers as <see cref="Value(float)"/> does. Null is the empty array.
         /// </summary>
         public void Values(float[] v)
         {
@@ -105,7 +105,7 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>
-        /// Writes an array of numbers as <see cref="Value(double)"/> does; null is the empty array.
+        /// Writes an array of numbers as <see cref="Value(double)"/> does. Null is the empty array.
         /// </summary>
         public void Values(double[] v)
         {
@@ -117,7 +117,7 @@ namespace Ros2Gateway.Json
             EndArray();
         }
 
-        /// <summary>Writes an array of texts; null is the empty array.</summary>
+        /// <summary>Writes an array of texts. Null is the empty array.</summary>
         public void Values(string[] v)
         {
             BeginArray();

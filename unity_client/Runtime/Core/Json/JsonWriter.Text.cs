@@ -8,7 +8,7 @@ namespace Ros2Gateway.Json
 
         private static readonly byte[] Base64Digits = System.Text.Encoding.ASCII.GetBytes(Alphabet);
 
-        /// <summary>Writes octets as base64 (RFC 4648) in a text; null is the empty text.</summary>
+        /// <summary>Writes octets as base64 (RFC 4648) in a text. Null is the empty text.</summary>
         public void Base64(byte[] v)
         {
             int length = v == null ? 0 : v.Length;
@@ -65,7 +65,7 @@ namespace Ros2Gateway.Json
             _buffer[_count++] = (byte)'"';
         }
 
-        /// <summary>Writes one character of a text; returns how many chars of it that takes.</summary>
+        /// <summary>Writes one character of a text. Returns how many chars of it that takes.</summary>
         private int WriteCharacter(string text, int at, int last)
         {
             Reserve(last + 7); // the rest as plain ASCII, an escape, the quote

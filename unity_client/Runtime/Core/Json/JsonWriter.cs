@@ -5,7 +5,7 @@ using System.Text;
 namespace Ros2Gateway.Json
 {
     /// <summary>
-    /// Writes JSON as UTF-8 into a buffer that grows and is used again. Commas come by themselves; that names
+    /// Writes JSON as UTF-8 into a buffer that grows and is used again. Commas come by themselves. That names
     /// and values alternate and that what begins ends is up to the caller. One thread at a time.
     /// </summary>
     public sealed partial class JsonWriter
@@ -18,7 +18,7 @@ namespace Ros2Gateway.Json
         private int _count;
         private bool _needsComma;
 
-        /// <summary>What was written, in its first <see cref="Count"/> bytes; another array after the next
+        /// <summary>What was written, in its first <see cref="Count"/> bytes. Another array after the next
         /// write that it has no room for.</summary>
         public byte[] Buffer
         {
@@ -42,7 +42,7 @@ namespace Ros2Gateway.Json
             _needsComma = false;
         }
 
-        /// <summary>Begins an object; its members follow as names and values.</summary>
+        /// <summary>Begins an object. Its members follow as names and values.</summary>
         public void BeginObject()
         {
             Begin((byte)'{');
@@ -54,7 +54,7 @@ namespace Ros2Gateway.Json
             End((byte)'}');
         }
 
-        /// <summary>Begins an array; its elements follow as values.</summary>
+        /// <summary>Begins an array. Its elements follow as values.</summary>
         public void BeginArray()
         {
             Begin((byte)'[');
@@ -66,7 +66,7 @@ namespace Ros2Gateway.Json
             End((byte)']');
         }
 
-        /// <summary>Writes the name of a member; its value must follow.</summary>
+        /// <summary>Writes the name of a member. Its value must follow.</summary>
         public void Name(string name)
         {
             WriteText(name);
@@ -168,7 +168,7 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>
-        /// Writes a text. Null is the empty text, for ROS has no null; halves of surrogate pairs, which UTF-8
+        /// Writes a text. Null is the empty text, for ROS has no null. Halves of surrogate pairs, which UTF-8
         /// has not, become U+FFFD.
         /// </summary>
         public void Value(string v)
@@ -176,7 +176,7 @@ namespace Ros2Gateway.Json
             WriteText(v ?? "");
         }
 
-        /// <summary>Writes a value that is JSON already; it is not looked at.</summary>
+        /// <summary>Writes a value that is JSON already. It is not looked at.</summary>
         public void Raw(byte[] utf8, int offset, int count)
         {
             BeginValue(count);

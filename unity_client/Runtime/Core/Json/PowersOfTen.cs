@@ -3,7 +3,7 @@ namespace Ros2Gateway.Json
 {
     /// <summary>
     /// The powers of ten from 10^-64 to 10^55 in 128 bits: the highest bit is set, and what does not fit is
-    /// rounded up. From 10^0 on they are exact; the next one would not be. That covers every float32, and the
+    /// rounded up. From 10^0 on they are exact. The next one would not be. That covers every float32, and the
     /// doubles that measure things.
     /// </summary>
     internal static class PowersOfTen

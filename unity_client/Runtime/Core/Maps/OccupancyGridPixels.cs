@@ -10,7 +10,7 @@ namespace Ros2Gateway.Maps
         /// <summary>A map on paper: free is white, occupied black, unknown a greenish grey.</summary>
         Map,
 
-        /// <summary>Costs over a map: free is clear, then blue to red; where a robot would hit is purple and cyan.</summary>
+        /// <summary>Costs over a map: free is clear, then blue to red. Where a robot would hit is purple and cyan.</summary>
         Costmap,
     }
 
@@ -41,13 +41,13 @@ namespace Ros2Gateway.Maps
         /// <summary>How many cells a side share a pixel: 1, but for grids of more than <see cref="MaxSide"/>.</summary>
         public int CellsPerPixel { get; private set; }
 
-        /// <summary>Red, green, blue and alpha of each pixel; of exactly the size, and used again.</summary>
+        /// <summary>Red, green, blue and alpha of each pixel. Of exactly the size, and used again.</summary>
         public byte[] Pixels
         {
             get { return _pixels; }
         }
 
-        /// <summary>Draws a grid; returns what is wrong with it, or null.</summary>
+        /// <summary>Draws a grid. Returns what is wrong with it, or null.</summary>
         public string Draw(OccupancyGridMsg grid)
         {
             string problem = ProblemOf(grid);

@@ -14,7 +14,7 @@ namespace Ros2Gateway
         {
         }
 
-        /// <param name="type">pkg/msg/Name; may be empty where it is only read.</param>
+        /// <param name="type">pkg/msg/Name. May be empty where it is only read.</param>
         public DynamicMessage(string type)
         {
             _type = type;

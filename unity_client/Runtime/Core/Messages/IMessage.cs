@@ -5,7 +5,7 @@ namespace Ros2Gateway
 {
     /// <summary>
     /// A ROS message that reads itself from JSON and writes itself, without reflection. The classes of the
-    /// message table are generated; a class of one's own works everywhere that they do.
+    /// message table are generated. A class of one's own works everywhere that they do.
     /// </summary>
     public interface IMessage
     {
@@ -16,13 +16,13 @@ namespace Ros2Gateway
         /// Takes over what the JSON object that comes next has. Fields that it lacks stay as they are,
         /// members that are no fields are skipped.
         /// </summary>
-        /// <exception cref="JsonFormatException">The bytes are no JSON, or a value does not fit its field;
-        /// the fields read before it have their new values.</exception>
+        /// <exception cref="JsonFormatException">The bytes are no JSON, or a value does not fit its field.
+        /// The fields read before it have their new values.</exception>
         void Read(JsonReader reader);
 
         /// <summary>
         /// Writes all fields as one JSON object. Bounds (<c>string&lt;=5</c>, <c>float64[&lt;=3]</c>) are the
-        /// gateway's to check, which says in words what does not fit; null texts, arrays and messages are
+        /// gateway's to check, which says in words what does not fit. Null texts, arrays and messages are
         /// written as empty.
         /// </summary>
         /// <exception cref="System.InvalidOperationException">An array of fixed length has another length.

@@ -10,7 +10,7 @@ namespace Ros2Gateway
     /// <summary>
     /// Writes any message for people: a line per field, indented as it is nested, with long arrays and texts
     /// shortened and binary data as its size. A message of a single field "data" is its value alone. For one
-    /// thread at a time; keep it, it uses its buffers again.
+    /// thread at a time. Keep it, it uses its buffers again.
     /// </summary>
     public sealed class MessageText
     {
@@ -210,7 +210,7 @@ namespace Ros2Gateway
             return _reader.ReadString();
         }
 
-        /// <summary>How many bytes the string that comes next stands for; 0 if it does not look like base64.
+        /// <summary>How many bytes the string that comes next stands for. 0 if it does not look like base64.
         /// </summary>
         private int Base64Bytes()
         {

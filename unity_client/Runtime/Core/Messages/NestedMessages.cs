@@ -22,16 +22,16 @@ namespace Ros2Gateway.Messages
 
         /// <summary>Reads an array of messages.</summary>
         /// <param name="reader">Where the array comes next.</param>
-        /// <param name="create">Makes an empty message; a delegate, because <c>new T()</c> is
+        /// <param name="create">Makes an empty message. A delegate, because <c>new T()</c> is
         /// reflection.</param>
-        /// <param name="length">How many there must be; -1 takes any number.</param>
+        /// <param name="length">How many there must be. -1 takes any number.</param>
         public static T[] Read<T>(JsonReader reader, Func<T> create, int length = -1)
             where T : class, IMessage
         {
             return Read(null, reader, create, length);
         }
 
-        /// <summary>Like the other; fills *previous* again, if that has the right length, and what is in it.
+        /// <summary>Like the other. Fills *previous* again, if that has the right length, and what is in it.
         /// </summary>
         public static T[] Read<T>(T[] previous, JsonReader reader, Func<T> create, int length = -1)
             where T : class, IMessage
@@ -72,7 +72,7 @@ namespace Ros2Gateway.Messages
             return messages;
         }
 
-        /// <summary>Writes a message; null as one of which every field has its default.</summary>
+        /// <summary>Writes a message. Null as one of which every field has its default.</summary>
         public static void Write<T>(JsonWriter writer, T message)
             where T : class, IMessage
         {
@@ -85,7 +85,7 @@ namespace Ros2Gateway.Messages
             message.Write(writer);
         }
 
-        /// <summary>Writes an array of messages; null as the empty array.</summary>
+        /// <summary>Writes an array of messages. Null as the empty array.</summary>
         public static void Write<T>(JsonWriter writer, T[] messages)
             where T : class, IMessage
         {
@@ -97,7 +97,7 @@ namespace Ros2Gateway.Messages
             writer.EndArray();
         }
 
-        /// <summary>Makes sure that an array has the length that its type demands; null has none.</summary>
+        /// <summary>Makes sure that an array has the length that its type demands. Null has none.</summary>
         /// <exception cref="InvalidOperationException">It has another.</exception>
         public static void CheckLength(Array array, string field, int length)
         {

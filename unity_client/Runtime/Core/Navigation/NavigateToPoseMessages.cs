@@ -17,7 +17,7 @@ namespace Ros2Gateway.Navigation
         /// <summary>Where to go, in any frame that the robot can transform.</summary>
         public PoseStampedMsg pose = new PoseStampedMsg();
 
-        /// <summary>The behaviour tree to use, as a path on the robot; empty for the usual one.</summary>
+        /// <summary>The behaviour tree to use, as a path on the robot. Empty for the usual one.</summary>
         public string behavior_tree = "";
 
         /// <inheritdoc/>
@@ -141,7 +141,7 @@ namespace Ros2Gateway.Navigation
     {
         private static readonly JsonMembers Members = new JsonMembers("error_code", "error_msg");
 
-        /// <summary>0 for none; others are those of Nav2's planner and controller.</summary>
+        /// <summary>0 for none. Others are those of Nav2's planner and controller.</summary>
         public ushort error_code;
 
         /// <summary>What went wrong, in Nav2's words, from Kilted on.</summary>

@@ -7,7 +7,7 @@ using System.Threading;
 namespace Ros2Gateway.Pictures
 {
     /// <summary>
-    /// Decodes pictures on a thread of the pool, one at a time; of several that wait only the newest.
+    /// Decodes pictures on a thread of the pool, one at a time. Of several that wait only the newest.
     /// </summary>
     /// <remarks>
     /// Neither the thread that offers pictures waits for it (the one that reads frames, which other topics need)
@@ -126,13 +126,13 @@ namespace Ros2Gateway.Pictures
         {
         }
 
-        /// <summary>RGBA, the bottom row first; 4 * Width * Height bytes of it, there may be more.</summary>
+        /// <summary>RGBA, the bottom row first. 4 * Width * Height bytes of it, there may be more.</summary>
         public byte[] Pixels
         {
             get { return _pixels; }
         }
 
-        /// <summary>In pixels; 0 if it was not decoded.</summary>
+        /// <summary>In pixels. 0 if it was not decoded.</summary>
         public int Width { get; private set; }
 
         /// <summary>Like <see cref="Width"/>.</summary>
@@ -141,7 +141,7 @@ namespace Ros2Gateway.Pictures
         /// <summary>What the message calls its format.</summary>
         public string Format { get; private set; }
 
-        /// <summary>What is wrong with it; null if it was decoded, or <see cref="IsOther"/>.</summary>
+        /// <summary>What is wrong with it. Null if it was decoded, or <see cref="IsOther"/>.</summary>
         public string Error { get; private set; }
 
         /// <summary>Whether it is no baseline JPEG: a PNG, or progressive. Unity's own decoder may know it.</summary>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 namespace Ros2Gateway.Pictures
 {
-    /// <summary>Makes rows of RGBA, opaque, of rows of components; with libjpeg's rounding.</summary>
+    /// <summary>Makes rows of RGBA, opaque, of rows of components. With libjpeg's rounding.</summary>
     internal static class ColourConversion
     {
         private const int Below = 256; // more than a colour gets below 0 or, further up, above 255

@@ -14,7 +14,7 @@ namespace Ros2Gateway.Pictures
 
         private readonly GreyPng _png = new GreyPng(2);
         private double _focalX; // as a share of the width, so that it holds for any size of the picture
-        private double _focalY; // as a share of the height; 0 for pixels that are square
+        private double _focalY; // as a share of the height. 0 for pixels that are square
         private double _centerX = 0.5;
         private double _centerY = 0.5;
 
@@ -37,7 +37,7 @@ namespace Ros2Gateway.Pictures
             get { return _png.Height; }
         }
 
-        /// <summary>Sets how much the camera sees from left to right, in radians; what is no view is a quarter turn.</summary>
+        /// <summary>Sets how much the camera sees from left to right, in radians. What is no view is a quarter turn.</summary>
         public void View(double horizontal)
         {
             double half = horizontal > 0 && horizontal < Math.PI ? horizontal / 2 : Math.PI / 4;
@@ -46,7 +46,7 @@ namespace Ros2Gateway.Pictures
             _centerX = _centerY = 0.5;
         }
 
-        /// <summary>Takes what the camera says of itself; returns what is wrong with it, or null.</summary>
+        /// <summary>Takes what the camera says of itself. Returns what is wrong with it, or null.</summary>
         public string View(CameraInfoMsg info)
         {
             double[] k = info.k;
@@ -61,13 +61,13 @@ namespace Ros2Gateway.Pictures
             return null;
         }
 
-        /// <summary>Reads a picture; returns what is wrong with it, or null.</summary>
+        /// <summary>Reads a picture. Returns what is wrong with it, or null.</summary>
         public string Read(byte[] png)
         {
             return _png.Read(png);
         }
 
-        /// <summary>The point of a pixel; false where nothing was measured.</summary>
+        /// <summary>The point of a pixel. False where nothing was measured.</summary>
         public bool TryGet(int x, int y, out Vector3<Flu> point)
         {
             int at = 2 * (y * _png.Width + x);

@@ -96,7 +96,7 @@ namespace Ros2Gateway.Pictures
             return at;
         }
 
-        /// <summary>Reads all but the DC coefficient; true if all are 0.</summary>
+        /// <summary>Reads all but the DC coefficient. True if all are 0.</summary>
         private bool ReadRest(HuffmanTable table, int[] steps, int[] block)
         {
             byte[] order = Zigzag.Order;

@@ -25,7 +25,7 @@ namespace Ros2Gateway.Pictures
         private byte[] _stream = new byte[0];
         private readonly int _bytesPerPixel;
 
-        /// <param name="bytesPerPixel">1 for maps, 2 for depth; pictures of the other kind are refused.</param>
+        /// <param name="bytesPerPixel">1 for maps, 2 for depth. Pictures of the other kind are refused.</param>
         public GreyPng(int bytesPerPixel)
         {
             if (bytesPerPixel != 1 && bytesPerPixel != 2)
@@ -42,11 +42,11 @@ namespace Ros2Gateway.Pictures
         public int Height { get; private set; }
 
         /// <summary>
-        /// The pixels by rows, in the file's order, of two bytes the high one first; longer than needed, and used again.
+        /// The pixels by rows, in the file's order, of two bytes the high one first. Longer than needed, and used again.
         /// </summary>
         public byte[] Pixels { get; private set; }
 
-        /// <summary>Reads a picture; returns what is wrong with it, or null.</summary>
+        /// <summary>Reads a picture. Returns what is wrong with it, or null.</summary>
         public string Read(byte[] png)
         {
             try

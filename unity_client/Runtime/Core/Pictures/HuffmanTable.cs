@@ -9,7 +9,7 @@ namespace Ros2Gateway.Pictures
         internal const int LookupBits = 9; // nearly all codes of a picture are shorter
         internal const int MaxLength = 16;
 
-        /// <summary>By the next bits: the code's length times 256 and its symbol; 0 where the code is longer.</summary>
+        /// <summary>By the next bits: the code's length times 256 and its symbol. 0 where the code is longer.</summary>
         internal readonly ushort[] Lookup = new ushort[1 << LookupBits];
 
         /// <summary>By length: the first 16 bits that belong to a longer code.</summary>
@@ -22,7 +22,7 @@ namespace Ros2Gateway.Pictures
         internal readonly byte[] Symbols = new byte[256];
 
         /// <summary>Takes over a table as a DHT segment has it.</summary>
-        /// <param name="at">Where the 16 counts begin; the caller has made sure that they are there.</param>
+        /// <param name="at">Where the 16 counts begin. The caller has made sure that they are there.</param>
         /// <param name="end">Where the segment ends.</param>
         /// <returns>Where the table ends.</returns>
         internal int Read(byte[] jpeg, int at, int end)

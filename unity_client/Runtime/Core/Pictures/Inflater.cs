@@ -261,7 +261,7 @@ namespace Ros2Gateway.Pictures
         /// <summary>A Huffman code: a table for short codes, the canonical numbering for the others.</summary>
         private sealed class Code
         {
-            /// <summary>Symbol and length by the next bits; 0 where the code is longer, or none.</summary>
+            /// <summary>Symbol and length by the next bits. 0 where the code is longer, or none.</summary>
             internal readonly int[] Fast = new int[1 << FastBits];
 
             private readonly int[] _counts = new int[MaxBits + 1];

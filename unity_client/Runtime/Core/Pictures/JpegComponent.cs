@@ -34,7 +34,7 @@ namespace Ros2Gateway.Pictures
         /// <summary>Samples from a row of <see cref="Plane"/> to the next: whole units.</summary>
         internal int Stride;
 
-        /// <summary>The samples, row by row, in whole units; longer than that once there was a larger picture.</summary>
+        /// <summary>The samples, row by row, in whole units. Longer than that once there was a larger picture.</summary>
         internal byte[] Plane = System.Array.Empty<byte>();
 
         /// <summary>How many samples of the picture one of this component stands for, each way.</summary>

@@ -55,7 +55,7 @@ namespace Ros2Gateway.Pictures
 
         internal int Vertical { get; private set; }
 
-        /// <summary>How many components the picture has; 0 until they are read.</summary>
+        /// <summary>How many components the picture has. 0 until they are read.</summary>
         internal int Count { get; private set; }
 
         /// <summary>Where the size is said.</summary>
@@ -64,7 +64,7 @@ namespace Ros2Gateway.Pictures
         /// <summary>How many components the scan has.</summary>
         internal int ScannedCount { get; private set; }
 
-        /// <summary>Units between two restart markers; 0 for none.</summary>
+        /// <summary>Units between two restart markers. 0 for none.</summary>
         internal int RestartInterval { get; private set; }
 
         /// <summary>Whether the components are red, green and blue.</summary>
@@ -263,7 +263,7 @@ namespace Ros2Gateway.Pictures
             }
             if (isAlone)
             {
-                component.Horizontal = component.Vertical = 1; // of itself; a scan of one has single blocks (A.2.2)
+                component.Horizontal = component.Vertical = 1; // of itself. A scan of one has single blocks (A.2.2)
             }
             if (component.QuantizationTable >= Tables)
             {

@@ -10,11 +10,11 @@ namespace Ros2Gateway.Pictures
         private static readonly int[] Steps = { 160, 240, 320, 480, 640, 960, 1280, 1920, 2560, 3840 };
 
         /// <summary>
-        /// The longest side to ask for, in pixels; 0 for no bound. It grows as soon as the picture takes more pixels
+        /// The longest side to ask for, in pixels. 0 for no bound. It grows as soon as the picture takes more pixels
         /// of the screen, and shrinks where a quarter more pixels would still fit.
         /// </summary>
-        /// <param name="asked">The one that is asked for now; 0 for no bound.</param>
-        /// <param name="pixels">How many pixels of the screen the longer side takes; infinite if nobody knows.</param>
+        /// <param name="asked">The one that is asked for now. 0 for no bound.</param>
+        /// <param name="pixels">How many pixels of the screen the longer side takes. Infinite if nobody knows.</param>
         public static int Next(int asked, double pixels)
         {
             if (asked > 0 && pixels > asked)

@@ -16,7 +16,7 @@ namespace Ros2Gateway.Pictures
         /// <summary>Time, and frame of the camera.</summary>
         public HeaderMsg header = new HeaderMsg();
 
-        /// <summary>As in CompressedImage: "jpeg", "rgb8; jpeg compressed bgr8".</summary>
+        /// <summary>As in CompressedImage: "jpeg", "rgb8. Jpeg compressed bgr8".</summary>
         public string format = "";
 
         /// <summary>The picture, and behind it what is left of longer ones.</summary>

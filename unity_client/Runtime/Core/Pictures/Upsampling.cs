@@ -15,7 +15,7 @@ namespace Ros2Gateway.Pictures
         private byte[] _row = Array.Empty<byte>();
 
         /// <summary>Finds a row of the picture in a component.</summary>
-        /// <param name="at">Where it begins in the array that is returned; samples for the picture's width follow.</param>
+        /// <param name="at">Where it begins in the array that is returned. Samples for the picture's width follow.</param>
         internal byte[] Row(JpegComponent component, int row, out int at)
         {
             at = row / component.VerticalScale * component.Stride;

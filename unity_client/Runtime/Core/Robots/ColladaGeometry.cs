@@ -13,7 +13,7 @@ namespace Ros2Gateway.Robots
         internal string Material; // a name that an instance of the geometry binds
     }
 
-    /// <summary>The triangles of a geometry, with its polygons, strips and fans; lines are left out.</summary>
+    /// <summary>The triangles of a geometry, with its polygons, strips and fans. Lines are left out.</summary>
     internal sealed class ColladaGeometry
     {
         /// <summary>One for each list of primitives.</summary>

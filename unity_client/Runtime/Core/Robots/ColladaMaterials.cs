@@ -6,7 +6,7 @@ using Ros2Gateway.Shapes;
 
 namespace Ros2Gateway.Robots
 {
-    /// <summary>The colours of a COLLADA file; each is looked for once.</summary>
+    /// <summary>The colours of a COLLADA file. Each is looked for once.</summary>
     internal sealed class ColladaMaterials
     {
         private readonly Dictionary<string, XmlElement> _byId;
@@ -25,7 +25,7 @@ namespace Ros2Gateway.Robots
 
         /// <summary>
         /// The colour, in diffuse light, of the material that an instance binds to a name, else of that with the name as
-        /// its id; null if it has none, or a texture.
+        /// its id. Null if it has none, or a texture.
         /// </summary>
         /// <param name="instance">May be null.</param>
         internal Rgba? Color(string name, XmlElement instance)

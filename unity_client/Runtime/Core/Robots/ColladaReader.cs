@@ -8,22 +8,22 @@ using Ros2Gateway.Shapes;
 namespace Ros2Gateway.Robots
 {
     /// <summary>
-    /// Reads COLLADA files (1.4.1, https://www.khronos.org/files/collada_spec_1_4.pdf; 1.5 has the same): the triangles
+    /// Reads COLLADA files (1.4.1, https://www.khronos.org/files/collada_spec_1_4.pdf, 1.5 has the same): the triangles
     /// and polygons of the scene, in metres, and their colours. Any thread.
     /// </summary>
     /// <remarks>
     /// As RViz does it, the file's unit counts and its up_axis does not: x, y and z are those of the link. Textures,
-    /// transparency and light are not read; polygons are taken as convex.
+    /// transparency and light are not read. Polygons are taken as convex.
     /// </remarks>
     public sealed class ColladaReader
     {
         /// <summary>Larger files are refused: as a tree, and as lists of numbers, they take several times as much.</summary>
         private const int MaxBytes = 32 << 20;
 
-        private const int MaxParts = 1000000; // elements, attributes, texts; of 286 meshes of robots the most was 28,000
+        private const int MaxParts = 1000000; // elements, attributes, texts. Of 286 meshes of robots the most was 28,000
         private const int MaxDepth = 100; // of elements, and of nodes in nodes: each is a call
         private const int MaxNodes = 100000; // and other parts of nodes, with those that are shown several times
-        private const int MaxPlacement = 1000; // characters; of these meshes the longest matrix has 129
+        private const int MaxPlacement = 1000; // characters. Of these meshes the longest matrix has 129
 
         private readonly Dictionary<string, XmlElement> _byId = new Dictionary<string, XmlElement>();
         private readonly Dictionary<XmlElement, ColladaGeometry> _geometries
@@ -163,7 +163,7 @@ namespace Ros2Gateway.Robots
             return metres;
         }
 
-        /// <summary>The scene that the file says is to be shown, else the first; null if there is none.</summary>
+        /// <summary>The scene that the file says is to be shown, else the first. Null if there is none.</summary>
         private XmlElement Scene(XmlElement root)
         {
             XmlElement scene = XmlTree.Child(root, "scene");
@@ -240,7 +240,7 @@ namespace Ros2Gateway.Robots
             }
         }
 
-        /// <param name="instance">Says what the materials are that the geometry names; may be null.</param>
+        /// <param name="instance">Says what the materials are that the geometry names. May be null.</param>
         private void Show(XmlElement element, Affine placed, XmlElement instance)
         {
             ColladaGeometry geometry;

@@ -60,16 +60,16 @@ namespace Ros2Gateway.Robots
     /// <summary>What a part of a link is shaped like.</summary>
     public enum RobotShape
     {
-        /// <summary>A box; its size is along its own axes.</summary>
+        /// <summary>A box. Its size is along its own axes.</summary>
         Box,
 
-        /// <summary>A cylinder along z; its size is twice the diameter and the length.</summary>
+        /// <summary>A cylinder along z. Its size is twice the diameter and the length.</summary>
         Cylinder,
 
-        /// <summary>A sphere; its size is three times the diameter.</summary>
+        /// <summary>A sphere. Its size is three times the diameter.</summary>
         Sphere,
 
-        /// <summary>A mesh in a file; its size is the scale.</summary>
+        /// <summary>A mesh in a file. Its size is the scale.</summary>
         Mesh,
     }
 
@@ -88,10 +88,10 @@ namespace Ros2Gateway.Robots
         /// <summary>What it is shaped like.</summary>
         public RobotShape Shape { get; private set; }
 
-        /// <summary>In metres; of a mesh, the factors by which it is larger than its file.</summary>
+        /// <summary>In metres. Of a mesh, the factors by which it is larger than its file.</summary>
         public Vector3<Flu> Size { get; private set; }
 
-        /// <summary>The address of the mesh, mostly package://...; empty for other shapes.</summary>
+        /// <summary>The address of the mesh, mostly package://.... Empty for other shapes.</summary>
         public string Mesh { get; private set; }
 
         /// <summary>Where its middle is.</summary>

@@ -6,7 +6,7 @@ namespace Ros2Gateway.Robots
     /// <summary>How a joint moves.</summary>
     public enum JointMotion
     {
-        /// <summary>Not at all; also floating and planar joints, whose several positions a state has not.</summary>
+        /// <summary>Not at all. Also floating and planar joints, whose several positions a state has not.</summary>
         None,
 
         /// <summary>About its axis, in radians.</summary>
@@ -49,7 +49,7 @@ namespace Ros2Gateway.Robots
         /// <summary>How it moves.</summary>
         public JointMotion Motion { get; private set; }
 
-        /// <summary>The joint whose position it follows; empty for none.</summary>
+        /// <summary>The joint whose position it follows. Empty for none.</summary>
         public string Mimicked { get; private set; }
 
         /// <summary>Its position is that of the mimicked joint, so many times ...</summary>
@@ -58,7 +58,7 @@ namespace Ros2Gateway.Robots
         /// <summary>... and this added.</summary>
         public double Offset { get; private set; }
 
-        /// <summary>Where the child is in its parent's frame; a position that is not finite counts as 0.</summary>
+        /// <summary>Where the child is in its parent's frame. A position that is not finite counts as 0.</summary>
         public Pose<Flu> PoseAt(double position)
         {
             double by = double.IsNaN(position) || double.IsInfinity(position) ? 0 : position;

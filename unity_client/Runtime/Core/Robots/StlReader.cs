@@ -58,7 +58,7 @@ namespace Ros2Gateway.Robots
             }
             long count = BitConverter.ToUInt32(stl, HeaderBytes - 4); // little-endian, as all that Unity runs on
             long bytes = HeaderBytes + TriangleBytes * count;
-            // Some programs append a line; what is as long as a triangle should have been counted.
+            // Some programs append a line. What is as long as a triangle should have been counted.
             if (bytes > stl.Length || stl.Length - bytes >= TriangleBytes)
             {
                 throw new MeshException(

@@ -4,7 +4,7 @@ using Ros2Gateway.Shapes;
 
 namespace Ros2Gateway.Robots
 {
-    /// <summary>A file that is no mesh, or one that cannot be drawn; the text says what is wrong, and where.</summary>
+    /// <summary>A file that is no mesh, or one that cannot be drawn. The text says what is wrong, and where.</summary>
     public sealed class MeshException : Exception
     {
         internal MeshException(string errorText)
@@ -20,7 +20,7 @@ namespace Ros2Gateway.Robots
         public const int MaxTriangles = 1000000;
 
         /// <param name="corners">Finite.</param>
-        /// <param name="normals">Of any length; those that are missing, 0 or NaN, are made from the corners.</param>
+        /// <param name="normals">Of any length. Those that are missing, 0 or NaN, are made from the corners.</param>
         /// <param name="colors">Null if the file has none.</param>
         internal TriangleMesh(float[] corners, float[] normals, Rgba?[] colors)
         {
@@ -39,17 +39,17 @@ namespace Ros2Gateway.Robots
         /// <summary>x, y, z of three corners for each, counterclockwise seen from its front. All are finite.</summary>
         public float[] Corners { get; private set; }
 
-        /// <summary>x, y, z for each, of length 1; 0, 0, 0 for a triangle that is a line or a point.</summary>
+        /// <summary>x, y, z for each, of length 1. 0, 0, 0 for a triangle that is a line or a point.</summary>
         public float[] Normals { get; private set; }
 
-        /// <summary>The colour of each, null for one without; null if no triangle has one.</summary>
+        /// <summary>The colour of each, null for one without. Null if no triangle has one.</summary>
         public Rgba?[] Colors { get; private set; }
 
         /// <summary>Adds triangles to a buffer until it has no room: scaled, then placed, and lit from above.</summary>
         /// <param name="first">The first triangle to add.</param>
-        /// <param name="scale">Factors along x, y and z; a negative one mirrors.</param>
+        /// <param name="scale">Factors along x, y and z. A negative one mirrors.</param>
         /// <param name="color">Of triangles that have none of their own.</param>
-        /// <returns>The first triangle that is left; <see cref="TriangleCount"/> if none is.</returns>
+        /// <returns>The first triangle that is left. <see cref="TriangleCount"/> if none is.</returns>
         /// <exception cref="MeshException">A corner is farther away than float32 goes.</exception>
         public int AddTo(MeshBuffer buffer, int first, Pose<Flu> origin, Vector3<Flu> scale, Rgba color)
         {

@@ -8,7 +8,7 @@ using Ros2Gateway.Shapes;
 
 namespace Ros2Gateway.Robots
 {
-    /// <summary>A description that is no URDF; the text says what is wrong, and where.</summary>
+    /// <summary>A description that is no URDF. The text says what is wrong, and where.</summary>
     public sealed class UrdfException : Exception
     {
         internal UrdfException(string errorText)
@@ -23,7 +23,7 @@ namespace Ros2Gateway.Robots
     public sealed class UrdfReader
     {
         private const int MaxCharacters = 4 << 20; // a humanoid with all of its plugins has 300,000
-        private const int MaxLinks = 1000; // an object of the scene each; a humanoid has 100
+        private const int MaxLinks = 1000; // an object of the scene each. A humanoid has 100
         private const int MaxVisuals = 5000;
 
         private readonly Dictionary<string, Rgba> _materials = new Dictionary<string, Rgba>();
@@ -203,7 +203,7 @@ namespace Ros2Gateway.Robots
             return root;
         }
 
-        /// <summary>Joints from the root on; what is not reached hangs in a circle.</summary>
+        /// <summary>Joints from the root on. What is not reached hangs in a circle.</summary>
         private List<RobotJoint> Sorted(string root)
         {
             Dictionary<string, List<RobotJoint>> byParent = new Dictionary<string, List<RobotJoint>>();

@@ -8,7 +8,7 @@ namespace Ros2Gateway.Robots
     /// <summary>Reads a text's words and numbers, from bytes of ASCII without a string of each.</summary>
     internal sealed class WordReader
     {
-        private const int MaxDigits = 18; // so many fit into 64 bits; float32 needs 9
+        private const int MaxDigits = 18; // so many fit into 64 bits. Float32 needs 9
         private const int MaxExponent = 1000; // beyond, all is 0 or infinite
         private const int MaxShown = 40; // of what is repeated to people
 
@@ -58,7 +58,7 @@ namespace Ros2Gateway.Robots
             return text.Length >= 3 && text[0] == 0xEF && text[1] == 0xBB && text[2] == 0xBF ? 3 : 0;
         }
 
-        /// <summary>Goes to the next word; false if there is none.</summary>
+        /// <summary>Goes to the next word. False if there is none.</summary>
         internal bool Next()
         {
             byte[] text = _text;

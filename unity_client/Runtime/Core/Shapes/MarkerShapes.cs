@@ -7,7 +7,7 @@ using Ros2Gateway.Messages.VisualizationMsgs;
 namespace Ros2Gateway.Shapes
 {
     /// <summary>The shapes of visualization_msgs/msg/Marker, in the axes of the marker's own pose.</summary>
-    /// <remarks>Lines are as wide as the graphics card makes them; a mesh is a box of the marker's scale.</remarks>
+    /// <remarks>Lines are as wide as the graphics card makes them. A mesh is a box of the marker's scale.</remarks>
     public static class MarkerShapes
     {
         private const double ShaftShare = 0.77; // of an arrow that is given by its length, as in RViz
@@ -23,7 +23,7 @@ namespace Ros2Gateway.Shapes
         }
 
         /// <summary>Builds what a marker looks like.</summary>
-        /// <returns>What is wrong with it, or what of it is not shown; null if nothing.</returns>
+        /// <returns>What is wrong with it, or what of it is not shown. Null if nothing.</returns>
         public static string Build(MarkerMsg marker, MeshBuffer mesh)
         {
             mesh.Clear(KindOf(marker.type));

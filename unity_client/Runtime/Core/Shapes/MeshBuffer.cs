@@ -6,7 +6,7 @@ namespace Ros2Gateway.Shapes
     /// <summary>What three or two or one of the indices of a <see cref="MeshBuffer"/> make.</summary>
     public enum MeshKind
     {
-        /// <summary>Three are a triangle; clockwise, seen from its front.</summary>
+        /// <summary>Three are a triangle. Clockwise, seen from its front.</summary>
         Triangles,
 
         /// <summary>Two are a line.</summary>
@@ -51,19 +51,19 @@ namespace Ros2Gateway.Shapes
         /// <summary>Whether something was left out because there was too much.</summary>
         public bool IsTruncated { get; private set; }
 
-        /// <summary>x, y, z of each vertex; longer than needed.</summary>
+        /// <summary>x, y, z of each vertex. Longer than needed.</summary>
         public float[] Positions
         {
             get { return _positions; }
         }
 
-        /// <summary>The colour of each vertex; longer than needed.</summary>
+        /// <summary>The colour of each vertex. Longer than needed.</summary>
         public Rgba[] Colors
         {
             get { return _colors; }
         }
 
-        /// <summary>The indices; longer than needed.</summary>
+        /// <summary>The indices. Longer than needed.</summary>
         public int[] Indices
         {
             get { return _indices; }
@@ -78,7 +78,7 @@ namespace Ros2Gateway.Shapes
             IsTruncated = false;
         }
 
-        /// <summary>Whether so many more vertices fit; if not, notes that something was left out.</summary>
+        /// <summary>Whether so many more vertices fit. If not, notes that something was left out.</summary>
         public bool HasRoom(int vertices)
         {
             bool hasRoom = VertexCount + vertices <= _room;

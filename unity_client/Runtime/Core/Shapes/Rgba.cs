@@ -27,13 +27,13 @@ namespace Ros2Gateway.Shapes
             this.a = a;
         }
 
-        /// <summary>From shares of 1; what is beyond is cut, NaN is 0.</summary>
+        /// <summary>From shares of 1. What is beyond is cut, NaN is 0.</summary>
         public static Rgba Of(double r, double g, double b, double a)
         {
             return new Rgba(Byte(r), Byte(g), Byte(b), Byte(a));
         }
 
-        /// <summary>A message's colour; null is opaque white.</summary>
+        /// <summary>A message's colour. Null is opaque white.</summary>
         public static Rgba Of(ColorRGBAMsg message)
         {
             return message == null ? new Rgba(255, 255, 255) : Of(message.r, message.g, message.b, message.a);

@@ -76,7 +76,7 @@ namespace Ros2Gateway.Shapes
         }
 
         /// <summary>Adds an arrow from one point to another.</summary>
-        /// <param name="headLength">Of the whole; the shaft has what is left.</param>
+        /// <param name="headLength">Of the whole. The shaft has what is left.</param>
         public static void Arrow(
             this MeshBuffer mesh, Vector3<Flu> from, Vector3<Flu> to, double shaftDiameter, double headDiameter,
             double headLength, Rgba color)

@@ -7,7 +7,7 @@ namespace Ros2Gateway.Thesis
     public static partial class Ros2Library
     {
         /// <summary>Takes the oldest unread picture, as pixels.</summary>
-        /// <param name="frame_id_size">How many bytes fit; becomes how many were written, as all sizes.</param>
+        /// <param name="frame_id_size">How many bytes fit. Becomes how many were written, as all sizes.</param>
         /// <returns>False if there is none, or if it does not fit: then it stays, and a debug message says why.</returns>
         public static bool poll_image(
             string topic, ref uint sec, ref uint nanosec, TextBuffer frame_id, ref uint frame_id_size,
@@ -64,7 +64,7 @@ namespace Ros2Gateway.Thesis
         }
 
         /// <summary>Takes the oldest unread picture, as JPEG or PNG.</summary>
-        /// <param name="frame_id_size">How many bytes fit; becomes how many were written, as all sizes.</param>
+        /// <param name="frame_id_size">How many bytes fit. Becomes how many were written, as all sizes.</param>
         /// <returns>False if there is none, or if it does not fit: then it stays, and a debug message says why.</returns>
         public static bool poll_compressed_image(
             string topic, ref uint sec, ref uint nanosec, TextBuffer frame_id, ref uint frame_id_size,

@@ -8,8 +8,8 @@ namespace Ros2Gateway.Thesis
     public static partial class Ros2Library
     {
         /// <summary>Takes the oldest unread laser scan.</summary>
-        /// <param name="frame_id_size">How many bytes fit; becomes how many were written.</param>
-        /// <param name="ranges_size">How many values fit; becomes how many were written, as that of intensities.</param>
+        /// <param name="frame_id_size">How many bytes fit. Becomes how many were written.</param>
+        /// <param name="ranges_size">How many values fit. Becomes how many were written, as that of intensities.</param>
         /// <returns>False if there is none, or if it does not fit: then it stays, and a debug message says why.</returns>
         public static bool poll_laser_scan(
             string topic, ref uint sec, ref uint nanosec, TextBuffer frame_id, ref uint frame_id_size,
@@ -73,9 +73,9 @@ namespace Ros2Gateway.Thesis
         }
 
         /// <summary>Takes the oldest unread state of the battery.</summary>
-        /// <param name="frame_id_size">How many bytes fit; becomes how many were written, as the sizes of all texts.</param>
+        /// <param name="frame_id_size">How many bytes fit. Becomes how many were written, as the sizes of all texts.</param>
         /// <param name="cell_amount">
-        /// How many cells both arrays take; becomes how many were written. With 0 none are, and the arrays may be
+        /// How many cells both arrays take. Becomes how many were written. With 0 none are, and the arrays may be
         /// null. Where the robot tells fewer temperatures than voltages, or the other way round, the rest is NaN.
         /// </param>
         /// <returns>False if there is none, or if it does not fit: then it stays, and a debug message says why.</returns>

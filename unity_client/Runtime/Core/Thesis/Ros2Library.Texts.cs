@@ -12,14 +12,14 @@ namespace Ros2Gateway.Thesis
             return send(topic, new StringMsg { data = msg ?? "" });
         }
 
-        /// <summary>Sends a header; a stamp of 0 arrives as 0.</summary>
+        /// <summary>Sends a header. A stamp of 0 arrives as 0.</summary>
         public static bool send_header(string topic, uint sec, uint nanosec, string frame_id)
         {
             HeaderMsg header = new HeaderMsg();
             return Stamp("send_header", topic, header, sec, nanosec, frame_id) && send(topic, header);
         }
 
-        /// <summary>Sends a header; where nobody set its stamp it gets the time at which it arrives.</summary>
+        /// <summary>Sends a header. Where nobody set its stamp it gets the time at which it arrives.</summary>
         public static bool send_header(string topic, HeaderMsg header)
         {
             return send(topic, header);
@@ -27,7 +27,7 @@ namespace Ros2Gateway.Thesis
 
         /// <summary>Takes the oldest unread text.</summary>
         /// <param name="buffer">A StringBuilder or a byte array.</param>
-        /// <param name="size">How many bytes it takes; becomes how many were written, 0 if there is no text.</param>
+        /// <param name="size">How many bytes it takes. Becomes how many were written, 0 if there is no text.</param>
         /// <returns>False if there is none, or if it does not fit: then it stays, and a debug message says why.</returns>
         public static bool poll_string(string topic, TextBuffer buffer, ref uint size)
         {
@@ -64,7 +64,7 @@ namespace Ros2Gateway.Thesis
         }
 
         /// <summary>Takes the oldest unread header.</summary>
-        /// <param name="frame_id_size">How many bytes fit; becomes how many were written, 0 if there is no header.</param>
+        /// <param name="frame_id_size">How many bytes fit. Becomes how many were written, 0 if there is no header.</param>
         /// <returns>False if there is none, or if it does not fit: then it stays, and a debug message says why.</returns>
         public static bool poll_header(
             string topic, ref uint sec, ref uint nanosec, TextBuffer frame_id, ref uint frame_id_size)

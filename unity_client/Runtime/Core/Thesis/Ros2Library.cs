@@ -13,7 +13,7 @@ namespace Ros2Gateway.Thesis
     /// </summary>
     /// <remarks>
     /// The library was one per process, and scenes call it as such: this class alone in the package holds
-    /// static state. Every call returns at once and none throws; what fails returns false, and
+    /// static state. Every call returns at once and none throws. What fails returns false, and
     /// <see cref="poll_debug_message"/> says why. Types are the numbers of the message table. Any thread.
     /// </remarks>
     public static partial class Ros2Library
@@ -34,13 +34,13 @@ namespace Ros2Gateway.Thesis
         private static string _prefix = "";
         private static string _lastDebugMessage; // a poll that fails in every frame is one piece of news
 
-        /// <summary>Where the gateway is; what is set counts from the next <see cref="ros2_init"/> on.</summary>
+        /// <summary>Where the gateway is. What is set counts from the next <see cref="ros2_init"/> on.</summary>
         public static GatewayOptions Options = new GatewayOptions();
 
-        /// <summary>Begins to connect. Called again it does nothing; true in both cases.</summary>
+        /// <summary>Begins to connect. Called again it does nothing. True in both cases.</summary>
         /// <param name="prefix">
-        /// What the names of the nodes begin with. They are the gateway's, which takes it as <c>--node-prefix</c>;
-        /// a debug message tells if it has another one. Debug messages begin with it, too.
+        /// What the names of the nodes begin with. They are the gateway's, which takes it as <c>--node-prefix</c>.
+        /// A debug message tells if it has another one. Debug messages begin with it, too.
         /// </param>
         public static bool ros2_init(string prefix = "")
         {
@@ -85,7 +85,7 @@ namespace Ros2Gateway.Thesis
             }
         }
 
-        /// <summary>Registers a publisher; false where the topic has one, which stays.</summary>
+        /// <summary>Registers a publisher. False where the topic has one, which stays.</summary>
         /// <param name="type">The number of the type in the message table.</param>
         /// <param name="backlog">How many messages may wait, the oldest being dropped.</param>
         public static bool add_publisher(string topic, uint type, uint backlog)
@@ -113,7 +113,7 @@ namespace Ros2Gateway.Thesis
             return add_publisher(topic, Number(type), Unsigned(backlog));
         }
 
-        /// <summary>Registers a subscriber; a second one on the same topic takes the place of the first.</summary>
+        /// <summary>Registers a subscriber. A second one on the same topic takes the place of the first.</summary>
         /// <param name="type">The number of the type in the message table.</param>
         /// <param name="libraryBacklog">How many messages wait here to be polled, the oldest being dropped.</param>
         /// <param name="rosBacklog">The depth of the ROS subscription.</param>

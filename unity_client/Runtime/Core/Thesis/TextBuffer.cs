@@ -40,7 +40,7 @@ namespace Ros2Gateway.Thesis
             return _bytes == null ? 0 : Math.Min(size, (uint)_bytes.Length);
         }
 
-        /// <summary>Writes a text that fits; returns its length in bytes.</summary>
+        /// <summary>Writes a text that fits. Returns its length in bytes.</summary>
         internal uint Write(string text)
         {
             if (_text != null)

@@ -5,12 +5,12 @@ namespace Ros2Gateway
 {
     /// <summary>One attempt to connect and, if it succeeds, the connection. Used once.</summary>
     /// <remarks>
-    /// Where there are threads the listener is called from background ones; where there are none
+    /// Where there are threads the listener is called from background ones. Where there are none
     /// (WebGL) from within <see cref="Poll"/>, <see cref="TrySend"/> and <see cref="Close"/>.
     /// </remarks>
     public interface ITransport : IDisposable
     {
-        /// <summary>Begins to connect and returns at once; what the network does is told to the listener.</summary>
+        /// <summary>Begins to connect and returns at once. What the network does is told to the listener.</summary>
         void Open(Uri address, ITransportListener listener);
 
         /// <summary>Sends one text frame, or returns false: not open, or the last one is still under way.</summary>
@@ -23,11 +23,11 @@ namespace Ros2Gateway
         /// <summary>Does what is to be done where there are no threads, elsewhere nothing.</summary>
         void Poll();
 
-        /// <summary>Says goodbye and closes, within a second; OnClosed follows. May be called in any state.</summary>
+        /// <summary>Says goodbye and closes, within a second. OnClosed follows. May be called in any state.</summary>
         void Close(int code, string reason);
     }
 
-    /// <summary>What a transport tells. All but OnSent never overlap; nothing comes after OnClosed.</summary>
+    /// <summary>What a transport tells. All but OnSent never overlap. Nothing comes after OnClosed.</summary>
     public interface ITransportListener
     {
         /// <summary>The connection stands.</summary>
@@ -36,7 +36,7 @@ namespace Ros2Gateway
         /// <summary>Part of a message has come, and the rest is on its way.</summary>
         void OnProgress();
 
-        /// <summary>One whole message; the buffer is the listener's until it returns.</summary>
+        /// <summary>One whole message. The buffer is the listener's until it returns.</summary>
         void OnFrame(byte[] buffer, int count);
 
         /// <summary>A message of more bytes than the transport takes was thrown away.</summary>
@@ -45,7 +45,7 @@ namespace Ros2Gateway
         /// <summary>The frame of the last TrySend has left, and its buffer is free.</summary>
         void OnSent();
 
-        /// <summary>The end, exactly once, however it came; code 0 where the peer gave none.</summary>
+        /// <summary>The end, exactly once, however it came. Code 0 where the peer gave none.</summary>
         void OnClosed(int code, string reason);
     }
 }

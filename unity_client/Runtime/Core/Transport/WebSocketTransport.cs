@@ -16,7 +16,7 @@ namespace Ros2Gateway
     /// </remarks>
     public sealed class WebSocketTransport : ITransport
     {
-        private const int FirstBufferBytes = 64 * 1024; // most frames; larger ones make it grow
+        private const int FirstBufferBytes = 64 * 1024; // most frames. Larger ones make it grow
         private const int PieceBytes = 32 * 1024; // so that a slow link shows progress: 1 Mbit/s does it in 0.3 s
         private const int RetainedBufferBytes = 1024 * 1024; // what one rare huge frame needed is given back,
         private const int FramesUntilRare = 1000; // once so many were smaller: a cloud at 1 Hz beside what a robot says
@@ -29,7 +29,7 @@ namespace Ros2Gateway
         private readonly SemaphoreSlim _toSend = new SemaphoreSlim(0);
         private readonly TaskCompletionSource<bool> _received = new TaskCompletionSource<bool>(); // all there was
         private ITransportListener _listener;
-        private byte[] _frame; // under way, or null; set by TrySend, cleared by the sender
+        private byte[] _frame; // under way, or null. Set by TrySend, cleared by the sender
         private int _frameBytes;
         private int _isConnected;
         private int _isOpen;
@@ -247,7 +247,7 @@ namespace Ros2Gateway
             Dispose();
         }
 
-        // Nobody awaits it any more. If it ends after all, so does its socket; its exception is looked at, or
+        // Nobody awaits it any more. If it ends after all, so does its socket. Its exception is looked at, or
         // it would be reported as unobserved.
         private void Forget(Task abandoned)
         {

@@ -20,11 +20,11 @@ namespace Ros2Gateway.Unity
         private GatewayConnection _connection;
 
         private GatewayConnection _bound;
-        private string _gateway = ""; // the address of the last that was used; empty before the first
+        private string _gateway = ""; // the address of the last that was used. Empty before the first
         private bool _isListening;
 
         /// <summary>
-        /// The connection that is used; null if there is none. What is set is used at once, and null lets the
+        /// The connection that is used. Null if there is none. What is set is used at once, and null lets the
         /// component look for one by itself.
         /// </summary>
         public GatewayConnection Connection
@@ -51,7 +51,7 @@ namespace Ros2Gateway.Unity
             get { return false; }
         }
 
-        /// <summary>Whether there is a connection, made or not; from Bind to Unbind.</summary>
+        /// <summary>Whether there is a connection, made or not. From Bind to Unbind.</summary>
         protected bool IsBound { get; private set; }
 
         // a reload of scripts in Play makes an empty text of null
@@ -72,7 +72,7 @@ namespace Ros2Gateway.Unity
         /// </summary>
         protected abstract void Unbind(GatewayConnection connection);
 
-        /// <summary>Looks for a connection; overriders call it, last.</summary>
+        /// <summary>Looks for a connection. Overriders call it, last.</summary>
         protected virtual void OnEnable()
         {
             _isListening = true;
@@ -84,7 +84,7 @@ namespace Ros2Gateway.Unity
             }
         }
 
-        /// <summary>Lets go of the connection; overriders call it, first.</summary>
+        /// <summary>Lets go of the connection. Overriders call it, first.</summary>
         protected virtual void OnDisable()
         {
             _isListening = false;

@@ -9,8 +9,8 @@ namespace Ros2Gateway.Unity
     /// <summary>The scene's connection: connects while it is enabled, and calls all handlers in Update.</summary>
     /// <remarks>
     /// Components that are given no connection find this one by themselves, whichever of them comes first, and take
-    /// another when it is destroyed; what moves robots, and what was given this one, takes only another to the same
-    /// address. Disabling it disconnects, enabling it connects again; what was subscribed and
+    /// another when it is destroyed. What moves robots, and what was given this one, takes only another to the same
+    /// address. Disabling it disconnects, enabling it connects again. What was subscribed and
     /// advertised stays until it is destroyed. While the application is paused (a headset that is put down, a
     /// desktop window without *Run In Background* that is left) it is disconnected.
     /// </remarks>
@@ -52,13 +52,13 @@ namespace Ros2Gateway.Unity
         private readonly Listeners<bool> _inspector; // the lists of the Inspector
         private GatewayClient _client;
         private string _token = ""; // from code, and so in no scene
-        private string _givenToken = ""; // what the client has from here; it may have got another since
+        private string _givenToken = ""; // what the client has from here. It may have got another since
         private float _pumpMilliseconds = 4;
         private bool _wasConnected;
         private bool _isLeaving;
         private bool _isPaused;
 
-        /// <summary>A component of the scene; made by Unity.</summary>
+        /// <summary>A component of the scene. Made by Unity.</summary>
         public GatewayConnection()
         {
             // Of the client's mailbox, which is made later, and anew for each Play.
@@ -77,7 +77,7 @@ namespace Ros2Gateway.Unity
             remove { _eventHeard.Remove(value); }
         }
 
-        /// <summary>The connection was made or lost; also while it is being made.</summary>
+        /// <summary>The connection was made or lost. Also while it is being made.</summary>
         public event Action<ConnectionState> StateChanged
         {
             add { _stateChanged.Add(value); }
@@ -100,7 +100,7 @@ namespace Ros2Gateway.Unity
             remove { _halted.Remove(value); }
         }
 
-        /// <summary>The client; it is there from the first use on, connected or not.</summary>
+        /// <summary>The client. It is there from the first use on, connected or not.</summary>
         public GatewayClient Client
         {
             get
@@ -133,7 +133,7 @@ namespace Ros2Gateway.Unity
 
         /// <summary>
         /// Where the gateway is. Another address, for instance from a text field, counts when the component is
-        /// enabled the next time; an empty one is that of the settings.
+        /// enabled the next time. An empty one is that of the settings.
         /// </summary>
         public string Address
         {
@@ -143,21 +143,21 @@ namespace Ros2Gateway.Unity
 
         /// <summary>
         /// What the gateway asks for, if it does: from code, for what is to be in no asset and no build. It goes before that
-        /// of the settings unless it is empty; like <see cref="Address"/>.
+        /// of the settings unless it is empty. Like <see cref="Address"/>.
         /// </summary>
         public string Token
         {
             set { _token = value ?? ""; }
         }
 
-        /// <summary>What several scenes share; like <see cref="Address"/>.</summary>
+        /// <summary>What several scenes share. Like <see cref="Address"/>.</summary>
         public GatewaySettings Settings
         {
             get { return _settings; }
             set { _settings = value; }
         }
 
-        /// <summary>Whether it stays when another scene is loaded; before it is active.</summary>
+        /// <summary>Whether it stays when another scene is loaded. Before it is active.</summary>
         public bool OutlivesScenes
         {
             get { return _dontDestroyOnLoad; }
@@ -229,7 +229,7 @@ namespace Ros2Gateway.Unity
         {
             if (_dontDestroyOnLoad && !IsOver)
             {
-                transform.SetParent(null); // Unity keeps no other; not in Awake, when a parent may be being activated
+                transform.SetParent(null); // Unity keeps no other. Not in Awake, when a parent may be being activated
                 DontDestroyOnLoad(gameObject);
             }
         }
@@ -337,7 +337,7 @@ namespace Ros2Gateway.Unity
             string text = "[ROS 2 Gateway] " + happened;
             if (happened.Exception != null)
             {
-                Debug.LogError(text, this); // which handler it was; the stack is the exception's
+                Debug.LogError(text, this); // which handler it was. The stack is the exception's
                 Debug.LogException(happened.Exception, this);
             }
             else if (happened.Level == EventLevel.Error)

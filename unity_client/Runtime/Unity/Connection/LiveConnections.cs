@@ -18,11 +18,11 @@ namespace Ros2Gateway.Unity
         private static readonly List<ConnectedBehaviour> Users = new List<ConnectedBehaviour>();
 
         /// <summary>
-        /// The connection that a component uses: its own choice; else one that is enabled, of its scene rather than
-        /// of another; else one that is disabled. Null if there is none.
+        /// The connection that a component uses: its own choice. Else one that is enabled, of its scene rather than
+        /// of another. Else one that is disabled. Null if there is none.
         /// </summary>
-        /// <param name="present">What it uses now; it stays with that as long as nothing is better.</param>
-        /// <param name="gateway">The only address that will do without a choice; null for any.</param>
+        /// <param name="present">What it uses now. It stays with that as long as nothing is better.</param>
+        /// <param name="gateway">The only address that will do without a choice. Null for any.</param>
         internal static GatewayConnection Best(
             Component user, GatewayConnection chosen, GatewayConnection present, string gateway = null)
         {
@@ -61,7 +61,7 @@ namespace Ros2Gateway.Unity
                 : Connections.Contains(present) ? present.Gateway : gateway;
         }
 
-        /// <summary>Another that outlives its scene, and leads to the same gateway; null if there is none.</summary>
+        /// <summary>Another that outlives its scene, and leads to the same gateway. Null if there is none.</summary>
         internal static GatewayConnection Lasting(GatewayConnection other)
         {
             return Connections.Find(one => one != other && one.OutlivesScenes && one.Address == other.Address);

@@ -5,7 +5,7 @@ namespace Ros2Gateway.Unity
 {
     /// <summary>
     /// Between vectors that know their frame and UnityEngine's, which are right, up, forward. ROS to Unity is
-    /// <c>msg.pose.As&lt;Flu&gt;().ToUnity()</c>; Unity to ROS is
+    /// <c>msg.pose.As&lt;Flu&gt;().ToUnity()</c>. Unity to ROS is
     /// <c>transform.position.FromUnity&lt;Flu&gt;()</c>. UnityEngine counts in floats: beyond 10 km from the
     /// origin a millimetre is lost.
     /// </summary>
@@ -30,7 +30,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// An orientation of length 1, for UnityEngine; identity where the length is 0 or NaN.
+        /// An orientation of length 1, for UnityEngine. Identity where the length is 0 or NaN.
         /// </summary>
         public static Quaternion ToUnity<TFrame>(this Quaternion<TFrame> quaternion)
             where TFrame : struct, IFrame

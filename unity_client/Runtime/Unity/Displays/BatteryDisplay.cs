@@ -39,14 +39,14 @@ namespace Ros2Gateway.Unity
 
         private readonly Listeners<BatteryDisplay> _gotLow;
 
-        /// <summary>A component of the scene; made by Unity.</summary>
+        /// <summary>A component of the scene. Made by Unity.</summary>
         public BatteryDisplay()
         {
             _gotLow = new Listeners<BatteryDisplay>(ReportFault, "listener of On Low");
             _gotLow.Add(display => _onLow.Invoke());
         }
 
-        /// <summary>The charge as a share of the whole, 0 to 1; NaN if it is not known.</summary>
+        /// <summary>The charge as a share of the whole, 0 to 1. NaN if it is not known.</summary>
         public float Charge { get; private set; }
 
         /// <summary>Whether the charge is low.</summary>

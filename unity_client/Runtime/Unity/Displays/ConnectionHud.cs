@@ -37,7 +37,7 @@ namespace Ros2Gateway.Unity
         private long _lastBytes;
         private GatewayConnection _counted;
 
-        /// <summary>Whose connection is shown; null for the scene's.</summary>
+        /// <summary>Whose connection is shown. Null for the scene's.</summary>
         public GatewayConnection Connection
         {
             get { return _connection; }

@@ -8,7 +8,7 @@ namespace Ros2Gateway.Unity
     /// <summary>Draws a depth camera's picture as points, where the camera sees them.</summary>
     /// <remarks>
     /// The subscriber's type is sensor_msgs/msg/Image and its Image Format png: then depth comes in millimetres. Pictures
-    /// are decoded on the main thread; let the subscriber ask for a width and a rate that are enough.
+    /// are decoded on the main thread. Let the subscriber ask for a width and a rate that are enough.
     /// </remarks>
     [AddComponentMenu("ROS 2 Gateway/Depth Display")]
     [RequireComponent(typeof(MeshFilter), typeof(MeshRenderer))]
@@ -37,7 +37,7 @@ namespace Ros2Gateway.Unity
         private PointMesh _mesh;
         private DepthPoints _points;
 
-        /// <summary>What is further away is left out, in metres; 0 for no limit; from the next picture on.</summary>
+        /// <summary>What is further away is left out, in metres. 0 for no limit. From the next picture on.</summary>
         public float MaxRange
         {
             get { return _maxRange; }
@@ -54,7 +54,7 @@ namespace Ros2Gateway.Unity
         /// <summary>How many points of the newest picture are drawn.</summary>
         public int Drawn { get; private set; }
 
-        /// <summary>Takes what the camera says of itself; another subscriber's On Message may call it.</summary>
+        /// <summary>Takes what the camera says of itself. Another subscriber's On Message may call it.</summary>
         public void SetCamera(IMessage message)
         {
             _points = _points ?? new DepthPoints(_horizontalView * Mathf.Deg2Rad); // not enabled yet

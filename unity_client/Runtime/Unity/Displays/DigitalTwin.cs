@@ -5,7 +5,7 @@ using UnityEngine;
 namespace Ros2Gateway.Unity
 {
     /// <summary>
-    /// Follows a robot by its odometry, in the odometry's frame below a Fixed Frame; without one the parent is the origin of
+    /// Follows a robot by its odometry, in the odometry's frame below a Fixed Frame. Without one the parent is the origin of
     /// that frame. Never ahead of what is known: it stands where the newest message says, or is on its way there.
     /// </summary>
     [AddComponentMenu("ROS 2 Gateway/Digital Twin")]
@@ -30,21 +30,21 @@ namespace Ros2Gateway.Unity
         private float _since;
         private bool _hasPose;
 
-        /// <summary>How long it takes to where a message says, in seconds; 0 to jump.</summary>
+        /// <summary>How long it takes to where a message says, in seconds. 0 to jump.</summary>
         public float Smoothing
         {
             get { return _smoothing; }
             set { _smoothing = value; }
         }
 
-        /// <summary>From further than this it jumps, in metres; 0 for never.</summary>
+        /// <summary>From further than this it jumps, in metres. 0 for never.</summary>
         public float TeleportDistance
         {
             get { return _teleportDistance; }
             set { _teleportDistance = value; }
         }
 
-        /// <summary>Without a message for so long it is not drawn, in seconds; 0 for never.</summary>
+        /// <summary>Without a message for so long it is not drawn, in seconds. 0 for never.</summary>
         public float HideAfter
         {
             get { return _hideAfter; }

@@ -5,7 +5,7 @@ using UnityEngine;
 namespace Ros2Gateway.Unity
 {
     /// <summary>
-    /// A display that stands where its messages' frame_id is, if there is a Fixed Frame above it; without one it
+    /// A display that stands where its messages' frame_id is, if there is a Fixed Frame above it. Without one it
     /// stays where its Transform is, which then is that frame.
     /// </summary>
     /// <remarks>
@@ -21,14 +21,14 @@ namespace Ros2Gateway.Unity
         private readonly HiddenRenderers _renderers = new HiddenRenderers();
         private FixedFrame _found;
 
-        /// <summary>In what it is placed; a change counts when the component is enabled the next time.</summary>
+        /// <summary>In what it is placed. A change counts when the component is enabled the next time.</summary>
         public FixedFrame FixedFrame
         {
             get { return _fixedFrame; }
             set { _fixedFrame = value; }
         }
 
-        /// <summary>The frame of the newest message; empty before the first.</summary>
+        /// <summary>The frame of the newest message. Empty before the first.</summary>
         public string FrameId { get; private set; }
 
         /// <summary>Whether it is not drawn: nobody knows where its frame is, or it is outdated.</summary>
@@ -37,7 +37,7 @@ namespace Ros2Gateway.Unity
             get { return _renderers.IsHidden; }
         }
 
-        /// <summary>Why it is not placed, or not anew; null while all is well.</summary>
+        /// <summary>Why it is not placed, or not anew. Null while all is well.</summary>
         public string FrameProblem { get; private set; }
 
         /// <summary>Whether there is a Fixed Frame that it is placed in.</summary>
@@ -82,7 +82,7 @@ namespace Ros2Gateway.Unity
             _renderers.Set(this, false);
         }
 
-        /// <summary>Says in which frame what is drawn stands; every Draw calls it.</summary>
+        /// <summary>Says in which frame what is drawn stands. Every Draw calls it.</summary>
         protected void StandIn(HeaderMsg header)
         {
             StandIn(header == null ? "" : header.frame_id);

@@ -7,14 +7,14 @@ namespace Ros2Gateway.Unity
     /// <summary>What may show or send the newest message alone, so that no other need wait for it.</summary>
     internal interface INewestOnly
     {
-        /// <summary>Whether it does so; else it needs every message.</summary>
+        /// <summary>Whether it does so. Else it needs every message.</summary>
         bool IsNewestOnly { get; }
     }
 
     /// <summary>How many messages should wait where nobody chose a number.</summary>
     internal static class QueueDefault
     {
-        /// <summary>1 if the newest is enough for all that stands beside a component; else *many*.</summary>
+        /// <summary>1 if the newest is enough for all that stands beside a component. Else *many*.</summary>
         internal static int Beside(Component component, int many)
         {
             INewestOnly[] beside = component.GetComponents<INewestOnly>();

@@ -14,18 +14,18 @@ namespace Ros2Gateway.Unity
     }
 
     /// <summary>
-    /// Shows pictures, JPEG or PNG, on the Renderer or the RawImage beside it; the newest only. For
+    /// Shows pictures, JPEG or PNG, on the Renderer or the RawImage beside it. The newest only. For
     /// sensor_msgs/msg/CompressedImage, and for sensor_msgs/msg/Image, which the gateway sends as JPEG.
     /// </summary>
     /// <remarks>
     /// Baseline JPEGs, as cameras and the gateway make them, are decoded on another thread as soon as they
-    /// arrive; Update uploads the newest that is decoded, one at most. Progressive JPEGs and PNGs, and in WebGL,
+    /// arrive. Update uploads the newest that is decoded, one at most. Progressive JPEGs and PNGs, and in WebGL,
     /// which has no threads, all pictures are decoded by Unity on the main thread.
     /// </remarks>
     [AddComponentMenu("ROS 2 Gateway/Image Screen")]
     public sealed class ImageScreen : TypedDisplay<CompressedImageMsg>
     {
-        private const int MaxSide = 8192; // pixels: what small GPUs take; as a texture already 256 MB
+        private const int MaxSide = 8192; // pixels: what small GPUs take. As a texture already 256 MB
         private const float LookSeconds = 1;
         private const float Dim = 0.35f; // of the brightness: plainly not live, and still to be made out
 
@@ -71,14 +71,14 @@ namespace Ros2Gateway.Unity
         private int _statusSeconds;
         private float _nextLook;
 
-        /// <summary>A component of the scene; made by Unity.</summary>
+        /// <summary>A component of the scene. Made by Unity.</summary>
         public ImageScreen()
         {
             _staleChanged = new Listeners<bool>(ReportFault, "listener of On Stale");
             _staleChanged.Add(isStale => _onStale.Invoke(isStale));
         }
 
-        /// <summary>The picture; null before the first. This component uses it again.</summary>
+        /// <summary>The picture. Null before the first. This component uses it again.</summary>
         public Texture2D Texture
         {
             get { return _texture; }
@@ -189,7 +189,7 @@ namespace Ros2Gateway.Unity
             }
         }
 
-        /// <summary>Has a picture decoded, which is shown once it is; false until then.</summary>
+        /// <summary>Has a picture decoded, which is shown once it is. False until then.</summary>
         protected override bool Draw(CompressedImageMsg message)
         {
             if (HasThreads)

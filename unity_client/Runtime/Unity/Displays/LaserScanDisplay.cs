@@ -28,12 +28,12 @@ namespace Ros2Gateway.Unity
         Intensity,
     }
 
-    /// <summary>Draws a laser scan; below a Fixed Frame where the scan's frame is; else the Transform is the sensor's.</summary>
+    /// <summary>Draws a laser scan. Below a Fixed Frame where the scan's frame is. Else the Transform is the sensor's.</summary>
     [AddComponentMenu("ROS 2 Gateway/Laser Scan Display")]
     [RequireComponent(typeof(MeshFilter), typeof(MeshRenderer))]
     public sealed class LaserScanDisplay : FramedDisplay<LaserScanMsg>
     {
-        private const int MaxBeams = 65536; // ten times what scanners have; more are thinned out
+        private const int MaxBeams = 65536; // ten times what scanners have. More are thinned out
         private const float SameThing = 0.1f; // of the range: neighbours that differ more are not joined
 
         [SerializeField]
@@ -72,7 +72,7 @@ namespace Ros2Gateway.Unity
             set { _coloring = value; }
         }
 
-        /// <summary>What is further away is left out, in metres; 0 for the scanner's own limit.</summary>
+        /// <summary>What is further away is left out, in metres. 0 for the scanner's own limit.</summary>
         public float MaxRange
         {
             get { return _maxRange; }
@@ -151,7 +151,7 @@ namespace Ros2Gateway.Unity
             return true;
         }
 
-        /// <summary>Puts the sensor at 0, the hits behind it; returns how many hits there are.</summary>
+        /// <summary>Puts the sensor at 0, the hits behind it. Returns how many hits there are.</summary>
         private int Place(LaserScanMsg message, int step, int beams)
         {
             // without limits of its own (0, NaN or infinite) all that was measured counts

@@ -7,7 +7,7 @@ using UnityEngine;
 
 namespace Ros2Gateway.Unity
 {
-    /// <summary>Levels of ROS' log; the numbers are those of rcl_interfaces/msg/Log.</summary>
+    /// <summary>Levels of ROS' log. The numbers are those of rcl_interfaces/msg/Log.</summary>
     public enum LogLevel
     {
         /// <summary>For who looks for a fault.</summary>

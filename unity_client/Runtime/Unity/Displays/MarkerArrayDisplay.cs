@@ -8,12 +8,12 @@ using UnityEngine;
 namespace Ros2Gateway.Unity
 {
     /// <summary>
-    /// Draws the markers of a MarkerArray, each in its own frame if there is a Fixed Frame above; else the Transform is
+    /// Draws the markers of a MarkerArray, each in its own frame if there is a Fixed Frame above. Else the Transform is
     /// the frame of all.
     /// </summary>
     /// <remarks>
     /// A message may add to what others have added, so each is shown when it comes. While this is disabled there are no
-    /// markers, as nobody would take away those that are deleted meanwhile; enabled again, it begins with the
+    /// markers, as nobody would take away those that are deleted meanwhile. Enabled again, it begins with the
     /// subscriber's last message.
     /// </remarks>
     [AddComponentMenu("ROS 2 Gateway/Marker Array Display")]
@@ -45,21 +45,21 @@ namespace Ros2Gateway.Unity
         private FixedFrame _found;
         private Material _own; // if none was chosen
 
-        /// <summary>In what markers are placed; a change counts when the component is enabled the next time.</summary>
+        /// <summary>In what markers are placed. A change counts when the component is enabled the next time.</summary>
         public FixedFrame FixedFrame
         {
             get { return _fixedFrame; }
             set { _fixedFrame = value; }
         }
 
-        /// <summary>How many markers are kept; more are left out.</summary>
+        /// <summary>How many markers are kept. More are left out.</summary>
         public int MaxMarkers
         {
             get { return _maxMarkers; }
             set { _maxMarkers = value; }
         }
 
-        /// <summary>How many vertices they have in all, a cube 24; of more only a part is drawn.</summary>
+        /// <summary>How many vertices they have in all, a cube 24. Of more only a part is drawn.</summary>
         public int MaxVertices
         {
             get { return _maxVertices; }

@@ -39,7 +39,7 @@ namespace Ros2Gateway.Unity
         /// <summary>How many vertices its mesh has.</summary>
         internal int VertexCount { get; private set; }
 
-        /// <summary>Shows a marker; returns what is wrong with it, or null.</summary>
+        /// <summary>Shows a marker. Returns what is wrong with it, or null.</summary>
         internal string Show(MarkerMsg marker, MeshBuffer shapes)
         {
             double seconds = marker.lifetime == null ? 0 : marker.lifetime.sec + marker.lifetime.nanosec * 1e-9;
@@ -61,7 +61,7 @@ namespace Ros2Gateway.Unity
             return problem;
         }
 
-        /// <summary>Puts it where its frame is; what nobody knows a place for is not drawn.</summary>
+        /// <summary>Puts it where its frame is. What nobody knows a place for is not drawn.</summary>
         /// <param name="fixedFrame">Null: the parent is the frame.</param>
         internal void Place(FixedFrame fixedFrame, Camera camera)
         {

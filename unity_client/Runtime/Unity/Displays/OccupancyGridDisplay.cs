@@ -52,7 +52,7 @@ namespace Ros2Gateway.Unity
             set { _height = value; }
         }
 
-        /// <summary>The picture, its first row at the map's origin; null before the first map.</summary>
+        /// <summary>The picture, its first row at the map's origin. Null before the first map.</summary>
         public Texture2D Texture
         {
             get { return _texture; }

@@ -44,14 +44,14 @@ namespace Ros2Gateway.Unity
             set { _spacing = value; }
         }
 
-        /// <summary>How many points are kept; a change begins a new trail.</summary>
+        /// <summary>How many points are kept. A change begins a new trail.</summary>
         public int MaxPoints
         {
             get { return _maxPoints; }
             set { _maxPoints = value; }
         }
 
-        /// <summary>A jump of more than this begins a new trail, in metres; 0 for never.</summary>
+        /// <summary>A jump of more than this begins a new trail, in metres. 0 for never.</summary>
         public float TeleportDistance
         {
             get { return _teleportDistance; }

@@ -10,7 +10,7 @@ namespace Ros2Gateway.Unity
     [RequireComponent(typeof(MeshFilter), typeof(MeshRenderer))]
     public sealed class PathDisplay : FramedDisplay<PathMsg>
     {
-        private const int MaxPoses = 65536; // a hundred times a planner's; longer paths are thinned out
+        private const int MaxPoses = 65536; // a hundred times a planner's. Longer paths are thinned out
 
         [SerializeField]
         private Color _color = new Color(0.1f, 0.8f, 0.2f);

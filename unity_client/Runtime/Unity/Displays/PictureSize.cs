@@ -10,7 +10,7 @@ namespace Ros2Gateway.Unity
         private const ulong PngSignature = 0x89504E470D0A1A0A;
         private const int PngHeader = 24; // bytes: signature, length and name of IHDR, width, height
 
-        /// <summary>Reads them; false if this is neither.</summary>
+        /// <summary>Reads them. False if this is neither.</summary>
         internal static bool TryRead(byte[] picture, out int width, out int height)
         {
             width = height = 0;

@@ -75,7 +75,7 @@ namespace Ros2Gateway.Unity
 #endif
         }
 
-        /// <summary>Makes it as wide as the picture demands; the height stays.</summary>
+        /// <summary>Makes it as wide as the picture demands. The height stays.</summary>
         internal void KeepAspect(float aspect)
         {
 #if ROS2GATEWAY_UGUI
@@ -99,7 +99,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// How many pixels of a camera's its longer side takes at most; infinite if nobody knows, such as without one.
+        /// How many pixels of a camera's its longer side takes at most. Infinite if nobody knows, such as without one.
         /// </summary>
         internal float PixelsAcross(Camera camera)
         {
@@ -125,7 +125,7 @@ namespace Ros2Gateway.Unity
             return Seen(camera, bounds.center, Mathf.Max(bounds.size.x, Mathf.Max(bounds.size.y, bounds.size.z)));
         }
 
-        /// <summary>Makes it darker than its colour; a share of 1 is its colour.</summary>
+        /// <summary>Makes it darker than its colour. A share of 1 is its colour.</summary>
         internal void Darken(float share)
         {
             if (_hasTint)

@@ -5,8 +5,8 @@ using UnityEngine;
 namespace Ros2Gateway.Unity
 {
     /// <summary>
-    /// Draws a point cloud with float32 fields x, y, z and, if it has one, rgb or rgba; it stands where
-    /// the cloud's frame is if a Fixed Frame is above it; else the Transform is the sensor's.
+    /// Draws a point cloud with float32 fields x, y, z and, if it has one, rgb or rgba. It stands where
+    /// the cloud's frame is if a Fixed Frame is above it. Else the Transform is the sensor's.
     /// </summary>
     [AddComponentMenu("ROS 2 Gateway/Point Cloud Display")]
     [RequireComponent(typeof(MeshFilter), typeof(MeshRenderer))]

@@ -21,13 +21,13 @@ namespace Ros2Gateway.Unity
         private long _rowStep;
         private long _pointStep;
 
-        /// <summary>How many points there are; what the data have no room for is not counted.</summary>
+        /// <summary>How many points there are. What the data have no room for is not counted.</summary>
         internal long Count { get; private set; }
 
         /// <summary>Whether the data end before the points that the message speaks of.</summary>
         internal bool IsTruncated { get; private set; }
 
-        /// <summary>Understands the message; null, or what is wrong with it.</summary>
+        /// <summary>Understands the message. Null, or what is wrong with it.</summary>
         internal string Read(PointCloud2Msg message)
         {
             _bytes = message.data ?? Array.Empty<byte>();
@@ -62,7 +62,7 @@ namespace Ros2Gateway.Unity
             return null;
         }
 
-        /// <summary>Reads a point; false if it is none (NaN), or beyond the data.</summary>
+        /// <summary>Reads a point. False if it is none (NaN), or beyond the data.</summary>
         internal bool TryGet(long index, out Vector3<Flu> point, out Color32 color)
         {
             point = default(Vector3<Flu>);

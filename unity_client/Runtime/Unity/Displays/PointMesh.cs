@@ -25,7 +25,7 @@ namespace Ros2Gateway.Unity
 
         /// <param name="display">Has a MeshFilter and a MeshRenderer beside it.</param>
         /// <param name="isSolid">Whether triangles are drawn, which hide each other.</param>
-        /// <param name="staging">That several meshes share; null for one of its own.</param>
+        /// <param name="staging">That several meshes share. Null for one of its own.</param>
         internal PointMesh(Component display, bool isSolid = false, MeshStaging staging = null)
         {
             _staging = staging ?? new MeshStaging();
@@ -58,7 +58,7 @@ namespace Ros2Gateway.Unity
             get { return _staging.Indices; }
         }
 
-        /// <summary>Makes room; what was there is lost.</summary>
+        /// <summary>Makes room. What was there is lost.</summary>
         internal void Reserve(int points, int indices)
         {
             _staging.Reserve(points, indices);

@@ -8,7 +8,7 @@ namespace Ros2Gateway.Unity
     /// <summary>Poses as arrows, which point along the poses' x.</summary>
     internal sealed class PoseArrows
     {
-        private const double ShaftShare = 0.7; // of the length; the rest is the head
+        private const double ShaftShare = 0.7; // of the length. The rest is the head
         private const double ShaftWidth = 0.08;
         private const double HeadWidth = 0.24;
 
@@ -35,7 +35,7 @@ namespace Ros2Gateway.Unity
             _shapes.Clear(MeshKind.Triangles);
         }
 
-        /// <summary>Adds a pose; false if it is not finite.</summary>
+        /// <summary>Adds a pose. False if it is not finite.</summary>
         internal bool Add(PoseMsg message)
         {
             if (message == null || message.position == null || message.orientation == null)

@@ -29,10 +29,10 @@ namespace Ros2Gateway.Unity
 
         private readonly Listeners<string> _changed;
         private Component _display; // whose it is
-        private Action<string> _write; // into all texts that were found; null without one
+        private Action<string> _write; // into all texts that were found. Null without one
         private Action<Color> _paint;
 
-        /// <summary>A part of a display; made by Unity, too.</summary>
+        /// <summary>A part of a display. Made by Unity, too.</summary>
         public TextOutput()
         {
             _changed = new Listeners<string>(
@@ -49,7 +49,7 @@ namespace Ros2Gateway.Unity
             get { return _onChanged; }
         }
 
-        /// <summary>Finds the place; false if there is none.</summary>
+        /// <summary>Finds the place. False if there is none.</summary>
         /// <param name="isRich">Whether tags such as &lt;color&gt; are obeyed.</param>
         internal bool Find(Component display, bool isRich)
         {

@@ -28,7 +28,7 @@ namespace Ros2Gateway.Unity
             get { return _text; }
         }
 
-        /// <summary>Longer messages are cut; takes effect when it is enabled the next time.</summary>
+        /// <summary>Longer messages are cut. Takes effect when it is enabled the next time.</summary>
         public int MaxLines
         {
             get { return _maxLines; }

@@ -6,7 +6,7 @@ using UnityEngine;
 namespace Ros2Gateway.Unity
 {
     /// <summary>
-    /// Shows the messages of the Topic Subscriber beside it; the base of all displays of one type.
+    /// Shows the messages of the Topic Subscriber beside it. The base of all displays of one type.
     /// </summary>
     [RequireComponent(typeof(TopicSubscriber))]
     public abstract class TopicDisplay<T> : MonoBehaviour, INewestOnly
@@ -27,7 +27,7 @@ namespace Ros2Gateway.Unity
         public TopicSubscriber Subscriber { get; private set; }
 
         /// <summary>
-        /// How long ago the message came that is shown, in seconds; infinite before the first. What could not
+        /// How long ago the message came that is shown, in seconds. Infinite before the first. What could not
         /// be shown does not count.
         /// </summary>
         public float AgeSeconds
@@ -42,7 +42,7 @@ namespace Ros2Gateway.Unity
 
         /// <summary>
         /// Whether a message changes only a part of what is shown. Then each is drawn when it comes, in order, and a
-        /// subscriber whose Queue is 0 asks for them all; else the newest is drawn in Update.
+        /// subscriber whose Queue is 0 asks for them all. Else the newest is drawn in Update.
         /// </summary>
         protected virtual bool DrawsEvery
         {
@@ -50,8 +50,8 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Shows a message in Update unless a newer one comes until then; at once if <see cref="DrawsEvery"/>, and then
-        /// only while this is enabled. The subscriber's messages come here by themselves; others may, too, such as those
+        /// Shows a message in Update unless a newer one comes until then. At once if <see cref="DrawsEvery"/>, and then
+        /// only while this is enabled. The subscriber's messages come here by themselves. Others may, too, such as those
         /// of a recording.
         /// </summary>
         public virtual void Show(T message)
@@ -71,14 +71,14 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Draws a message; in Update, of several that came in a frame only the newest, unless
+        /// Draws a message. In Update, of several that came in a frame only the newest, unless
         /// <see cref="DrawsEvery"/>.
         /// </summary>
         /// <returns>Whether it could be drawn.</returns>
         protected abstract bool Draw(T message);
 
         /// <summary>
-        /// The message that comes as another class, if this display knows that; else null. A display of pictures gets a
+        /// The message that comes as another class, if this display knows that. Else null. A display of pictures gets a
         /// copy of one that is filled anew.
         /// </summary>
         protected virtual T Converted(IMessage message)
@@ -93,15 +93,15 @@ namespace Ros2Gateway.Unity
             Show(message);
         }
 
-        /// <summary>Notes that a message is shown now which came so long ago; for what Draw only begins.</summary>
+        /// <summary>Notes that a message is shown now which came so long ago. For what Draw only begins.</summary>
         protected void SetDrawn(float ageSeconds)
         {
             _drawnTime = Time.unscaledTime - ageSeconds;
         }
 
         /// <summary>
-        /// Begins to listen; overriders call it. What the subscriber has received already, such as a map, which is sent
-        /// once, comes in Update; an Image Screen waits for the next picture.
+        /// Begins to listen. Overriders call it. What the subscriber has received already, such as a map, which is sent
+        /// once, comes in Update. An Image Screen waits for the next picture.
         /// </summary>
         protected virtual void OnEnable()
         {
@@ -111,7 +111,7 @@ namespace Ros2Gateway.Unity
             _earlierTime = Subscriber.LastTime;
         }
 
-        /// <summary>Draws what has come; overriders call it.</summary>
+        /// <summary>Draws what has come. Overriders call it.</summary>
         protected virtual void Update()
         {
             ReceiveEarlier(null);
@@ -123,7 +123,7 @@ namespace Ros2Gateway.Unity
             }
         }
 
-        /// <summary>Listens no longer; overriders call it.</summary>
+        /// <summary>Listens no longer. Overriders call it.</summary>
         protected virtual void OnDisable()
         {
             Subscriber.MessageReceived -= ReceiveAny;
@@ -163,7 +163,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>Receives what came before this was enabled, as old as it is.</summary>
-        /// <param name="next">What comes now, and may be the same message; or null.</param>
+        /// <param name="next">What comes now, and may be the same message. Or null.</param>
         private void ReceiveEarlier(IMessage next)
         {
             IMessage earlier = _earlier;

@@ -8,7 +8,7 @@ namespace Ros2Gateway.Unity
     {
         /// <summary>
         /// The arrow keys and space by the Input System where the project has it switched on, else by the
-        /// Input Manager; without either, nothing is ever held.
+        /// Input Manager. Without either, nothing is ever held.
         /// </summary>
         public static IDriveInput Keyboard()
         {

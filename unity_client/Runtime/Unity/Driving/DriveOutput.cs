@@ -10,7 +10,7 @@ namespace Ros2Gateway.Unity
     /// <summary>
     /// Publishes commands as the topic takes them, Twist or TwistStamped, and nothing before it is known which.
     /// It knows whether the robot may still be moving by them: after a connection was lost in the middle of driving,
-    /// the first thing that the robot hears is zero; and when the application freezes in the middle of driving, a
+    /// the first thing that the robot hears is zero. And when the application freezes in the middle of driving, a
     /// timer of its own sends zero. Where the gateway has stopped the robot, zeros that are sent once nobody pushes
     /// any more allow to drive on.
     /// </summary>
@@ -70,7 +70,7 @@ namespace Ros2Gateway.Unity
             get { return _isUp && _client.IsConnected ? _type.Reason : "connection lost"; }
         }
 
-        /// <summary>What is published, pkg/msg/Name; null while it is not known.</summary>
+        /// <summary>What is published, pkg/msg/Name. Null while it is not known.</summary>
         internal string Type
         {
             get { return _type.Name; }
@@ -104,14 +104,14 @@ namespace Ros2Gateway.Unity
         /// </summary>
         internal int Changes { get; private set; }
 
-        /// <summary>Does what is due; in every frame.</summary>
+        /// <summary>Does what is due. In every frame.</summary>
         internal void Tick()
         {
             _type.Tick(_clock.ElapsedMilliseconds);
             Advertise();
         }
 
-        /// <summary>Sends a command; false if it does not go. Zero goes even late, when a network is back.</summary>
+        /// <summary>Sends a command. False if it does not go. Zero goes even late, when a network is back.</summary>
         internal bool Send(DriveCommand command)
         {
             lock (_gate)
@@ -121,7 +121,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Stops the robot, whoever drives it; where the gateway knows of no robot behind the topic by a zero.
+        /// Stops the robot, whoever drives it. Where the gateway knows of no robot behind the topic by a zero.
         /// </summary>
         internal void Stop()
         {
@@ -172,7 +172,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Sends zero, unless that was the last command that went; without a connection later.
+        /// Sends zero, unless that was the last command that went. Without a connection later.
         /// </summary>
         internal void Stand()
         {

@@ -9,7 +9,7 @@ namespace Ros2Gateway.Unity
 
         internal string Text { get; private set; } = "";
 
-        /// <summary>Takes the words of now; returns whether they are others.</summary>
+        /// <summary>Takes the words of now. Returns whether they are others.</summary>
         internal bool Take(string text)
         {
             if (text == Text)

@@ -6,7 +6,7 @@ using UnityEngine.InputSystem;
 namespace Ros2Gateway.Unity
 {
     /// <summary>
-    /// The arrow keys drive and space stops, by the Input System; without a keyboard nothing does.
+    /// The arrow keys drive and space stops, by the Input System. Without a keyboard nothing does.
     /// </summary>
     public sealed class InputSystemDriveInput : IDriveInput
     {

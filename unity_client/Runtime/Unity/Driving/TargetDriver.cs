@@ -17,13 +17,13 @@ namespace Ros2Gateway.Unity
     /// Drives a robot to a point of the scene by its odometry: it turns, then drives, as
     /// <see cref="DriveToTarget"/> says. The target is given up and the robot told to stand when the window
     /// loses the focus, the application pauses, the component is disabled, the connection is lost or the gateway
-    /// refuses to drive on; a new connection resumes nothing. A new target lets a robot that was stopped drive
+    /// refuses to drive on. A new connection resumes nothing. A new target lets a robot that was stopped drive
     /// again.
     /// </summary>
     [AddComponentMenu("ROS 2 Gateway/Target Driver")]
     public sealed class TargetDriver : ConnectedBehaviour
     {
-        // A robot that was stopped may drive again 0.25 s after a zero; what takes longer has other reasons.
+        // A robot that was stopped may drive again 0.25 s after a zero. What takes longer has other reasons.
         private const double LetGoSeconds = 2;
 
         [SerializeField]
@@ -77,11 +77,11 @@ namespace Ros2Gateway.Unity
         private PlanarPose _pose;
         private double _poseTime = double.NaN;
         private double _next;
-        private double _begins; // when the target was set; NaN once it is driven to
+        private double _begins; // when the target was set. NaN once it is driven to
         private int _changes; // of the connection, when the target was set
         private Vector3 _place; // of the target, in the world
 
-        /// <summary>A component of the scene; made by Unity.</summary>
+        /// <summary>A component of the scene. Made by Unity.</summary>
         public TargetDriver()
         {
             _reached = new Listeners<TargetDriver>(ReportFault, "listener of Reached");
@@ -120,21 +120,21 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Who drives, what has stopped the robot and what to do about it, in words for people; as of the last frame.
+        /// Who drives, what has stopped the robot and what to do about it, in words for people. As of the last frame.
         /// </summary>
         public string Status
         {
             get { return _status.Text; }
         }
 
-        /// <summary>The same for programs; null while the component is disabled.</summary>
+        /// <summary>The same for programs. Null while the component is disabled.</summary>
         public ControlState Control
         {
             get { return _output == null ? null : _output.Control; }
         }
 
         /// <summary>
-        /// What is published, geometry_msgs/msg/Twist or TwistStamped, as the gateway says that the topic has; null
+        /// What is published, geometry_msgs/msg/Twist or TwistStamped, as the gateway says that the topic has. Null
         /// before it is known, and until then nothing moves.
         /// </summary>
         public string CommandType
@@ -143,7 +143,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Where commands go; a change takes effect when the component is enabled the next time.
+        /// Where commands go. A change takes effect when the component is enabled the next time.
         /// </summary>
         public string Topic
         {
@@ -151,7 +151,7 @@ namespace Ros2Gateway.Unity
             set { _topic = value; }
         }
 
-        /// <summary>Where poses come from; like <see cref="Topic"/>.</summary>
+        /// <summary>Where poses come from. Like <see cref="Topic"/>.</summary>
         public string OdometryTopic
         {
             get { return _odometryTopic; }
@@ -159,7 +159,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// A subscriber of the odometry to share; null for one of its own; like <see cref="Topic"/>.
+        /// A subscriber of the odometry to share. Null for one of its own. Like <see cref="Topic"/>.
         /// </summary>
         public TopicSubscriber Odometry
         {
@@ -167,14 +167,14 @@ namespace Ros2Gateway.Unity
             set { _odometry = value; }
         }
 
-        /// <summary>Where the odometry's frame is in the scene; null for the world's origin.</summary>
+        /// <summary>Where the odometry's frame is in the scene. Null for the world's origin.</summary>
         public Transform Origin
         {
             get { return _origin; }
             set { _origin = value; }
         }
 
-        /// <summary>Is put where the target is, and hidden while there is none; may be null.</summary>
+        /// <summary>Is put where the target is, and hidden while there is none. May be null.</summary>
         public Transform Marker
         {
             get { return _marker; }
@@ -182,7 +182,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Whether a window without focus stops the robot; off for a headset whose desktop window is in the
+        /// Whether a window without focus stops the robot. Off for a headset whose desktop window is in the
         /// background.
         /// </summary>
         public bool StopsWithoutFocus
@@ -191,7 +191,7 @@ namespace Ros2Gateway.Unity
             set { _stopsWithoutFocus = value; }
         }
 
-        /// <summary>What the robot may do; like <see cref="Topic"/>.</summary>
+        /// <summary>What the robot may do. Like <see cref="Topic"/>.</summary>
         public DriveSettings Settings
         {
             get { return _settings; }
@@ -216,22 +216,22 @@ namespace Ros2Gateway.Unity
             get { return _drive == null ? DriveState.Idle : _drive.State; }
         }
 
-        /// <summary>Why it waits, or gave up, in words; empty otherwise.</summary>
+        /// <summary>Why it waits, or gave up, in words. Empty otherwise.</summary>
         public string Reason
         {
             get { return _drive == null ? "" : _drive.Reason; }
         }
 
-        /// <summary>Metres from the robot to the target; NaN before the first pose.</summary>
+        /// <summary>Metres from the robot to the target. NaN before the first pose.</summary>
         public double Distance
         {
             get { return _drive == null ? double.NaN : _drive.Distance; }
         }
 
         /// <summary>
-        /// Drives to a point of the scene, its height being ignored; what was the target before is no longer.
+        /// Drives to a point of the scene, its height being ignored. What was the target before is no longer.
         /// False, and nothing happens, while there is no connection, no robot is known that takes commands, or the
-        /// component is disabled; false, too, for a point that is not finite.
+        /// component is disabled. False, too, for a point that is not finite.
         /// </summary>
         public bool SetTarget(Vector3 worldPosition)
         {
@@ -270,7 +270,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Takes the target away, and lets the robot stand if a driver of this connection drove it; what another
+        /// Takes the target away, and lets the robot stand if a driver of this connection drove it. What another
         /// client does goes on.
         /// </summary>
         public void Abandon(string reason)
@@ -475,7 +475,7 @@ namespace Ros2Gateway.Unity
             }
         }
 
-        /// <summary>The robot stands, without a target; returns whether it had one, whose end is to be told.</summary>
+        /// <summary>The robot stands, without a target. Returns whether it had one, whose end is to be told.</summary>
         private bool Stand(string reason)
         {
             if (_drive == null || !_drive.IsActive)

@@ -8,7 +8,7 @@ namespace Ros2Gateway.Unity
     /// <summary>
     /// Drives a robot by keys: a velocity while one is held, zero on release. The robot is told to stand, and
     /// held keys must be pressed anew, when the window loses the focus, the application pauses, the component
-    /// is disabled or STOP is pressed; while there is no connection nothing is published, and a new one
+    /// is disabled or STOP is pressed. While there is no connection nothing is published, and a new one
     /// resumes no motion. Where the gateway has stopped the robot, or another client drives it, <see
     /// cref="Status"/> says so, and keys must be let go before it drives on.
     /// </summary>
@@ -46,7 +46,7 @@ namespace Ros2Gateway.Unity
         private bool _mayDrive; // as long as a key is held
         private int _changes; // of the connection, when keys were let go of last
 
-        /// <summary>A component of the scene; made by Unity.</summary>
+        /// <summary>A component of the scene. Made by Unity.</summary>
         public TeleopDriver()
         {
             _statusChanged = new Listeners<string>(ReportFault, "listener of StatusChanged");
@@ -67,21 +67,21 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Who drives, what has stopped the robot and what to do about it, in words for people; as of the last frame.
+        /// Who drives, what has stopped the robot and what to do about it, in words for people. As of the last frame.
         /// </summary>
         public string Status
         {
             get { return _status.Text; }
         }
 
-        /// <summary>The same for programs; null while the component is disabled.</summary>
+        /// <summary>The same for programs. Null while the component is disabled.</summary>
         public ControlState Control
         {
             get { return _output == null ? null : _output.Control; }
         }
 
         /// <summary>
-        /// What is published, geometry_msgs/msg/Twist or TwistStamped, as the gateway says that the topic has; null
+        /// What is published, geometry_msgs/msg/Twist or TwistStamped, as the gateway says that the topic has. Null
         /// before it is known, and until then nothing moves.
         /// </summary>
         public string CommandType
@@ -89,28 +89,28 @@ namespace Ros2Gateway.Unity
             get { return _output == null ? null : _output.Type; }
         }
 
-        /// <summary>The topic; a change takes effect when the component is enabled the next time.</summary>
+        /// <summary>The topic. A change takes effect when the component is enabled the next time.</summary>
         public string Topic
         {
             get { return _topic; }
             set { _topic = value; }
         }
 
-        /// <summary>m/s ahead and back; like <see cref="Topic"/>.</summary>
+        /// <summary>m/s ahead and back. Like <see cref="Topic"/>.</summary>
         public float LinearSpeed
         {
             get { return _linearSpeed; }
             set { _linearSpeed = value; }
         }
 
-        /// <summary>rad/s of turning; like <see cref="Topic"/>.</summary>
+        /// <summary>rad/s of turning. Like <see cref="Topic"/>.</summary>
         public float AngularSpeed
         {
             get { return _angularSpeed; }
             set { _angularSpeed = value; }
         }
 
-        /// <summary>Where keys come from; the arrow keys and space, unless it is set.</summary>
+        /// <summary>Where keys come from. The arrow keys and space, unless it is set.</summary>
         public IDriveInput Input
         {
             get { return _input ?? (_input = DriveInputs.Keyboard()); }
@@ -118,7 +118,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Tells the robot to stand, whatever it does and whoever drives it, another client, too; held keys must be
+        /// Tells the robot to stand, whatever it does and whoever drives it, another client, too. Held keys must be
         /// pressed anew. For a key, and for a button's list of what to call.
         /// </summary>
         public void Stop()
@@ -186,7 +186,7 @@ namespace Ros2Gateway.Unity
             bool isDue = !_isUnfocused && !_isPaused
                 && _keys.Step(Input.Held, Time.unscaledTimeAsDouble, out command);
             bool isZero = command.Equals(DriveCommand.Zero);
-            // A key that was pressed anew may begin with the zero that a stopped robot waits for; one that was
+            // A key that was pressed anew may begin with the zero that a stopped robot waits for. One that was
             // held when it was stopped must be let go of.
             _mayDrive = !isZero && (_mayDrive || _output.LetGo());
             if (isDue && (isZero || _mayDrive))

@@ -29,14 +29,14 @@ namespace Ros2Gateway.Unity
         private string _fixed = "";
         private GatewayClient _client;
 
-        /// <summary>The frame whose origin this is; a change takes effect when it is enabled the next time.</summary>
+        /// <summary>The frame whose origin this is. A change takes effect when it is enabled the next time.</summary>
         public string Frame
         {
             get { return _frame; }
             set { _frame = value; }
         }
 
-        /// <summary>How often poses may come, in Hz; like <see cref="Frame"/>.</summary>
+        /// <summary>How often poses may come, in Hz. Like <see cref="Frame"/>.</summary>
         public float Rate
         {
             get { return _rate; }
@@ -49,9 +49,9 @@ namespace Ros2Gateway.Unity
             return chosen != null ? chosen : component.GetComponentInParent<FixedFrame>();
         }
 
-        /// <summary>Where a frame is, in the axes of this Transform; the newest that is known.</summary>
-        /// <param name="age">How long ago it came, in seconds; 0 for what does not move.</param>
-        /// <param name="problem">Why nothing, or nothing new, is known; null while all is well.</param>
+        /// <summary>Where a frame is, in the axes of this Transform. The newest that is known.</summary>
+        /// <param name="age">How long ago it came, in seconds. 0 for what does not move.</param>
+        /// <param name="problem">Why nothing, or nothing new, is known. Null while all is well.</param>
         /// <returns>Whether there is a pose. It is watched from the first question on.</returns>
         public bool TryGetPose(string frame, out Pose pose, out float age, out string problem)
         {

@@ -31,21 +31,21 @@ namespace Ros2Gateway.Unity
         private FixedFrame _found;
         private float _nextText;
 
-        /// <summary>The frame that is followed; a change counts at once.</summary>
+        /// <summary>The frame that is followed. A change counts at once.</summary>
         public string Frame
         {
             get { return _frame; }
             set { _frame = value; }
         }
 
-        /// <summary>In what it is followed; a change counts when the component is enabled the next time.</summary>
+        /// <summary>In what it is followed. A change counts when the component is enabled the next time.</summary>
         public FixedFrame FixedFrame
         {
             get { return _fixedFrame; }
             set { _fixedFrame = value; }
         }
 
-        /// <summary>When the pose is older it is not drawn, in seconds; 0 for never.</summary>
+        /// <summary>When the pose is older it is not drawn, in seconds. 0 for never.</summary>
         public float HideAfter
         {
             get { return _hideAfter; }
@@ -58,10 +58,10 @@ namespace Ros2Gateway.Unity
             get { return _output; }
         }
 
-        /// <summary>How long ago the pose came, in seconds; infinite before the first.</summary>
+        /// <summary>How long ago the pose came, in seconds. Infinite before the first.</summary>
         public float AgeSeconds { get; private set; }
 
-        /// <summary>Why nothing, or nothing new, is known of the frame; null while all is well.</summary>
+        /// <summary>Why nothing, or nothing new, is known of the frame. Null while all is well.</summary>
         public string Problem { get; private set; }
 
         /// <summary>Whether it is not drawn, because the pose is too old or not known yet.</summary>

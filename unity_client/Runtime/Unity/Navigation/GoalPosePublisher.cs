@@ -24,14 +24,14 @@ namespace Ros2Gateway.Unity
 
         private Publisher<PoseStampedMsg> _publisher;
 
-        /// <summary>The topic; a change takes effect when the component is enabled the next time.</summary>
+        /// <summary>The topic. A change takes effect when the component is enabled the next time.</summary>
         public string Topic
         {
             get { return _topic; }
             set { _topic = value; }
         }
 
-        /// <summary>In what the goal is given; null for the one above.</summary>
+        /// <summary>In what the goal is given. Null for the one above.</summary>
         public FixedFrame FixedFrame
         {
             get { return _fixedFrame; }
@@ -45,14 +45,14 @@ namespace Ros2Gateway.Unity
             set { _frame = value; }
         }
 
-        /// <summary>Makes the place of this object the goal; what a button calls.</summary>
+        /// <summary>Makes the place of this object the goal. What a button calls.</summary>
         public void Publish()
         {
             Publish(transform);
         }
 
-        /// <summary>Makes a place the goal; its forward is the heading, height and tilt do not count.</summary>
-        /// <returns>Whether it was sent; if not, the console or the connection's events say why.</returns>
+        /// <summary>Makes a place the goal. Its forward is the heading, height and tilt do not count.</summary>
+        /// <returns>Whether it was sent. If not, the console or the connection's events say why.</returns>
         public bool Publish(Transform place)
         {
             if (_publisher == null)

@@ -46,10 +46,10 @@ namespace Ros2Gateway.Unity
         // of each of them as long.
         private readonly List<Goal> _open = new List<Goal>();
         private readonly Listeners<string> _statusChanged;
-        private readonly Listeners<bool> _ended; // whether it was reached; the lists of the Inspector
+        private readonly Listeners<bool> _ended; // whether it was reached. The lists of the Inspector
         private Goal _goal; // whose news is told
 
-        /// <summary>A component of the scene; made by Unity.</summary>
+        /// <summary>A component of the scene. Made by Unity.</summary>
         public NavigateToPose()
         {
             _statusChanged = new Listeners<string>(ReportFault, "listener of StatusChanged");
@@ -65,14 +65,14 @@ namespace Ros2Gateway.Unity
             remove { _statusChanged.Remove(value); }
         }
 
-        /// <summary>The action; a change counts for the next goal.</summary>
+        /// <summary>The action. A change counts for the next goal.</summary>
         public string Action
         {
             get { return _action; }
             set { _action = value; }
         }
 
-        /// <summary>In what goals are given; null for the one above.</summary>
+        /// <summary>In what goals are given. Null for the one above.</summary>
         public FixedFrame FixedFrame
         {
             get { return _fixedFrame; }
@@ -86,11 +86,11 @@ namespace Ros2Gateway.Unity
             set { _frame = value; }
         }
 
-        /// <summary>How it stands, in words; empty before the first goal.</summary>
+        /// <summary>How it stands, in words. Empty before the first goal.</summary>
         public string Status { get; private set; }
 
         /// <summary>
-        /// How the newest goal stands, or the one before if that is pursued as the newest was refused; unknown before
+        /// How the newest goal stands, or the one before if that is pursued as the newest was refused. Unknown before
         /// the first.
         /// </summary>
         public GoalStatus GoalStatus
@@ -104,7 +104,7 @@ namespace Ros2Gateway.Unity
             get { return _open.Exists(goal => !goal.IsDone); }
         }
 
-        /// <summary>What the action server has said last of the goal of <see cref="GoalStatus"/>; null before that.</summary>
+        /// <summary>What the action server has said last of the goal of <see cref="GoalStatus"/>. Null before that.</summary>
         public NavigateToPoseFeedback Feedback { get; private set; }
 
         /// <summary>Called when a goal was reached, from the Inspector's list.</summary>
@@ -119,13 +119,13 @@ namespace Ros2Gateway.Unity
             get { return _onEnded; }
         }
 
-        /// <summary>Sends the robot to this object; what a button calls.</summary>
+        /// <summary>Sends the robot to this object. What a button calls.</summary>
         public void Send()
         {
             Send(transform);
         }
 
-        /// <summary>Sends the robot to a place; its forward is the heading, height and tilt do not count.</summary>
+        /// <summary>Sends the robot to a place. Its forward is the heading, height and tilt do not count.</summary>
         public void Send(Transform place)
         {
             if (!IsBound)

@@ -12,7 +12,7 @@ namespace Ros2Gateway.Unity
         [Tooltip("Without, the one above in the hierarchy")]
         private RobotDescriptionDisplay _robot;
 
-        /// <summary>Whose joints these are; null for the one above.</summary>
+        /// <summary>Whose joints these are. Null for the one above.</summary>
         public RobotDescriptionDisplay Robot
         {
             get { return _robot; }

@@ -10,12 +10,12 @@ namespace Ros2Gateway.Unity
 {
     /// <summary>
     /// Builds a robot from its description (URDF): an object for each link, which joints move. Below a Fixed Frame it
-    /// stands where its root link's frame is; else the Transform is the root link.
+    /// stands where its root link's frame is. Else the Transform is the root link.
     /// </summary>
     /// <remarks>
-    /// Boxes, cylinders and spheres are drawn. A mesh is one of *Models* with the name of its file; else the file itself
-    /// if it is an STL or COLLADA file (.dae) of a package, which the gateway serves; else, and until that has come, a small
-    /// box. A file's own colours come before those of the description, as in RViz; textures are not shown.
+    /// Boxes, cylinders and spheres are drawn. A mesh is one of *Models* with the name of its file. Else the file itself
+    /// if it is an STL or COLLADA file (.dae) of a package, which the gateway serves. Else, and until that has come, a small
+    /// box. A file's own colours come before those of the description, as in RViz. Textures are not shown.
     /// </remarks>
     [AddComponentMenu("ROS 2 Gateway/Robot Description Display")]
     public sealed class RobotDescriptionDisplay : FramedDisplay<StringMsg>
@@ -50,23 +50,23 @@ namespace Ros2Gateway.Unity
         private readonly MeshStaging _staging = new MeshStaging();
         private string _shown;
         private Material _own; // if none was chosen
-        private ServedMeshes _served; // of the robot that is shown; null if none of its meshes is to be fetched
+        private ServedMeshes _served; // of the robot that is shown. Null if none of its meshes is to be fetched
 
-        /// <summary>Imported models for the robot's meshes, by the files' names; for the next description.</summary>
+        /// <summary>Imported models for the robot's meshes, by the files' names. For the next description.</summary>
         public GameObject[] Models
         {
             get { return _models; }
             set { _models = value; }
         }
 
-        /// <summary>Whether meshes that are not among Models are fetched from the gateway; for the next description.</summary>
+        /// <summary>Whether meshes that are not among Models are fetched from the gateway. For the next description.</summary>
         public bool FetchMeshes
         {
             get { return _fetchMeshes; }
             set { _fetchMeshes = value; }
         }
 
-        /// <summary>How many triangles all meshes that are fetched for a robot may have; for the next description.</summary>
+        /// <summary>How many triangles all meshes that are fetched for a robot may have. For the next description.</summary>
         public int MaxTriangles
         {
             get { return _maxTriangles; }
@@ -80,7 +80,7 @@ namespace Ros2Gateway.Unity
             set { _framePrefix = value; }
         }
 
-        /// <summary>The robot that is shown; null before the first description.</summary>
+        /// <summary>The robot that is shown. Null before the first description.</summary>
         public RobotDescription Robot { get; private set; }
 
         /// <summary>The object of a link, or null.</summary>
@@ -90,7 +90,7 @@ namespace Ros2Gateway.Unity
             return name != null && _links.TryGetValue(name, out link) ? link : null;
         }
 
-        /// <summary>Moves a joint, and those that mimic it; false if there is no such joint.</summary>
+        /// <summary>Moves a joint, and those that mimic it. False if there is no such joint.</summary>
         /// <param name="position">In radians or metres.</param>
         public bool SetJoint(string name, double position)
         {
@@ -216,7 +216,7 @@ namespace Ros2Gateway.Unity
             return mesh;
         }
 
-        // For what is too much for one mesh; null if somebody has destroyed the link.
+        // For what is too much for one mesh. Null if somebody has destroyed the link.
         private PointMesh More(RobotVisual visual, Transform link)
         {
             if (link == null)

@@ -12,7 +12,7 @@ namespace Ros2Gateway.Unity
     /// <remarks>
     /// One file is fetched at a time, and the one before it read and drawn meanwhile: on a thread of the pool, where
     /// there are threads, but for the upload, of a part in each frame. A connection that is lost, or comes late, is
-    /// waited for; what the gateway refuses is asked for again after the others, as it may have had too much to do. Both
+    /// waited for. What the gateway refuses is asked for again after the others, as it may have had too much to do. Both
     /// end after three attempts for a file.
     /// </remarks>
     internal sealed class ServedMeshes : IDisposable
@@ -38,7 +38,7 @@ namespace Ros2Gateway.Unity
         private ServedMesh _drawn;
         private int _triangles;
 
-        // Of the one that is drawn; the worker's while it is at work.
+        // Of the one that is drawn. The worker's while it is at work.
         private MeshBuffer _part;
         private int _visual; // of those that show it
         private int _first; // triangle of the part
@@ -47,7 +47,7 @@ namespace Ros2Gateway.Unity
         private volatile bool _isAtWork;
 
         /// <param name="warn">Gets what is wrong with a mesh, in words.</param>
-        /// <param name="maxTriangles">Of all that is drawn; what is beyond stays a small box.</param>
+        /// <param name="maxTriangles">Of all that is drawn. What is beyond stays a small box.</param>
         internal ServedMeshes(Action<string> warn, int maxTriangles)
         {
             _warn = warn;
@@ -61,9 +61,9 @@ namespace Ros2Gateway.Unity
             get { return _unfetched.Count == 0 && _fetched == null && _drawn == null; }
         }
 
-        /// <summary>Adds a visual whose mesh is to be fetched; before the first <see cref="Update"/>.</summary>
+        /// <summary>Adds a visual whose mesh is to be fetched. Before the first <see cref="Update"/>.</summary>
         /// <param name="drawn">Has the small box, and gets the mesh.</param>
-        /// <param name="more">Makes another for what is too much for one; null if there is no place any more.</param>
+        /// <param name="more">Makes another for what is too much for one. Null if there is no place any more.</param>
         internal void Add(RobotVisual visual, PointMesh drawn, Func<PointMesh> more)
         {
             ServedMesh mesh;
@@ -75,7 +75,7 @@ namespace Ros2Gateway.Unity
             mesh.Visuals.Add(new ServedVisual { Visual = visual, Drawn = drawn, More = more });
         }
 
-        /// <summary>Goes on; in each frame.</summary>
+        /// <summary>Goes on. In each frame.</summary>
         /// <param name="client">Null while there is none.</param>
         internal void Update(GatewayClient client)
         {
@@ -122,7 +122,7 @@ namespace Ros2Gateway.Unity
             }
         }
 
-        /// <summary>Brings the next whose time has come to the front; false if there is none.</summary>
+        /// <summary>Brings the next whose time has come to the front. False if there is none.</summary>
         private bool FindNext()
         {
             double now = Time.unscaledTimeAsDouble;

@@ -40,7 +40,7 @@ namespace Ros2Gateway.Unity
         private GatewaySettings _settings;
         private List<Material> _colored = new List<Material>(); // not readonly, as only so it survives a reload of scripts
 
-        /// <summary>Where the gateway is; before the scene is active.</summary>
+        /// <summary>Where the gateway is. Before the scene is active.</summary>
         public string Address
         {
             get { return _address; }
@@ -62,7 +62,7 @@ namespace Ros2Gateway.Unity
         /// <summary>Builds what this scene has beside connection, floor and light.</summary>
         protected abstract void Build();
 
-        /// <summary>Destroys what is no object of the scene; overriders call it.</summary>
+        /// <summary>Destroys what is no object of the scene. Overriders call it.</summary>
         protected virtual void OnDestroy()
         {
             if (_settings != null)

@@ -22,7 +22,7 @@ namespace Ros2Gateway.Unity
         public static TextMesh AddText(GameObject holder)
         {
             TextMesh text = holder.AddComponent<TextMesh>();
-            text.fontSize = 48; // the letters' resolution; their height comes from the next line
+            text.fontSize = 48; // the letters' resolution. Their height comes from the next line
             text.characterSize = 0.015f;
             text.anchor = TextAnchor.UpperLeft;
             return text;

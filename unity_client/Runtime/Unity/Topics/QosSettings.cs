@@ -7,7 +7,7 @@ namespace Ros2Gateway.Unity
     /// <summary>How sure delivery should be.</summary>
     public enum Reliability
     {
-        /// <summary>What the publishers offer; for a publisher, reliable.</summary>
+        /// <summary>What the publishers offer. For a publisher, reliable.</summary>
         Automatic,
 
         /// <summary>Sent again until it has arrived.</summary>
@@ -20,7 +20,7 @@ namespace Ros2Gateway.Unity
     /// <summary>What late subscribers get.</summary>
     public enum Durability
     {
-        /// <summary>What the publishers offer; for a publisher, volatile.</summary>
+        /// <summary>What the publishers offer. For a publisher, volatile.</summary>
         Automatic,
 
         /// <summary>Nothing of what was said before.</summary>
@@ -42,7 +42,7 @@ namespace Ros2Gateway.Unity
         [Tooltip("Automatic takes what the publishers offer")]
         public Durability Durability;
 
-        /// <summary>How many messages DDS keeps; 0 for the gateway's default.</summary>
+        /// <summary>How many messages DDS keeps. 0 for the gateway's default.</summary>
         [Tooltip("How many messages DDS keeps; 0 for the gateway's default")]
         [Range(0, 1024)]
         public int Depth;

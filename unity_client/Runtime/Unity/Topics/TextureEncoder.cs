@@ -3,14 +3,14 @@ using UnityEngine;
 
 namespace Ros2Gateway.Unity
 {
-    /// <summary>Makes JPEGs of textures, scaled down to fit; what it needs for that it uses again.</summary>
+    /// <summary>Makes JPEGs of textures, scaled down to fit. What it needs for that it uses again.</summary>
     internal sealed class TextureEncoder
     {
         private Texture2D _scaled;
 
-        /// <summary>Encodes a texture; null if it has no pixels.</summary>
-        /// <param name="maxWidth">In pixels; 0 for no bound.</param>
-        /// <param name="maxHeight">In pixels; 0 for no bound.</param>
+        /// <summary>Encodes a texture. Null if it has no pixels.</summary>
+        /// <param name="maxWidth">In pixels. 0 for no bound.</param>
+        /// <param name="maxHeight">In pixels. 0 for no bound.</param>
         internal byte[] Encode(Texture texture, int maxWidth, int maxHeight, int quality)
         {
             if (!HasPixels(texture))
@@ -31,7 +31,7 @@ namespace Ros2Gateway.Unity
             return texture != null && texture.width > 0 && texture.height > 0;
         }
 
-        /// <summary>Finds the size in which a texture fits; true if that is its own.</summary>
+        /// <summary>Finds the size in which a texture fits. True if that is its own.</summary>
         internal static bool Fit(Texture texture, int maxWidth, int maxHeight, out int width, out int height)
         {
             float scale = Mathf.Min(Share(maxWidth, texture.width), Share(maxHeight, texture.height));

@@ -43,7 +43,7 @@ namespace Ros2Gateway.Unity
             get { return true; }
         }
 
-        /// <summary>Whose picture is published; before the component is enabled.</summary>
+        /// <summary>Whose picture is published. Before the component is enabled.</summary>
         public Camera Camera
         {
             get { return _camera; }
@@ -58,7 +58,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Whether the camera is rendered only when a picture is due, if it has no target texture of its own; before the
+        /// Whether the camera is rendered only when a picture is due, if it has no target texture of its own. Before the
         /// component is enabled.
         /// </summary>
         public bool RendersOnDemand

@@ -11,7 +11,7 @@ namespace Ros2Gateway.Unity
 {
     /// <summary>
     /// Makes JPEGs of textures without waiting for the GPU, and encodes them on another thread: the main thread only
-    /// copies pixels. One at a time; what it needs for that it uses again.
+    /// copies pixels. One at a time. What it needs for that it uses again.
     /// </summary>
     internal sealed class TextureReadback
     {
@@ -59,8 +59,8 @@ namespace Ros2Gateway.Unity
             get { return Volatile.Read(ref _isBusy) == 1; }
         }
 
-        /// <summary>Begins with a texture, scaled to a size; nothing may be under way.</summary>
-        /// <param name="done">Gets the JPEG, on another thread, some frames later; null, on the main thread, if the GPU
+        /// <summary>Begins with a texture, scaled to a size. Nothing may be under way.</summary>
+        /// <param name="done">Gets the JPEG, on another thread, some frames later. Null, on the main thread, if the GPU
         /// fails.</param>
         internal void Begin(Texture texture, int width, int height, int quality, Action<byte[]> done)
         {

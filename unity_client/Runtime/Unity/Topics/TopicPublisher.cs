@@ -72,21 +72,21 @@ namespace Ros2Gateway.Unity
         private float _next;
         private bool _isFailureTold;
 
-        /// <summary>The topic; a change takes effect when the component is enabled the next time.</summary>
+        /// <summary>The topic. A change takes effect when the component is enabled the next time.</summary>
         public string Topic
         {
             get { return _topic; }
             set { _topic = value; }
         }
 
-        /// <summary>pkg/msg/Name, or a number of the message table; like <see cref="Topic"/>.</summary>
+        /// <summary>pkg/msg/Name, or a number of the message table. Like <see cref="Topic"/>.</summary>
         public string Type
         {
             get { return _type; }
             set { _type = value; }
         }
 
-        /// <summary>How often <see cref="Message"/> is published, in Hz; 0 for never.</summary>
+        /// <summary>How often <see cref="Message"/> is published, in Hz. 0 for never.</summary>
         public float Rate
         {
             get { return _rate; }
@@ -117,14 +117,14 @@ namespace Ros2Gateway.Unity
             set { _imageQuality = value; }
         }
 
-        /// <summary>Textures are scaled down to fit, in pixels; 0 for no bound.</summary>
+        /// <summary>Textures are scaled down to fit, in pixels. 0 for no bound.</summary>
         public int ImageMaxWidth
         {
             get { return _imageMaxWidth; }
             set { _imageMaxWidth = value; }
         }
 
-        /// <summary>Textures are scaled down to fit, in pixels; 0 for no bound.</summary>
+        /// <summary>Textures are scaled down to fit, in pixels. 0 for no bound.</summary>
         public int ImageMaxHeight
         {
             get { return _imageMaxHeight; }
@@ -139,14 +139,14 @@ namespace Ros2Gateway.Unity
             get { return _publisher == null ? 0 : _publisher.Dropped; }
         }
 
-        /// <summary>Publishes a message; false, and an event says why, if it does not go.</summary>
+        /// <summary>Publishes a message. False, and an event says why, if it does not go.</summary>
         public bool Publish(IMessage message)
         {
             return _publisher != null && _publisher.Publish(message);
         }
 
         /// <summary>
-        /// Publishes a message that is written as JSON; false, and the console says why, if it is none.
+        /// Publishes a message that is written as JSON. False, and the console says why, if it is none.
         /// </summary>
         public bool PublishJson(string json)
         {
@@ -155,9 +155,9 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Publishes a picture as JPEG, if <see cref="Rate"/> allows it now; the type must be
+        /// Publishes a picture as JPEG, if <see cref="Rate"/> allows it now. The type must be
         /// sensor_msgs/msg/CompressedImage. Where the GPU can be read without waiting for it, the picture follows
-        /// some frames later, with the time of this call, and is encoded on another thread; a call until then
+        /// some frames later, with the time of this call, and is encoded on another thread. A call until then
         /// returns false. Elsewhere (WebGL, OpenGL ES of old phones), and once five pictures in a row could not be read
         /// so, this waits for the GPU, and encodes.
         /// </summary>

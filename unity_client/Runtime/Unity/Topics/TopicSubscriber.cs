@@ -15,7 +15,7 @@ namespace Ros2Gateway.Unity
     {
     }
 
-    /// <summary>Subscribes to any topic while it is enabled; displays beside it show what comes.</summary>
+    /// <summary>Subscribes to any topic while it is enabled. Displays beside it show what comes.</summary>
     [AddComponentMenu("ROS 2 Gateway/Topic Subscriber")]
     public sealed class TopicSubscriber : ConnectedBehaviour
     {
@@ -84,7 +84,7 @@ namespace Ros2Gateway.Unity
         private float _rateSince;
         private int _rateCount;
 
-        /// <summary>A component of the scene; made by Unity.</summary>
+        /// <summary>A component of the scene. Made by Unity.</summary>
         public TopicSubscriber()
         {
             _messageReceived = new Listeners<IMessage>(ReportFault, "listener of MessageReceived");
@@ -93,7 +93,7 @@ namespace Ros2Gateway.Unity
                 (where, error, times) => _arrivalFault(where, error, times), "listener of MessageArriving");
         }
 
-        /// <summary>A message has come; called in Update.</summary>
+        /// <summary>A message has come. Called in Update.</summary>
         public event Action<IMessage> MessageReceived
         {
             add { _messageReceived.Add(value); }
@@ -111,28 +111,28 @@ namespace Ros2Gateway.Unity
             remove { _messageArriving.Remove(value); }
         }
 
-        /// <summary>The topic; a change takes effect when the component is enabled the next time.</summary>
+        /// <summary>The topic. A change takes effect when the component is enabled the next time.</summary>
         public string Topic
         {
             get { return _topic; }
             set { _topic = value; }
         }
 
-        /// <summary>pkg/msg/Name, a number of the message table, or empty; like <see cref="Topic"/>.</summary>
+        /// <summary>pkg/msg/Name, a number of the message table, or empty. Like <see cref="Topic"/>.</summary>
         public string Type
         {
             get { return _type; }
             set { _type = value; }
         }
 
-        /// <summary>At most so many messages a second; 0 for all; like <see cref="Topic"/>.</summary>
+        /// <summary>At most so many messages a second. 0 for all. Like <see cref="Topic"/>.</summary>
         public float MaxRate
         {
             get { return _maxRate; }
             set { _maxRate = value; }
         }
 
-        /// <summary>Of pictures: jpeg, or png for what must come exactly, such as depth; like <see cref="Topic"/>.</summary>
+        /// <summary>Of pictures: jpeg, or png for what must come exactly, such as depth. Like <see cref="Topic"/>.</summary>
         public string ImageFormat
         {
             get { return _imageFormat; }
@@ -151,7 +151,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// How many messages may wait; 0 for the newest where displays beside this show it alone, else 10; like
+        /// How many messages may wait. 0 for the newest where displays beside this show it alone, else 10. Like
         /// <see cref="Topic"/>.
         /// </summary>
         public int Queue
@@ -161,8 +161,8 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// The longest side that a picture is shown with, in pixels; 0 for any. Those of sensor_msgs/msg/Image come no
-        /// larger, unless as PNG; all others come as they are. A change takes effect at once.
+        /// The longest side that a picture is shown with, in pixels. 0 for any. Those of sensor_msgs/msg/Image come no
+        /// larger, unless as PNG. All others come as they are. A change takes effect at once.
         /// </summary>
         public int ShownSide
         {
@@ -190,14 +190,14 @@ namespace Ros2Gateway.Unity
             get { return _onMessage; }
         }
 
-        /// <summary>The newest message; null before the first.</summary>
+        /// <summary>The newest message. Null before the first.</summary>
         public IMessage Last { get; private set; }
 
-        /// <summary>When it came, as Time.unscaledTime; negative before the first.</summary>
+        /// <summary>When it came, as Time.unscaledTime. Negative before the first.</summary>
         public float LastTime { get; private set; }
 
         /// <summary>
-        /// The newest message of this subscription, for what is enabled later; null before the first, and where
+        /// The newest message of this subscription, for what is enabled later. Null before the first, and where
         /// messages are filled anew: the next one may be on its way into it.
         /// </summary>
         internal IMessage Kept
@@ -240,7 +240,7 @@ namespace Ros2Gateway.Unity
             }
             else if (type == OccupancyGridMsg.Type && _fields.Length == 0)
             {
-                options.Image = new ImageOptions { Format = "png" }; // on its way; read, it is the map's cells
+                options.Image = new ImageOptions { Format = "png" }; // on its way. Read, it is the map's cells
                 create = () => new OccupancyGridMsg();
             }
             GatewayClient client = connection.Client;

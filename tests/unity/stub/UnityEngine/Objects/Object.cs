@@ -136,7 +136,7 @@ namespace UnityEngine
             return found.Length == 0 ? null : found[0];
         }
 
-        /// <summary>All that are active, for the stub's own parts; Unity's versions agree on no such member.</summary>
+        /// <summary>All that are active, for the stub's own parts. Unity's versions agree on no such member.</summary>
         internal static T[] All<T>() where T : Object
         {
             MainThread.Check("FindAnyObjectByType");
@@ -167,7 +167,7 @@ namespace UnityEngine
             return true;
         }
 
-        /// <summary>Ends it; who overrides it ends what belongs to it first.</summary>
+        /// <summary>Ends it. Who overrides it ends what belongs to it first.</summary>
         internal virtual void Die()
         {
             IsDestroyed = true;

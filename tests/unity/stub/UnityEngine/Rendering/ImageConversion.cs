@@ -39,7 +39,7 @@ namespace UnityEngine
             return GrayJpeg.Of(tex.width, tex.height);
         }
 
-        /// <summary>Like EncodeToJPG; any thread.</summary>
+        /// <summary>Like EncodeToJPG. Any thread.</summary>
         public static byte[] EncodeArrayToJPG(
             Array array, GraphicsFormat format, uint width, uint height, uint rowBytes = 0, int quality = 75)
         {

@@ -4,7 +4,7 @@ using UnityEngine.Stage;
 
 namespace UnityEngine
 {
-    /// <summary>The legacy input; Stage.Keyboard presses its keys.</summary>
+    /// <summary>The legacy input. Stage.Keyboard presses its keys.</summary>
     public class Input
     {
         internal static readonly HashSet<KeyCode> Held = new HashSet<KeyCode>();

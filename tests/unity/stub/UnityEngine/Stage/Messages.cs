@@ -43,7 +43,7 @@ namespace UnityEngine.Stage
             OnApplicationPause = Find<Action<bool>>("OnApplicationPause");
         }
 
-        /// <summary>Calls one; an exception is logged and goes no further, as in Unity.</summary>
+        /// <summary>Calls one. An exception is logged and goes no further, as in Unity.</summary>
         public void Send(Action message)
         {
             if (message == null)

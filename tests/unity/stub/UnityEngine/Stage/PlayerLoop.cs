@@ -156,7 +156,7 @@ namespace UnityEngine.Stage
         }
 
         /// <summary>Reloads scripts in Play, as the editor does by default when they were compiled anew: OnDisable, then
-        /// OnEnable, without Awake and Start, with what Unity can serialize; static state and coroutines are gone.</summary>
+        /// OnEnable, without Awake and Start, with what Unity can serialize. Static state and coroutines are gone.</summary>
         public static void ReloadScripts()
         {
             MonoBehaviour[] all = Scene.Behaviours.ToArray();
