@@ -161,8 +161,8 @@ def test_comments_and_fill_bytes_are_passed_over(decoder):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (lambda j: b"", "no JPEG: it does not begin with FF D8 (byte 0)"),
-        (lambda j: b"\x89PNG\r\n\x1a\n" + j, "no JPEG: it does not begin with FF D8 (byte 0)"),
+        (lambda j: b"", "not a JPEG: it does not begin with FF D8 (byte 0)"),
+        (lambda j: b"\x89PNG\r\n\x1a\n" + j, "not a JPEG: it does not begin with FF D8 (byte 0)"),
         (lambda j: j[:2] + b"\x00" + j[2:], "expected a marker, found 00 (byte 2)"),
         (lambda j: j[:2] + b"\xff\xfe\x00\x01" + j[2:], "segment FE is 1 bytes long"),
         (lambda j: j[:30], "segment DB is 67 bytes long, 8 are there (byte 21)"),

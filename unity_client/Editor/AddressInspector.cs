@@ -91,7 +91,7 @@ namespace Ros2Gateway.Editor
         {
             return _finder.Found.Count > 0
                 ? "choose one:"
-                : "nobody answers yet: gateways do that listen on all networks (ros2-gateway serve --lan)";
+                : "no gateway has answered yet: start one with ros2-gateway serve --lan";
         }
 
         private void Find()

@@ -87,7 +87,7 @@ namespace Ros2Gateway.Editor
             {
                 return "connected, waiting for the graph";
             }
-            return _topics.Length == 0 ? "there is no topic at " + _client.Address : "";
+            return _topics.Length == 0 ? "no topics at " + _client.Address : "";
         }
 
         private void Tell()

@@ -122,7 +122,7 @@ namespace Ros2Gateway.Editor
             if (found == 0 && _robot.Types.Count > 0)
             {
                 EditorGUILayout.HelpBox(
-                    "the package and the project have the classes of all types that are called so", MessageType.Info);
+                    "the package and the project already have classes of all types with this name", MessageType.Info);
             }
         }
 
@@ -147,7 +147,7 @@ namespace Ros2Gateway.Editor
                 : _there.Types.FirstOrDefault(type => !type.EndsWith("*") && !known.Contains(type) && IsChosen(type));
             if (missing != null)
             {
-                Tell("this robot has no " + missing + ", which " + _folder + " has: choose another folder", true);
+                Tell("this robot does not have " + missing + ", which " + _folder + " has: choose another folder", true);
                 return;
             }
             if (asked.Count == 0)

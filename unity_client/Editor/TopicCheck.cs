@@ -22,7 +22,7 @@ namespace Ros2Gateway.Editor
             return Name.IsMatch(topic)
                 ? null
                 : "'" + topic
-                    + "' is no topic: words of letters, digits and _ with / between them, no digit first";
+                    + "' is not a topic name: use letters, digits, _ and /, with no digit first";
         }
 
         /// <summary>Of a type. *mayBeEmpty* where the gateway finds it out.</summary>
@@ -39,11 +39,11 @@ namespace Ros2Gateway.Editor
             if (type[0] >= '0' && type[0] <= '9')
             {
                 int last = new TypeCatalogue().Count - 1;
-                return "the message table has no number " + type + ": it ends at " + last;
+                return "there is no message type with the number " + type + ": use at most " + last;
             }
             return Type.IsMatch(type)
-                ? type + " has no class here: messages come and go as a tree (DynamicMessage)"
-                : "'" + type + "' is no type: pkg/msg/Name, or a number of the message table";
+                ? type + " has no class here, so messages are trees (DynamicMessage)"
+                : "'" + type + "' is not a type: use pkg/msg/Name, or the number of a message type";
         }
 
         /// <summary>Of a type, given what the topic carries now. Empty if that is not known.</summary>

@@ -99,7 +99,7 @@ namespace Ros2Gateway.Editor
             }
             if (Connection() == null)
             {
-                Warn("no Gateway Connection in the scene: GameObject > ROS 2 Gateway > Connection makes one");
+                Warn("no Gateway Connection in the scene: add one with GameObject > ROS 2 Gateway > Connection");
             }
         }
 

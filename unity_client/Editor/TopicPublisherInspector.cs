@@ -65,7 +65,7 @@ namespace Ros2Gateway.Editor
             IMessage message = MessageCatalogue.Create(type);
             if (message == null)
             {
-                _problem = "there is no class for " + type + ": Window > ROS 2 Gateway > Messages makes one";
+                _problem = "no class for " + type + ": make one with Window > ROS 2 Gateway > Messages";
                 return null;
             }
             if (string.IsNullOrEmpty(text))
@@ -83,7 +83,7 @@ namespace Ros2Gateway.Editor
             }
             catch (JsonFormatException error)
             {
-                _problem = "the text is no " + type + ": " + error.Message;
+                _problem = "the text is not a " + type + ": " + error.Message;
                 return null;
             }
         }

@@ -69,7 +69,7 @@ namespace Ros2Gateway.Editor.Tests
             yield return Until(Publishes);
             Assert.IsFalse(_publisher.PublishTexture(_texture), "one is under way");
             Gpu.Fails = true;
-            LogAssert.Expect(LogType.Warning, new Regex("/read_back: the GPU did not give a picture back"));
+            LogAssert.Expect(LogType.Warning, new Regex("/read_back: the GPU did not return an image"));
             yield return Until(Publishes);
             yield return Until(() => _publisher.Dropped == 1);
             Gpu.Fails = false;

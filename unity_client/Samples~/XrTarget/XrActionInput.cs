@@ -17,19 +17,19 @@ namespace Ros2Gateway.Samples.XrTarget
     public sealed class XrActionInput : MonoBehaviour, IPointerInput
     {
         [SerializeField]
-        [Tooltip("Sends the robot to what is pointed at; empty for the trigger")]
+        [Tooltip("Sends the robot to the place you point at. Empty for the trigger")]
         private InputActionReference _target;
 
         [SerializeField]
-        [Tooltip("Takes the user to what is pointed at; empty for the touchpad or stick, clicked")]
+        [Tooltip("Takes the user to the place you point at. Empty for a click of the touchpad or stick")]
         private InputActionReference _teleport;
 
         [SerializeField]
-        [Tooltip("Stops the robot; empty for the grip")]
+        [Tooltip("Stops the robot. Empty for the grip")]
         private InputActionReference _stop;
 
         [SerializeField]
-        [Tooltip("The pointing hand's transform; not needed with a ray of the XR Interaction Toolkit")]
+        [Tooltip("The pointing hand's transform. Not needed with a ray of the XR Interaction Toolkit")]
         private Transform _hand;
 
         private readonly List<InputAction> _own = new List<InputAction>();

@@ -17,7 +17,7 @@ namespace Ros2Gateway.Samples.XrTarget
         private TargetDriver _driver;
 
         [SerializeField]
-        [Tooltip("What is moved by teleporting: the tracking space, with the head somewhere in it")]
+        [Tooltip("Teleporting moves this: the tracking space, with the head somewhere in it")]
         private Transform _rig;
 
         [SerializeField]
@@ -25,7 +25,7 @@ namespace Ros2Gateway.Samples.XrTarget
         private Transform _head;
 
         [SerializeField]
-        [Tooltip("Shows what is pointed along; may be empty")]
+        [Tooltip("Shows the pointing ray. May be empty")]
         private LineRenderer _line;
 
         [SerializeField]
@@ -33,7 +33,7 @@ namespace Ros2Gateway.Samples.XrTarget
         private float _reach = 20;
 
         [SerializeField]
-        [Tooltip("What can be pointed at")]
+        [Tooltip("The layers that you can point at")]
         private LayerMask _layers = Physics.DefaultRaycastLayers;
 
         private const float FocusSeconds = 0.2f; // the click that gives a window the focus is not meant for the floor
@@ -100,7 +100,7 @@ namespace Ros2Gateway.Samples.XrTarget
         {
             if (_driver != null)
             {
-                _driver.Abandon("what stops it was disabled"); // the scene may end while another client drives
+                _driver.Abandon("the input that stops it was disabled"); // the scene may end while another client drives
             }
         }
 

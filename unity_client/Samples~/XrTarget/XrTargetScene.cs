@@ -17,7 +17,7 @@ namespace Ros2Gateway.Samples.XrTarget
         private bool _stopsWithoutFocus = true;
 
         [SerializeField]
-        [Tooltip("An object with a component that points, such as Xr Action Input; without, a headset's controllers or the mouse")]
+        [Tooltip("An object with a component that points, such as Xr Action Input. Empty: a headset's controllers or the mouse")]
         private GameObject _pointer;
 
         private Material _lineMaterial;

@@ -50,7 +50,7 @@ namespace Ros2Gateway.Tests
             DepthPoints points = new DepthPoints(double.NaN);
             StringAssert.Contains("not calibrated", points.View(new CameraInfoMsg { width = 1, height = 1 }));
             StringAssert.Contains("not calibrated", points.View(new CameraInfoMsg { k = null }));
-            StringAssert.Contains("no PNG", points.Read(null));
+            StringAssert.Contains("not a PNG", points.Read(null));
             StringAssert.Contains("8 bits", points.Read(Convert.FromBase64String(
                 "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR42mNgBAAAAwAC5n2nZwAAAABJRU5ErkJggg==")));
         }

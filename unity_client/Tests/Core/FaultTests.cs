@@ -107,9 +107,9 @@ namespace Ros2Gateway.Tests
             _client.AdvertiseService<TriggerRequest, TriggerResponse>("/bell", TriggerRequest.Service, request => null);
             _network.Receive("{\"op\":\"call_service\",\"service\":\"/bell\",\"id\":\"c\",\"args\":{}}");
             _client.Pump();
-            Assert.AreEqual("the request is null; pass a message", call);
-            Assert.AreEqual("the goal is null; pass a message", goal);
-            StringAssert.Contains("the handler of /bell returned null; return a response", _network.Sent[_network.Sent.Count - 1]);
+            Assert.AreEqual("the request is null: pass a message", call);
+            Assert.AreEqual("the goal is null: pass a message", goal);
+            StringAssert.Contains("the handler of /bell returned null: return a response", _network.Sent[_network.Sent.Count - 1]);
         }
 
         private void Answer(int request)

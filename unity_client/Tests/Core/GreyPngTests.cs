@@ -140,11 +140,11 @@ namespace Ros2Gateway.Tests
         public void WhatIsNoGreyPictureIsToldFromADamagedOne()
         {
             GreyPng png = new GreyPng(1);
-            StringAssert.Contains("it is no PNG", png.Read(null));
-            StringAssert.Contains("it is no PNG", png.Read(new byte[100]));
+            StringAssert.Contains("it is not a PNG", png.Read(null));
+            StringAssert.Contains("it is not a PNG", png.Read(new byte[100]));
             byte[] colored = Convert.FromBase64String(Filtered);
             colored[25] = 2;
-            StringAssert.Contains("no grey PNG", png.Read(colored));
+            StringAssert.Contains("not a grey PNG", png.Read(colored));
         }
 
         [TestCase(Filtered, 1, "at most 67108864")]

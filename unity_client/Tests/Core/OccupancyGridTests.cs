@@ -122,7 +122,7 @@ namespace Ros2Gateway.Tests
             reader.Reset(text, 0, text.Length);
             JsonFormatException error = Assert.Throws<JsonFormatException>(() => new OccupancyGridMsg().Read(reader));
             StringAssert.Contains(
-                "data: expected an array or a PNG, but the picture cannot be read: it is no PNG", error.Message);
+                "data: expected an array or a PNG, but the image cannot be read: it is not a PNG", error.Message);
         }
 
         private static SubscribeOptions AsPicture()

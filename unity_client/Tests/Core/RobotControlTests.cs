@@ -99,8 +99,8 @@ namespace Ros2Gateway.Tests
                 Assert.IsFalse(commands.Publish(Ahead()));
                 Assert.IsFalse(commands.Publish(Ahead()));
                 Assert.AreEqual(published, commands.Published);
-                StringAssert.Contains("stopped, commands ceased: let go", commands.Refusal);
-                live.Until(() => live.Heard("/cmd_vel: stopped, commands ceased"), "for the reason");
+                StringAssert.Contains("stopped, commands stopped arriving: let go", commands.Refusal);
+                live.Until(() => live.Heard("/cmd_vel: stopped, commands stopped arriving"), "for the reason");
                 Assert.IsTrue(commands.Publish(Zero));
                 live.Until(() => commands.Refusal == null, "for the reset");
                 Drive(live, control, commands);
@@ -305,7 +305,7 @@ namespace Ros2Gateway.Tests
             {
                 Publisher commands = live.Client.Advertise("/unguarded", type);
                 live.Until(() => control.State.Guard == GuardState.Lost, "for the state");
-                StringAssert.Contains("the process that stops the robot if the gateway dies is not there", commands.Refusal);
+                StringAssert.Contains("the guard process of the gateway is not running", commands.Refusal);
                 TwistStampedMsg ahead = new TwistStampedMsg { twist = Ahead() };
                 TwistStampedMsg zero = new TwistStampedMsg();
                 zero.header.stamp.sec = 7;

@@ -116,7 +116,7 @@ namespace Ros2Gateway.Tests
             Assert.IsFalse(poll_string("/narrow", text, ref size));
             Assert.AreEqual(0, size);
             Assert.AreEqual("before", text.ToString());
-            Assert.IsTrue(Told("poll_string /narrow: buffer needs 8 bytes, has 7; the message stays"));
+            Assert.IsTrue(Told("poll_string /narrow: buffer needs 8 bytes, has 7: the message stays, pass a larger buffer"));
             size = 100; // says more than the array has
             Assert.IsFalse(poll_string("/narrow", new byte[7], ref size));
             Assert.AreEqual(0, size);
@@ -154,7 +154,7 @@ namespace Ros2Gateway.Tests
             Assert.AreEqual(7, f);
             Assert.AreEqual(0, frameSize);
             Assert.AreEqual(0, count);
-            Assert.IsTrue(Told("poll_laser_scan /small_scan: ranges needs 3 elements, has 2; the message stays"));
+            Assert.IsTrue(Told("poll_laser_scan /small_scan: ranges needs 3 elements, has 2: the message stays, pass a larger buffer"));
             frameSize = 64;
             count = 3;
             Assert.IsTrue(poll_laser_scan(

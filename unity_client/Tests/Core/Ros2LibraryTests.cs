@@ -114,7 +114,7 @@ namespace Ros2Gateway.Tests
             string said = "";
             // again and again: on a slow machine an overdue pong may have been the first reason
             Until(
-                () => poll_debug_message(out said) && said.Contains("commands ceased"),
+                () => poll_debug_message(out said) && said.Contains("stopped"),
                 "for the reason",
                 () => send_twist("/cmd_vel", 0.05, 0, 0, 0, 0, 0));
             Assert.IsTrue(send_twist("/cmd_vel", 0, 0, 0, 0, 0, 0));

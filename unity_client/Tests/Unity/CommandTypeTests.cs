@@ -143,7 +143,7 @@ namespace Ros2Gateway.Unity.Tests
             TeleopDriver driver = Driver(Changing + "/cmd_vel");
             yield return Takes("TwistStamped", () => driver.CommandType == TwistStampedMsg.Type);
             yield return Takes("TwistStamped Twist", () => driver.CommandType == null);
-            yield return _scene.Until(() => driver.Status.EndsWith("looking which one stays"), "to be told");
+            yield return _scene.Until(() => driver.Status.EndsWith("waiting until one is left"), "to be told");
             yield return _scene.Until(() => driver.CommandType != null, "to settle");
             Assert.AreEqual(TwistStampedMsg.Type, driver.CommandType);
             yield return PressAnew();
@@ -157,7 +157,7 @@ namespace Ros2Gateway.Unity.Tests
             _scene = new DrivingScene(null);
             TeleopDriver driver = Driver("/odom");
             yield return _scene.Until(
-                () => driver.Status == "/odom has type nav_msgs/msg/Odometry, which is no velocity", "to be told");
+                () => driver.Status == "/odom has type nav_msgs/msg/Odometry, not Twist or TwistStamped", "to be told");
             Assert.IsNull(driver.CommandType);
         }
 

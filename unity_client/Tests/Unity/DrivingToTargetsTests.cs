@@ -226,7 +226,7 @@ namespace Ros2Gateway.Unity.Tests
                         () => driver.SetTarget(origin.TransformPoint(place)), "for the target to be taken");
                     yield return _scene.Until(() => _isReached || _failure != null, "for the target");
                     // a machine that stands still makes a command late, and the target is given up, as it should be
-                    if (_failure != null) StringAssert.IsMatch("the command is over|commands ceased", _failure);
+                    if (_failure != null) StringAssert.IsMatch("the command is over|commands stopped arriving", _failure);
                 }
                 yield return _scene.UntilHeard(0, 0);
                 yield return _scene.Until(

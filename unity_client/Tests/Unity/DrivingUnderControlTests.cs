@@ -231,7 +231,7 @@ namespace Ros2Gateway.Unity.Tests
 
         private static bool IsLate(string refusal)
         {
-            return refusal.Contains("commands ceased") || refusal.Contains("250 ms old");
+            return refusal.Contains("commands stopped arriving") || refusal.Contains("250 ms old");
         }
 
         private static bool IsStopped(ControlState state)

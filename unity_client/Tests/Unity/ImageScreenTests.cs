@@ -93,7 +93,7 @@ namespace Ros2Gateway.Unity.Tests
             });
             yield return null;
             Assert.IsTrue(screen.IsStale);
-            Assert.AreEqual("no picture", status.text);
+            Assert.AreEqual("no image", status.text);
             screen.Show(Jpeg(64, 48));
             yield return Shown(screen, 64);
             Assert.AreEqual("", status.text);

@@ -56,7 +56,7 @@ namespace Ros2Gateway.Unity.Tests
             Assert.AreEqual(GoalStatus.Canceled, navigation.GoalStatus);
             Assert.AreEqual("cancelled", navigation.Status);
             Assert.AreEqual(1, ended);
-            CollectionAssert.Contains(heard, "on its way");
+            CollectionAssert.Contains(heard, "in progress");
         }
 
         [UnityTest]
@@ -112,7 +112,7 @@ namespace Ros2Gateway.Unity.Tests
             navigation.Action = "/navigate_nowhere";
             yield return _scene.Until(() => _scene.Connection.Client.IsConnected, "to be connected");
             navigation.Send();
-            Assert.AreEqual("on its way", string.Join(" ", heard));
+            Assert.AreEqual("in progress", string.Join(" ", heard));
             yield return _scene.Until(() => ended == 1, "for the refusal");
             Assert.AreEqual(2, heard.Count);
             yield return _scene.Until(() => _scene.HasLogged(

@@ -285,7 +285,7 @@ namespace Ros2Gateway.Unity.Tests
             foreach (string uri in others)
             {
                 Assert.IsTrue(_scene.HasLogged("no model for " + uri
-                    + " among Models, and only .stl and .dae by package:// or file:// are fetched: a small box stands for it"), uri);
+                    + " among Models, and the gateway serves only .stl and .dae by package:// or file://: a small box takes its place"), uri);
             }
             robot.FetchMeshes = false;
             Show(robot, Mesh("package://rogue/1.stl"));

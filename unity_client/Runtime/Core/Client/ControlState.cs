@@ -125,7 +125,7 @@ namespace Ros2Gateway
         {
             if (Guard == GuardState.Lost)
             {
-                return "stopped: the process that stops the robot if the gateway dies is not there";
+                return "stopped, because the guard process of the gateway is not running: wait, then drive on";
             }
             if (Holder == ControlHolder.Other && Motion == RobotMotion.Moving)
             {
@@ -138,7 +138,7 @@ namespace Ros2Gateway
         {
             if (Guard == GuardState.Starting)
             {
-                return "the gateway prepares to stop the robot; driving begins in a moment";
+                return "the guard process of the gateway is starting: wait a moment";
             }
             switch (Motion)
             {
@@ -159,11 +159,11 @@ namespace Ros2Gateway
                 case "zero":
                     return "it was commanded to";
                 case "stop":
-                    return "another client asked for it";
+                    return "another client asked for a stop";
                 case "release":
                     return "control was released";
                 case "deadline":
-                    return "commands ceased";
+                    return "commands stopped arriving";
                 case "disconnect":
                     return "the client that drove disconnected";
                 case "takeover":
@@ -175,7 +175,7 @@ namespace Ros2Gateway
                 case "invalid_value":
                     return "a command was invalid";
                 case "backlog":
-                    return "many commands came late and at once";
+                    return "many commands arrived late and at once";
                 case "guard":
                     return "the gateway's guard process was lost";
                 case "reader":
@@ -183,7 +183,7 @@ namespace Ros2Gateway
                 case "shutdown":
                     return "the gateway shuts down";
                 default:
-                    return Cause.Length > 0 ? Cause : "no zero has come yet";
+                    return Cause.Length > 0 ? Cause : "the gateway waits for a zero";
             }
         }
 

@@ -109,7 +109,7 @@ namespace Ros2Gateway
             if (frame["clamped"].AsBool())
             {
                 _reports.Tell(
-                    EventLevel.Warning, state.Topic + ": a command was too fast, and was slowed down", "clamped", "publish");
+                    EventLevel.Warning, state.Topic + ": a command was too fast, so the gateway reduced it", "clamped", "publish");
             }
             ControlTopic topic;
             bool isTakenBack;

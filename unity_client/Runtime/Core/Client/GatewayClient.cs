@@ -236,7 +236,7 @@ namespace Ros2Gateway
             options = options ?? new SubscribeOptions();
             string name = Names.Absolute(topic);
             string reason = options.Queue <= 1 ? ""
-                : "more than " + options.Queue + " waited for the application; take them faster, or subscribe with a"
+                : "more than " + options.Queue + " waited for the application: take them faster, or subscribe with a"
                 + " longer Queue";
             Subscription<T> subscription = new Subscription<T>(
                 _subscriptions, _mailbox, new Drops(_mailbox, _reports, "subscribe", name, reason), NewId("s"), name,

@@ -326,7 +326,7 @@ namespace Ros2Gateway
             Become(isRefused ? ConnectionState.Refused : ConnectionState.Waiting);
             if (isNews && !isRefused)
             {
-                _owner.Report(EventLevel.Error, errorText + "; trying again");
+                _owner.Report(EventLevel.Error, errorText + ", trying again");
             }
         }
 
@@ -376,7 +376,7 @@ namespace Ros2Gateway
                 {
                     _link._owner.Report(
                         EventLevel.Error,
-                        "a message of " + bytes + " bytes was thrown away, at most "
+                        "a message of " + bytes + " bytes was skipped, at most "
                         + _link._options.MaxMessageBytes + " are read");
                 }
             }

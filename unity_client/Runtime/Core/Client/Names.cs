@@ -23,7 +23,7 @@ namespace Ros2Gateway
         {
             if (message == null)
             {
-                throw new ArgumentException("the " + what + " is null; pass a message");
+                throw new ArgumentException("the " + what + " is null: pass a message");
             }
             string type = message.RosType ?? "";
             if (type.Length > 0) // else it is dynamic, and the gateway finds the type out

@@ -137,7 +137,7 @@ namespace Ros2Gateway
         internal Drops NewDrops(string topic, int queue)
         {
             string reason = queue <= 1 ? ""
-                : "more than " + queue + " waited for the network; publish less, or advertise with a longer Queue";
+                : "more than " + queue + " waited for the network: publish less, or advertise with a longer Queue";
             return new Drops(_mailbox, _reports, "publish", topic, reason);
         }
 

@@ -59,7 +59,7 @@ namespace Ros2Gateway
                 TResponse response = _handler(request);
                 if (response == null)
                 {
-                    throw new InvalidOperationException("the handler of " + Service + " returned null; return a response");
+                    throw new InvalidOperationException("the handler of " + Service + " returned null: return a response");
                 }
                 Answer(id, response);
             };

@@ -46,7 +46,7 @@ namespace Ros2Gateway
 #if UNITY_WEBGL && !UNITY_EDITOR
             _socket = null;
             _isClosed = true;
-            Problem = "browsers cannot look for gateways";
+            Problem = "browsers cannot look for gateways: enter the address";
 #else
             try
             {

@@ -50,15 +50,15 @@ namespace Ros2Gateway.Drive
                 _settledFor = null;
                 _former = null;
                 string none = types.Length == 0
-                    ? "no robot takes commands on " + _topic + " yet"
-                    : _topic + " has type " + string.Join(" and ", types) + ", which is no velocity";
+                    ? "no robot listens to commands on " + _topic + " yet"
+                    : _topic + " has type " + string.Join(" and ", types) + ", not Twist or TwistStamped";
                 Take(isPlain ? TwistMsg.Type : isStamped ? TwistStampedMsg.Type : null, none);
             }
             else if ((!wereBoth || Name != null) && _subscribers != _settledFor)
             {
                 _former = Name ?? _former;
                 _lookUntil = now + LookMilliseconds;
-                Take(null, _topic + " has types Twist and TwistStamped: looking which one stays");
+                Take(null, _topic + " has types Twist and TwistStamped: waiting until one is left");
             }
         }
 

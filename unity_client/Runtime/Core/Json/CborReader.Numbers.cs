@@ -159,7 +159,7 @@ namespace Ros2Gateway.Json
             if (elementBytes == 0)
             {
                 _position = start;
-                throw Error("tag " + stated + ", which is no array of numbers, little-endian");
+                throw Error("tag " + stated + ", not a little-endian array of numbers");
             }
             int at = _position;
             ulong count;
@@ -172,7 +172,7 @@ namespace Ros2Gateway.Json
             if (bytes % elementBytes != 0)
             {
                 _position = start;
-                throw Error(bytes + " bytes are no array of numbers of " + elementBytes + " bytes");
+                throw Error(bytes + " bytes are not an array of numbers of " + elementBytes + " bytes");
             }
             return tag;
         }

@@ -202,7 +202,7 @@ namespace Ros2Gateway.Pictures
             }
             catch (OutOfMemoryException)
             {
-                Error = "there is no memory for it";
+                Error = "not enough memory for it";
             }
             catch (Exception error) // a fault of the decoder, which is not to end all pictures that come after
             {

@@ -56,7 +56,7 @@ namespace Ros2Gateway.Pictures
             }
             catch (FormatException error)
             {
-                return "the picture cannot be read: " + error.Message;
+                return "the image cannot be read: " + error.Message;
             }
         }
 
@@ -64,13 +64,13 @@ namespace Ros2Gateway.Pictures
         {
             if (png.Length < HeaderBytes || !IsSigned(png))
             {
-                throw new FormatException("it is no PNG");
+                throw new FormatException("it is not a PNG");
             }
             long width = Word(png, 16), height = Word(png, 20);
             int depth = png[24], color = png[25], interlace = png[28];
             if (color != 0 || depth != 8 && depth != 16 || interlace != 0)
             {
-                throw new FormatException("it is no grey PNG of 8 or 16 bits");
+                throw new FormatException("it is not a grey PNG of 8 or 16 bits");
             }
             if (depth != 8 * _bytesPerPixel)
             {

@@ -56,7 +56,7 @@ namespace Ros2Gateway.Pictures
             uint method = Bits(8), flags = Bits(8);
             if ((method & 15) != 8 || (method * 256 + flags) % 31 != 0 || (flags & 32) != 0)
             {
-                throw new FormatException("no zlib stream");
+                throw new FormatException("not a zlib stream");
             }
             bool isLast = false;
             while (!isLast)

@@ -110,7 +110,7 @@ namespace Ros2Gateway.Pictures
             Array.Clear(_isDefined, 0, _isDefined.Length);
             if (!Begins(jpeg, end))
             {
-                throw new JpegFormatException("no JPEG: it does not begin with FF D8", 0);
+                throw new JpegFormatException("not a JPEG: it does not begin with FF D8", 0);
             }
             return Marker(2);
         }
@@ -285,7 +285,7 @@ namespace Ros2Gateway.Pictures
         {
             if (Horizontal % component.Horizontal != 0 || Vertical % component.Vertical != 0)
             {
-                throw new JpegNotSupportedException("sampling factors that are no multiples", at + 1);
+                throw new JpegNotSupportedException("sampling factors that are not multiples", at + 1);
             }
             component.HorizontalScale = Horizontal / component.Horizontal;
             component.VerticalScale = Vertical / component.Vertical;

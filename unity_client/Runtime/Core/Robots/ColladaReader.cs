@@ -63,7 +63,7 @@ namespace Ros2Gateway.Robots
             }
             catch (XmlException error)
             {
-                throw new MeshException("the COLLADA file is no XML: " + error.Message);
+                throw new MeshException("the COLLADA file is not XML: " + error.Message);
             }
             if (root.Name != "COLLADA")
             {

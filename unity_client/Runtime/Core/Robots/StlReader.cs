@@ -63,7 +63,7 @@ namespace Ros2Gateway.Robots
             {
                 throw new MeshException(
                     "the STL has " + stl.Length + " bytes, its " + count + " triangles take " + bytes
-                    + ": it is incomplete, or no STL");
+                    + ": it is incomplete, or not an STL");
             }
             if (count == 0 || count > TriangleMesh.MaxTriangles)
             {

@@ -66,7 +66,7 @@ namespace Ros2Gateway.Robots
             }
             catch (XmlException error)
             {
-                throw new UrdfException("the robot description is no XML: " + error.Message);
+                throw new UrdfException("the robot description is not XML: " + error.Message);
             }
             if (root.Name != "robot")
             {
@@ -246,7 +246,7 @@ namespace Ros2Gateway.Robots
             if (!_links.ContainsKey(link))
             {
                 throw new UrdfException(
-                    where + ": its " + which + " " + (link.Length == 0 ? "is missing" : link + " is no link"));
+                    where + ": its " + which + " " + (link.Length == 0 ? "is missing" : link + " is not a link"));
             }
             return link;
         }

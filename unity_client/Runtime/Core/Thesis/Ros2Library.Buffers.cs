@@ -39,14 +39,14 @@ namespace Ros2Gateway.Thesis
             uint bytes = TextBuffer.Bytes(text);
             uint capacity = buffer.Capacity(size);
             return bytes <= capacity
-                || Failed(call, topic, part + " needs " + bytes + " bytes, has " + capacity + "; the message stays");
+                || Failed(call, topic, part + " needs " + bytes + " bytes, has " + capacity + ": the message stays, pass a larger buffer");
         }
 
         private static bool Fits(string call, string topic, string part, Array buffer, uint size, long count)
         {
             long capacity = buffer == null ? 0 : Math.Min(size, buffer.LongLength);
             return count <= capacity
-                || Failed(call, topic, part + " needs " + count + " elements, has " + capacity + "; the message stays");
+                || Failed(call, topic, part + " needs " + count + " elements, has " + capacity + ": the message stays, pass a larger buffer");
         }
 
         private static uint Copied<T>(T[] from, T[] to)

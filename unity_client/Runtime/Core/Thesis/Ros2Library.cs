@@ -158,12 +158,12 @@ namespace Ros2Gateway.Thesis
             {
                 if (!Pumped())
                 {
-                    return Failed("send", topic, "ros2_init comes first");
+                    return Failed("send", topic, "call ros2_init first");
                 }
                 Publisher publisher;
                 if (!Publishers.TryGetValue(topic ?? "", out publisher))
                 {
-                    return Failed("send", topic, "no publisher; add_publisher comes first");
+                    return Failed("send", topic, "no publisher: call add_publisher first");
                 }
                 return message != null
                     ? publisher.Publish(message)
@@ -206,12 +206,12 @@ namespace Ros2Gateway.Thesis
             message = null;
             if (!Pumped())
             {
-                return Failed(call, topic, "ros2_init comes first");
+                return Failed(call, topic, "call ros2_init first");
             }
             Subscription<IMessage> subscriber;
             if (!Subscribers.TryGetValue(topic ?? "", out subscriber))
             {
-                return Failed(call, topic, "no subscriber; add_subscriber comes first");
+                return Failed(call, topic, "no subscriber: call add_subscriber first");
             }
             IMessage oldest;
             if (!subscriber.TryPeek(out oldest))
@@ -242,7 +242,7 @@ namespace Ros2Gateway.Thesis
         {
             if (!Pumped())
             {
-                Failed(call, topic, "ros2_init comes first");
+                Failed(call, topic, "call ros2_init first");
                 return null;
             }
             if (string.IsNullOrEmpty(topic))
@@ -255,8 +255,8 @@ namespace Ros2Gateway.Thesis
             {
                 string name = MessageCatalogue.Resolve(type.ToString(CultureInfo.InvariantCulture));
                 Failed(call, topic, name == null
-                    ? "the message table has no number " + type
-                    : name + " has no class in this build: MessageCatalogue.Register adds it");
+                    ? "there is no message type with the number " + type
+                    : name + " has no class in this build: add it with MessageCatalogue.Register");
             }
             return example;
         }
@@ -272,7 +272,7 @@ namespace Ros2Gateway.Thesis
                     return;
                 }
             }
-            Remember("ros2_init: no node is named " + _prefix + "_...; the gateway names its nodes so if it is started"
+            Remember("ros2_init: no node is named " + _prefix + "_...: to name its nodes so, start the gateway"
                 + " with --node-prefix " + _prefix);
         }
 

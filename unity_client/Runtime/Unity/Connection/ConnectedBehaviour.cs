@@ -16,7 +16,7 @@ namespace Ros2Gateway.Unity
         private const float WarnSeconds = 1; // a scene that is loaded beside this one has its connection by then
 
         [SerializeField]
-        [Tooltip("Without, the scene's")]
+        [Tooltip("Empty: the connection of the scene")]
         private GatewayConnection _connection;
 
         private GatewayConnection _bound;
@@ -160,8 +160,8 @@ namespace Ros2Gateway.Unity
                 string only = LiveConnections.Only(_connection, null, OnlyGateway);
                 Debug.LogWarning(
                     GetType().Name + " on " + name + " finds no Gateway Connection" + (only == null
-                        ? ", and waits for one: add one to the scene"
-                        : " to " + only + " any more, and waits for one: add it, or set Connection to another"), this);
+                        ? ": add one to the scene"
+                        : " to " + only + " any more: add it, or set Connection to another"), this);
             }
         }
     }

@@ -22,11 +22,11 @@ namespace Ros2Gateway.Unity
         private const int RememberedEvents = 200; // a log screen that comes late shows what led to the present
 
         [SerializeField]
-        [Tooltip("ws://HOST:PORT; empty to take that of the settings, or without settings ws://localhost:9090")]
+        [Tooltip("ws://HOST:PORT. Empty: the address of the settings, or ws://localhost:9090 without settings")]
         private string _address = "";
 
         [SerializeField]
-        [Tooltip("What several scenes share: address, token, time-outs")]
+        [Tooltip("The settings that several scenes share: address, token, timeouts")]
         private GatewaySettings _settings;
 
         [SerializeField]

@@ -12,7 +12,7 @@ namespace Ros2Gateway.Unity
         public string Address = "ws://localhost:9090";
 
         /// <summary>What the gateway asks for, if it does.</summary>
-        [Tooltip("Leave empty unless the gateway demands one. It becomes part of the build: prefer to set it at run time")]
+        [Tooltip("Leave empty unless the gateway needs one. It becomes part of the build: prefer to set it at run time")]
         public string Token = "";
 
         /// <summary>Without any word for so long the connection counts as dead, in seconds.</summary>

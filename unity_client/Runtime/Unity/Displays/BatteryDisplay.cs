@@ -85,7 +85,7 @@ namespace Ros2Gateway.Unity
             Charge = float.NaN;
             if (!_text.Find(this, false) && _bar == null)
             {
-                Warn("finds no TextMesh Pro, Text or TextMesh beside or below it, and has no bar");
+                Warn("finds no TextMesh Pro, Text or TextMesh on or below it, and has no bar: add one");
             }
         }
 

@@ -12,7 +12,7 @@ namespace Ros2Gateway.Unity
         private const float Interval = 0.5f; // seconds: figures that change more often cannot be read
 
         [SerializeField]
-        [Tooltip("Without, the scene's")]
+        [Tooltip("Empty: the connection of the scene")]
         private GatewayConnection _connection;
 
         [SerializeField]

@@ -20,7 +20,7 @@ namespace Ros2Gateway.Unity
         private float _horizontalView = 60;
 
         [SerializeField]
-        [Tooltip("What is further away is left out, in metres; 0 for no limit")]
+        [Tooltip("Points further away are left out, in metres. 0 for no limit")]
         private float _maxRange;
 
         [SerializeField]
@@ -59,7 +59,7 @@ namespace Ros2Gateway.Unity
         {
             _points = _points ?? new DepthPoints(_horizontalView * Mathf.Deg2Rad); // not enabled yet
             CameraInfoMsg info = message as CameraInfoMsg;
-            string problem = info == null ? "a camera is described by a sensor_msgs/msg/CameraInfo" : _points.View(info);
+            string problem = info == null ? "SetCamera needs a sensor_msgs/msg/CameraInfo" : _points.View(info);
             if (problem != null)
             {
                 Warn(problem);
@@ -91,7 +91,7 @@ namespace Ros2Gateway.Unity
             string problem = _points.Read(message.data);
             if (problem != null)
             {
-                Warn(problem + "; set the subscriber's Image Format to png");
+                Warn(problem + ": set the subscriber's Image Format to png");
                 _mesh.Clear();
                 return false;
             }

@@ -12,16 +12,16 @@ namespace Ros2Gateway.Unity
     public sealed class DigitalTwin : FramedDisplay<OdometryMsg>
     {
         [SerializeField]
-        [Tooltip("How long it takes to where a message says, in seconds; 0 to jump")]
+        [Tooltip("How long it takes to reach a new pose, in seconds. 0 to jump")]
         [Range(0, 1)]
         private float _smoothing = 0.1f;
 
         [SerializeField]
-        [Tooltip("From further than this it jumps, in metres; 0 for never")]
+        [Tooltip("It jumps if it is further away than this, in metres. 0 for never")]
         private float _teleportDistance = 1;
 
         [SerializeField]
-        [Tooltip("Without a message for so long it is not drawn, in seconds; 0 for never")]
+        [Tooltip("It is hidden after this time without a message, in seconds. 0 for never")]
         private float _hideAfter;
 
         private Pose _from;

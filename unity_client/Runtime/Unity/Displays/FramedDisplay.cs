@@ -15,7 +15,7 @@ namespace Ros2Gateway.Unity
         where T : class, IMessage, new()
     {
         [SerializeField]
-        [Tooltip("Without, the one above in the hierarchy; with neither, the Transform is the messages' frame")]
+        [Tooltip("Empty: the one above in the hierarchy. Without any, the Transform is the messages' frame")]
         private FixedFrame _fixedFrame;
 
         private readonly HiddenRenderers _renderers = new HiddenRenderers();

@@ -30,29 +30,29 @@ namespace Ros2Gateway.Unity
         private const float Dim = 0.35f; // of the brightness: plainly not live, and still to be made out
 
         [SerializeField]
-        [Tooltip("Make it as wide as the picture demands; the height stays")]
+        [Tooltip("Make it as wide as the image needs. The height stays")]
         private bool _keepAspect = true;
 
         [SerializeField]
-        [Tooltip("Ask for no larger pictures than the main camera sees of it; of sensor_msgs/msg/Image, as JPEG. Switch it "
-            + "off where a script of yours wants the Topic Subscriber's pictures as they are")]
+        [Tooltip("Ask for images as large as the main camera sees it, of sensor_msgs/msg/Image, as JPEG. Turn it "
+            + "off if your script needs the Topic Subscriber's images as they are")]
         private bool _shrinksToView = true;
 
         [SerializeField]
-        [Tooltip("Without a picture for so long it counts as stale, in seconds")]
+        [Tooltip("It counts as stale after this time without an image, in seconds")]
         [Range(0.1f, 60)]
         private float _staleAfter = 2;
 
         [SerializeField]
-        [Tooltip("Darken a picture that is stale")]
+        [Tooltip("Darken a stale image")]
         private bool _dimWhenStale = true;
 
         [SerializeField]
-        [Tooltip("Called with true when pictures stay away, with false when they come again")]
+        [Tooltip("Called with true when images stop arriving, with false when they arrive again")]
         private FlagEvent _onStale = new FlagEvent();
 
         [SerializeField]
-        [Tooltip("Says \"no picture\", or how old it is; a TextMesh Pro, Text or TextMesh below this one shows it")]
+        [Tooltip("Says \"no image\", or how old it is. A TextMesh Pro, Text or TextMesh below this one shows it")]
         private TextOutput _status = new TextOutput();
 
 #if UNITY_WEBGL && !UNITY_EDITOR
@@ -117,7 +117,7 @@ namespace Ros2Gateway.Unity
             get { return _onStale; }
         }
 
-        /// <summary>"no picture", how old it is, or nothing.</summary>
+        /// <summary>"no image", how old it is, or nothing.</summary>
         public TextOutput Status
         {
             get { return _status; }
@@ -133,7 +133,7 @@ namespace Ros2Gateway.Unity
             }
             if (!_surface.Exists)
             {
-                Warn("finds no Renderer and no RawImage beside it");
+                Warn("finds no Renderer and no RawImage on its object: add one");
             }
             _status.Find(this, false);
             if (HasThreads)
@@ -246,7 +246,7 @@ namespace Ros2Gateway.Unity
         {
             if (picture.Error != null)
             {
-                Warn("a picture of format \"" + picture.Format + "\" is damaged: " + picture.Error);
+                Warn("an image of format \"" + picture.Format + "\" is damaged: " + picture.Error);
                 return false;
             }
             if (!Fits(picture.Width, picture.Height))
@@ -276,7 +276,7 @@ namespace Ros2Gateway.Unity
             int height;
             if (picture == null || !PictureSize.TryRead(picture, out width, out height))
             {
-                Warn("cannot show a picture of format \"" + format + "\": JPEG and PNG only");
+                Warn("cannot show an image of format \"" + format + "\": JPEG and PNG only");
                 return false;
             }
             if (!Fits(width, height))
@@ -289,7 +289,7 @@ namespace Ros2Gateway.Unity
             }
             if (!_texture.LoadImage(picture))
             {
-                Warn("a picture of format \"" + format + "\" is damaged");
+                Warn("an image of format \"" + format + "\" is damaged");
                 return false;
             }
             ShowTexture();
@@ -302,7 +302,7 @@ namespace Ros2Gateway.Unity
             {
                 return true;
             }
-            Warn("a picture has " + width + " x " + height + " pixels, at most " + MaxSide + " each way");
+            Warn("an image has " + width + " x " + height + " pixels, at most " + MaxSide + " each way");
             return false;
         }
 
@@ -345,7 +345,7 @@ namespace Ros2Gateway.Unity
             if (seconds != _statusSeconds)
             {
                 _statusSeconds = seconds;
-                _status.Show(_texture == null ? "no picture" : "picture is " + seconds + " s old");
+                _status.Show(_texture == null ? "no image" : "image is " + seconds + " s old");
             }
         }
     }

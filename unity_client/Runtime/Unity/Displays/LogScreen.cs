@@ -40,7 +40,7 @@ namespace Ros2Gateway.Unity
         private string _topic = "/rosout";
 
         [SerializeField]
-        [Tooltip("What is less severe is left out")]
+        [Tooltip("Less severe lines are left out")]
         private LogLevel _minLevel = LogLevel.Info;
 
         [SerializeField]
@@ -48,7 +48,7 @@ namespace Ros2Gateway.Unity
         private int _maxLines = 20;
 
         [SerializeField]
-        [Tooltip("Show what the client and the gateway say, too")]
+        [Tooltip("Also show the events of the client and the gateway")]
         private bool _withEvents = true;
 
         [SerializeField]

@@ -20,21 +20,21 @@ namespace Ros2Gateway.Unity
     public sealed class MarkerArrayDisplay : TypedDisplay<MarkerArrayMsg>
     {
         [SerializeField]
-        [Tooltip("Without, the one above in the hierarchy; with neither, the Transform is the markers' frame")]
+        [Tooltip("Empty: the one above in the hierarchy. Without any, the Transform is the markers' frame")]
         private FixedFrame _fixedFrame;
 
         [SerializeField]
-        [Tooltip("How many markers are kept; more are left out")]
+        [Tooltip("How many markers are kept. More are left out")]
         [Range(1, 10000)]
         private int _maxMarkers = 1000; // an object of the scene each
 
         [SerializeField]
-        [Tooltip("How many vertices they have in all, a cube 24; of more only a part is drawn")]
+        [Tooltip("How many vertices they have in all (a cube has 24). Of more, only a part is drawn")]
         [Range(1000, 50000000)]
         private int _maxVertices = 1 << 22; // 16 bytes each and, as cubes, 6 of indices: 88 MB
 
         [SerializeField]
-        [Tooltip("Of solids; without, one that takes the colours of vertices")]
+        [Tooltip("Of solids. Empty: one that uses the colours of vertices")]
         private Material _material;
 
         private readonly Dictionary<Key, MarkerObject> _markers = new Dictionary<Key, MarkerObject>();

@@ -17,12 +17,12 @@ namespace Ros2Gateway.Unity
         private float _spacing = 0.05f;
 
         [SerializeField]
-        [Tooltip("How many points are kept; the oldest make room")]
+        [Tooltip("How many points are kept. The oldest are dropped")]
         [Range(2, 65536)]
         private int _maxPoints = 2000; // 100 m at 5 cm
 
         [SerializeField]
-        [Tooltip("A jump of more than this begins a new trail, in metres; 0 for never")]
+        [Tooltip("A jump of more than this begins a new trail, in metres. 0 for never")]
         private float _teleportDistance = 1;
 
         private PointMesh _mesh;

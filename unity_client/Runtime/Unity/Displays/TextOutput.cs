@@ -24,7 +24,7 @@ namespace Ros2Gateway.Unity
     public sealed class TextOutput
     {
         [SerializeField]
-        [Tooltip("Other places for the text, such as a method of a component of yours")]
+        [Tooltip("Other places for the text, such as a method of your component")]
         private TextEvent _onChanged = new TextEvent();
 
         private readonly Listeners<string> _changed;
@@ -89,7 +89,7 @@ namespace Ros2Gateway.Unity
             {
                 Debug.LogWarning(
                     display.GetType().Name + " on " + display.name
-                    + " finds no TextMesh Pro, Text or TextMesh: add one beside or below it", display);
+                    + " finds no TextMesh Pro, Text or TextMesh: add one to it or below it", display);
             }
         }
 

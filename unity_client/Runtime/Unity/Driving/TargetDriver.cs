@@ -27,27 +27,27 @@ namespace Ros2Gateway.Unity
         private const double LetGoSeconds = 2;
 
         [SerializeField]
-        [Tooltip("Where commands go, as Twist or TwistStamped, whichever the robot takes")]
+        [Tooltip("The command topic, of Twist or TwistStamped, as the robot needs it")]
         private string _topic = "/cmd_vel";
 
         [SerializeField]
-        [Tooltip("Where poses come from, as nav_msgs/msg/Odometry")]
+        [Tooltip("The topic of the poses, of nav_msgs/msg/Odometry")]
         private string _odometryTopic = "/odom";
 
         [SerializeField]
-        [Tooltip("A subscriber of the odometry that the scene has already; without, one of its own")]
+        [Tooltip("A subscriber of the odometry that the scene has already. Empty: a separate one")]
         private TopicSubscriber _odometry;
 
         [SerializeField]
-        [Tooltip("Where the odometry's frame is: the digital twin's parent. Without, the world's origin")]
+        [Tooltip("The origin of the odometry's frame: the digital twin's parent. Empty: the world's origin")]
         private Transform _origin;
 
         [SerializeField]
-        [Tooltip("Is put where the target is, and hidden while there is none")]
+        [Tooltip("Marks the target, and is hidden without one")]
         private Transform _marker;
 
         [SerializeField]
-        [Tooltip("Commands a second, in Hz")]
+        [Tooltip("Commands per second, in Hz")]
         [Range(10, 50)]
         private float _rate = 20;
 
@@ -395,7 +395,7 @@ namespace Ros2Gateway.Unity
         /// <inheritdoc/>
         protected override void Unbind(GatewayConnection connection)
         {
-            bool isGivenUp = Stand("its connection is gone");
+            bool isGivenUp = Stand("its connection was lost");
             if (_odometry != null)
             {
                 _odometry.MessageReceived -= TakeAny;

@@ -19,12 +19,12 @@ namespace Ros2Gateway.Unity
         private string _topic = "/cmd_vel";
 
         [SerializeField]
-        [Tooltip("Ahead and back, in m/s; a TurtleBot3 Waffle Pi does 0.26")]
+        [Tooltip("Ahead and back, in m/s. A TurtleBot3 Waffle Pi does 0.26")]
         [Range(0.01f, 2)]
         private float _linearSpeed = 0.26f;
 
         [SerializeField]
-        [Tooltip("Turning, in rad/s; a TurtleBot3 Waffle Pi does 1.82")]
+        [Tooltip("Turning, in rad/s. A TurtleBot3 Waffle Pi does 1.82")]
         [Range(0.01f, 6)]
         private float _angularSpeed = 1.82f;
 

@@ -17,7 +17,7 @@ namespace Ros2Gateway.Unity
         private const float IdleSeconds = 10; // a frame that nobody has asked for so long makes room
 
         [SerializeField]
-        [Tooltip("The frame whose origin this is; a change takes effect when the component is enabled the next time")]
+        [Tooltip("The frame whose origin this is. A change takes effect when you enable the component again")]
         private string _frame = "map";
 
         [SerializeField]

@@ -14,14 +14,14 @@ namespace Ros2Gateway.Unity
         private const float TextSeconds = 0.2f; // nobody reads faster
 
         [SerializeField]
-        [Tooltip("Without, the one above in the hierarchy")]
+        [Tooltip("Empty: the one above in the hierarchy")]
         private FixedFrame _fixedFrame;
 
         [SerializeField]
         private string _frame = "base_link";
 
         [SerializeField]
-        [Tooltip("When the pose is older it is not drawn, in seconds; 0 for never")]
+        [Tooltip("It is hidden when the pose is older than this, in seconds. 0 for never")]
         private float _hideAfter;
 
         [SerializeField]

@@ -15,7 +15,7 @@ namespace Ros2Gateway.Unity
         private string _topic = "/goal_pose";
 
         [SerializeField]
-        [Tooltip("Without, the one above in the hierarchy")]
+        [Tooltip("Empty: the one above in the hierarchy")]
         private FixedFrame _fixedFrame;
 
         [SerializeField]

@@ -20,7 +20,7 @@ namespace Ros2Gateway.Unity
         private string _action = "/navigate_to_pose";
 
         [SerializeField]
-        [Tooltip("Without, the one above in the hierarchy")]
+        [Tooltip("Empty: the one above in the hierarchy")]
         private FixedFrame _fixedFrame;
 
         [SerializeField]
@@ -28,11 +28,11 @@ namespace Ros2Gateway.Unity
         private string _frame = "map";
 
         [SerializeField]
-        [Tooltip("The behaviour tree to use, as a path on the robot; empty for the usual one")]
+        [Tooltip("The behaviour tree to use, as a path on the robot. Empty for the usual one")]
         private string _behaviorTree = "";
 
         [SerializeField]
-        [Tooltip("A text for people: how far it is, how it ended")]
+        [Tooltip("A text for people: the distance to go, or how it ended")]
         private TextEvent _onStatus = new TextEvent();
 
         [SerializeField]
@@ -144,7 +144,7 @@ namespace Ros2Gateway.Unity
                 _action, goal, feedback => Hear(sent, feedback), result => End(sent, result));
             _goal = sent;
             _open.Add(sent);
-            Tell("on its way");
+            Tell("in progress");
         }
 
         /// <summary>Calls off whatever is pursued.</summary>

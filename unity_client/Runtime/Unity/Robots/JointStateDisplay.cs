@@ -9,7 +9,7 @@ namespace Ros2Gateway.Unity
     public sealed class JointStateDisplay : TypedDisplay<JointStateMsg>
     {
         [SerializeField]
-        [Tooltip("Without, the one above in the hierarchy")]
+        [Tooltip("Empty: the one above in the hierarchy")]
         private RobotDescriptionDisplay _robot;
 
         /// <summary>Whose joints these are. Null for the one above.</summary>

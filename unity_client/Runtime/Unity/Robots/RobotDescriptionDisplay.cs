@@ -31,7 +31,7 @@ namespace Ros2Gateway.Unity
         private bool _fetchMeshes = true;
 
         [SerializeField]
-        [Tooltip("Of all meshes that are fetched for a robot; what is beyond stays a small box. 4 million take 250 MB of the GPU")]
+        [Tooltip("Of all meshes that are fetched for a robot. Further ones stay small boxes. 4 million take 250 MB of the GPU")]
         [Range(1000, 50000000)]
         private int _maxTriangles = 1 << 22;
 
@@ -40,7 +40,7 @@ namespace Ros2Gateway.Unity
         private string _framePrefix = "";
 
         [SerializeField]
-        [Tooltip("Of solids; without, one that takes the colours of vertices")]
+        [Tooltip("Of solids. Empty: one that uses the colours of vertices")]
         private Material _material;
 
         private readonly Dictionary<string, Transform> _links = new Dictionary<string, Transform>();
@@ -250,12 +250,12 @@ namespace Ros2Gateway.Unity
         private void WarnOfBox(RobotVisual visual)
         {
             string reason = !_fetchMeshes ? ""
-                : !IsServed(visual) ? " among Models, and only .stl and .dae by package:// or file:// are fetched"
-                : Client() == null ? " among Models, and no Gateway Connection to fetch it by"
+                : !IsServed(visual) ? " among Models, and the gateway serves only .stl and .dae by package:// or file://"
+                : Client() == null ? " among Models, and no Gateway Connection to fetch it"
                 : null;
             if (reason != null)
             {
-                Warn("there is no model for " + visual.Mesh + reason + ": a small box stands for it");
+                Warn("no model for " + visual.Mesh + reason + ": a small box takes its place");
             }
         }
 

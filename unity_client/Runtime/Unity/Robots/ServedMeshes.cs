@@ -159,7 +159,7 @@ namespace Ros2Gateway.Unity
             }
             else
             {
-                _warn(mesh.Uri + " cannot be fetched: " + reply.Error + ": a small box stands for it");
+                _warn(mesh.Uri + " cannot be fetched: " + reply.Error + ": a small box takes its place");
             }
         }
 
@@ -199,7 +199,7 @@ namespace Ros2Gateway.Unity
             }
             catch (OutOfMemoryException)
             {
-                _problem = "there is no memory for it";
+                _problem = "not enough memory for it";
             }
             catch (Exception error) // a fault of the reader, which is not to end the application
             {
@@ -222,7 +222,7 @@ namespace Ros2Gateway.Unity
             PointMesh drawn = null;
             if (_problem != null)
             {
-                _warn(_drawn.Uri + " cannot be drawn: " + _problem + ": a small box stands for it");
+                _warn(_drawn.Uri + " cannot be drawn: " + _problem + ": a small box takes its place");
             }
             else
             {

@@ -13,7 +13,7 @@ namespace Ros2Gateway.Unity
         private static readonly Color FloorColor = new Color(0.35f, 0.37f, 0.4f);
 
         [SerializeField]
-        [Tooltip("Where the gateway is, unless the scene has a Gateway Connection")]
+        [Tooltip("The address of the gateway, unless the scene has a Gateway Connection")]
         private string _address = "ws://localhost:9090";
 
         [SerializeField]
@@ -26,7 +26,7 @@ namespace Ros2Gateway.Unity
         private string _commandTopic = "/cmd_vel";
 
         [SerializeField]
-        [Tooltip("Of floor and robot; without, the default one, which a build with URP may lack")]
+        [Tooltip("Of floor and robot. Empty: the default one, which a build with URP may lack")]
         private Material _material;
 
 #pragma warning disable 0169 // so that stripping leaves what CreatePrimitive needs

@@ -43,7 +43,7 @@ namespace Ros2Gateway.Unity
         public Durability Durability;
 
         /// <summary>How many messages DDS keeps. 0 for the gateway's default.</summary>
-        [Tooltip("How many messages DDS keeps; 0 for the gateway's default")]
+        [Tooltip("How many messages DDS keeps. 0 for the gateway's default")]
         [Range(0, 1024)]
         public int Depth;
 

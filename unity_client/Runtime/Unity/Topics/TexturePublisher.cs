@@ -26,12 +26,12 @@ namespace Ros2Gateway.Unity
         private string _frameId = "camera";
 
         [SerializeField]
-        [Tooltip("What the camera renders, in pixels, unless it has a target texture")]
+        [Tooltip("The size of the image, in pixels, unless the camera has a target texture")]
         private Vector2 _cameraSize = new Vector2(640, 480);
 
         [SerializeField]
-        [Tooltip("Render the camera only when a picture is due, not in each frame; unless it has a target texture, which "
-            + "others may show. Switch it off where Camera.Render does not do what the camera does when it is enabled")]
+        [Tooltip("Render the camera only when an image is due, unless it has a target texture, which other objects "
+            + "may show. Turn it off if your render pipeline does not support Camera.Render")]
         private bool _rendersOnDemand = true;
 
         private TopicPublisher _publisher;

@@ -17,15 +17,15 @@ namespace Ros2Gateway.Unity
         private string _topic = "/chatter";
 
         [SerializeField]
-        [Tooltip("pkg/msg/Name, or a number of the message table")]
+        [Tooltip("pkg/msg/Name, or the number of a message type")]
         private string _type = "std_msgs/msg/String";
 
         [SerializeField]
-        [Tooltip("Late subscribers get the last message. For what is a state, never for commands")]
+        [Tooltip("Late subscribers get the last message. Use it for states, never for commands")]
         private bool _latch;
 
         [SerializeField]
-        [Tooltip("How many messages may wait for the network, the oldest being dropped; 1 is always the newest. 0: the "
+        [Tooltip("How many messages may wait for the network, before the oldest is dropped. 1: the newest. 0: the "
             + "newest of textures, else 10")]
         [Range(0, 100)]
         private int _queue;
@@ -34,13 +34,13 @@ namespace Ros2Gateway.Unity
         private QosSettings _qos = new QosSettings();
 
         [SerializeField]
-        [Tooltip("How often the message below is published, in Hz; 0 for never. Textures: at most so often, "
+        [Tooltip("How often the message below is published, in Hz. 0 for never. Textures: at most this often, "
             + "0 for no limit")]
         [Range(0, 100)]
         private float _rate;
 
         [SerializeField]
-        [Tooltip("A message as JSON, such as {\"data\":\"hello\"}; fields left out have their defaults")]
+        [Tooltip("A message as JSON, such as {\"data\":\"hello\"}. Missing fields have their defaults")]
         [TextArea(2, 10)]
         private string _message = "";
 
@@ -54,12 +54,12 @@ namespace Ros2Gateway.Unity
         private int _imageQuality = 75;
 
         [SerializeField]
-        [Tooltip("Of textures: scaled down to fit, in pixels; 0 for no bound")]
+        [Tooltip("Of textures: scaled down to fit, in pixels. 0 for no limit")]
         [Range(0, 4096)]
         private int _imageMaxWidth = 640;
 
         [SerializeField]
-        [Tooltip("Of textures: scaled down to fit, in pixels; 0 for no bound")]
+        [Tooltip("Of textures: scaled down to fit, in pixels. 0 for no limit")]
         [Range(0, 4096)]
         private int _imageMaxHeight;
 
@@ -276,8 +276,8 @@ namespace Ros2Gateway.Unity
             {
                 _isFailureTold = true;
                 Debug.LogWarning(
-                    "Topic Publisher of " + _topic + ": the GPU did not give a picture back, which is dropped"
-                    + (_readback.HasFailed ? ", like others before: from now on the main thread waits for it" : ""), this);
+                    "Topic Publisher of " + _topic + ": the GPU did not return an image, which is dropped"
+                    + (_readback.HasFailed ? ", as several before: from now on the main thread waits for the GPU" : ""), this);
             }
         }
 

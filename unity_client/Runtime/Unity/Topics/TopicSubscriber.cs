@@ -26,50 +26,50 @@ namespace Ros2Gateway.Unity
         private string _topic = "/odom";
 
         [SerializeField]
-        [Tooltip("pkg/msg/Name or a number of the message table; empty to take what the topic has, as a tree")]
+        [Tooltip("pkg/msg/Name, or the number of a message type. Empty: the type of the topic, as a tree")]
         private string _type = "";
 
         [SerializeField]
-        [Tooltip("How many messages may wait, the oldest being dropped; 1 is always the newest. 0: the newest where "
-            + "displays beside this show it alone, else 10")]
+        [Tooltip("How many messages may wait, before the oldest is dropped. 1: the newest. 0: the newest if "
+            + "displays on this object show only the newest, else 10")]
         [Range(0, 1000)]
         private int _queue;
 
         [SerializeField]
-        [Tooltip("At most so many messages a second, the newest; 0 for all")]
+        [Tooltip("At most this many messages per second, the newest. 0 for all")]
         [Range(0, 200)]
         private float _maxRate;
 
         [SerializeField]
-        [Tooltip("Only these fields, as dotted paths such as pose.pose.position; empty for all")]
+        [Tooltip("Only these fields, as dotted paths such as pose.pose.position. Empty for all")]
         private string[] _fields = new string[0];
 
         [SerializeField]
-        [Tooltip("Fill messages anew instead of making new ones: each may be used until the next one comes")]
+        [Tooltip("Fill the same messages again instead of making new ones: use each only until the next one arrives")]
         private bool _reuse;
 
         [SerializeField]
         private QosSettings _qos = new QosSettings();
 
         [SerializeField]
-        [Tooltip("Of pictures: jpeg, or png for what must come exactly, such as depth")]
+        [Tooltip("Of images: jpeg, or png for exact values, such as depth")]
         private string _imageFormat = "jpeg";
 
         [SerializeField]
-        [Tooltip("Of pictures: quality of the JPEG")]
+        [Tooltip("Of images: quality of the JPEG")]
         [Range(1, 100)]
         private int _imageQuality = 80;
 
         [SerializeField]
-        [Tooltip("Of pictures: lower quality, and fewer pixels, while the link is too slow")]
+        [Tooltip("Of images: lower quality and fewer pixels while the network is too slow")]
         private bool _imageAdapts = true;
 
         [SerializeField]
-        [Tooltip("Of pictures: scaled down to fit, in pixels; 0 for no bound")]
+        [Tooltip("Of images: scaled down to fit, in pixels. 0 for no limit")]
         private int _imageMaxWidth;
 
         [SerializeField]
-        [Tooltip("Of pictures: scaled down to fit, in pixels; 0 for no bound")]
+        [Tooltip("Of images: scaled down to fit, in pixels. 0 for no limit")]
         private int _imageMaxHeight;
 
         [SerializeField]
