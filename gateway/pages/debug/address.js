@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is shown, as the address of the page keeps it: after #, which no server gets to see.
+// The cards that the address of the page keeps: after #, which no server gets to see.
 
 import { isKnown } from "./cards/cards.js";
 

@@ -58,6 +58,6 @@ export class Figures {
       ...Object.entries(figures).map(([name, value]) => element("div", { title: ABOUT[name] ?? "" }, element("dt", {}, name), element("dd", {}, value))),
     );
     const { scrollWidth, clientWidth } = this.element;
-    this.element.tabIndex = scrollWidth > clientWidth ? 0 : -1; // on a phone a key scrolls it, too
+    this.element.tabIndex = scrollWidth > clientWidth ? 0 : -1; // on a phone a key also scrolls it
   }
 }

@@ -11,7 +11,7 @@ const VIEWS = [
   [{ kind: "odometry", view: "plot", fields: ["twist.twist.linear.x", "twist.twist.angular.z"] }],
 ];
 
-/** What the page opens by itself for whoever comes without an address that names cards, until that person opens or closes anything. */
+/** Opens cards by itself if the address names none, until the user opens or closes one. */
 export class FirstVisit {
   /** Whether nothing more is opened. */
   isOver = false;
@@ -45,7 +45,7 @@ export class FirstVisit {
     this.#drive();
   }
 
-  /** Open the first of some kinds that somebody publishes. Return whether there is one. */
+  /** Open the first of some kinds that a node publishes. Return whether there is one. */
   #open(kinds) {
     const shown = kinds.map((each) => ({ ...each, topic: published(this.#gateway.graph, each.kind) })).find((each) => each.topic);
     if (!shown) return false;

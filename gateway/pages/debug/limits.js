@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the gateway tells a connection at its beginning, in words with units.
+// The greeting of the gateway to a connection, in words with units.
 
 import { bytes } from "../shared/dom.js";
 

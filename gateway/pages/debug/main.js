@@ -70,7 +70,7 @@ function look({ element: its }) {
   reveal(its);
 }
 
-/** Bring a card into view again that has got its form, unless whoever opened it has gone elsewhere. */
+/** Bring a card into view again that has got its form, unless the user has gone elsewhere. */
 function grown({ element: its }) {
   if (its.contains(document.activeElement)) reveal(its);
 }
@@ -94,9 +94,9 @@ function changed() {
   keep();
 }
 
-/** Keep in the address what is shown, and say how a card is opened if there is none. */
+/** Keep the shown cards in the address. Without a card, say how to open one. */
 function keep() {
-  const isAwaited = !cards.length && !firstVisit.isOver; // a reload is a first visit, too
+  const isAwaited = !cards.length && !firstVisit.isOver; // a reload is also a first visit
   page.write(isAwaited ? null : cards.map((each) => each.shown), measuring.isOn);
   for (const [list, isOf] of lists) list.mark(new Set(cards.filter((each) => isOf(each.view)).map((each) => each.topic)));
   empty.remove();
@@ -163,13 +163,13 @@ const nodes = new NameList(find("nodes"), find("search"), gateway, {
   open: (name) => open(name, "node"),
   counted: (words) => counted("tab-nodes", words),
 });
-/** What marks the names that have a card, and which views are of its kind. @type {[TopicList|NameList, (view: string) => boolean][]} */
+/** The lists that mark names with a card, and the views of each kind. @type {[TopicList|NameList, (view: string) => boolean][]} */
 const lists = [[topics, isView], [services, (view) => view === "call"], [actions, (view) => view === "goal"], [nodes, (view) => view === "node"]];
 const limits = element("button", { type: "button", title: "the limits and the messages of this connection" }, "Limits");
 limits.onclick = () => open("/", "connection");
 find("graph").onclick = () => open("/", "graph");
 find("skip").onclick = (event) => {
-  event.preventDefault(); // what stands behind # is what is shown
+  event.preventDefault(); // the part after # is the shown cards
   (cards[0]?.element ?? find("cards")).focus();
 };
 tabs.connect(find("tabs"), ({ id }) => {

@@ -6,8 +6,8 @@ const EVERY_MS = 500;
 const RETRY_TICKS = 10; // of one that is refused: there may be room again
 
 /**
- * Rate, size and age of topics: of those that a card shows by what comes for it, of others that can be seen in the list, on request,
- * by two frames a second that say nothing but that samples come.
+ * Rate, size and age of topics. A topic of a card is measured by the messages of its card. The others in the list are measured on
+ * request, by two frames per second that only report that samples arrive.
  */
 export class Measuring {
   #gateway;
@@ -41,7 +41,7 @@ export class Measuring {
     return this.#gateway.arrivals.get(topic) ?? this.#gateway.arrivals.get(byOtherName(topic));
   }
 
-  /** Return what is known of a topic in words: its figures, or what the gateway says of why there are none. */
+  /** Return the figures of a topic in words, or why they are missing. */
   words(topic) {
     const measured = this.#measured.get(topic);
     return this.arrivals(topic)?.words ?? (measured ? measured.problem || NOTHING_YET : "");

@@ -3,7 +3,7 @@ import { breakable, element } from "../shared/dom.js";
 import { rove } from "./roving.js";
 
 /**
- * What stands in a list: a name, what is said of it, and whether it is shown though nobody searches it.
+ * An entry of a list: a name, the words about it, and whether it is shown without a search.
  * @typedef {{name: string, about: string, isPlain: boolean}} Entry
  */
 
@@ -80,7 +80,7 @@ export function countOf(shown, all, kind) {
 }
 
 /**
- * Put items into a list, or the reason why there is none. What stays is not taken out for a moment: it would lose the focus, and a press
+ * Put items into a list, or the reason why it is empty. An item that stays is not taken out for a moment. It would lose the focus, and a press
  * that has begun on it.
  */
 export function replace(list, items, reason) {

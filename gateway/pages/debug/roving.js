@@ -8,7 +8,7 @@ const CONTROLS = "button:enabled, summary";
  * @returns {() => void} to be called when what is listed has changed
  */
 export function rove(list) {
-  let current = null; // what Tab comes to
+  let current = null; // the entry that Tab reaches
 
   function choose(control) {
     current?.setAttribute("tabindex", "-1");
@@ -19,7 +19,7 @@ export function rove(list) {
   function settle() {
     for (const each of list.querySelectorAll(`:is(${CONTROLS}):not([tabindex])`)) each.setAttribute("tabindex", "-1");
     const closed = [...list.querySelectorAll("details:not([open])")].find((each) => each.contains(current)); // the outermost
-    if (closed) choose(closed.querySelector("summary")); // what is in it cannot be seen
+    if (closed) choose(closed.querySelector("summary")); // its content is hidden
     else if (!list.contains(current)) choose(list.querySelector(CONTROLS));
   }
 

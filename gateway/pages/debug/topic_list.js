@@ -47,7 +47,7 @@ export class TopicList {
       .map(({ name }) => name)
       .sort((one, other) => one.localeCompare(other));
     for (const name of this.#items.keys()) if (!topics.has(name)) this.#remove(name);
-    const nodes = wanted ? found.map((name) => ({ name, label: name })) : treeOf(found); // what is found is in no closed branch
+    const nodes = wanted ? found.map((name) => ({ name, label: name })) : treeOf(found); // found names are in no closed branch
     const reason = topics.size ? `No topic has "${wanted}" in its name or type.` : "There are no topics yet.";
     replace(this.#list, nodes.map((each) => this.#place(each)), reason);
     if (!wanted) for (const [namespace, branch] of this.#branches) if (!branch.element.isConnected) this.#branches.delete(namespace);

@@ -15,7 +15,7 @@ import { ScanView } from "../views/scan.js";
 import { Place } from "./place.js";
 
 const TICK_MS = 200;
-// After how long these are old: whoever makes a map sends it now and then, and says once a second where the odometry began on it.
+// After how long these are old. A map arrives now and then, its place once per second.
 const LATE_MS = { map: 10_000, place: 2000 };
 
 const gateway = new Gateway();
@@ -26,7 +26,7 @@ const heard = { odometry: "", scan: "", map: "" }; // topics. A robot that is go
 let isConnected = false;
 gateway.on("state", ({ state }) => {
   isConnected = state === "open";
-  letGo(); // what was held before belongs to another connection
+  letGo(); // a key that was held before belongs to another connection
 });
 const command = new CommandTopic(gateway, told, namedCommand());
 
@@ -69,7 +69,7 @@ function told() {
   for (const name of ["linear", "angular"]) find(name).disabled = command.isForbidden;
   find("take").hidden = command.isForbidden || command.state?.holder !== "other";
   bar.review(command);
-  if (!command.isFree) letGo(); // it has to be pressed anew
+  if (!command.isFree) letGo(); // it has to be pressed again
 }
 
 gateway.on("graph", () => {

@@ -11,7 +11,7 @@ export class Place {
   #view = null;
   #unsubscribe = () => {};
   #failures = new Map(); // by what has failed, in words
-  #ofMessage = ""; // what the gateway says of the newest message
+  #ofMessage = ""; // the gateway's words about the newest message
   #aging;
   #problem = element("p", { className: "problem", role: "status", hidden: true });
 
@@ -31,7 +31,7 @@ export class Place {
     return this.#view;
   }
 
-  /** What came of its topic, or undefined. */
+  /** The arrivals of its topic, or undefined. */
   get arrivals() {
     return this.#gateway.arrivals.get(this.#view?.topic);
   }

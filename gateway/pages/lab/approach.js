@@ -15,7 +15,7 @@ const STEERING_M = 0.1; // nearer, the direction to the target is mostly noise
 const STUCK_S = 5;
 const NEARER_M = 0.01; // less is noise, no progress
 const NEARER_RAD = 0.05;
-const SPARE_S = 30; // beyond thrice what the straight way takes
+const SPARE_S = 30; // beyond three times the straight way
 const TURNING = { proportional: 2, integral: 0.1, derivative: 0.1 };
 const DRIVING = { proportional: 1.2, integral: 0.1, derivative: 0.05 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a viewer may stand: within the walls, on the map and around the robot. Beyond is nothing to find the way back by.
+// A viewer may stand within the walls, on the map, and around the robot. Beyond is nothing to find the way back by.
 
 import { Vector3 } from "../vendor/three.js";
 import { HALF_M } from "./room.js";
@@ -12,9 +12,9 @@ export class Bounds {
   #most = new Vector3(HALF_M, Infinity, HALF_M);
 
   /**
-   * Take what there is. Nothing is made anew here.
+   * Take the present sizes. This allocates nothing.
    * @param {number} reach how far the map reaches from the middle, in metres
-   * @param {{x: number, y: number}} robot where it is, in its own metres
+   * @param {{x: number, y: number}} robot its place, in its own metres
    */
   set(reach, robot) {
     const half = Math.max(HALF_M, reach);
@@ -29,7 +29,7 @@ export class Bounds {
     place.clamp(this.#least, this.#most);
   }
 
-  /** Do so with a step from another place. Whoever is outside, as the robot went home, is not moved, but goes no farther out. */
+  /** Do so with a step from another place. A viewer who is outside, because the robot went home, is not moved, but goes no farther out. */
   keepStep(place, from) {
     place.x = Math.max(Math.min(this.#least.x, from.x), Math.min(Math.max(this.#most.x, from.x), place.x));
     place.z = Math.max(Math.min(this.#least.z, from.z), Math.min(Math.max(this.#most.z, from.z), place.z));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is held in VR: a ray each, drawn by shapes of our own, as others fetch theirs from elsewhere.
+// The controllers and hands in VR, each with a ray. The shapes are made here, because others are fetched from the network.
 // Trigger or pinch: a target. Squeeze, or a pinch of the left hand: stop. Stick pushed ahead or pressed, or touchpad pressed: teleport, when let go.
 
 import {
@@ -53,7 +53,7 @@ export class Controllers {
     if (hand === this.#sender || !this.#hands.some((each) => each.canStop)) this.#to.gone();
   }
 
-  /** Look at what is pushed. Nothing is made anew here. */
+  /** Read the buttons and sticks. This allocates nothing. */
   step() {
     for (const hand of this.#hands) hand.step();
   }

@@ -11,7 +11,7 @@ const OCCUPIED = 65; // percent and more: what Nav2's map server takes for occup
 
 /** A `nav_msgs/msg/OccupancyGrid` in the room. */
 export class FloorMap {
-  /** Where the map's frame is to the odometry's, or null while nobody says so. Then the map is hidden. */
+  /** The pose of the map's frame in the odometry's, or null while it is unknown. Then the map is hidden. */
   pose = null;
   /** How far it reaches from where the odometry began, in metres along its axes. 0 while it is hidden. */
   reach = 0;
@@ -49,7 +49,7 @@ export class FloorMap {
     this.#show();
   }
 
-  /** Draw it in the colours of the page anew. */
+  /** Draw it again in the colours of the page. */
   paint() {
     if (this.#newestMap) this.take(this.#newestMap);
   }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Into VR and out of it, or why there is none, in words.
+// Into VR and out of it, or why VR is not available, in words.
 
 /**
  * Make a button enter VR and leave it.
  * @param {import("../vendor/three.js").WebXRManager} xr
  * @param {HTMLButtonElement} button
- * @param {HTMLElement} note where the words go
+ * @param {HTMLElement} note the element for the words
  * @param {{began: () => void, ended: () => void, unseen: () => void}} tell `unseen`: the headset shows something else
  */
 export async function connectHeadset(xr, button, note, tell) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Poses that no drive explains: odometry that was reset, or that is out of its mind. What was pointed at is another place then.
+// Poses that no drive explains: odometry that was reset, or that is out of its mind. The target is another place then.
 // Pure: pose and time are arguments.
 
 import { MOST, STALE_S, wrapped } from "./approach.js";

@@ -138,13 +138,13 @@ function begin() {
     ended: () => {
       letGoOfAll("VR was left");
       viewer.isWorn = false;
-      viewer.goHome(); // wherever the headset went
+      viewer.goHome(); // the headset may have gone anywhere
     },
   });
   return made;
 }
 
-/** The page's own part of a frame. Makes nothing anew. */
+/** The page's own part of a frame. It allocates nothing. */
 function work(now, seconds, frame) {
   viewer.bounds.set(map.reach, twin.pose);
   if (frame) {
@@ -170,7 +170,7 @@ function point(raycaster) {
   const thing = sight.thing(raycaster);
   if (thing === screens.topic.mesh) return next();
   const refusal = refusalOf(raycaster.ray, thing);
-  if (refusal) pilot.stop(refusal); // whoever points means another target than the one before
+  if (refusal) pilot.stop(refusal); // a user who points means another target than the one before
   else if (pilot.aim(toRos(place))) mark(target, place);
 }
 
@@ -219,7 +219,7 @@ function told() {
   showState();
 }
 
-/** What the robot does now, in words that contradict nothing of what is said of the approach. */
+/** The present motion of the robot, in words that fit those about the approach. */
 function doing() {
   const { state, guard } = command.state ?? {};
   if (pilot.isActive && guard === "ready" && state !== "moving") return "About to move.";

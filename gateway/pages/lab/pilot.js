@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What moves the robot: keys that are held, or a target that it approaches. And everything that ends either.
+// Moves the robot by held keys, or to a target. Also knows everything that ends either.
 
 import { reason, sentence } from "../shared/control_words.js";
 import { Driver } from "../shared/driver.js";
@@ -8,11 +8,11 @@ import { Jumps } from "./jumps.js";
 
 const STEP_MS = 50;
 const SETTLE_MS = 300; // after such a stop it wants nothing that moves for 250 ms
-const REARM_MS = 3000; // for the zeros that the gateway wants after a stop of its own
+const REARM_MS = 3000; // for the zeros that the gateway wants after it stopped the robot
 
 /** Drives by keys or to a target, never both. */
 export class Pilot {
-  /** What becomes of it, in words. */
+  /** Its progress, in words. */
   words = "";
   approach = new Approach();
   #publish;
@@ -21,7 +21,7 @@ export class Pilot {
   #pose = null;
   #jumps = new Jumps();
   #poseMs = -Infinity;
-  #state = null; // what the gateway says of the command topic
+  #state = null; // the gateway's state of the command topic
   #clearedMs = -Infinity; // when such a stop was over
   #aimedMs = 0;
   #isMoving = false; // whether the approach has begun to
@@ -95,7 +95,7 @@ export class Pilot {
     this.#driver.ready();
   }
 
-  /** Stop the robot and the approach, and say why it ended. Nothing, if there was none. */
+  /** Stop the robot and the approach, and say why it ended. Without an approach, say nothing. */
   end(why) {
     this.stop(this.isActive ? `The approach has ended: ${why}.` : "");
   }

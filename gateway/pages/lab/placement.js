@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where something of one frame is in another, or in words why nobody knows.
+// The place of one frame in another, or in words why it is unknown.
 
 const HERE = { translation: { x: 0, y: 0, z: 0 }, rotation: { x: 0, y: 0, z: 0, w: 1 } };
-const PATIENCE_MS = 2000; // a tree of transforms is complete by then, on a slow link, too
+const PATIENCE_MS = 2000; // by then a tree of transforms is complete, even on a slow network
 
 /** Follows the transform between two frames, whatever they come to be. */
 export class Placement {

@@ -61,7 +61,7 @@ export class Room {
     return marker;
   }
 
-  /** Take the colours from the page anew. */
+  /** Take the colours from the page again. */
   paint() {
     for (const [material, name] of this.#painted) material.color.set(token(name));
     this.scene.background = new Color(token("ground"));

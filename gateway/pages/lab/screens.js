@@ -15,7 +15,7 @@ const REST_MS = 250; // nobody reads faster, and each drawing is sent to the GPU
 
 /** A screen with a title and some lines. */
 export class Screen {
-  /** What it shows, as text. */
+  /** Its content, as text. */
   text = "";
   #canvas = new OffscreenCanvas(WIDE_PX, HIGH_PX);
   #pen = this.#canvas.getContext("2d");
@@ -51,7 +51,7 @@ export class Screen {
     this.dirty();
   }
 
-  /** Draw it anew when there is time. */
+  /** Draw it again when there is time. */
   dirty() {
     this.#isDirty = true;
   }
@@ -81,7 +81,7 @@ export class Screen {
   }
 }
 
-/** Return lines that fit. What is longer goes on in the next one. */
+/** Return lines that fit. A longer line continues in the next one. */
 function wrapped(text) {
   const lines = [];
   for (const line of text.slice(0, 2 * COLUMNS * LINES).split("\n")) {

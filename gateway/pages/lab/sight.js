@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a ray meets first: the floor, or something solid before it. Nobody points at a floor that he does not see.
+// Finds the first thing that a ray meets: the floor, or something solid before it. You cannot point at a hidden floor.
 
 import { Vector3 } from "../vendor/three.js";
 import { meet } from "./floor.js";
@@ -11,7 +11,7 @@ export class Sight {
   #solids;
   #hits = []; // one for all rays: no garbage
 
-  /** @param {() => import("../vendor/three.js").Object3D[]} solids what is seen now, and hides the floor */
+  /** @param {() => import("../vendor/three.js").Object3D[]} solids the visible things that hide the floor */
   constructor(solids) {
     this.#solids = solids;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the lab shows of the robot, once somebody publishes it.
+// The robot's data that the lab shows, once a node publishes it.
 
 import { json } from "../shared/json.js";
 import { isOf, missing, published } from "../shared/named_topics.js";
@@ -22,8 +22,8 @@ export class Sources {
   #tell;
   #known = new Map(); // kind -> topic
   #parts;
-  #map; // where its frame is to the odometry's
-  #laser; // where it is on the robot
+  #map; // the place of its frame in the odometry's
+  #laser; // its place on the robot
 
   /**
    * @param {import("../shared/gateway.js").Gateway} gateway
@@ -38,7 +38,7 @@ export class Sources {
     this.#laser = new Placement(gateway, "the scan is hidden", LASER_HZ, (transform) => parts.twin.mount(transform));
   }
 
-  /** What is not shown, as nobody publishes what the address names or knows where it is, in words, or "". */
+  /** In words, what is not shown because it is not published or its place is unknown, or "". */
   get missing() {
     const unpublished = KINDS.map((kind) => missing(this.#gateway.graph, kind));
     return [...unpublished, this.#map.words, this.#laser.words].filter(Boolean).join("\n");
@@ -75,7 +75,7 @@ export class Sources {
     return this.#gateway.arrivals.get(this.#known.get(kind));
   }
 
-  /** Return the topics that a screen can show as text. Pictures are none. */
+  /** Return the topics that a screen can show as text, which excludes images. */
   get readable() {
     return [...this.#gateway.graph.topics.values()]
       .filter(({ publishers, types }) => publishers.length && !isOf(types[0], "camera"))

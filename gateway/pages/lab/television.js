@@ -3,7 +3,7 @@ import { LinearFilter, Mesh, MeshBasicMaterial, PlaneGeometry, SRGBColorSpace, T
 
 const HIGH_M = 1.5;
 
-/** The camera's newest picture, decoded beside the page's own thread. */
+/** The camera's newest image, decoded on another thread. */
 export class Television {
   options = { compression: "cbor", image: { quality: 70, max_width: 640, adapt: true } };
   shown = 0; // pictures so far

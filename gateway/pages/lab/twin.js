@@ -8,11 +8,11 @@ import {
 import { yawOf } from "../views/plan.js";
 import { asRos } from "./floor.js";
 
-const MOST_POINTS = 4096; // of a scan. What is beyond is not drawn
+const MOST_POINTS = 4096; // of a scan. Further ones are not drawn
 
 /** The robot, in its own metres. */
 export class Twin {
-  /** Where it is: metres and radians of the odometry's frame. */
+  /** Its pose: metres and radians of the odometry's frame. */
   pose = { x: 0, y: 0, yaw: 0 };
   world = asRos(new Group());
   #body = new Group();
@@ -46,7 +46,7 @@ export class Twin {
     this.#geometry.setDrawRange(0, 0);
     const points = new Points(this.#geometry, room.material("accent", PointsMaterial));
     points.material.size = 0.04;
-    points.frustumCulled = false; // they are around whoever looks
+    points.frustumCulled = false; // they are around the viewer
     const plumbs = new LineSegments(this.#plumbs, room.material("accent", LineBasicMaterial));
     Object.assign(plumbs.material, { transparent: true, opacity: 0.35 });
     plumbs.frustumCulled = false;

@@ -25,7 +25,7 @@ export class Aging {
 
   /**
    * Write how old it is: call it some times a second.
-   * @param {Object<string, import("./arrivals.js").Arrivals|undefined>} sources what it is made of, by a word for each
+   * @param {Object<string, import("./arrivals.js").Arrivals|undefined>} sources its sources, by a word for each
    * @param {boolean} isConnected else everything is old
    */
   write(sources, isConnected) {

@@ -5,16 +5,16 @@ export const NOTHING_YET = "no message yet";
 const LEAST_MS = 400; // between two messages that a rate is reckoned from: a burst has none
 const LATE_MS = 2000;
 const LEAST_HZ = 0.05; // less would be shown as 0
-const REGULAR = 3; // messages: whoever has sent so many is expected to go on. A map is as good as it was
+const REGULAR = 3; // messages: a topic that has sent this many should continue. A map stays valid
 
-/** What has come of one topic, or for one card. `tick` is called once a second. */
+/** The messages that arrived of one topic, or for one card. `tick` is called once per second. */
 export class Arrivals {
   messages = 0;
   dropped = 0; // for this page, while no throttle was asked for
   #bytes = 0; // of the newest
   #newest = { seq: 0, ms: 0 };
   #hz = 0;
-  #reckoned = this.#newest; // what was the newest when the rate was reckoned
+  #reckoned = this.#newest; // the newest when the rate was computed
 
   /**
    * Count a message.
@@ -27,7 +27,7 @@ export class Arrivals {
     this.#bytes = bytes;
     this.dropped += dropped;
     this.#newest = { seq, ms: performance.now() };
-    if (this.messages === 1 || seq < this.#reckoned.seq) this.#reckoned = this.#newest; // the gateway counts anew
+    if (this.messages === 1 || seq < this.#reckoned.seq) this.#reckoned = this.#newest; // the gateway counts from 0 again
   }
 
   /** Reckon the rate, from the message that it was reckoned from before to the newest. */
@@ -36,7 +36,7 @@ export class Arrivals {
     if (ms >= LEAST_MS) {
       this.#hz = ((this.#newest.seq - this.#reckoned.seq) * 1000) / ms;
       this.#reckoned = this.#newest;
-    } else this.#hz = Math.min(this.#hz, 1000 / this.ageMs); // what stays away is not that frequent
+    } else this.#hz = Math.min(this.#hz, 1000 / this.ageMs); // a silent topic is not that frequent
   }
 
   /** How old the newest message is, by the time of its arrival. */

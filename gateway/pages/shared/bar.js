@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every page has at its top: the other pages, the connection in words, the token that may be asked for, and STOP.
+// The top of every page: the other pages, the connection in words, the token dialog, and STOP.
 
 import { isOver, refusal } from "./control_words.js";
 import { element, find } from "./dom.js";
@@ -22,7 +22,7 @@ const WORDS = {
  * Put the bar at the top of a page and connect it with its gateway.
  * @param {import("./gateway.js").Gateway} gateway
  * @param {string} here the name of the page
- * @param {...Node} more what the page has between the connection and STOP
+ * @param {...Node} more elements between the connection and STOP
  */
 export function connect(gateway, here, ...more) {
   const skip = document.querySelector(".skip"); // the first stop of Tab, if a page has one
@@ -39,7 +39,7 @@ export function connect(gateway, here, ...more) {
   gateway.on("state", ({ state, reason }) => {
     say(state, reason);
     find("ask-token").hidden = state !== "token";
-    // what was said belongs to the connection before. But what is said without one stays while others are tried
+    // a notice belongs to the connection before. But one without a connection stays while the page tries again
     if (state === "open" || (state === "closed" && before === "open")) tell("");
     if (state === "token") ask(reason);
     before = state;
@@ -69,7 +69,7 @@ function header(gateway, here, more) {
 
 function ask(problem) {
   find("token-problem").textContent = problem;
-  find("token").returnValue = ""; // of Escape, too
+  find("token").returnValue = ""; // also after Escape
   find("token").showModal();
 }
 

@@ -19,18 +19,18 @@ export class CommandTopic {
   #gateway;
   #wanted;
   #topic = "";
-  #type = ""; // while somebody listens
+  #type = ""; // while a node listens
   #told;
   #forgets;
   #problem = ""; // why there is no state
   #silentS = 0;
   #isStopper = false; // whether this page has stopped the robot last
-  #attempt; // what hears that a command was refused because of another client
+  #attempt; // hears that a command was refused because of another client
 
   /**
    * @param {import("./gateway.js").Gateway} gateway
-   * @param {() => void} told is called when the state has changed, and when something is held in vain: unless it `isFree`, whoever
-   *   holds something lets go of it
+   * @param {() => void} told is called when the state has changed, and when a held command is refused. Unless it `isFree`,
+   *   everything has to be let go of
    * @param {string} [wanted] its name. By default the one that the gateway names first
    */
   constructor(gateway, told, wanted) {
@@ -69,12 +69,12 @@ export class CommandTopic {
     return this.state?.holder === "you" && this.state.state === "moving";
   }
 
-  /** Whether this page may drive: its role permits it, somebody listens, no other client drives, nobody holds STOP, and the gateway answers. */
+  /** Whether this page may drive: its role permits it, a node listens, no other client drives, STOP is not held, and the gateway answers. */
   get isFree() {
     return !this.isForbidden && this.state !== null && this.state.holder !== "other" && !this.#silentS && !isHeld();
   }
 
-  /** What a person who drives reads. */
+  /** The words for the person who drives. */
   get words() {
     if (this.#silentS) return `The gateway has not answered for ${this.#silentS} s. It stops the robot that you drove.`;
     if (this.isForbidden) return "You may watch, but not drive.";
@@ -101,7 +101,7 @@ export class CommandTopic {
     return this.#topic;
   }
 
-  /** Take control from whoever has it. Rejects with the gateway's words. */
+  /** Take control from any other client. Rejects with the gateway's words. */
   async acquire() {
     this.#take(await this.#gateway.ask({ op: "acquire_control", topic: this.#topic }));
   }
@@ -111,7 +111,7 @@ export class CommandTopic {
     this.isForbidden = this.#gateway.isOpen && this.#gateway.hello?.role === "viewer";
   }
 
-  /** Ask for the state, once somebody listens. Its changes follow. */
+  /** Ask for the state, once a node listens. Its changes follow. */
   async #watch() {
     try {
       this.#take(await this.#gateway.ask({ op: "control", topic: this.#wanted, watch: true }));
@@ -120,7 +120,7 @@ export class CommandTopic {
     }
   }
 
-  /** Look whether somebody listens. A robot that has left, and comes back, begins anew. */
+  /** Look whether a node listens. A robot that left and returns begins again. */
   #look() {
     if (!this.#type) this.#watch();
     else if (!this.#isHeard) this.#lose(this.#unheard);
@@ -146,7 +146,7 @@ export class CommandTopic {
     this.#told();
   }
 
-  /** What keeps the gateway from telling the state, in words. */
+  /** Why the gateway does not tell the state, in words. */
   #refusal({ code, message }) {
     if (code === "not_found") return `${message}. See the setting control.topics of the gateway.`;
     const [, names] = message.match(/name one of (.+)/) ?? [];

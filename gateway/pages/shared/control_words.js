@@ -36,7 +36,7 @@ export function sentence(frame) {
   return why ? `Stopped: ${why}.` : "Stopped.";
 }
 
-/** Return what a `status` says, without what only programs can do about it. "" for what somebody expects who pressed STOP. */
+/** Return the words for a `status`, without advice for programs. "" for the expected result of STOP. */
 export function refusal({ code, msg }) {
   if (code === "tripped" && msg.includes(" is stopped")) return "The robot was stopped. To drive on, let go of everything, then press again.";
   if (code === "stale_command" && msg.includes(" before a stop")) return "";

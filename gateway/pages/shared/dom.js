@@ -19,7 +19,7 @@ export function element(name, { dataset = {}, aria = {}, ...properties } = {}, .
 /**
  * Return the element of an id, which the page has.
  * @param {string} id
- * @returns {any} of whatever kind it is
+ * @returns {any} of any kind
  */
 export const find = (id) => document.getElementById(id);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is held becomes commands: repeated while it is held, a zero when it is let go.
+// Turns held keys into commands: repeated while you hold them, a zero when you let go.
 
 const REPEAT_MS = 66; // 15 a second. The gateway stops the robot after 0.5 s without one
 // The zeros that follow a stop of the gateway's own: it wants one before anything moves again.

@@ -12,7 +12,7 @@ import * as tokens from "./token.js";
 const FIRST_RETRY_MS = 500;
 const LAST_RETRY_MS = 2000; // a person waits, and stands in a hall with holes in its radio
 const WRONG_TOKEN = 4401;
-// What a warning says of the topic, and not of one request for it.
+// The codes of warnings about a topic, not about one request for it.
 const OF_TOPIC = [
   "type_conflict", "qos_incompatible", "deadline_missed", "liveliness_lost", "messages_lost", "publisher_gone", "not_found", "stale", "fresh",
 ];
@@ -32,8 +32,8 @@ export function address() {
  * @property {string} id
  * @property {string} topic
  * @property {object} options members of the operation `subscribe`
- * @property {(message: any, bytes: number, frame: object, dropped: number) => void} onMessage gets how many were dropped before it, too
- * @property {(status: object) => void} onStatus what the gateway says of it
+ * @property {(message: any, bytes: number, frame: object, dropped: number) => void} onMessage also gets how many were dropped before it
+ * @property {(status: object) => void} onStatus gets the gateway's words about it
  * @property {boolean} isRefused whether the gateway does not have it
  */
 
@@ -59,9 +59,9 @@ export class Gateway extends EventTarget {
   counts = { frames: 0, bytes: 0, dropped: 0, roundTripMs: null };
   /** The answer to `hello`, or null. */
   hello = null;
-  /** What there is in ROS. The event `graph` follows each change. */
+  /** The ROS graph. The event `graph` follows each change. */
   graph = new Graph();
-  /** What has come of each topic, in bytes as they are in ROS. @type {Map<string, Arrivals>} */
+  /** The arrivals of each topic, in bytes as they are in ROS. @type {Map<string, Arrivals>} */
   arrivals = new Map();
 
   /**
@@ -126,7 +126,7 @@ export class Gateway extends EventTarget {
   }
 
   /**
-   * Stop the robot, whoever drives it. What is held here is let go of before: the gateway takes this page's STOP for a stop of its own,
+   * Stop the robot, even if another client drives. First let go of everything: the gateway sees this page's STOP as this client's own stop,
    * and what is still held would drive on.
    */
   stop() {
@@ -149,7 +149,7 @@ export class Gateway extends EventTarget {
    * Subscribe until the function that this returns is called.
    * @param {string} topic
    * @param {object} options further members of the operation
-   * @param {(message: any, size: number, data: string|ArrayBuffer, dropped: number) => void} onMessage gets the frame, too, as it came
+   * @param {(message: any, size: number, data: string|ArrayBuffer, dropped: number) => void} onMessage also gets the frame as it arrived
    * @param {(status: any) => void} onStatus
    */
   subscribe(topic, options, onMessage, onStatus) {
@@ -163,7 +163,7 @@ export class Gateway extends EventTarget {
       const throttle = this.throttleOf(topic);
       if (this.#subscriptions.delete(id)) this.send({ op: "unsubscribe", id, topic });
       const isHeard = this.#merge(topic);
-      if (throttle && !this.throttleOf(topic)) this.#settleDrops(topic); // what is on its way may be heard by the next subscription
+      if (throttle && !this.throttleOf(topic)) this.#settleDrops(topic); // the next subscription may still hear messages under way
       if (isHeard) return;
       this.arrivals.delete(topic);
       this.#drops.delete(topic);
@@ -238,7 +238,7 @@ export class Gateway extends EventTarget {
     this.dispatchEvent(new CustomEvent("silence", { detail: seconds }));
   }
 
-  /** Connect anew instead of a connection that is silent: its orderly end would wait for the other side, too. */
+  /** Replace a silent connection by a new one: its orderly end would also wait for the other side. */
   #giveUp(seconds) {
     const socket = this.#socket;
     this.#close({ code: 0, reason: `no answer for ${seconds} s` });
@@ -312,7 +312,7 @@ export class Gateway extends EventTarget {
     const subscription = this.#subscriptions.get(frame.id);
     if (subscription && frame.level === "error" && frame.request === "subscribe") {
       subscription.isRefused = true;
-      this.#merge(subscription.topic); // what it asked for is not done
+      this.#merge(subscription.topic); // its request was refused
     }
     if (subscription && frame.level !== "error" && OF_TOPIC.includes(frame.code)) {
       // the gateway tells a connection once, by the newest id
@@ -348,7 +348,7 @@ export class Gateway extends EventTarget {
 
   #refuse(reason = "") {
     if (this.#isRefused) return;
-    this.#isRefused = true; // whoever has no token is not let in by trying again
+    this.#isRefused = true; // trying again without a token does not help
     tokens.keep(null);
     this.#socket?.close();
     this.#announce("token", reason);
@@ -363,5 +363,5 @@ export class Gateway extends EventTarget {
   }
 }
 
-/** Return whether a status is about a repeated lookup: that its frame is not known yet, or that there is none to cancel. */
+/** Return whether a status is about a repeated lookup: that its frame is not known yet, or that it does not exist. */
 const isLookup = ({ request }) => request === "lookup_transform" || request === "cancel_transform";

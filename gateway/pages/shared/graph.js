@@ -29,7 +29,7 @@ export class Graph {
     return this.topics.get(topic)?.types[0] ?? "";
   }
 
-  /** Return the first topic of some types that somebody publishes, or undefined. */
+  /** Return the first topic of some types that a node publishes, or undefined. */
   published(...types) {
     return [...this.topics.values()].find((each) => each.publishers.length && types.includes(each.types[0]));
   }

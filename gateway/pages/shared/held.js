@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a person holds: keys, and a stick on the screen.
+// Held keys, and the joystick on the screen.
 
 import { watchKeys, whenUnseen } from "./keys.js";
 
@@ -18,7 +18,7 @@ const KNOB_REM = 3.5; // from the middle of the stick to its edge
  * @param {HTMLElement} knob
  * @param {(linear: number, angular: number) => void} report in shares, -1 to 1. Forward and left are positive
  * @param {Window|HTMLElement} [where] keys count only while this has the focus
- * @returns {{letGo: () => void, end: () => void}} let go of everything, until it is pressed anew, or for good
+ * @returns {{letGo: () => void, end: () => void}} let go of everything, until it is pressed again, or for good
  */
 export function watch(stick, knob, report, where = window) {
   const ending = new AbortController();
@@ -27,7 +27,7 @@ export function watch(stick, knob, report, where = window) {
   let pushed = [0, 0];
   const tell = () => {
     const isHeld = [...keys, ...pushed].some(Boolean);
-    if (isHeld && stick.ariaDisabled === "true") return letGo(); // nobody may drive by it. Once somebody may it has to be pressed anew
+    if (isHeld && stick.ariaDisabled === "true") return letGo(); // disabled. Once enabled, it has to be pressed again
     const [linear, angular] = [keys[0] + pushed[0], keys[1] + pushed[1]];
     point(knob, linear, angular);
     report(linear, angular);
@@ -55,7 +55,7 @@ export function watch(stick, knob, report, where = window) {
   return { letGo, end };
 }
 
-/** Show by the knob where the robot is driven, by keys, too. */
+/** Show by the knob where the robot is driven, also by keys. */
 function point(knob, linear, angular) {
   const length = Math.max(1, Math.hypot(linear, angular));
   knob.style.transform = `translate(${(-angular / length) * KNOB_REM}rem, ${(-linear / length) * KNOB_REM}rem)`;
@@ -66,11 +66,11 @@ function point(knob, linear, angular) {
  * @param {HTMLElement} stick
  * @param {(linear: number, angular: number) => void} report
  * @param {AbortSignal} signal
- * @returns {() => void} let go of the knob, until it is taken anew
+ * @returns {() => void} let go of the knob, until it is taken again
  */
 function watchStick(stick, report, signal) {
   let pointer = null; // the one that holds the knob
-  let place = stick.getBoundingClientRect(); // where the stick was when it was taken: what moves it then is no push
+  let place = stick.getBoundingClientRect(); // the place of the joystick when it was taken: if it moves then, that is not a push
 
   function letGo() {
     if (pointer === null) return;
@@ -97,7 +97,7 @@ function watchStick(stick, report, signal) {
   }, { signal });
   stick.addEventListener("pointermove", drag, { signal });
   stick.addEventListener("lostpointercapture", (event) => event.pointerId === pointer && letGo(), { signal });
-  stick.addEventListener("contextmenu", (event) => event.preventDefault(), { signal }); // a thumb that rests opens one, too
-  addEventListener("resize", letGo, { signal }); // the screen was turned: what was ahead of the thumb is beside it
+  stick.addEventListener("contextmenu", (event) => event.preventDefault(), { signal }); // a resting thumb also opens one
+  addEventListener("resize", letGo, { signal }); // the screen was turned: the way ahead is to the side now
   return letGo;
 }

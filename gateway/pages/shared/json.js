@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// JSON with every digit of 64-bit integers. What came as CBOR is written as it would have come as JSON.
+// JSON with every digit of 64-bit integers. A message that arrived as CBOR is written as JSON.
 
 const CHUNK = 0x6000; // octets at a time, a multiple of three: an argument each
 const INTEGER = /^-?[0-9]+$/;
-// What looks for a long integer at every frame costs a sixth of JSON.parse: these characters stand before it, no others.
+// A search for a long integer in every frame costs a sixth of JSON.parse. Only these characters stand before one.
 const LONG_INTEGER = /[:,[\s]-?[0-9]{16}/; // or a string or fraction that looks so: that costs time and nothing else
 const BARE_INTEGER = /^-?[0-9]{16}/; // apart: together they are slower
 
@@ -12,7 +12,7 @@ const BARE_INTEGER = /^-?[0-9]{16}/; // apart: together they are slower
  * the digits (before Chromium 114, Firefox 135, Safari 18.4) rounds it.
  * @param {string} text
  * @returns {any}
- * @throws {SyntaxError} if it is no JSON
+ * @throws {SyntaxError} if it is not JSON
  */
 export function parse(text) {
   const isLong = LONG_INTEGER.test(text) || BARE_INTEGER.test(text);

@@ -5,12 +5,12 @@
 const MODIFIERS = ["Alt", "Control", "Meta", "OS"];
 
 /**
- * Report the sum of what the held keys stand for, until they are let go: also when nobody looks at the page any more, and
+ * Report the sum of the held keys until they are let go. This includes when the page is hidden, and
  * when a modifier or a menu may swallow the end of a key.
  * @param {Record<string, number[]>} keys codes, each with its direction
  * @param {(first: number, second: number) => void} report
  * @param {{where?: Window|HTMLElement, signal?: AbortSignal}} [options] keys count only while *where* has the focus, and until the signal
- * @returns {() => void} let go of everything, until it is pressed anew
+ * @returns {() => void} let go of everything, until it is pressed again
  */
 export function watchKeys(keys, report, { where = window, signal } = {}) {
   const pressed = new Set();

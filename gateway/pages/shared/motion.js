@@ -3,7 +3,7 @@
 
 const STILL_MS = 1000; // so long a robot may take to begin
 const LOG_MS = 2000; // so old a warning may be that explains what the robot does now
-const STILL = { linear: 0.005, angular: 0.01 }; // m/s and rad/s that are no motion
+const STILL = { linear: 0.005, angular: 0.01 }; // m/s and rad/s that do not count as motion
 const MEASURED = 1.1; // so much of what was asked for odometry may miss
 const QUOTED = 120; // characters of a warning: more would hide what matters on a phone
 const WARNING = 30; // of rcl_interfaces/msg/Log
@@ -48,7 +48,7 @@ export class Motion {
     this.#reasonMs = now;
   }
 
-  /** What is wrong with the motion, or "". */
+  /** The problem with the motion, or "". */
   get words() {
     const now = performance.now();
     if (this.#sinceMs === Infinity) return "";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which topic of each kind a page shows: the one that its address names behind #, else the first that somebody publishes.
+// Which topic of each kind a page shows: the one that its address names after #, else the first that a node publishes.
 
 const KINDS = {
   camera: { what: "camera", types: ["sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"] },
@@ -57,7 +57,7 @@ export function missing(graph, kind) {
  * Say what is wrong with the address, once it is known what there is.
  * @param {import("./gateway.js").Gateway} gateway
  * @param {(words: string, isOver?: () => boolean) => void} tell
- * @param {...Kind} kinds that are told of here, if the address names them in vain
+ * @param {...Kind} kinds to report here, if no node publishes the named topic
  */
 export function tellWrong(gateway, tell, ...kinds) {
   const end = gateway.on("graph", () => {
@@ -69,7 +69,7 @@ export function tellWrong(gateway, tell, ...kinds) {
   });
 }
 
-/** What the address says that means nothing to a page of these kinds, in words, or "". */
+/** The mistake in the address, in words, or "". */
 function mistake() {
   const keys = [...address().keys()];
   const unknown = keys.filter((key) => !ALL.includes(key)).map((key) => JSON.stringify(key.slice(0, 80)));

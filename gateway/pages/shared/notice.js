@@ -3,7 +3,7 @@
 
 import { element, find } from "./dom.js";
 
-/** What a notice may be about: a command topic, or none that is known. @typedef {{state: any, isDriving: boolean}} Command */
+/** The subject of a notice: a command topic, or an unknown one. @typedef {{state: any, isDriving: boolean}} Command */
 
 const UNKNOWN = { state: null, isDriving: false };
 const untilDriving = ({ isDriving }) => isDriving;

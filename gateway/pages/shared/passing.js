@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// What tells of messages that stay away for a while: a view that turns pale says so, and no longer when they are back.
+// Codes for messages that stay away for a while. A pale view says so, until they are back.
 const PASSING = ["messages_lost", "publisher_gone", "liveliness_lost", "deadline_missed", "stale", "fresh"];
 
 /** Return what tells a person a status of the gateway, unless it is over by itself and seen elsewhere. */
@@ -10,5 +10,5 @@ export function lasting(tell) {
   };
 }
 
-/** What is over with the next message. */
+/** The next message ends these. */
 export const OF_SILENCE = ["not_found", "publisher_gone", "liveliness_lost", "deadline_missed", "invalid_value"];

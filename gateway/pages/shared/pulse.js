@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether the gateway still answers. A link that went dark tells nobody, for many minutes.
+// Whether the gateway still answers. A dead connection stays silent for many minutes.
 
 const BEAT_MS = 1000;
 const PING_BEATS = 2;
-// A slow link and a busy gateway answer within a second or so. What a person drives has been stopped before.
+// A slow network and a busy gateway answer within about a second. A driven robot has stopped before that.
 const SILENT_BEATS = 3;
 // Longer than the gateway waits for a client that answers no ping (10 s), so that it has let go of the old connection. And than
 // the operations of one client may wait for their turn (13 s behind 3,000 subscriptions).

@@ -10,7 +10,7 @@ import { hold } from "./stop_held.js";
 const SOON_MS = 500; // the gateway's deadline: by then it has stopped what this page drove, if the link is dead
 
 /**
- * Return the button that stops the robot, whoever drives it.
+ * Return the button that stops the robot, even if another client drives.
  * @param {import("./gateway.js").Gateway} gateway
  */
 export function stopButton(gateway) {
@@ -62,5 +62,5 @@ async function stop(gateway) {
   }
 }
 
-/** Return whether somebody listens to commands. */
+/** Return whether a node listens to commands. */
 const isDriveable = ({ topics }) => [...topics.values()].some(({ types, subscribers }) => subscribers.length && COMMAND_TYPES.includes(types[0]));

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who holds STOP down, a finger or a key: meanwhile this page moves nothing.
+// The fingers and keys that hold STOP: until they let go, this page moves nothing.
 
 const holders = new Set();
 
 /** Hold STOP, by a finger's number or a key's code, until that is up. */
 export const hold = (holder) => holders.add(holder);
 
-/** Whether somebody holds STOP. */
+/** Whether STOP is held. */
 export const isHeld = () => holders.size > 0;
 
 for (const kind of ["pointerup", "pointercancel"]) addEventListener(kind, (/** @type {PointerEvent} */ { pointerId }) => holders.delete(pointerId), true);

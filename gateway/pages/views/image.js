@@ -2,7 +2,7 @@
 import { element } from "../shared/dom.js";
 import { Newest } from "./newest.js";
 
-/** Pictures: the newest one, decoded beside the page's own thread. */
+/** The newest image, decoded on another thread. */
 export class ImageView {
   options = { compression: "cbor", image: { quality: 70, max_width: 640, adapt: true } };
   // as most cameras have it: then nothing below moves with the first one
@@ -22,7 +22,7 @@ export class ImageView {
   async #decode({ data, format }) {
     const type = format.includes("png") ? "image/png" : "image/jpeg";
     const bitmap = await createImageBitmap(new Blob([data], { type }));
-    if (this.#canvas.width !== bitmap.width) this.#canvas.width = bitmap.width; // to set it anew lays the page out anew
+    if (this.#canvas.width !== bitmap.width) this.#canvas.width = bitmap.width; // setting it causes a new layout of the page
     if (this.#canvas.height !== bitmap.height) this.#canvas.height = bitmap.height;
     this.#canvas.getContext("bitmaprenderer").transferFromImageBitmap(bitmap); // closes it, and copies nothing
   }

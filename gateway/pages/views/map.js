@@ -16,7 +16,7 @@ export class MapView {
   #frame = "";
   #whereabouts = null;
   #missing = element("p", { className: "missing", role: "status", hidden: true });
-  #isOld = false; // where the robot is, or what it sees
+  #isOld = false; // the robot's place, or its scan
   #isDirty = false;
 
   constructor(card) {
@@ -26,7 +26,7 @@ export class MapView {
     this.element = element("div", { className: "overlaid" }, this.#plan.element, this.#missing);
   }
 
-  /** What came of the transforms that say where the robot is, or undefined. */
+  /** The arrivals of the transforms that place the robot, or undefined. */
   get place() {
     return this.#whereabouts?.arrivals;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A worker that paints a nav_msgs/msg/OccupancyGrid. Where a pixel has several cells the most occupied one is seen, or a thin wall would vanish.
+// A worker that paints a nav_msgs/msg/OccupancyGrid. If a pixel has several cells, it shows the most occupied one, or a thin wall would vanish.
 
 import { insistOnCells, scaleOf } from "./occupancy.js";
 

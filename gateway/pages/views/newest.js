@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 
-/** Shows the newest of what comes, where that takes a while: what comes meanwhile waits, the newest alone. */
+/** Shows the newest message, if that takes a while. Only the newest of the others waits. */
 export class Newest {
   #card;
   #what;
   #show;
   #next = null;
   #isBusy = false;
-  #failure = ""; // what is said of the newest
+  #failure = ""; // the words about the newest
 
   /**
    * @param {{tell: (words: string) => void, untell: (words: string) => void}} card says what cannot be shown, until something can

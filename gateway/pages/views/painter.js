@@ -4,7 +4,7 @@ import { palette } from "./occupancy.js";
 /** How a map is asked for: of a large one a picture is a tenth, or less. One that grows comes as a whole. */
 export const MAP_OPTIONS = { compression: "cbor", throttle_rate: 1000, image: { format: "png" } };
 
-/** Paints maps beside the page's own thread: one of 16 million cells takes longer than a command may be late. */
+/** Paints maps on another thread: one of 16 million cells takes longer than a command may be late. */
 export class Painter {
   #worker = new Worker(new URL("./map_worker.js", import.meta.url), { type: "module" });
 

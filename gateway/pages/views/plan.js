@@ -26,7 +26,7 @@ export class Plan {
   #scale = 1; // pixels per metre
   #middle = { x: 0, y: 0, up: 0 };
 
-  /** @param {string} label for whoever does not see it */
+  /** @param {string} label for users who cannot see it */
   constructor(label) {
     this.element = element("canvas", { className: "picture", width: SIZE, height: SIZE, role: "img", aria: { label } });
     this.#pen = this.element.getContext("2d");
@@ -131,7 +131,7 @@ export class Plan {
     this.#pen.font = "12px system-ui";
     this.#pen.lineJoin = "round";
     this.#pen.lineWidth = 4;
-    this.#pen.strokeStyle = token("surface"); // whatever lies below, it can be read
+    this.#pen.strokeStyle = token("surface"); // it can be read on any ground
     this.#pen.strokeText(text, left, bottom);
     this.#pen.fillStyle = token("quiet");
     this.#pen.fillText(text, left, bottom);

@@ -10,13 +10,13 @@ const HEIGHT = 220; // pixels, as these are:
 const LINE = 1.5;
 const EDGE = 1;
 const LEAST_SHARE = 1e-9; // of a number, that an axis shows around it
-const LARGEST = 8e307; // on an axis: from one end to the other is a number, too
+const LARGEST = 8e307; // on an axis: the difference of its ends is also a number
 const STEPS_S = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 30, 60]; // between two marks of time
 /** @type {any} the library has no types here */
 const Plot = uPlot;
 const COLOURS = ["series-1", "series-2", "series-3", "series-4"];
 
-/** Numeric fields over the last 30 s, by the time of arrival. Where one points at, their values then. */
+/** Numeric fields over the last 30 s, by the time of arrival, with their values at the pointer. */
 export class PlotView {
   /** What to do with a plot that stands still, in words. */
   held = "drag across the plot to zoom, double-click to see all";
@@ -47,7 +47,7 @@ export class PlotView {
     return this.#choice?.options ?? { fields: this.card.fields.map((each) => each.replace(/\.\d+(?=\.|$).*/, "")) };
   }
 
-  /** Draw one more field of the card: the newest of its fields. What is drawn goes on. */
+  /** Draw one more field of the card: the newest of its fields. The drawn ones continue. */
   add() {
     for (const columns of [this.#columns, this.#drawn]) columns.push(columns[0].map(() => null));
     this.#plot?.destroy();
@@ -97,7 +97,7 @@ export class PlotView {
     this.#label();
   }
 
-  /** What is drawn, as numbers: a curve has no use for the last digits of a long integer, its name has. */
+  /** The drawn values as numbers: a curve does not need the last digits of a long integer. */
   get #numbers() {
     return this.#hasLong ? this.#drawn.map((each) => each.map((value) => (value === null ? null : Number(value)))) : this.#drawn;
   }
@@ -106,7 +106,7 @@ export class PlotView {
     this.#observer.disconnect();
   }
 
-  /** Write the value of each curve beside its name: that at which one points, or else the newest. */
+  /** Write the value of each curve next to its name: the one at the pointer, or else the newest. */
   #label() {
     if (!this.#labels.length) this.#labels = [...this.element.querySelectorAll(".u-series .u-label")].slice(-this.card.fields.length);
     const place = this.#plot?.cursor.idx ?? -1;
@@ -171,15 +171,15 @@ function inSeconds(value, digits) {
   return Number(text) === 0 ? "0" : text;
 }
 
-/** Return a value as it stands beside a name: short, and as wide as the one before. */
+/** Return a value for the place next to a name: short, and as wide as the one before. */
 function written(value) {
   if (value === null || value === undefined) return "–";
   return typeof value === "bigint" || Number.isInteger(value) ? String(value) : Math.abs(value) < 1e-3 || Math.abs(value) >= 1e6 ? value.toExponential(2) : value.toFixed(3);
 }
 
 /**
- * Return what the axis shows: a tenth more than the values, and something where they are all the same, or differ by less than lets
- * marks between them be told apart.
+ * Return the range of the axis: a tenth more than the values. If they are all the same, or too close for marks between them, it
+ * is wider.
  */
 function around(least, most) {
   if (least === null) return [-1, 1];

@@ -49,7 +49,7 @@ export class TrailView {
   }
 }
 
-/** Return the pose of a PoseStamped, or of a message that holds one beside its covariance. */
+/** Return the pose of a PoseStamped, or of a message that holds one with its covariance. */
 function poseOf({ pose }) {
   const { position, orientation } = pose.pose ?? pose;
   insist(position.x, position.y);

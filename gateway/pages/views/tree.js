@@ -35,7 +35,7 @@ export class TreeView {
     this.#isClosed = true;
   }
 
-  /** Fetch the arrays of further messages only if somebody asks for them. */
+  /** Fetch the arrays of further messages only on request. */
   async #leaveOut() {
     this.#isSorted = true;
     const { small, large } = await this.#card.sortedFields();
@@ -57,7 +57,7 @@ export class TreeView {
   }
 }
 
-/** The fields of a message, or the items of a list. Each row stays while its field does: a button that is made anew loses the focus. */
+/** The fields of a message, or the items of a list. Each row stays while its field does: a button that is made again loses the focus. */
 class Group {
   element = element("div");
   #list = element("dl");
@@ -119,7 +119,7 @@ class Group {
   }
 }
 
-/** A name with what it has: a value, or fields of its own. */
+/** A name with its value, or with its fields. */
 class Row {
   #path;
   #plot;
@@ -164,7 +164,7 @@ class Leaf {
   }
 
   show(value) {
-    this.#isText ||= typeof value === "string" && !NON_FINITE.includes(value); // what says "hello" before means no number by "NaN"
+    this.#isText ||= typeof value === "string" && !NON_FINITE.includes(value); // a field that said "hello" before does not mean a number by "NaN"
     const isPlotted = !this.#isText && isNumber(value);
     this.#button.hidden = !isPlotted;
     const text = isPlotted ? String(value) : shown(value);

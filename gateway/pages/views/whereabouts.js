@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the robot and its laser are on a map, as far as ROS says it.
+// The places of the robot and its laser on a map, as far as ROS tells them.
 
 import { Arrivals } from "../shared/arrivals.js";
 import { published } from "../shared/named_topics.js";
@@ -52,7 +52,7 @@ export class Whereabouts {
     return this.#laser.pose;
   }
 
-  /** What came of the transforms: to the robot, or rather to its laser if they alone are late. */
+  /** The arrivals of the transforms: to the robot, or to its laser if only those are late. */
   get arrivals() {
     return this.#laser.arrivals.isLate && !this.#robot.arrivals.isLate ? this.#laser.arrivals : this.#robot.arrivals;
   }
@@ -99,7 +99,7 @@ export class Whereabouts {
   }
 }
 
-/** A pose, and when it was last said: the gateway says it anew with each stamp, of what never moves once. */
+/** A pose, and when it was last said: the gateway repeats it with each stamp, and sends a fixed one once. */
 class Place {
   pose = null;
   arrivals = new Arrivals();

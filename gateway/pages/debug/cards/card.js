@@ -2,13 +2,13 @@
 import { breakable, element } from "../../shared/dom.js";
 
 /**
- * What a card shows, as the address of the page keeps it: a name of the ROS graph in a view, at a rate, of a plot its fields,
- * of a topic that has several types the one that was chosen.
+ * The content of a card, as the address of the page keeps it. It is a name of the ROS graph in a view, at a rate. A plot also has its fields,
+ * and a topic with several types the chosen one.
  * @typedef {{topic: string, view: string, fields: string[], rate: number, chosenType?: string}} Shown
  */
 
 /**
- * What a card asks of the page.
+ * The requests of a card to the page.
  * @typedef {{changed: () => void, close: (card: Card) => void, open: (name: string, view?: string, fields?: string[]) => void, grown: (card: Card) => void}} Actions
  */
 
@@ -47,7 +47,7 @@ export class Card {
     this.#observer.observe(this.element);
   }
 
-  /** What the address of the page keeps of it. */
+  /** The part of it that the address of the page keeps. */
   get shown() {
     const { topic, view, fields, rate, chosenType } = this;
     return { topic, view, fields, rate, chosenType };

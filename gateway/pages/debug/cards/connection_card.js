@@ -28,7 +28,7 @@ export class ConnectionCard extends Card {
   }
 }
 
-/** @param {[(string|Node)[], string][]} pairs what stands on the left, and on the right */
+/** @param {[(string|Node)[], string][]} pairs the left and the right side */
 function write(list, pairs) {
   list.replaceChildren(...pairs.map(([about, value]) => element("div", {}, element("dt", {}, ...about), element("dd", {}, value))));
 }

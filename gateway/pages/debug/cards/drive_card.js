@@ -31,7 +31,7 @@ export class DriveCard extends Card {
     this.#take.onclick = () => this.#takeOver(driver);
     bar.stopBySpace({ where: stick });
     this.#held = watch(stick, knob, (linear, angular) => driver.hold(linear, angular), stick);
-    this.#forgets = ["state", "stopping"].map((each) => gateway.on(each, this.#held.letGo)); // what was held before belongs to another connection
+    this.#forgets = ["state", "stopping"].map((each) => gateway.on(each, this.#held.letGo)); // a key that was held before belongs to another connection
     this.body.append(stick, this.#words, this.#take); // below: what is said moves no stick that is held
     this.footer.textContent = `at most ${MOST_M_S} m/s and ${MOST_RAD_S} rad/s. The Drive page has more`;
     this.#write();
@@ -58,7 +58,7 @@ export class DriveCard extends Card {
     const words = this.#command?.words ?? "";
     if (this.#words.textContent !== words) this.#words.textContent = words; // it is read out
     if (this.#command) bar.review(this.#command);
-    if (!this.#command?.isFree) this.#held?.letGo(); // it has to be pressed anew
+    if (!this.#command?.isFree) this.#held?.letGo(); // it has to be pressed again
     const { state = null, isForbidden = false } = this.#command ?? {};
     this.#stick.setAttribute("aria-disabled", String(isForbidden || !state)); // as it moves nothing
     this.#take.hidden = isForbidden || state?.holder !== "other";

@@ -15,15 +15,15 @@ export class FormCard extends Card {
   #text;
   #typeOf;
   #described = ""; // the type that was last asked for
-  #missing = ""; // what is said of that there is none
-  #failure = ""; // why what was tried last could not be done
+  #missing = ""; // the words while there is no type
+  #failure = ""; // why the last attempt failed
   #forgets;
 
   /**
    * @param {import("../../shared/gateway.js").Gateway} gateway
    * @param {import("./card.js").Shown} shown
    * @param {import("./card.js").Actions} actions
-   * @param {{verb: string, title: string, typeOf: () => string}} words what the button says, and what returns the type that is described, "" without one
+   * @param {{verb: string, title: string, typeOf: () => string}} words the label of the button, and a function that returns the described type, "" without one
    */
   constructor(gateway, shown, actions, { verb, title, typeOf }) {
     super(gateway, shown, actions, { label: title, title });

@@ -93,7 +93,7 @@ export class GraphCard extends Card {
       if (event.key === "Enter" || event.key === " ") open();
       else if (event.key in STEPS) this.#lead(this.#next(column, name, STEPS[event.key]), true);
       else return;
-      event.preventDefault(); // it would scroll, and the space bar, too
+      event.preventDefault(); // it would scroll, and so would the space bar
     });
     const mark = (isOn) => {
       for (const each of picture.querySelectorAll("path")) each.classList.toggle("on", isOn && each.dataset.ends.split(" ").includes(name));

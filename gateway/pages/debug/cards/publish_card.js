@@ -29,14 +29,14 @@ export class PublishCard extends FormCard {
     this.#repeat.onclick = () => (this.#timer ? this.#stop() : this.#start());
     this.#rates.onchange = () => this.#timer && this.#goOn();
     this.buttons.append(this.#repeat, this.#rates);
-    // what is sent into a silent connection would arrive when nobody expects it any more
+    // a message sent into a silent connection would arrive when nobody expects it
     this.#forgets = [
       gateway.on("state", () => this.#end("The connection was lost")),
       gateway.on("silence", () => this.#end("The gateway did not answer")),
       gateway.on("stopping", () => this.#end("STOP was pressed")),
     ];
     document.addEventListener("visibilitychange", this.#hide);
-    this.body.addEventListener("input", () => this.#end("The message was changed")); // half a number is none
+    this.body.addEventListener("input", () => this.#end("The message was changed")); // half a number is not a number
   }
 
   formOf(described) {

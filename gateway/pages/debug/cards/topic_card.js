@@ -10,7 +10,7 @@ import { sorted } from "./large_fields.js";
 
 const RATES_HZ = [0, 30, 10, 5, 1]; // 0: as the robot publishes
 const MOST_NAMES = 2; // of nodes, in a footer
-const PASSING = [...OF_SILENCE, "type_conflict"]; // what is over with the next message
+const PASSING = [...OF_SILENCE, "type_conflict"]; // the next message ends these
 const GONE = "publisher_gone"; // but not this: the last messages, which a rate has held back, come after it
 const TRAIL_MS = 1000;
 const LOSS_MS = 10_000; // the gateway tells of losses every 5 s while there are any
@@ -29,7 +29,7 @@ export class TopicCard extends Card {
   #views = element("select", { title: "how it is shown" });
   #types = element("select", { title: "which of its types is shown" });
   #isBroken = false; // the view has failed at the newest message
-  #failure = ""; // what is said of that
+  #failure = ""; // the words for that
   #notCopied = ""; // likewise of a copy that has failed
   #toldMs = 0; // when the gateway said what is wrong
   #receivedMs = 0;
@@ -45,7 +45,7 @@ export class TopicCard extends Card {
     this.#start();
   }
 
-  /** Plot one of its numbers, in a card beside. */
+  /** Plot one of its numbers, in a separate card. */
   plot(path) {
     this.actions.open(this.topic, "plot", [path]);
   }
@@ -53,10 +53,10 @@ export class TopicCard extends Card {
   /** Plot one of its numbers here, where none was plotted yet. */
   choose(path) {
     this.#restart({ fields: [path] });
-    this.element.focus(); // what had it is gone
+    this.element.focus(); // the element that had it is gone
   }
 
-  /** Plot a further number here. What is plotted goes on. */
+  /** Plot another number here. The plotted ones continue. */
   join(path) {
     if (!this.fields.length) return this.choose(path);
     this.fields = [...this.fields, path];
@@ -136,7 +136,7 @@ export class TopicCard extends Card {
     if (misfit(this.view, this.#type)) return "";
     if (this.#isPaused) return ["paused", this.#view.held].filter(Boolean).join(": ");
     if (this.#arrivals.messages) return this.#arrivals.words + (this.#arrivals.hasRate ? this.#cap : "");
-    return this.problem.hidden ? NOTHING_YET + this.#reason : ""; // what is wrong may be the reason
+    return this.problem.hidden ? NOTHING_YET + this.#reason : ""; // the problem may be the reason
   }
 
   /** Why nothing has come yet, in words: who would have to send something. */
@@ -147,12 +147,12 @@ export class TopicCard extends Card {
     return `: ${names(publishers)} ${new Set(publishers).size === 1 ? "has" : "have"} sent nothing since this card was opened`;
   }
 
-  /** Take the type, once somebody has given the topic one. The view may not fit it. */
+  /** Take the type, once the topic has one. The view may not fit it. */
   #learn() {
     this.#offerTypes();
     const type = this.chosenType || this.gateway.graph.typeOf(this.topic);
     if (!type || type === this.#type) return;
-    const isOver = misfit(this.view, this.#type); // what it said before
+    const isOver = misfit(this.view, this.#type); // its words from before
     this.#type = type;
     this.writeType(type);
     this.#offer();
@@ -172,7 +172,7 @@ export class TopicCard extends Card {
     }
   }
 
-  /** The most messages a second that this page asks of the topic, in words: the view has a share in that, too. */
+  /** The most messages per second that this page asks of the topic, in words. The view also limits them. */
   get #cap() {
     const throttle = this.gateway.throttleOf(this.topic);
     return throttle ? ` · limited to ${Math.round(10_000 / throttle) / 10} Hz by this page` : "";
@@ -265,7 +265,7 @@ export class TopicCard extends Card {
       (message, size, data, dropped) => this.#receive(message, size, data, dropped),
       (status) => this.#status(status),
     );
-    endBefore(); // now: while there is none the topic would begin anew
+    endBefore(); // now: without a subscription the topic would begin again
   }
 
   #receive(message, size, data, dropped) {
@@ -275,7 +275,7 @@ export class TopicCard extends Card {
     this.#isDirty = true;
     this.#isBroken = false; // it was perhaps this one message
     const { code } = this.problem.dataset;
-    if (PASSING.includes(code) && code !== GONE) this.#forgive(); // somebody publishes now
+    if (PASSING.includes(code) && code !== GONE) this.#forgive(); // a node publishes now
     this.#attempt(() => this.#view.keep?.(message));
   }
 
@@ -289,7 +289,7 @@ export class TopicCard extends Card {
     this.#toldMs = performance.now();
   }
 
-  /** Say no longer what the gateway has said. What else is wrong stays. */
+  /** Remove the words of the gateway. Other problems stay. */
   #forgive() {
     if (this.problem.dataset.code) this.tell("");
   }

@@ -23,7 +23,7 @@ const NESTED = new Set(["group", "list"]);
 /**
  * Return the field that a schema describes.
  * @param {object} schema as `describe` gives it
- * @param {object} [root] what its references are looked up in
+ * @param {object} [root] the schema that its references point into
  * @returns {Field}
  */
 export function fieldOf(schema, root = schema, name = "") {

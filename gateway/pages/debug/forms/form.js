@@ -29,7 +29,7 @@ export class Form {
 
   /**
    * Return the message as JSON.
-   * @throws {Error} in words. What is wrong has the focus
+   * @throws {Error} in words. The wrong field has the focus
    */
   json() {
     if (!this.#text) return this.#group.json() ?? "{}";
@@ -136,7 +136,7 @@ class List {
     this.element.open = value !== undefined;
   }
 
-  /** Say that another message is meant, as a field does in which somebody types. */
+  /** Report that the message has changed, as a field does while the user types. */
   #change() {
     this.element.dispatchEvent(new Event("input", { bubbles: true }));
   }
