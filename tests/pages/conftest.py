@@ -47,7 +47,7 @@ def nowhere() -> tuple[str, str]:
 
 @functools.cache
 def robots_domain() -> int:
-    """Return a DDS domain of these robots alone: other tests' robots drive by /cmd_vel, too."""
+    """Return a DDS domain of these robots alone: other tests' robots drive by /cmd_vel as well."""
     return dds_domain.claim()
 
 
@@ -107,7 +107,7 @@ def open_page(browser) -> OpenPage:
         try:
             await page.goto(address)
             yield page
-        finally:  # or it would go on drawing beside all later tests
+        finally:  # or it would go on drawing next to all later tests
             await context.close()
         assert wrong == []
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """``ros2-gateway demo`` with more time for commands and for its guard process.
 
-Beside a browser that draws in software a busy machine holds each up for seconds, and a robot that
-is rightly stopped for it arrives nowhere. What stops a robot in time has tests of its own.
+Next to a browser that draws in software a busy machine holds each up for seconds, and a robot that
+is rightly stopped for it arrives nowhere. What stops a robot in time has its own tests.
 """
 
 from typing import Any

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Cards of the debug page: what they say, what goes on beside a broken one, and what drives."""
+"""Cards of the debug page: what they say, what goes on next to a broken one, and what drives."""
 
 import base64
 import json

@@ -466,7 +466,7 @@ async def test_a_lost_connection_is_said_and_comes_back(open_page, nowhere):
                 )
                 await speaker.send(op="publish", topic="/text", msg={"data": "again"})
                 await until(page, "() => cards.textContent.includes('again')")
-            # that nobody listens meanwhile is the browser's to say
+            # that nobody listens in the meantime is the browser's to say
             page.wrong[:] = [each for each in page.wrong if "ERR_CONNECTION_REFUSED" not in each]
 
 

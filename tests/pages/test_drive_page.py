@@ -458,7 +458,7 @@ RINGS = """(() => {
 async def hold_until(page, key: str, condition: str) -> None:
     """Hold a key until a person who looks at the picture would let go of it."""
     seen = f"() => {{ const rings = {RINGS}; return {condition}; }}"
-    stopped = "control.textContent.startsWith('Stopped:')"  # as commands are late: press it anew
+    stopped = "control.textContent.startsWith('Stopped:')"  # as commands are late: press it again
     while not await page.evaluate(seen):
         await page.keyboard.down(key)
         await page.wait_for_function(f"() => ({seen})() || {stopped}")

@@ -97,7 +97,7 @@ async def test_what_a_rate_leaves_out_is_no_drop_and_the_rate_is_said(demo, open
     async with open_page("about:blank") as page:
         count = await opened_at(page, demo, PLOT.format(rate=5))
         await until(page, f"() => {FOOTER}.endsWith('limited to 5 Hz by this page')")
-        count.set(400)  # the gateway counts them, too
+        count.set(400)  # the gateway counts them as well
         await count.is_sent.wait()
         # without a rate what it has left out before is none, either
         await page.select_option(f"{card('/imu')} select[aria-label^=rate]", "0")

@@ -482,7 +482,7 @@ async def test_the_graph_opens_nodes_and_topics_also_by_keyboard(demo, open_page
     async with open_page(page_address(demo) + "#card=graph+0+/") as page:
         await page.click("svg [aria-label='topic /odom']")
         await page.wait_for_selector(form("/odom"))
-        await page.mouse.move(0, 0)  # what it points at is marked, too
+        await page.mouse.move(0, 0)  # what it points at is marked as well
         await page.focus("svg [aria-label='node /simulated_robot']")
         await until(page, "() => document.querySelectorAll('svg path.on').length > 5")
         await page.keyboard.press("Enter")
@@ -597,7 +597,7 @@ async def test_arrow_keys_go_from_one_to_the_next_in_the_graph(demo, open_page):
         assert "/cmd_vel" in await page.evaluate(about)
         await page.keyboard.press("ArrowLeft")  # along a line, not to what is nearest
         assert await page.evaluate(focus) == "topic /cmd_vel"
-        await page.check("article label:has-text('all')")  # drawn anew
+        await page.check("article label:has-text('all')")  # drawn again
         opened = await page.get_attribute("svg [tabindex='0']", "data-name")
         await page.focus("svg [tabindex='0']")
         await page.keyboard.press("Enter")

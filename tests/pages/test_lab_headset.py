@@ -140,7 +140,7 @@ async def test_a_trigger_sends_the_robot_to_where_its_ray_meets_the_floor(
 )
 async def test_a_stick_or_a_touchpad_moves_the_user_and_not_the_robot(enter, headset, push, let_go):
     async with enter(headset) as page:
-        # whoever has walked away from the middle of his room, too
+        # whoever has walked away from the middle of his room as well
         await page.evaluate("() => { device.position.x = 0.3; }")
         before = await page.evaluate("() => ({ ...lab.twin.pose })")
         await page.evaluate(POINT, ["right", 0.5, 0.6])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures by plain HTTP in a real browser, beside the simulated robot."""
+"""Pictures by plain HTTP in a real browser, next to the simulated robot."""
 
 import http.server
 import threading

@@ -112,7 +112,7 @@ async def test_nothing_moves_while_space_holds_stop(drive, watched: Watched):
         await page.wait_for_function(STOPPED)
         await page.keyboard.down("ArrowUp")
         assert await page.evaluate("() => knob.style.transform") == "translate(0rem, 0rem)"
-        await page.keyboard.up("Space")  # the key has to be pressed anew
+        await page.keyboard.up("Space")  # the key has to be pressed again
         assert await page.evaluate("() => knob.style.transform") == "translate(0rem, 0rem)"
         await page.keyboard.up("ArrowUp")
         await until_it_drives(

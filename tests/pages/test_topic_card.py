@@ -221,7 +221,7 @@ async def test_the_last_messages_do_not_disprove_that_nobody_publishes_any_longe
         await page.evaluate(later)
         assert await page.evaluate(PROBLEM) == ""
         await page.evaluate("() => says({ code: 'publisher_gone', msg: 'it is so' })")
-        await page.evaluate(later)  # somebody else publishes it, but nothing comes
+        await page.evaluate(later)  # someone else publishes it, but nothing comes
         assert await page.evaluate(PROBLEM) == "it is so"
 
 
@@ -299,7 +299,7 @@ async def test_the_address_keeps_the_type_that_was_chosen(open_page, served):
 
 
 async def test_a_number_without_neighbours_is_a_dot(open_card):
-    # each time anew: a busy machine may lay the card out after the first ones were drawn
+    # each time again: a busy machine may lay the card out after the first ones were drawn
     once_more = "take({ data: 5 }); take({ data: NaN }); drawn()"
     async with open_card("plot", fields=["data"]) as page:
         seen = f"about => {{ {once_more}; return ({COUNT})(about) > 20; }}"

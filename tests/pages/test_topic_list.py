@@ -306,12 +306,12 @@ async def test_a_long_list_makes_the_page_no_longer(open_page, nowhere):
         # each: the time of a message in ms, and its number. The clock ticks once a second
         ([(100 * n, n) for n in range(30)], "10 Hz"),
         ([(500 * n, 15 * n) for n in range(6)], "30 Hz"),
-        ([(2000, n) for n in range(10)], "1 B"),  # at once: that is no rate
+        ([(2000, n) for n in range(10)], "1 B"),  # at once: that is not a rate
         ([(0, 1), (2000, 2)], "0.5 Hz"),
         (
             [(0, 70), (500, 75)] + [(1000 + 500 * n, 5 * n) for n in range(5)],
             "10 Hz",
-        ),  # counted anew
+        ),  # counted again
         ([(0, 1), (500, 2)], "0.4 Hz"),  # and none for 2.5 s
     ],
 )

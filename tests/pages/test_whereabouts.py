@@ -56,7 +56,7 @@ class Robot:
         await self._speaker.send(op="publish", topic="/map", msg=grid)
 
     async def fasten(self, parent: str, child: str) -> None:
-        """Say once where a frame is for ever."""
+        """Say once where a frame is forever."""
         message = {"transforms": [self._transform(parent, child)]}
         await self._speaker.send(op="publish", topic="/tf_static", msg=message)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Servers for clients that block: an asynchronous context in a thread with a loop of its own."""
+"""Servers for clients that block: an asynchronous context in a thread with its own loop."""
 
 import asyncio
 import contextlib

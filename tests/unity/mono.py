@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Mono as the tests use it: compile C# once per content, run it, translate it ahead of time.
 
-What Unity's editor and desktop players run on is Mono, too. The full ahead-of-time mode, without a
+What Unity's editor and desktop players run on is Mono as well. The full ahead-of-time mode, without a
 JIT compiler, stands in for IL2CPP.
 """
 

@@ -33,7 +33,7 @@ _PACKAGES: Final = {
     _INPUT_SYSTEM: "Unity.InputSystem",
     "com.unity.xr.interaction.toolkit": "Unity.XR.Interaction.Toolkit",
 }
-# every version that has a define of its own, oldest first
+# every version that has its own define, oldest first
 _UNITY_VERSIONS: Final = (
     *("2019_1", "2019_2", "2019_3", "2019_4", "2020_1", "2020_2", "2020_3"),
     *("2021_1", "2021_2", "2021_3", "2022_1", "2022_2", "2022_3", "2023_1", "2023_2"),
@@ -186,7 +186,7 @@ def compiled_definition(
         sources,
         references=references,
         defines=definition.defines(target),
-        # a serialized field is assigned by Unity, which silences this warning, too
+        # a serialized field is assigned by Unity, which silences this warning as well
         options=["-nowarn:0649"] if definition.engine else [],
     )
 

@@ -126,7 +126,7 @@ def diagnostics(assemblies: Iterable[Assembly]) -> list[str]:
 
 @cache
 def _driver() -> Path:
-    """Compile the driver, and put beside it what it needs: Roslyn, and OpenSSL by its name."""
+    """Compile the driver, and put next to it what it needs: Roslyn, and OpenSSL by its name."""
     references = [f"-reference:{_FRAMEWORK / name}.dll" for name in _CORE]
     references += [f"-reference:{_PACKAGE / name}.dll" for name in _COMPILER]
     content = "\n".join([_DRIVER.read_text(), _SETTINGS, str(_openssl()[0]), *references])

@@ -34,7 +34,7 @@ def definitions(tmp_path_factory):
 
 
 def runtime():
-    """Return the sources that messages need beside themselves."""
+    """Return the sources that messages need next to themselves."""
     core = package.PACKAGE / "Runtime" / "Core"
     pictures = (core / "Pictures" / f"{name}.cs" for name in ("GreyPng", "Inflater"))  # of maps
     return [*(core / "Json").glob("*.cs"), *pictures, *(core / "Messages").glob("*.cs")]

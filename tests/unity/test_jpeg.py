@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The C# decoder of JPEG against libjpeg-turbo's, and against bytes that are no picture."""
+"""The C# decoder of JPEG against libjpeg-turbo's, and against bytes that are not picture."""
 
 import itertools
 import random
@@ -120,7 +120,7 @@ def one_scan_each(width, height):
     head[2:4] = (8 + 9).to_bytes(2, "big")
     head[9:] = bytes([3, 1, 0x11, 0, 2, 0x11, 0, 3, 0x11, 0])
     tables = [greys[0][slice(*segment(greys[0], code))] for code in (0xDB, 0xC4)]
-    # the second Huffman table: cv2 writes each in a segment of its own
+    # the second Huffman table: cv2 writes each in its own segment
     tables += [m.group() for m in re.finditer(rb"\xff\xc4\x00.\x10.{178}", greys[0], re.DOTALL)]
     scans = []
     for number, grey in enumerate(greys, 1):

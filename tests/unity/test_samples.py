@@ -19,7 +19,7 @@ _STUBS = ("UnityEngine", "UnityEngine.TestRunner", "Unity.InputSystem")
 
 @cache
 def binary() -> Binary:
-    """Compile the samples' tests, which are no part of the package: samples are copied from it."""
+    """Compile the samples' tests, which are not part of the package: samples are copied from it."""
     names = ("Ros2Gateway.Core", "Ros2Gateway.Unity", *SAMPLES)
     toolkit = package.stub("Unity.XR.Interaction.Toolkit")
     return mono.compile_assembly(

@@ -14,7 +14,7 @@ namespace Ros2Gateway.Editor
     /// </summary>
     public sealed class MessagesWindow : EditorWindow
     {
-        private const int MostRows = 100; // a longer list is no help: search further
+        private const int MostRows = 100; // a longer list is not a help: search further
 
         [SerializeField]
         private GatewaySettings _settings;
@@ -126,7 +126,7 @@ namespace Ros2Gateway.Editor
             }
         }
 
-        /// <summary>Its class was not generated into this folder, so it comes with the package, or is somebody's own.</summary>
+        /// <summary>Its class was not generated into this folder, so it comes with the package, or is someone's own.</summary>
         private bool IsOfPackage(RobotType type)
         {
             return type.HasClass && (_there == null || !_there.Has(type.Name));

@@ -11,7 +11,7 @@ namespace Ros2Gateway.Editor
     {
         private readonly Dictionary<string, int> _numbers = new Dictionary<string, int>();
 
-        /// <summary>Reads the message table's numbers.</summary>
+        /// <summary>Reads the list of message types's numbers.</summary>
         public TypeCatalogue()
         {
             while (true)

@@ -16,7 +16,7 @@ using UnityEngine.TestTools;
 
 namespace Ros2Gateway.Editor.Tests
 {
-    /// <summary>Somebody clicks in the inspectors, with the live gateway behind them.</summary>
+    /// <summary>Someone clicks in the inspectors, with the live gateway behind them.</summary>
     [TestFixture]
     public sealed class InspectorClicksTests
     {

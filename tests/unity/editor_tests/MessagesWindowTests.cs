@@ -14,7 +14,7 @@ using UnityEngine.TestTools;
 
 namespace Ros2Gateway.Editor.Tests
 {
-    /// <summary>Somebody clicks in the window of messages, with the live gateway behind it.</summary>
+    /// <summary>Someone clicks in the window of messages, with the live gateway behind it.</summary>
     [TestFixture]
     public sealed class MessagesWindowTests
     {

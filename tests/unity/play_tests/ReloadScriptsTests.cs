@@ -16,7 +16,7 @@ using Object = UnityEngine.Object;
 
 namespace Ros2Gateway.Play.Tests
 {
-    /// <summary>Scripts that are compiled anew in Play, which goes on: the editor's default.</summary>
+    /// <summary>Scripts that are compiled again in Play, which goes on: the editor's default.</summary>
     [TestFixture]
     public sealed class ReloadScriptsTests
     {

@@ -113,7 +113,7 @@ namespace Ros2Gateway.Tests.Roslyn
             internal readonly List<string> Defines = new List<string>();
             internal readonly List<MetadataReference> References = new List<MetadataReference>();
 
-            // 1701, 1702: of a library made for another version of the framework, which csc leaves out, too.
+            // 1701, 1702: of a library made for another version of the framework, which csc leaves out as well.
             // 1573, 1591: of what has no comment, which is checked elsewhere
             internal readonly Dictionary<string, ReportDiagnostic> Diagnostics = new Dictionary<string, ReportDiagnostic>
             {

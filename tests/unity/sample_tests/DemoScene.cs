@@ -8,7 +8,7 @@ using UnityEngine;
 
 namespace Ros2Gateway.Samples.Tests
 {
-    /// <summary>One of the demonstrations, as somebody starts it: its builder on an empty object.</summary>
+    /// <summary>One of the demonstrations, as someone starts it: its builder on an empty object.</summary>
     internal sealed class DemoScene : IDisposable
     {
         private const int TimeoutMilliseconds = 120000; // a machine may be busy with other things

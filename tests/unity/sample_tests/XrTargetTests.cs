@@ -288,7 +288,7 @@ namespace Ros2Gateway.Samples.Tests
             yield return _demo.Reset(_client, _twin);
         }
 
-        /// <summary>Waits. What a busy machine has ended, as commands came late, is begun anew, as whoever points would.</summary>
+        /// <summary>Waits. What a busy machine has ended, as commands came late, is begun again, as whoever points would.</summary>
         private IEnumerator UntilDriven(System.Func<bool> holds, string what)
         {
             yield return _demo.Until(

@@ -35,7 +35,7 @@ namespace Ros2Gateway.Samples.XrTarget
         }
 
         /// <summary>
-        /// Whether there is a headset and somebody wears it. One without a sensor for that is always worn.
+        /// Whether there is a headset and someone wears it. One without a sensor for that is always worn.
         /// </summary>
         public static bool IsHeadsetWorn
         {
@@ -107,7 +107,7 @@ namespace Ros2Gateway.Samples.XrTarget
             private bool _isDown;
             private bool _isKnown;
 
-            /// <param name="countsAtOnce">Whether it was pressed, too, if it is down when its controller
+            /// <param name="countsAtOnce">Whether it was pressed as well, if it is down when its controller
             /// wakes: a stop, but not what sets something going.</param>
             internal Button(bool countsAtOnce)
             {

@@ -6,7 +6,7 @@ namespace Ros2Gateway.Samples.XrTarget
     /// <summary>Where an <see cref="XrTargetControl"/> learns what its user points at and wants.</summary>
     public interface IPointerInput
     {
-        /// <summary>Whether there is somebody: false once a headset that was worn is taken off.</summary>
+        /// <summary>Whether there is someone: false once a headset that was worn is taken off.</summary>
         bool IsUserPresent { get; }
 
         /// <summary>What is pointed along, in the world.</summary>

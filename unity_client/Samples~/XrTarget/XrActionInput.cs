@@ -11,7 +11,7 @@ namespace Ros2Gateway.Samples.XrTarget
 {
     /// <summary>
     /// Pointing by actions of the Input System, and with the XR Interaction Toolkit by one of its rays. Put
-    /// it beside the <see cref="XrTargetControl"/>. Actions that are left empty are bound to every
+    /// it next to the <see cref="XrTargetControl"/>. Actions that are left empty are bound to every
     /// controller's trigger, touchpad or stick (clicked) and grip.
     /// </summary>
     public sealed class XrActionInput : MonoBehaviour, IPointerInput
@@ -135,7 +135,7 @@ namespace Ros2Gateway.Samples.XrTarget
 
         private void OnDisable()
         {
-            // What is referred to may be somebody else's, too: it is left enabled.
+            // What is referred to may be someone else's as well: it is left enabled.
             foreach (InputAction action in _own)
             {
                 action.Disable();

@@ -6,7 +6,7 @@ namespace Ros2Gateway.Samples.XrTarget
 {
     /// <summary>
     /// Sends the robot to where the user points (trigger), teleports the user (touchpad or stick) and stops
-    /// the robot (grip). A headset that is taken off stops it, too. Focus, pause and connection are the
+    /// the robot (grip). A headset that is taken off stops it as well. Focus, pause and connection are the
     /// <see cref="TargetDriver"/>'s own business.
     /// </summary>
     public sealed class XrTargetControl : MonoBehaviour
@@ -71,7 +71,7 @@ namespace Ros2Gateway.Samples.XrTarget
         }
 
         /// <summary>
-        /// Where pointing comes from: a component beside this one (such as XrActionInput), else a headset's
+        /// Where pointing comes from: a component next to this one (such as XrActionInput), else a headset's
         /// controllers or the mouse, unless it is set.
         /// </summary>
         public IPointerInput Input

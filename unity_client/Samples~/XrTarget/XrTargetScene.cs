@@ -6,7 +6,7 @@ namespace Ros2Gateway.Samples.XrTarget
 {
     /// <summary>
     /// Builds the demonstration in an empty scene: a floor to point at, a user's rig, a robot's digital twin
-    /// and its target. Works with a headset, and with the mouse where there is none.
+    /// and its target. Works with a headset, and with the mouse without one.
     /// </summary>
     public sealed class XrTargetScene : DemonstrationScene
     {

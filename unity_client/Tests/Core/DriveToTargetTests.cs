@@ -172,7 +172,7 @@ namespace Ros2Gateway.Tests
         {
             var drive = new DriveToTarget(new DriveSettings());
             drive.SetTarget(1, 0, 0);
-            drive.Step(Origin, 0, double.NaN); // and a time that is none does not put it off
+            drive.Step(Origin, 0, double.NaN); // and NaN as a time does not delay it
             double now = 0;
             while (drive.IsActive)
             {

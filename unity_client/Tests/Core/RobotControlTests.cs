@@ -245,7 +245,7 @@ namespace Ros2Gateway.Tests
                 Publisher<TwistMsg> commands = live.Client.Advertise<TwistMsg>(Topic);
                 // for as long as the gateway takes to learn how fast commands travel
                 DateTime end = DateTime.UtcNow.AddSeconds(1.2);
-                // and to a robot that moves: what was refused last, of a busy machine, would refuse the next one, too
+                // and to a robot that moves: what was refused last, of a busy machine, would refuse the next one as well
                 live.Until(
                     () => DateTime.UtcNow > end && control.State.Motion == RobotMotion.Moving && commands.Refusal == null,
                     "for a while", () => Push(live, control, commands));
@@ -275,7 +275,7 @@ namespace Ros2Gateway.Tests
                     int states = live.States.Count;
                     live.Client.Request("cut", null, null);
                     live.Until(() => live.States.Count > states, "for the cut");
-                    // on a busy machine it has connected again meanwhile, and the gateway refuses what is published
+                    // on a busy machine it has connected again in the meantime, and the gateway refuses what is published
                     Assert.IsTrue(control.State.ToString() == "not connected" || live.States.Count > states + 1);
                     bool isOnItsWay = commands.Publish(Ahead());
                     Assert.IsTrue(!isOnItsWay || live.Client.IsConnected);

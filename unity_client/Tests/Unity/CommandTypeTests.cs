@@ -16,7 +16,7 @@ namespace Ros2Gateway.Unity.Tests
     [Category("Gateway")]
     public sealed class CommandTypeTests
     {
-        // Nodes beside the gateway: one takes TwistStamped, of the other a test says what it takes.
+        // Nodes next to the gateway: one takes TwistStamped, of the other a test says what it takes.
         private const string Stamped = "/stamped";
         private const string Changing = "/changing";
         private const double Ahead = 0.26;

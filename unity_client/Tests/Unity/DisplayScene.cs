@@ -9,7 +9,7 @@ using Object = UnityEngine.Object;
 
 namespace Ros2Gateway.Unity.Tests
 {
-    /// <summary>Displays on objects of their own, with a connection to the gateway on demand.</summary>
+    /// <summary>Displays on their own objects, with a connection to the gateway on demand.</summary>
     internal sealed class DisplayScene : IDisposable
     {
         internal const string Gateway = "ROS2GATEWAY_TEST_URL";

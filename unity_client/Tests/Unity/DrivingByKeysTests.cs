@@ -58,7 +58,7 @@ namespace Ros2Gateway.Unity.Tests
         public IEnumerator AStopDuringAStallOfTheNetworkIsHeardWhenItIsBack(
             [Values("release", "disable")] string kind)
         {
-            LogAssert.ignoreFailingMessages = true; // commands are refused meanwhile, and it is said
+            LogAssert.ignoreFailingMessages = true; // commands are refused in the meantime, and it is said
             _scene = new DrivingScene(Topic, "/through");
             TeleopDriver driver = Driver();
             yield return Hold();
@@ -334,7 +334,7 @@ namespace Ros2Gateway.Unity.Tests
             yield return _scene.UntilHeard(Ahead, 0);
         }
 
-        /// <summary>Turns, beside what is held: everything that went before was heard before.</summary>
+        /// <summary>Turns, next to what is held: everything that went before was heard before.</summary>
         private IEnumerator Mark()
         {
             yield return null;

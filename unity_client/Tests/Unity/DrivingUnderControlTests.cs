@@ -193,7 +193,7 @@ namespace Ros2Gateway.Unity.Tests
                     driver.Abandon("enough");
                     break;
                 case "lost":
-                    _scene.Connection.enabled = false; // seen by Update, too
+                    _scene.Connection.enabled = false; // seen by Update as well
                     break;
             }
             yield return _scene.Until(() => !driver.enabled, "to give up");
@@ -291,7 +291,7 @@ namespace Ros2Gateway.Unity.Tests
                 () => driver.Control.Motion == RobotMotion.Moving && driver.Control.Holder == ControlHolder.You
                     && _scene.Heard.FindAll(one => one.linear > 0).Count > 2,
                 "to drive",
-                // anew now and then: on a busy machine a key may be down before the driver knows of its connection, or
+                // again now and then: on a busy machine a key may be down before the driver knows of its connection, or
                 // of a deadline that was missed, and then has to be let go of
                 () => _keys.Held = ++frames % PressedAnewFrames == 0 ? DriveKeys.None : DriveKeys.Forward);
             _keys.Held = DriveKeys.Forward;

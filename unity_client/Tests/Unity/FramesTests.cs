@@ -69,7 +69,7 @@ namespace Ros2Gateway.Unity.Tests
         [UnityTest]
         public IEnumerator AFrameThatNobodyKnowsIsTold()
         {
-            LogAssert.ignoreFailingMessages = true; // the gateway's warning is in the console, too
+            LogAssert.ignoreFailingMessages = true; // the gateway's warning is in the console as well
             FrameFollower follower = Follow(_scene.Fixed("base_link"), "bas_scan");
             follower.HideAfter = 1;
             follower.gameObject.AddComponent<MeshRenderer>();

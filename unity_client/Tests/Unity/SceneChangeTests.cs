@@ -166,7 +166,7 @@ namespace Ros2Gateway.Unity.Tests
             yield return _scene.Until(() => gone == null, "for the scene to be gone");
             Assert.IsTrue(lasting.Client.IsConnected);
 
-            // The scene is loaded again, with a connection of its own that components in it have chosen.
+            // The scene is loaded again, with its own connection that components in it have chosen.
             GatewayConnection second = _scene.Connect(made => made.OutlivesScenes = true);
             DigitalTwin twin = Twin();
             twin.Subscriber.Connection = second;

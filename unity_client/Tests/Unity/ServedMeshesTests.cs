@@ -128,7 +128,7 @@ namespace Ros2Gateway.Unity.Tests
         [Category("Gateway")]
         public IEnumerator WhatCannotBeFetchedOrReadStaysASmallBoxAndIsSaidOnce()
         {
-            LogAssert.ignoreFailingMessages = true; // the client says what was refused, too
+            LogAssert.ignoreFailingMessages = true; // the client says what was refused as well
             Connect();
             RobotDescriptionDisplay robot = Robot(
                 Mesh("package://rogue/missing.stl"), Mesh("package://rogue/broken.stl"), Mesh("package://rogue/1.stl", "3e38 3e38 3e38"),

@@ -9,7 +9,7 @@ namespace Ros2Gateway
 
         /// <summary>
         /// How many messages may wait for the network from frame to frame, the oldest being dropped. What was
-        /// published within the last two frames waits beside them, up to 1024 messages and 1 MiB. 1 is always the
+        /// published within the last two frames waits next to them, up to 1024 messages and 1 MiB. 1 is always the
         /// newest alone, and so it is on a topic that moves a robot, whatever this says: a command that waited is a
         /// command for a robot that is elsewhere by now.
         /// </summary>

@@ -12,7 +12,7 @@ namespace Ros2Gateway
     {
         private const int Samples = 16; // half a minute of heartbeats: a clock drifts by under 2 ms in that
 
-        private const double DriftSeconds = 0.01; // what clocks may drift apart meanwhile, amply
+        private const double DriftSeconds = 0.01; // what clocks may drift apart in the meantime, amply
 
         private readonly object _gate = new object();
         private readonly Clock _clock;
@@ -68,7 +68,7 @@ namespace Ros2Gateway
 
         /// <summary>A ping has come back.</summary>
         /// <param name="sent">When it left, in milliseconds of our clock.</param>
-        /// <param name="rosSeconds">What the gateway's ROS clock showed meanwhile.</param>
+        /// <param name="rosSeconds">What the gateway's ROS clock showed in the meantime.</param>
         internal void Add(double sent, double rosSeconds)
         {
             double now = _clock.Precise;

@@ -16,7 +16,7 @@ namespace Ros2Gateway
         /// <summary>The connection was lost or could not be made. The next attempt comes by itself.</summary>
         Waiting,
 
-        /// <summary>The gateway refuses this client (a wrong token, a role removed). Trying again is no use.</summary>
+        /// <summary>The gateway refuses this client (a wrong token, a role removed). Trying again does not help.</summary>
         Refused,
     }
 }

@@ -74,7 +74,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>Asks anew, on a new connection.</summary>
+        /// <summary>Asks again, on a new connection.</summary>
         internal void Restore()
         {
             long until = _clock.Now + TakeBackMilliseconds;
@@ -135,7 +135,7 @@ namespace Ros2Gateway
         }
 
         /// <summary>
-        /// The gateway refuses to tell a state. False if that is no answer to a question of ours. It is no event:
+        /// The gateway refuses to tell a state. False if that is not an answer to a question of ours. It is not an event:
         /// most topics with velocities move no robot, and gateways of old know no control.
         /// </summary>
         internal bool OnRefused(string id, string errorText)

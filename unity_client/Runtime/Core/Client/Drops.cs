@@ -6,7 +6,7 @@ namespace Ros2Gateway
 {
     /// <summary>
     /// Counts what a queue drops, and tells it: listeners in the next <see cref="Mailbox.Pump"/>, people by an event
-    /// now and then. Of a queue that keeps the newest alone, dropping is no news for people.
+    /// now and then. Of a queue that keeps the newest alone, dropping is not news for people.
     /// </summary>
     internal sealed class Drops
     {
@@ -26,7 +26,7 @@ namespace Ros2Gateway
         private int _isPosted;
 
         /// <param name="request">The operation that they belong to: "publish" or "subscribe".</param>
-        /// <param name="reason">Why, and what to do. Empty where it is no news for people.</param>
+        /// <param name="reason">Why, and what to do. Empty where it is not news for people.</param>
         internal Drops(Mailbox mailbox, Reports reports, string request, string topic, string reason)
         {
             _mailbox = mailbox;

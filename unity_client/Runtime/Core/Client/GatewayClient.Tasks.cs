@@ -9,7 +9,7 @@ using Ros2Gateway.Messages.GeometryMsgs;
 namespace Ros2Gateway
 {
     /// <content>
-    /// Answers to await, beside those by callback. Each task ends in <see cref="Pump"/>, and what awaits it goes on
+    /// Answers to await, next to those by callback. Each task ends in <see cref="Pump"/>, and what awaits it goes on
     /// there: in Unity on the main thread. Never block that thread by Wait or Result. If nothing has ever called
     /// Pump, tasks fail after 10 seconds. A task that cannot
     /// succeed fails with a <see cref="GatewayException"/>: refused, too late, the connection lost, the client
@@ -174,7 +174,7 @@ namespace Ros2Gateway
             _mailbox.Post("ConnectAsync", TellConnecting);
         }
 
-        // By the pump, with each change of state, and when somebody begins to wait.
+        // By the pump, with each change of state, and when someone begins to wait.
         private void TellConnecting()
         {
             ConnectionState state = State;
@@ -216,7 +216,7 @@ namespace Ros2Gateway
             return true;
         }
 
-        // A task ends in the pump. Where there is none, and nothing else could say so, it fails.
+        // A task ends in the pump. Without a pump it fails, because nothing else could say so.
         private void MissPump(long now)
         {
             if (_mailbox.WasPumped)

@@ -213,7 +213,7 @@ namespace Ros2Gateway
 
         /// <summary>Subscribes to a topic whose messages are of type T.</summary>
         /// <param name="handler">Called by <see cref="Pump"/>. Null to take messages from the subscription.</param>
-        /// <param name="reuse">Whether messages, and their arrays where the length stays, are filled anew: each is
+        /// <param name="reuse">Whether messages, and their arrays where the length stays, are filled again: each is
         /// the handler's until the next one is handed out, and what it lacks is as in an earlier one.</param>
         public Subscription<T> Subscribe<T>(
             string topic, Action<T> handler = null, SubscribeOptions options = null, bool reuse = false)
@@ -226,8 +226,8 @@ namespace Ros2Gateway
         /// <param name="type">pkg/msg/Name, or empty to let the gateway find it out.</param>
         /// <param name="create">Makes an empty message, on the thread that reads frames.</param>
         /// <param name="prepare">Called with each message on the thread that reads frames, before it waits for
-        /// the handler. All topics wait meanwhile: what takes long belongs to another thread.</param>
-        /// <param name="reuse">Whether messages are filled anew. See the other.</param>
+        /// the handler. All topics wait in the meantime: what takes long belongs to another thread.</param>
+        /// <param name="reuse">Whether messages are filled again. See the other.</param>
         public Subscription<T> Subscribe<T>(
             string topic, string type, Func<T> create, Action<T> handler = null, SubscribeOptions options = null,
             Action<T> prepare = null, bool reuse = false)
@@ -279,7 +279,7 @@ namespace Ros2Gateway
             return control;
         }
 
-        /// <summary>Stops every robot of the gateway, whoever drives it. Any client may.</summary>
+        /// <summary>Stops every robot of the gateway, even if another client drives. Any client may.</summary>
         /// <param name="done">Gets the command topics that are stopped.</param>
         public void StopRobots(Action<Reply<string[]>> done = null)
         {

@@ -45,7 +45,7 @@ namespace Ros2Gateway
         public Func<GatewayOptions, ITransport> Transport;
 
         /// <summary>
-        /// Whether time-outs and heartbeats are kept in the background. False where there are no threads
+        /// Whether timeouts and heartbeats are kept in the background. False where there are no threads
         /// (WebGL): then <see cref="GatewayClient.Pump"/> keeps them.
         /// </summary>
         public bool UsesThreads = true;

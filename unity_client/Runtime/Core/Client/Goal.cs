@@ -96,7 +96,7 @@ namespace Ros2Gateway
         internal abstract Action Failed(string errorText);
     }
 
-    /// <summary>The end of a goal: its result, or words that say why there is none.</summary>
+    /// <summary>The end of a goal: its result, or words that say why it is missing.</summary>
     public struct GoalResult<TResult>
     {
         /// <summary>Succeeded, canceled or aborted. Unknown where there is no result.</summary>

@@ -66,7 +66,7 @@ namespace Ros2Gateway
         }
 
         /// <summary>Waits for feedback that has not been seen. False once the goal has ended with a result.</summary>
-        /// <exception cref="InvalidOperationException">Somebody else waits already.</exception>
+        /// <exception cref="InvalidOperationException">Someone else waits already.</exception>
         public Task<bool> MoveNextAsync()
         {
             lock (_gate)

@@ -46,7 +46,7 @@ namespace Ros2Gateway
             }
             else
             {
-                Post(); // what is known goes to the new one, too
+                Post(); // what is known goes to the new one as well
             }
         }
 

@@ -7,7 +7,7 @@ namespace Ros2Gateway
     /// <summary>What frames tell the client itself.</summary>
     internal interface IInboxOwner
     {
-        /// <summary>A heartbeat is back: when it left (our clock, ms), and what ROS time was meanwhile (s).</summary>
+        /// <summary>A heartbeat is back: when it left (our clock, ms), and what ROS time was in the meantime (s).</summary>
         void OnPong(double sent, double rosSeconds);
 
         /// <summary>The gateway has introduced itself.</summary>
@@ -265,7 +265,7 @@ namespace Ros2Gateway
             }
         }
 
-        // To all but the last by a reader of their own. The last goes on where the frame's reader stands.
+        // To all but the last by their own reader. The last goes on where the frame's reader stands.
         // False if that one cannot read it.
         private bool Deliver(int at)
         {

@@ -30,22 +30,22 @@ namespace Ros2Gateway
     /// <remarks>Time comes as an argument, in milliseconds of a clock that never goes back.</remarks>
     internal sealed class Link
     {
-        // Close codes by which the gateway says that trying again is no use: not authenticated, role removed.
+        // Close codes by which the gateway says that trying again does not help: not authenticated, role removed.
         private const int Unauthenticated = 4401;
         private const int RoleRemoved = 4403;
         private const int Normal = 1000; // RFC 6455, 7.4.1
 
         // Who accepts and keeps silent costs a socket with each attempt, which .NET cannot take back: after
         // so many in a row, a quarter of an hour, they become rare, 60 in an hour. Whether it accepted is not
-        // told, so a robot that is out of reach counts like that, too.
+        // told, so a robot that is out of reach counts like that as well.
         private const int ManyAttempts = 120;
         private const double SilentPauseMilliseconds = 60000;
 
-        // A transport that gives up by a clock of its own may do so between two ticks.
+        // A transport that gives up by its own clock may do so between two ticks.
         private const long TickMilliseconds = 500;
 
         // Ticks come every 50 ms or every frame. After a longer gap it was this program that slept (a
-        // breakpoint, a headset put down), and what the gateway said meanwhile has yet to be read.
+        // breakpoint, a headset put down), and what the gateway said in the meantime has yet to be read.
         private const int SleptMilliseconds = 1000;
 
         private readonly object _gate = new object();
@@ -238,7 +238,7 @@ namespace Ros2Gateway
             }
             catch (Exception error)
             {
-                // A transport of the application's own may throw. This is no thread to throw it on.
+                // A transport of the application's own may throw. This is not a thread to throw it on.
                 End(0, error.Message);
             }
         }

@@ -11,7 +11,7 @@ namespace Ros2Gateway
         // Screenfuls of log. More than this between two frames of the application is one fault repeated.
         private const int MaxEvents = 256;
 
-        // More names of actions that throw than this are forgotten together, and counted anew: one fault repeated.
+        // More names of actions that throw than this are forgotten together, and counted again: one fault repeated.
         private const int MaxFaulty = 256;
 
         private readonly object _gate = new object();
@@ -139,7 +139,7 @@ namespace Ros2Gateway
         private int PumpOnce(double budgetMilliseconds)
         {
             _watch.Restart();
-            // What comes while handlers run waits for the next time: no handler can keep us here for ever.
+            // What comes while handlers run waits for the next time: no handler can keep us here forever.
             int actions;
             int events;
             lock (_gate)

@@ -6,7 +6,7 @@ using Ros2Gateway.Json;
 
 namespace Ros2Gateway
 {
-    /// <summary>What waits to be sent: requests in order, and a short queue per publisher beside them.</summary>
+    /// <summary>What waits to be sent: requests in order, and a short queue per publisher next to them.</summary>
     /// <remarks>
     /// One frame at a time is with the transport, so what else waits can still be dropped for something
     /// newer. Requests go first. Queues take turns. What the transport has taken may wait on in the system's

@@ -114,7 +114,7 @@ namespace Ros2Gateway
         /// <param name="message">What is sent.</param>
         /// <param name="evenLate">
         /// For what is right whenever it arrives, a stop above all: it is taken while the gateway does not
-        /// answer, too, and goes when the network is back, if nothing newer has been published by then.
+        /// answer as well, and goes when the network is back, if nothing newer has been published by then.
         /// </param>
         public bool Publish(IMessage message, bool evenLate = false)
         {

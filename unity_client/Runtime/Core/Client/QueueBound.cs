@@ -2,7 +2,7 @@
 namespace Ros2Gateway
 {
     /// <summary>
-    /// How many messages may wait in a queue: so many that are left over from frame to frame, and beside them all
+    /// How many messages may wait in a queue: so many that are left over from frame to frame, and next to them all
     /// that came within the last two frames of the application. The depth alone would cut every burst, as the
     /// application looks once per frame. A depth of 1 is the newest alone.
     /// </summary>

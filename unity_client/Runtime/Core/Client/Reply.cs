@@ -3,13 +3,13 @@ using System;
 
 namespace Ros2Gateway
 {
-    /// <summary>The answer to a request: a value, or words that say why there is none.</summary>
+    /// <summary>The answer to a request: a value, or words that say why it is missing.</summary>
     public struct Reply<T>
     {
         /// <summary>Whether there is a value.</summary>
         public readonly bool Ok;
 
-        /// <summary>The value. Default where there is none.</summary>
+        /// <summary>The value. Default without one.</summary>
         public readonly T Value;
 
         /// <summary>Why there is no value. Null where there is one.</summary>

@@ -118,7 +118,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>The answer is words that say why there is none.</summary>
+        /// <summary>The answer is words that say why it is missing.</summary>
         internal void Fail(string id, string errorText)
         {
             Request request = Take(id);

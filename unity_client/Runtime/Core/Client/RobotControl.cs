@@ -55,7 +55,7 @@ namespace Ros2Gateway
         }
 
         /// <summary>
-        /// Stops the robot, whoever drives it. If that is another client, it has to let go before it can drive on.
+        /// Stops the robot, even if another client drives. If that is another client, it has to let go before it can drive on.
         /// </summary>
         /// <param name="done">Gets the topics that are stopped: none if no type of the topic is known yet.</param>
         public void Stop(Action<Reply<string[]>> done = null)

@@ -11,12 +11,12 @@ namespace Ros2Gateway
 
         /// <summary>
         /// How many messages may wait for the application from frame to frame, the oldest being dropped. What came
-        /// within the last two frames waits beside them, up to 1024 messages and 1 MiB. 1 is always the newest alone:
+        /// within the last two frames waits next to them, up to 1024 messages and 1 MiB. 1 is always the newest alone:
         /// for pictures, scans, and poses that only place something.
         /// </summary>
         public int Queue = DefaultQueue;
 
-        /// <summary>Whether bursts wait beside the queue. False where a library of old is taken at its word.</summary>
+        /// <summary>Whether bursts wait next to the queue. False where a library of old is taken at its word.</summary>
         internal bool KeepsBursts = true;
 
         /// <summary>At most one message in so many milliseconds, the newest. 0 for all.</summary>
@@ -33,7 +33,7 @@ namespace Ros2Gateway
 
         /// <summary>
         /// What pictures of sensor_msgs/msg/Image should be like. Null for the gateway's defaults. The format png makes
-        /// nav_msgs/msg/OccupancyGrid smaller on its way, too.
+        /// nav_msgs/msg/OccupancyGrid smaller on its way as well.
         /// </summary>
         public ImageOptions Image;
 

@@ -76,7 +76,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>Asks anew, after its options have changed.</summary>
+        /// <summary>Asks again, after its options have changed.</summary>
         internal void SendAgain(Subscription subscription)
         {
             lock (_gate)
@@ -89,7 +89,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>The topic of a subscription. Null if there is none with that id.</summary>
+        /// <summary>The topic of a subscription. Null without one with that id.</summary>
         internal string TopicOf(string id)
         {
             lock (_gate)
@@ -149,7 +149,7 @@ namespace Ros2Gateway
             }
         }
 
-        // Of bounds in pixels. 0, that there is none, is the largest.
+        // Of bounds in pixels. 0, which means no limit, is the largest.
         private static int Largest(Subscription[] subscriptions, Func<ImageOptions, int> bound)
         {
             int largest = 1;

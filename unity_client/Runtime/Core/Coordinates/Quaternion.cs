@@ -6,7 +6,7 @@ namespace Ros2Gateway
 {
     /// <summary>
     /// A rotation or an orientation in a frame, of length 1 unless it came otherwise. Hamilton's product, as
-    /// in ROS and in Unity. <c>default</c> is no rotation at all but four zeros, see <see
+    /// in ROS and in Unity. <c>default</c> is not a rotation at all but four zeros, see <see
     /// cref="Normalized"/>.
     /// </summary>
     public readonly struct Quaternion<TFrame> : IEquatable<Quaternion<TFrame>>

@@ -27,7 +27,7 @@ namespace Ros2Gateway
         /// <summary>For <see cref="GatewayOptions.Address"/>.</summary>
         public string Address { get; private set; }
 
-        /// <summary>With TLS, if that has a port of its own. Else null.</summary>
+        /// <summary>With TLS, if that has its own port. Else null.</summary>
         public string SecureAddress { get; private set; }
 
         /// <summary>Whether clients without a token are refused.</summary>
@@ -36,7 +36,7 @@ namespace Ros2Gateway
         /// <summary>Of one run of one gateway, which may be heard in several ways.</summary>
         internal string Id { get; private set; }
 
-        /// <summary>The gateway that a datagram describes. Null if it is no gateway's answer.</summary>
+        /// <summary>The gateway that a datagram describes. Null if it is not a gateway's answer.</summary>
         internal static FoundGateway Read(byte[] datagram, int count, IPAddress sender)
         {
             JsonValue answer;
@@ -48,7 +48,7 @@ namespace Ros2Gateway
             {
                 return null;
             }
-            catch (ArgumentException) // it is no UTF-8
+            catch (ArgumentException) // it is not a UTF-8
             {
                 return null;
             }

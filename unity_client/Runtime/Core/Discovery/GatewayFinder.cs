@@ -120,7 +120,7 @@ namespace Ros2Gateway
             }
         }
 
-        // a gateway of this machine is heard at this address, too, which other machines cannot use
+        // a gateway of this machine is heard at this address as well, which other machines cannot use
         private static bool IsHere(FoundGateway gateway)
         {
             return gateway.Address.Contains("://127.");
@@ -151,7 +151,7 @@ namespace Ros2Gateway
             int count;
             try
             {
-                if (!_socket.Poll(0, SelectMode.SelectRead)) // Available is 0 for an empty datagram, too
+                if (!_socket.Poll(0, SelectMode.SelectRead)) // Available is 0 for an empty datagram as well
                 {
                     return false;
                 }

@@ -9,7 +9,7 @@ namespace Ros2Gateway.Drive
     /// </summary>
     /// <remarks>
     /// The graph does not say whose a type is, and a publisher of ours adds its own. So where both are there, ours is
-    /// withdrawn for a while to see which stays. Whatever is pushed meanwhile moves nothing.
+    /// withdrawn for a while to see which stays. Whatever is pushed in the meantime moves nothing.
     /// Time comes as an argument, in milliseconds.
     /// </remarks>
     internal sealed class CommandType
@@ -33,7 +33,7 @@ namespace Ros2Gateway.Drive
         /// <summary>The type to publish, pkg/msg/Name. Null while none is known.</summary>
         internal string Name { get; private set; }
 
-        /// <summary>Why there is none, in words. Null if there is one.</summary>
+        /// <summary>Why it is missing, in words. Null if there is one.</summary>
         internal string Reason { get; private set; }
 
         /// <summary>The graph has come, or has changed.</summary>

@@ -41,7 +41,7 @@ namespace Ros2Gateway.Drive
         public double stuckSeconds = 5;
 
         /// <summary>
-        /// Seconds after which the target is given up, beyond thrice what the straight way takes.
+        /// Seconds after which the target is given up, beyond three times what the straight way takes.
         /// </summary>
         public double timeoutSeconds = 30;
 

@@ -111,7 +111,7 @@ namespace Ros2Gateway.Drive
             {
                 return DriveCommand.Zero;
             }
-            // A pause of the whole application is no time in which the robot could have done anything.
+            // A pause of the whole application is not a time in which the robot could have done anything.
             double step = Math.Max(0, Math.Min(now - _now, _settings.staleSeconds));
             _now = now;
             _elapsed += step;

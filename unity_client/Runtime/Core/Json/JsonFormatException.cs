@@ -4,7 +4,7 @@ using System;
 namespace Ros2Gateway.Json
 {
     /// <summary>
-    /// Bytes are no JSON (or no CBOR, where that was asked for), or hold another value than was asked for. The message says where and why:
+    /// Bytes are not JSON (or no CBOR, where that was asked for), or hold another value than was asked for. The message says where and why:
     /// <c>pose.position.x: expected a number, got a string (byte 117)</c>.
     /// </summary>
     public sealed class JsonFormatException : Exception

@@ -9,7 +9,7 @@ namespace Ros2Gateway.Json
     /// </summary>
     public sealed class JsonMembers
     {
-        /// <summary>The index of a member that is none of the names.</summary>
+        /// <summary>The index of a member that is not among the names.</summary>
         public const int Unknown = -1;
 
         private readonly string[] _names;

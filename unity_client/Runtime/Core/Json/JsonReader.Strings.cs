@@ -8,7 +8,7 @@ namespace Ros2Gateway.Json
         /// <summary>The longest text that may be the same object as an equal one before.</summary>
         private protected const int LongestCached = 32; // bytes: frames, topics and operations, not texts
         private const int CacheSlots = 256; // a power of two. A slot keeps the last string that hashed to it
-        private const int LargestScratch = 1 << 16; // chars: one huge text must not be paid for ever after
+        private const int LargestScratch = 1 << 16; // chars: one huge text must not be paid forever after
 
         private readonly string[] _cache = new string[CacheSlots];
         private char[] _scratch = new char[64];

@@ -10,7 +10,7 @@ namespace Ros2Gateway.Json
     /// wins.
     /// </summary>
     /// <remarks>
-    /// A client's subscriptions may get the same values as CBOR. What reads them is of this class, too, so
+    /// A client's subscriptions may get the same values as CBOR. What reads them is of this class as well, so
     /// messages do not notice.
     /// </remarks>
     public partial class JsonReader
@@ -75,7 +75,7 @@ namespace Ros2Gateway.Json
             }
         }
 
-        /// <summary>Starts anew with a part of a buffer, which must not change while it is read.</summary>
+        /// <summary>Starts again with a part of a buffer, which must not change while it is read.</summary>
         public virtual void Reset(byte[] buffer, int offset, int count)
         {
             if (buffer == null)

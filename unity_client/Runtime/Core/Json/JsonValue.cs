@@ -6,7 +6,7 @@ using System.Text;
 namespace Ros2Gateway.Json
 {
     /// <summary>
-    /// A JSON value of any kind as a tree, for what has no class of its own. Unchangeable, hence free to
+    /// A JSON value of any kind as a tree, for what has no its own class. Unchangeable, hence free to
     /// share between threads. Asking for what is not there gives <see cref="Missing"/> or the fallback, never
     /// an exception.
     /// </summary>
@@ -172,7 +172,7 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>Reads a text that holds one value.</summary>
-        /// <exception cref="JsonFormatException">It is no JSON, or a number is beyond float64.</exception>
+        /// <exception cref="JsonFormatException">It is not JSON, or a number is beyond float64.</exception>
         public static JsonValue Parse(string text)
         {
             byte[] utf8;
@@ -192,7 +192,7 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>Reads the value that comes next.</summary>
-        /// <exception cref="JsonFormatException">It is no JSON, or a number is beyond float64.</exception>
+        /// <exception cref="JsonFormatException">It is not JSON, or a number is beyond float64.</exception>
         public static JsonValue Read(JsonReader reader)
         {
             switch (reader.Kind)

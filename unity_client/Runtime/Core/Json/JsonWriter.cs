@@ -11,7 +11,7 @@ namespace Ros2Gateway.Json
     public sealed partial class JsonWriter
     {
         private const int FirstSize = 256;
-        private const int LargestKept = 1 << 20; // bytes: one huge message must not be paid for ever after
+        private const int LargestKept = 1 << 20; // bytes: one huge message must not be paid forever after
         private const int LargestArray = 0x7FFFFFC7; // bytes, as .NET has it
 
         private byte[] _buffer = new byte[FirstSize];
@@ -31,7 +31,7 @@ namespace Ros2Gateway.Json
             get { return _count; }
         }
 
-        /// <summary>Starts anew.</summary>
+        /// <summary>Starts again.</summary>
         public void Clear()
         {
             if (_buffer.Length > LargestKept)

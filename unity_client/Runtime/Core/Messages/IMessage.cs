@@ -5,7 +5,7 @@ namespace Ros2Gateway
 {
     /// <summary>
     /// A ROS message that reads itself from JSON and writes itself, without reflection. The classes of the
-    /// message table are generated. A class of one's own works everywhere that they do.
+    /// list of message types are generated. A class of one's own works everywhere that they do.
     /// </summary>
     public interface IMessage
     {
@@ -14,9 +14,9 @@ namespace Ros2Gateway
 
         /// <summary>
         /// Takes over what the JSON object that comes next has. Fields that it lacks stay as they are,
-        /// members that are no fields are skipped.
+        /// members that are not fields are skipped.
         /// </summary>
-        /// <exception cref="JsonFormatException">The bytes are no JSON, or a value does not fit its field.
+        /// <exception cref="JsonFormatException">The bytes are not JSON, or a value does not fit its field.
         /// The fields read before it have their new values.</exception>
         void Read(JsonReader reader);
 

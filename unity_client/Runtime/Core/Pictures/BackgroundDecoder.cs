@@ -35,7 +35,7 @@ namespace Ros2Gateway.Pictures
 
         /// <summary>Takes a copy of a picture, to decode it soon. Any thread.</summary>
         /// <param name="compressed">JPEG, or another format, which is handed back as it is.</param>
-        /// <param name="format">Handed back, too.</param>
+        /// <param name="format">Handed back as well.</param>
         public void Offer(byte[] compressed, string format)
         {
             Offer(compressed, compressed == null ? 0 : compressed.Length, format);
@@ -144,7 +144,7 @@ namespace Ros2Gateway.Pictures
         /// <summary>What is wrong with it. Null if it was decoded, or <see cref="IsOther"/>.</summary>
         public string Error { get; private set; }
 
-        /// <summary>Whether it is no baseline JPEG: a PNG, or progressive. Unity's own decoder may know it.</summary>
+        /// <summary>Whether it is not a baseline JPEG: a PNG, or progressive. Unity's own decoder may know it.</summary>
         public bool IsOther { get; private set; }
 
         /// <summary>How long ago it was offered, in seconds.</summary>

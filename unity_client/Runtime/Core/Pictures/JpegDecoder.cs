@@ -39,7 +39,7 @@ namespace Ros2Gateway.Pictures
         /// <summary>Decodes a JPEG to RGBA, four bytes a pixel, the bottom row first, as textures have it.</summary>
         /// <param name="count">How many bytes of the array are the JPEG's.</param>
         /// <param name="pixels">Where the pixels go. Replaced by a longer array if it is too short.</param>
-        /// <exception cref="JpegNotSupportedException">It is no baseline JPEG of <see cref="MaxPixels"/> or less.
+        /// <exception cref="JpegNotSupportedException">It is not a baseline JPEG of <see cref="MaxPixels"/> or less.
         /// </exception>
         /// <exception cref="JpegFormatException">It is damaged, or no JPEG. Nothing was written.</exception>
         public void Decode(byte[] jpeg, int count, ref byte[] pixels)

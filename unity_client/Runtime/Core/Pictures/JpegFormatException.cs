@@ -3,7 +3,7 @@ using System;
 
 namespace Ros2Gateway.Pictures
 {
-    /// <summary>The bytes are no JPEG, or a damaged one. The message says what is wrong, and where.</summary>
+    /// <summary>The bytes are not JPEG, or a damaged one. The message says what is wrong, and where.</summary>
     public class JpegFormatException : Exception
     {
         /// <summary>An error at a byte of the JPEG, counted from 0.</summary>

@@ -4,7 +4,7 @@ namespace Ros2Gateway.Pictures
     /// <summary>How large pictures should come, by how large they are shown.</summary>
     public static class PictureBound
     {
-        private const double Spare = 1.25; // or it would change with each step of somebody who walks before the screen
+        private const double Spare = 1.25; // or it would change with each step of someone who walks before the screen
 
         // usual widths of pictures, each a third or a half longer
         private static readonly int[] Steps = { 160, 240, 320, 480, 640, 960, 1280, 1920, 2560, 3840 };

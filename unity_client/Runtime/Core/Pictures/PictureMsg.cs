@@ -8,7 +8,7 @@ using Ros2Gateway.Messages.StdMsgs;
 namespace Ros2Gateway.Pictures
 {
     /// <summary>
-    /// A <see cref="CompressedImageMsg"/> whose bytes are the first of a buffer: one that is filled anew
+    /// A <see cref="CompressedImageMsg"/> whose bytes are the first of a buffer: one that is filled again
     /// (<c>Subscribe(..., reuse: true)</c>) allocates nothing, although no two pictures have one length.
     /// </summary>
     public sealed class PictureMsg : IMessage
@@ -64,7 +64,7 @@ namespace Ros2Gateway.Pictures
             Copy().Write(writer);
         }
 
-        /// <summary>The same as a message of its own, to be kept.</summary>
+        /// <summary>The same as its own message, to be kept.</summary>
         public CompressedImageMsg Copy()
         {
             var copy = new CompressedImageMsg { format = format, data = new byte[count] };

@@ -163,7 +163,7 @@ namespace Ros2Gateway.Robots
             return metres;
         }
 
-        /// <summary>The scene that the file says is to be shown, else the first. Null if there is none.</summary>
+        /// <summary>The scene that the file says is to be shown, else the first. Null without one.</summary>
         private XmlElement Scene(XmlElement root)
         {
             XmlElement scene = XmlTree.Child(root, "scene");

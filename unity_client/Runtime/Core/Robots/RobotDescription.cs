@@ -50,7 +50,7 @@ namespace Ros2Gateway.Robots
             Visuals = visuals;
         }
 
-        /// <summary>Its name, which is that of its frame, too.</summary>
+        /// <summary>Its name, which is that of its frame as well.</summary>
         public string Name { get; private set; }
 
         /// <summary>What it looks like.</summary>

@@ -29,7 +29,7 @@ namespace Ros2Gateway.Robots
         }
 
         /// <summary>
-        /// Whether it begins with the word solid and can be no binary file: many programs begin those with it, too.
+        /// Whether it begins with the word solid and can be no binary file: many programs begin those with it as well.
         /// </summary>
         private static bool IsText(byte[] stl)
         {
@@ -80,7 +80,7 @@ namespace Ros2Gateway.Robots
             }
             for (int i = 0; i < corners.Length; i++)
             {
-                if (!(Math.Abs(corners[i]) <= float.MaxValue)) // false for NaN, too
+                if (!(Math.Abs(corners[i]) <= float.MaxValue)) // false for NaN as well
                 {
                     throw new MeshException("triangle " + i / 9 + " of the STL, counted from 0, has a coordinate that is "
                         + (float.IsNaN(corners[i]) ? "NaN" : "infinite"));

@@ -4,7 +4,7 @@ using Ros2Gateway.Shapes;
 
 namespace Ros2Gateway.Robots
 {
-    /// <summary>A file that is no mesh, or one that cannot be drawn. The text says what is wrong, and where.</summary>
+    /// <summary>A file that is not a mesh, or one that cannot be drawn. The text says what is wrong, and where.</summary>
     public sealed class MeshException : Exception
     {
         internal MeshException(string errorText)
@@ -16,7 +16,7 @@ namespace Ros2Gateway.Robots
     /// <summary>Triangles as <see cref="MeshReader"/> reads them: of a robot's link, in its axes, in metres.</summary>
     public sealed class TriangleMesh
     {
-        /// <summary>Files with more are refused: as arrays 48 MB. A robot's link has some 10,000.</summary>
+        /// <summary>Files with more are refused: as arrays 48 MB. A robot's link has about 10,000.</summary>
         public const int MaxTriangles = 1000000;
 
         /// <param name="corners">Finite.</param>
@@ -102,7 +102,7 @@ namespace Ros2Gateway.Robots
                 int at = 3 * i;
                 double x = normals[at], y = normals[at + 1], z = normals[at + 2];
                 double length = Math.Sqrt(x * x + y * y + z * z);
-                if (!(length > 0 && length <= float.MaxValue)) // false for NaN, too
+                if (!(length > 0 && length <= float.MaxValue)) // false for NaN as well
                 {
                     int a = 9 * i;
                     double ux = (double)corners[a + 3] - corners[a];

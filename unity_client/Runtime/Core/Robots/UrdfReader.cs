@@ -8,7 +8,7 @@ using Ros2Gateway.Shapes;
 
 namespace Ros2Gateway.Robots
 {
-    /// <summary>A description that is no URDF. The text says what is wrong, and where.</summary>
+    /// <summary>A description that is not a URDF. The text says what is wrong, and where.</summary>
     public sealed class UrdfException : Exception
     {
         internal UrdfException(string errorText)
@@ -343,7 +343,7 @@ namespace Ros2Gateway.Robots
             for (int i = 0; i < count && isGood; i++)
             {
                 isGood = double.TryParse(words[i], NumberStyles.Float, CultureInfo.InvariantCulture, out numbers[i])
-                    && Math.Abs(numbers[i]) <= float.MaxValue; // false for NaN, too
+                    && Math.Abs(numbers[i]) <= float.MaxValue; // false for NaN as well
             }
             if (!isGood)
             {

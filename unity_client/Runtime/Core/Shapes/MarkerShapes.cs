@@ -213,7 +213,7 @@ namespace Ros2Gateway.Shapes
             return message != null && IsFinite(point);
         }
 
-        // Either every point has a colour of its own, or all have the marker's.
+        // Either every point has its own colour, or all have the marker's.
         private static Rgba ColorOf(MarkerMsg marker, int index)
         {
             ColorRGBAMsg[] colors = marker.colors;
@@ -236,7 +236,7 @@ namespace Ros2Gateway.Shapes
 
         private static bool IsFinite(Vector3<Flu> vector)
         {
-            return vector.Length <= float.MaxValue; // false for NaN, too
+            return vector.Length <= float.MaxValue; // false for NaN as well
         }
     }
 }

@@ -22,7 +22,7 @@ namespace Ros2Gateway.Shapes
     /// </summary>
     public sealed class MeshBuffer
     {
-        /// <summary>More vertices are left out: with their indices some 40 MB.</summary>
+        /// <summary>More vertices are left out: with their indices about 40 MB.</summary>
         public const int MaxVertices = 1 << 20;
 
         private const int FirstLength = 64; // a box has 24 vertices and 36 indices

@@ -14,7 +14,7 @@ namespace Ros2Gateway.Thesis
     /// <remarks>
     /// The library was one per process, and scenes call it as such: this class alone in the package holds
     /// static state. Every call returns at once and none throws. What fails returns false, and
-    /// <see cref="poll_debug_message"/> says why. Types are the numbers of the message table. Any thread.
+    /// <see cref="poll_debug_message"/> says why. Types are the numbers of the list of message types. Any thread.
     /// </remarks>
     public static partial class Ros2Library
     {
@@ -40,7 +40,7 @@ namespace Ros2Gateway.Thesis
         /// <summary>Begins to connect. Called again it does nothing. True in both cases.</summary>
         /// <param name="prefix">
         /// What the names of the nodes begin with. They are the gateway's, which takes it as <c>--node-prefix</c>.
-        /// A debug message tells if it has another one. Debug messages begin with it, too.
+        /// A debug message tells if it has another one. Debug messages begin with it as well.
         /// </param>
         public static bool ros2_init(string prefix = "")
         {
@@ -86,7 +86,7 @@ namespace Ros2Gateway.Thesis
         }
 
         /// <summary>Registers a publisher. False where the topic has one, which stays.</summary>
-        /// <param name="type">The number of the type in the message table.</param>
+        /// <param name="type">The number of the type in the list of message types.</param>
         /// <param name="backlog">How many messages may wait, the oldest being dropped.</param>
         public static bool add_publisher(string topic, uint type, uint backlog)
         {
@@ -114,7 +114,7 @@ namespace Ros2Gateway.Thesis
         }
 
         /// <summary>Registers a subscriber. A second one on the same topic takes the place of the first.</summary>
-        /// <param name="type">The number of the type in the message table.</param>
+        /// <param name="type">The number of the type in the list of message types.</param>
         /// <param name="libraryBacklog">How many messages wait here to be polled, the oldest being dropped.</param>
         /// <param name="rosBacklog">The depth of the ROS subscription.</param>
         public static bool add_subscriber(string topic, uint type, uint libraryBacklog, uint rosBacklog)
@@ -172,7 +172,7 @@ namespace Ros2Gateway.Thesis
         }
 
         /// <summary>Takes the oldest unread message of whatever type the subscriber has.</summary>
-        /// <returns>False if there is none, or no subscriber, or if it is of another type: then it stays.</returns>
+        /// <returns>False without one, or no subscriber, or if it is of another type: then it stays.</returns>
         public static bool poll<T>(string topic, out T message)
             where T : class, IMessage
         {
@@ -261,7 +261,7 @@ namespace Ros2Gateway.Thesis
             return example;
         }
 
-        // Once: nodes that come and go later are no business of the prefix.
+        // Once: nodes that come and go later are not business of the prefix.
         private static void CompareNodes(RosGraph graph)
         {
             _client.UnwatchGraph(CompareNodes);

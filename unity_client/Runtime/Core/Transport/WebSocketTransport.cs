@@ -12,14 +12,14 @@ namespace Ros2Gateway
     /// abandoned instead, and keeps its socket for as long as the server keeps silent), pings are answered
     /// only while a receive is pending (one always is), and after a local close a pending receive throws
     /// (which is normal then). It reads each message in two parts, each by way of another thread: that is
-    /// what bounds the rate, at some 10,000 messages a second.
+    /// what bounds the rate, at about 10,000 messages a second.
     /// </remarks>
     public sealed class WebSocketTransport : ITransport
     {
         private const int FirstBufferBytes = 64 * 1024; // most frames. Larger ones make it grow
         private const int PieceBytes = 32 * 1024; // so that a slow link shows progress: 1 Mbit/s does it in 0.3 s
         private const int RetainedBufferBytes = 1024 * 1024; // what one rare huge frame needed is given back,
-        private const int FramesUntilRare = 1000; // once so many were smaller: a cloud at 1 Hz beside what a robot says
+        private const int FramesUntilRare = 1000; // once so many were smaller: a cloud at 1 Hz next to what a robot says
         private const int GoodbyeMilliseconds = 1000; // how long a peer may take to answer a close frame
 
         private readonly int _connectMilliseconds;

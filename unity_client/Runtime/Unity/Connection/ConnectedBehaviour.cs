@@ -7,13 +7,13 @@ namespace Ros2Gateway.Unity
 {
     /// <summary>
     /// The base of components that use a connection: the one that was chosen, else one of the scene, else any. It
-    /// may come later than the component, in another scene, too, and go earlier: then another takes its place. After
+    /// may come later than the component, in another scene as well, and go earlier: then another takes its place. After
     /// a choice, and for what <see cref="MovesRobots"/>, that is only one to the same address: another address may be
     /// another robot.
     /// </summary>
     public abstract class ConnectedBehaviour : MonoBehaviour
     {
-        private const float WarnSeconds = 1; // a scene that is loaded beside this one has its connection by then
+        private const float WarnSeconds = 1; // a scene that is loaded next to this one has its connection by then
 
         [SerializeField]
         [Tooltip("Empty: the connection of the scene")]
@@ -24,7 +24,7 @@ namespace Ros2Gateway.Unity
         private bool _isListening;
 
         /// <summary>
-        /// The connection that is used. Null if there is none. What is set is used at once, and null lets the
+        /// The connection that is used. Null without one. What is set is used at once, and null lets the
         /// component look for one by itself.
         /// </summary>
         public GatewayConnection Connection

@@ -61,7 +61,7 @@ namespace Ros2Gateway.Unity
         /// <summary>A component of the scene. Made by Unity.</summary>
         public GatewayConnection()
         {
-            // Of the client's mailbox, which is made later, and anew for each Play.
+            // Of the client's mailbox, which is made later, and again for each Play.
             _eventHeard = new Listeners<GatewayEvent>(ReportFault, "listener of EventHeard");
             _stateChanged = new Listeners<ConnectionState>(ReportFault, "listener of StateChanged");
             _halted = new Listeners<string>(ReportFault, "driver that is halted");
@@ -93,7 +93,7 @@ namespace Ros2Gateway.Unity
             remove { _leaving.Remove(value); }
         }
 
-        /// <summary>Somebody stops the robot: whatever drives it by this connection gives up.</summary>
+        /// <summary>Someone stops the robot: whatever drives it by this connection gives up.</summary>
         internal event Action<string> Halted
         {
             add { _halted.Add(value); }

@@ -23,7 +23,7 @@ namespace Ros2Gateway.Unity
         [Range(0.5f, 20)]
         public float PumpMilliseconds = 4;
 
-        /// <summary>The options of a client of its own.</summary>
+        /// <summary>The its own options client.</summary>
         public GatewayOptions Options()
         {
             return new GatewayOptions

@@ -19,7 +19,7 @@ namespace Ros2Gateway.Unity
 
         /// <summary>
         /// The connection that a component uses: its own choice. Else one that is enabled, of its scene rather than
-        /// of another. Else one that is disabled. Null if there is none.
+        /// of another. Else one that is disabled. Null without one.
         /// </summary>
         /// <param name="present">What it uses now. It stays with that as long as nothing is better.</param>
         /// <param name="gateway">The only address that will do without a choice. Null for any.</param>
@@ -61,7 +61,7 @@ namespace Ros2Gateway.Unity
                 : Connections.Contains(present) ? present.Gateway : gateway;
         }
 
-        /// <summary>Another that outlives its scene, and leads to the same gateway. Null if there is none.</summary>
+        /// <summary>Another that outlives its scene, and leads to the same gateway. Null without one.</summary>
         internal static GatewayConnection Lasting(GatewayConnection other)
         {
             return Connections.Find(one => one != other && one.OutlivesScenes && one.Address == other.Address);
@@ -91,7 +91,7 @@ namespace Ros2Gateway.Unity
             Users.Remove(user);
         }
 
-        /// <summary>A connection was enabled, disabled or destroyed: everyone looks anew.</summary>
+        /// <summary>A connection was enabled, disabled or destroyed: everyone looks again.</summary>
         internal static void Tell()
         {
             foreach (ConnectedBehaviour user in Users.ToArray()) // who is told may come and go

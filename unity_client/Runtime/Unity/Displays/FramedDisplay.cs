@@ -37,7 +37,7 @@ namespace Ros2Gateway.Unity
             get { return _renderers.IsHidden; }
         }
 
-        /// <summary>Why it is not placed, or not anew. Null while all is well.</summary>
+        /// <summary>Why it is not placed, or not again. Null while all is well.</summary>
         public string FrameProblem { get; private set; }
 
         /// <summary>Whether there is a Fixed Frame that it is placed in.</summary>

@@ -14,7 +14,7 @@ namespace Ros2Gateway.Unity
     /// <summary>How many messages should wait where nobody chose a number.</summary>
     internal static class QueueDefault
     {
-        /// <summary>1 if the newest is enough for all that stands beside a component. Else *many*.</summary>
+        /// <summary>1 if the newest is enough for all that stands next to a component. Else *many*.</summary>
         internal static int Beside(Component component, int many)
         {
             INewestOnly[] beside = component.GetComponents<INewestOnly>();

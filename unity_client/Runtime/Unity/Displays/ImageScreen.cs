@@ -14,7 +14,7 @@ namespace Ros2Gateway.Unity
     }
 
     /// <summary>
-    /// Shows pictures, JPEG or PNG, on the Renderer or the RawImage beside it. The newest only. For
+    /// Shows pictures, JPEG or PNG, on the Renderer or the RawImage next to it. The newest only. For
     /// sensor_msgs/msg/CompressedImage, and for sensor_msgs/msg/Image, which the gateway sends as JPEG.
     /// </summary>
     /// <remarks>

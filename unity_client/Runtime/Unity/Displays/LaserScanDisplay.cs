@@ -154,7 +154,7 @@ namespace Ros2Gateway.Unity
         /// <summary>Puts the sensor at 0, the hits behind it. Returns how many hits there are.</summary>
         private int Place(LaserScanMsg message, int step, int beams)
         {
-            // without limits of its own (0, NaN or infinite) all that was measured counts
+            // without its own limits (0, NaN or infinite) all that was measured counts
             float least = message.range_min > 0 ? message.range_min : 0;
             float most = message.range_max > 0 ? Mathf.Min(message.range_max, float.MaxValue) : float.MaxValue;
             most = _maxRange > 0 ? Mathf.Min(most, _maxRange) : most;
@@ -168,7 +168,7 @@ namespace Ros2Gateway.Unity
             for (int i = 0; i < beams; i++)
             {
                 float range = message.ranges[i * step];
-                if (!(range >= least && range <= most)) // false for NaN, too
+                if (!(range >= least && range <= most)) // false for NaN as well
                 {
                     continue;
                 }

@@ -5,7 +5,7 @@ using UnityEngine;
 
 namespace Ros2Gateway.Unity
 {
-    /// <summary>One marker of a display: an object of its own, which is shown anew and used again.</summary>
+    /// <summary>One marker of a display: its own object, which is shown again and used again.</summary>
     internal sealed class MarkerObject
     {
         private const int TextResolution = 48; // pixels a letter
@@ -20,7 +20,7 @@ namespace Ros2Gateway.Unity
         private bool _isUsable;
 
         /// <param name="material">That all markers of a display share.</param>
-        /// <param name="staging">That they share, too.</param>
+        /// <param name="staging">That they share as well.</param>
         internal MarkerObject(Transform parent, Material material, MeshStaging staging)
         {
             _object = new GameObject("Marker", typeof(MeshFilter), typeof(MeshRenderer));
@@ -47,7 +47,7 @@ namespace Ros2Gateway.Unity
             _frame = marker.header == null ? "" : marker.header.frame_id;
             string problem = MarkerShapes.Build(marker, shapes);
             Pose<Flu> pose = marker.pose == null ? new Pose<Flu>() : marker.pose.As<Flu>();
-            _isUsable = pose.position.Length <= float.MaxValue; // false for NaN, too
+            _isUsable = pose.position.Length <= float.MaxValue; // false for NaN as well
             if (!_isUsable)
             {
                 _object.SetActive(false);

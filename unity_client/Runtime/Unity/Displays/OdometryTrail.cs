@@ -97,7 +97,7 @@ namespace Ros2Gateway.Unity
         {
             StandIn(message.header);
             Vector3<Flu> read = message.pose.pose.position.As<Flu>();
-            if (!(read.Length <= float.MaxValue)) // false for NaN, too
+            if (!(read.Length <= float.MaxValue)) // false for NaN as well
             {
                 Warn("the odometry's position is not finite");
                 return false;

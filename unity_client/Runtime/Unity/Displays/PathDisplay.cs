@@ -79,7 +79,7 @@ namespace Ros2Gateway.Unity
                 return false;
             }
             Vector3<Flu> at = pose.pose.position.As<Flu>();
-            if (!(at.Length <= float.MaxValue)) // false for NaN, too
+            if (!(at.Length <= float.MaxValue)) // false for NaN as well
             {
                 return false;
             }

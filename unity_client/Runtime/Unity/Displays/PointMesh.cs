@@ -23,7 +23,7 @@ namespace Ros2Gateway.Unity
         private readonly Material _material; // ours, if the renderer had none
         private readonly MeshStaging _staging;
 
-        /// <param name="display">Has a MeshFilter and a MeshRenderer beside it.</param>
+        /// <param name="display">Has a MeshFilter and a MeshRenderer next to it.</param>
         /// <param name="isSolid">Whether triangles are drawn, which hide each other.</param>
         /// <param name="staging">That several meshes share. Null for one of its own.</param>
         internal PointMesh(Component display, bool isSolid = false, MeshStaging staging = null)

@@ -17,7 +17,7 @@ namespace Ros2Gateway.Unity
         private double _length;
         private Rgba _color;
 
-        /// <param name="display">Has a MeshFilter and a MeshRenderer beside it.</param>
+        /// <param name="display">Has a MeshFilter and a MeshRenderer next to it.</param>
         internal PoseArrows(Component display)
         {
             _mesh = new PointMesh(display, true);
@@ -43,7 +43,7 @@ namespace Ros2Gateway.Unity
                 return false;
             }
             Pose<Flu> pose = message.As<Flu>();
-            if (!(pose.position.Length <= float.MaxValue)) // false for NaN, too
+            if (!(pose.position.Length <= float.MaxValue)) // false for NaN as well
             {
                 return false;
             }

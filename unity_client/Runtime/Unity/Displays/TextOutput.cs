@@ -18,7 +18,7 @@ namespace Ros2Gateway.Unity
     }
 
     /// <summary>
-    /// Where a display writes: a TextMesh Pro, Text or TextMesh beside or below it, and whoever listens.
+    /// Where a display writes: a TextMesh Pro, Text or TextMesh next to or below it, and whoever listens.
     /// </summary>
     [Serializable]
     public sealed class TextOutput
@@ -32,7 +32,7 @@ namespace Ros2Gateway.Unity
         private Action<string> _write; // into all texts that were found. Null without one
         private Action<Color> _paint;
 
-        /// <summary>A part of a display. Made by Unity, too.</summary>
+        /// <summary>A part of a display. Made by Unity as well.</summary>
         public TextOutput()
         {
             _changed = new Listeners<string>(
@@ -49,7 +49,7 @@ namespace Ros2Gateway.Unity
             get { return _onChanged; }
         }
 
-        /// <summary>Finds the place. False if there is none.</summary>
+        /// <summary>Finds the place. False without one.</summary>
         /// <param name="isRich">Whether tags such as &lt;color&gt; are obeyed.</param>
         internal bool Find(Component display, bool isRich)
         {
@@ -119,7 +119,7 @@ namespace Ros2Gateway.Unity
         {
             _write += text =>
             {
-                if (place != null) // it may have been destroyed meanwhile
+                if (place != null) // it may have been destroyed in the meantime
                 {
                     write(text);
                 }

@@ -6,7 +6,7 @@ using UnityEngine;
 namespace Ros2Gateway.Unity
 {
     /// <summary>
-    /// Shows the messages of the Topic Subscriber beside it. The base of all displays of one type.
+    /// Shows the messages of the Topic Subscriber next to it. The base of all displays of one type.
     /// </summary>
     [RequireComponent(typeof(TopicSubscriber))]
     public abstract class TopicDisplay<T> : MonoBehaviour, INewestOnly
@@ -51,7 +51,7 @@ namespace Ros2Gateway.Unity
 
         /// <summary>
         /// Shows a message in Update unless a newer one comes until then. At once if <see cref="DrawsEvery"/>, and then
-        /// only while this is enabled. The subscriber's messages come here by themselves. Others may, too, such as those
+        /// only while this is enabled. The subscriber's messages come here by themselves. Others may as well, such as those
         /// of a recording.
         /// </summary>
         public virtual void Show(T message)
@@ -59,7 +59,7 @@ namespace Ros2Gateway.Unity
             ReceiveEarlier(null); // first
             if (DrawsEvery)
             {
-                // not kept until Update: where messages are filled anew, the next one may be on its way into this
+                // not kept until Update: where messages are filled again, the next one may be on its way into this
                 if (isActiveAndEnabled && Draw(message))
                 {
                     SetDrawn(0);
@@ -79,7 +79,7 @@ namespace Ros2Gateway.Unity
 
         /// <summary>
         /// The message that comes as another class, if this display knows that. Else null. A display of pictures gets a
-        /// copy of one that is filled anew.
+        /// copy of one that is filled again.
         /// </summary>
         protected virtual T Converted(IMessage message)
         {

@@ -24,7 +24,7 @@ namespace Ros2Gateway.Unity
         // Between two zeros for a robot that was stopped: one is enough, unless it was late or refused.
         private const int ZeroMilliseconds = 100;
 
-        private readonly object _gate = new object(); // the timer has a thread of its own
+        private readonly object _gate = new object(); // the timer has its own thread
         private readonly GatewayConnection _connection;
         private readonly GatewayClient _client;
         private readonly string _topic;
@@ -121,7 +121,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Stops the robot, whoever drives it. Where the gateway knows of no robot behind the topic by a zero.
+        /// Stops the robot, even if another client drives. Where the gateway knows of no robot behind the topic by a zero.
         /// </summary>
         internal void Stop()
         {

@@ -174,7 +174,7 @@ namespace Ros2Gateway.Unity
             set { _origin = value; }
         }
 
-        /// <summary>Is put where the target is, and hidden while there is none. May be null.</summary>
+        /// <summary>Marks the target, and is hidden without one. May be null.</summary>
         public Transform Marker
         {
             get { return _marker; }
@@ -231,7 +231,7 @@ namespace Ros2Gateway.Unity
         /// <summary>
         /// Drives to a point of the scene, its height being ignored. What was the target before is no longer.
         /// False, and nothing happens, while there is no connection, no robot is known that takes commands, or the
-        /// component is disabled. False, too, for a point that is not finite.
+        /// component is disabled. False as well, for a point that is not finite.
         /// </summary>
         public bool SetTarget(Vector3 worldPosition)
         {
@@ -256,7 +256,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Tells the robot to stand, whatever it does and whoever drives it, another client, too, and takes the
+        /// Tells the robot to stand, whatever it does and whoever drives it, another client as well, and takes the
         /// target away.
         /// </summary>
         public void Stop(string reason)

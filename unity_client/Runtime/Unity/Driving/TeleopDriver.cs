@@ -7,7 +7,7 @@ namespace Ros2Gateway.Unity
 {
     /// <summary>
     /// Drives a robot by keys: a velocity while one is held, zero on release. The robot is told to stand, and
-    /// held keys must be pressed anew, when the window loses the focus, the application pauses, the component
+    /// held keys must be pressed again, when the window loses the focus, the application pauses, the component
     /// is disabled or STOP is pressed. While there is no connection nothing is published, and a new one
     /// resumes no motion. Where the gateway has stopped the robot, or another client drives it, <see
     /// cref="Status"/> says so, and keys must be let go before it drives on.
@@ -118,8 +118,8 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Tells the robot to stand, whatever it does and whoever drives it, another client, too. Held keys must be
-        /// pressed anew. For a key, and for a button's list of what to call.
+        /// Tells the robot to stand, whatever it does and whoever drives it, another client as well. Held keys must be
+        /// pressed again. For a key, and for a button's list of what to call.
         /// </summary>
         public void Stop()
         {
@@ -150,7 +150,7 @@ namespace Ros2Gateway.Unity
                 return;
             }
             _output = new DriveOutput(connection, _topic);
-            _changes = _output.Changes; // each output counts anew
+            _changes = _output.Changes; // each output counts again
             connection.Halted += Halt;
             _isUnfocused = !Application.isFocused; // it may have come back while this was disabled
             _isPaused = false;
@@ -186,7 +186,7 @@ namespace Ros2Gateway.Unity
             bool isDue = !_isUnfocused && !_isPaused
                 && _keys.Step(Input.Held, Time.unscaledTimeAsDouble, out command);
             bool isZero = command.Equals(DriveCommand.Zero);
-            // A key that was pressed anew may begin with the zero that a stopped robot waits for. One that was
+            // A key that was pressed again may begin with the zero that a stopped robot waits for. One that was
             // held when it was stopped must be let go of.
             _mayDrive = !isZero && (_mayDrive || _output.LetGo());
             if (isDue && (isZero || _mayDrive))

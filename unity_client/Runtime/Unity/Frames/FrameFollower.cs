@@ -4,7 +4,7 @@ using UnityEngine;
 namespace Ros2Gateway.Unity
 {
     /// <summary>
-    /// Follows a ROS frame, such as base_link, in a Fixed Frame, and says in a text beside or below it how old
+    /// Follows a ROS frame, such as base_link, in a Fixed Frame, and says in a text next to or below it how old
     /// the pose is.
     /// </summary>
     [AddComponentMenu("ROS 2 Gateway/Frame Follower")]

@@ -139,7 +139,7 @@ namespace Ros2Gateway.Unity
                 behavior_tree = _behaviorTree,
             };
             Feedback = null;
-            Goal sent = null; // what comes of an older goal is no news
+            Goal sent = null; // what comes of an older goal is not news
             sent = Connection.Client.SendGoal<NavigateToPoseFeedback, NavigateToPoseResult>(
                 _action, goal, feedback => Hear(sent, feedback), result => End(sent, result));
             _goal = sent;

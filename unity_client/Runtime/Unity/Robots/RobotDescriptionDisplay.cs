@@ -216,7 +216,7 @@ namespace Ros2Gateway.Unity
             return mesh;
         }
 
-        // For what is too much for one mesh. Null if somebody has destroyed the link.
+        // For what is too much for one mesh. Null if someone has destroyed the link.
         private PointMesh More(RobotVisual visual, Transform link)
         {
             if (link == null)

@@ -10,8 +10,8 @@ namespace Ros2Gateway.Unity
 {
     /// <summary>Fetches the meshes of one robot from its gateway, and draws each where a small box stands for it.</summary>
     /// <remarks>
-    /// One file is fetched at a time, and the one before it read and drawn meanwhile: on a thread of the pool, where
-    /// there are threads, but for the upload, of a part in each frame. A connection that is lost, or comes late, is
+    /// One file is fetched at a time, and the one before it read and drawn in the meantime: on a thread of the pool, where
+    /// there are threads, except the upload, of a part in each frame. A connection that is lost, or comes late, is
     /// waited for. What the gateway refuses is asked for again after the others, as it may have had too much to do. Both
     /// end after three attempts for a file.
     /// </remarks>
@@ -76,7 +76,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>Goes on. In each frame.</summary>
-        /// <param name="client">Null while there is none.</param>
+        /// <param name="client">Null without one.</param>
         internal void Update(GatewayClient client)
         {
             Fetch(client);
@@ -122,7 +122,7 @@ namespace Ros2Gateway.Unity
             }
         }
 
-        /// <summary>Brings the next whose time has come to the front. False if there is none.</summary>
+        /// <summary>Brings the next whose time has come to the front. False without one.</summary>
         private bool FindNext()
         {
             double now = Time.unscaledTimeAsDouble;

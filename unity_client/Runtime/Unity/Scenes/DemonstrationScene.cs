@@ -59,10 +59,10 @@ namespace Ros2Gateway.Unity
             get { return _commandTopic; }
         }
 
-        /// <summary>Builds what this scene has beside connection, floor and light.</summary>
+        /// <summary>Builds what this scene has next to connection, floor and light.</summary>
         protected abstract void Build();
 
-        /// <summary>Destroys what is no object of the scene. Overriders call it.</summary>
+        /// <summary>Destroys what is not an object of the scene. Overriders call it.</summary>
         protected virtual void OnDestroy()
         {
             if (_settings != null)

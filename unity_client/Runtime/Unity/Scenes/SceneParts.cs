@@ -18,7 +18,7 @@ namespace Ros2Gateway.Unity
             return made;
         }
 
-        /// <summary>Adds a text of letters some 7 cm high, which starts at the object and goes down.</summary>
+        /// <summary>Adds a text of letters about 7 cm high, which starts at the object and goes down.</summary>
         public static TextMesh AddText(GameObject holder)
         {
             TextMesh text = holder.AddComponent<TextMesh>();
@@ -28,7 +28,7 @@ namespace Ros2Gateway.Unity
             return text;
         }
 
-        /// <summary>Adds a subscriber, for the display that comes beside it.</summary>
+        /// <summary>Adds a subscriber, for the display that comes next to it.</summary>
         public static GameObject Subscribe(GameObject holder, string topic, string type, float maxRate = 0)
         {
             TopicSubscriber subscriber = holder.AddComponent<TopicSubscriber>();

@@ -4,7 +4,7 @@ using UnityEngine;
 namespace Ros2Gateway.Unity
 {
     /// <summary>
-    /// Publishes what a camera of the scene sees, or a texture, by the Topic Publisher beside it: as JPEG, at
+    /// Publishes what a camera of the scene sees, or a texture, by the Topic Publisher next to it: as JPEG, at
     /// its rate, size and quality.
     /// </summary>
     [AddComponentMenu("ROS 2 Gateway/Texture Publisher")]

@@ -88,7 +88,7 @@ namespace Ros2Gateway.Unity
             if (request.hasError)
             {
                 _failures++;
-                Volatile.Write(ref _isBusy, 0); // the texture is gone, or the device: the next one is tried anew
+                Volatile.Write(ref _isBusy, 0); // the texture is gone, or the device: the next one is tried again
                 _done(null);
                 return;
             }

@@ -79,7 +79,7 @@ namespace Ros2Gateway.Unity
             set { _topic = value; }
         }
 
-        /// <summary>pkg/msg/Name, or a number of the message table. Like <see cref="Topic"/>.</summary>
+        /// <summary>pkg/msg/Name, or a number of the list of message types. Like <see cref="Topic"/>.</summary>
         public string Type
         {
             get { return _type; }
@@ -189,7 +189,7 @@ namespace Ros2Gateway.Unity
             int width;
             int height;
             TextureEncoder.Fit(texture, _imageMaxWidth, _imageMaxHeight, out width, out height);
-            Publisher publisher = _publisher; // that of now: the component may be disabled and enabled meanwhile
+            Publisher publisher = _publisher; // that of now: the component may be disabled and enabled in the meantime
             _readback.Begin(texture, width, height, _imageQuality, jpeg =>
             {
                 if (publisher.IsDisposed)

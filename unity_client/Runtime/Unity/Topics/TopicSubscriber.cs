@@ -15,7 +15,7 @@ namespace Ros2Gateway.Unity
     {
     }
 
-    /// <summary>Subscribes to any topic while it is enabled. Displays beside it show what comes.</summary>
+    /// <summary>Subscribes to any topic while it is enabled. Displays next to it show what comes.</summary>
     [AddComponentMenu("ROS 2 Gateway/Topic Subscriber")]
     public sealed class TopicSubscriber : ConnectedBehaviour
     {
@@ -118,7 +118,7 @@ namespace Ros2Gateway.Unity
             set { _topic = value; }
         }
 
-        /// <summary>pkg/msg/Name, a number of the message table, or empty. Like <see cref="Topic"/>.</summary>
+        /// <summary>pkg/msg/Name, a number of the list of message types, or empty. Like <see cref="Topic"/>.</summary>
         public string Type
         {
             get { return _type; }
@@ -140,7 +140,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Whether messages are filled anew, which spares the garbage collector large ones: each may be used until
+        /// Whether messages are filled again, which spares the garbage collector large ones: each may be used until
         /// the next one comes. The package's displays do not keep them longer. Pictures come as
         /// <see cref="PictureMsg"/> then. Like <see cref="Topic"/>.
         /// </summary>
@@ -151,7 +151,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// How many messages may wait. 0 for the newest where displays beside this show it alone, else 10. Like
+        /// How many messages may wait. 0 for the newest where displays next to this show it alone, else 10. Like
         /// <see cref="Topic"/>.
         /// </summary>
         public int Queue
@@ -198,7 +198,7 @@ namespace Ros2Gateway.Unity
 
         /// <summary>
         /// The newest message of this subscription, for what is enabled later. Null before the first, and where
-        /// messages are filled anew: the next one may be on its way into it.
+        /// messages are filled again: the next one may be on its way into it.
         /// </summary>
         internal IMessage Kept
         {

@@ -7,7 +7,7 @@ namespace Ros2Gateway.Unity
 {
     /// <summary>
     /// A message as JSON, without the stamps of 0 in its headers: those the gateway sets. An object that Unity
-    /// has loaded cannot tell whether somebody has set them.
+    /// has loaded cannot tell whether someone has set them.
     /// </summary>
     public static class UnstampedMessage
     {

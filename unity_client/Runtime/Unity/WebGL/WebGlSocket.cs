@@ -4,7 +4,7 @@ using System.Runtime.InteropServices;
 
 namespace Ros2Gateway.Unity
 {
-    // What Ros2Gateway.jslib offers. The contract of each is beside it there. Arrays cross without a copy,
+    // What Ros2Gateway.jslib offers. The contract of each is next to it there. Arrays cross without a copy,
     // and text as UTF-8.
     internal static class WebGlSocket
     {

@@ -37,7 +37,7 @@ namespace UnityEngine
         {
             const BindingFlags Declared = BindingFlags.Instance | BindingFlags.Public
                 | BindingFlags.NonPublic | BindingFlags.DeclaredOnly;
-            // private ones of base classes, too, as Unity does
+            // private ones of base classes as well, as Unity does
             for (Type type = target.GetType(); type != typeof(ScriptableObject); type = type.BaseType)
             {
                 MethodInfo method = type.GetMethod(message, Declared, null, Type.EmptyTypes, null);

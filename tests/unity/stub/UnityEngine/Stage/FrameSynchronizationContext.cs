@@ -6,7 +6,7 @@ using System.Threading;
 namespace UnityEngine.Stage
 {
     /// <summary>Where continuations wait for the next frame, as in Unity: who blocks the main thread on a
-    /// task that continues there waits for ever.</summary>
+    /// task that continues there waits forever.</summary>
     internal sealed class FrameSynchronizationContext : SynchronizationContext
     {
         private readonly Queue<KeyValuePair<SendOrPostCallback, object>> _posted =

@@ -4,7 +4,7 @@ using System.Collections.Generic;
 
 namespace UnityEngine.Stage
 {
-    /// <summary>Somebody in front of an inspector: what is clicked, typed and read.</summary>
+    /// <summary>Someone in front of an inspector: what is clicked, typed and read.</summary>
     public static class Inspector
     {
         /// <summary>What the menu that was shown last offers, and what each item does. Null for those that

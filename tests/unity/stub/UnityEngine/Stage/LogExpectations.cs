@@ -90,7 +90,7 @@ namespace UnityEngine.Stage
         {
             lock (Lock)
             {
-                // what was logged before it was expected counts, too
+                // what was logged before it was expected counts as well
                 string earlier = Unexpected.Find(
                     entry => entry.StartsWith("[" + expectation.Type + "] ", StringComparison.Ordinal)
                         && expectation.Matches(entry.Substring(entry.IndexOf(' ') + 1)));

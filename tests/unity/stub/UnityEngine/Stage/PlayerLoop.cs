@@ -8,7 +8,7 @@ using System.Threading;
 
 namespace UnityEngine.Stage
 {
-    /// <summary>Unity's player loop without a screen. Not of Unity: tests that are to run there, too, are
+    /// <summary>Unity's player loop without a screen. Not of Unity: tests that are to run there as well, are
     /// written as [UnityTest] and yield instead of calling it.</summary>
     public static class PlayerLoop
     {
@@ -155,7 +155,7 @@ namespace UnityEngine.Stage
             }
         }
 
-        /// <summary>Reloads scripts in Play, as the editor does by default when they were compiled anew: OnDisable, then
+        /// <summary>Reloads scripts in Play, as the editor does by default when they were compiled again: OnDisable, then
         /// OnEnable, without Awake and Start, with what Unity can serialize. Static state and coroutines are gone.</summary>
         public static void ReloadScripts()
         {

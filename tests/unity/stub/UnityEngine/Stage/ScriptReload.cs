@@ -6,7 +6,7 @@ using System.Reflection;
 namespace UnityEngine.Stage
 {
     /// <summary>What a component has left when the editor reloads scripts in Play: what Unity can serialize, private
-    /// fields, too. Null becomes an empty text, list or object. All else is as the constructor makes it.</summary>
+    /// fields as well. Null becomes an empty text, list or object. All else is as the constructor makes it.</summary>
     internal static class ScriptReload
     {
         private const BindingFlags Declared =
