@@ -14,10 +14,10 @@ namespace Ros2Gateway.Editor
         private GatewayFinder _finder;
         private double _findsUntil;
 
-        /// <summary>Where it looks for gateways: everywhere on this network by default.</summary>
+        /// <summary>The place to look for gateways: by default everywhere on this network.</summary>
         public IPAddress[] Targets { get; set; } = new IPAddress[0];
 
-        /// <summary>What a connection is made with, as things are set.</summary>
+        /// <summary>The options of a connection, as things are set.</summary>
         protected abstract GatewayOptions Options();
 
         /// <summary>The name of the field that is the address.</summary>
@@ -100,7 +100,7 @@ namespace Ros2Gateway.Editor
             if (EditorApplication.timeSinceStartup > _findsUntil)
             {
                 EditorApplication.update -= Find;
-                _finder.Dispose(); // what was found stays
+                _finder.Dispose(); // found gateways stay
             }
             Repaint();
         }

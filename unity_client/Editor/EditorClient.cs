@@ -5,8 +5,8 @@ using Ros2Gateway.Unity;
 namespace Ros2Gateway.Editor
 {
     /// <summary>
-    /// A client of the editor's own, outside play mode: whoever owns it pumps it from the editor's update,
-    /// and disposes it with the window that needed it. What stands in its way is told in words.
+    /// The editor's own client, outside play mode: its owner pumps it from the editor's update,
+    /// and disposes it with the window that needed it. It says in words what it is waiting for.
     /// </summary>
     public sealed class EditorClient : IDisposable
     {
@@ -24,7 +24,7 @@ namespace Ros2Gateway.Editor
         /// <summary>The client itself.</summary>
         public GatewayClient Client { get; private set; }
 
-        /// <summary>Where it connects to.</summary>
+        /// <summary>The address that it connects to.</summary>
         public string Address { get; private set; }
 
         /// <summary>Why there is no connection, or that it is being made. Empty while there is one.</summary>
@@ -40,7 +40,7 @@ namespace Ros2Gateway.Editor
             }
         }
 
-        /// <summary>What a connection of the scene says. Without one, where the gateway is by default.</summary>
+        /// <summary>The options of a connection of the scene. Without one, the defaults.</summary>
         public static GatewayOptions OptionsOf(GatewayConnection connection)
         {
             return connection != null ? connection.Options() : new GatewayOptions();

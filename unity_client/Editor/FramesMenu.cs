@@ -13,14 +13,14 @@ namespace Ros2Gateway.Editor
         private const int MarkerQueue = 32; // each message may add to the others
         private const float DepthRate = 5; // pictures a second: each is decoded on the main thread
 
-        /// <summary>The origin of a ROS frame. What stands in it goes below.</summary>
+        /// <summary>The origin of a ROS frame. Its displays go below.</summary>
         [MenuItem(Path + "Fixed Frame", false, Priority)]
         public static void FixedFrame(MenuCommand command)
         {
             GatewayMenu.Finish(new GameObject("Fixed Frame").AddComponent<FixedFrame>(), command);
         }
 
-        /// <summary>What follows a frame of the robot.</summary>
+        /// <summary>Follows a frame of the robot.</summary>
         [MenuItem(Path + "Frame Follower", false, Priority)]
         public static void FrameFollower(MenuCommand command)
         {
@@ -63,7 +63,7 @@ namespace Ros2Gateway.Editor
             GatewayMenu.Finish(made.AddComponent<PoseArrayDisplay>(), command);
         }
 
-        /// <summary>Where a robot has been.</summary>
+        /// <summary>The places where a robot has been.</summary>
         [MenuItem(Path + "Odometry Trail", false, Priority)]
         public static void OdometryTrail(MenuCommand command)
         {
@@ -72,7 +72,7 @@ namespace Ros2Gateway.Editor
             GatewayMenu.Finish(made.AddComponent<OdometryTrail>(), command);
         }
 
-        /// <summary>What programs want to be seen.</summary>
+        /// <summary>The markers of programs.</summary>
         [MenuItem(Path + "Markers", false, Priority)]
         public static void MarkerArrayDisplay(MenuCommand command)
         {
@@ -96,7 +96,7 @@ namespace Ros2Gateway.Editor
             GatewayMenu.Finish(robot.transform, command);
         }
 
-        /// <summary>What a depth camera sees, as points.</summary>
+        /// <summary>The view of a depth camera, as points.</summary>
         [MenuItem(Path + "Depth", false, Priority)]
         public static void DepthDisplay(MenuCommand command)
         {
@@ -108,14 +108,14 @@ namespace Ros2Gateway.Editor
             GatewayMenu.Finish(made.AddComponent<DepthDisplay>(), command);
         }
 
-        /// <summary>Where this object is becomes a goal.</summary>
+        /// <summary>The place of this object becomes a goal.</summary>
         [MenuItem(Path + "Goal Pose Publisher", false, Priority)]
         public static void GoalPosePublisher(MenuCommand command)
         {
             GatewayMenu.Finish(new GameObject("Goal Pose Publisher").AddComponent<GoalPosePublisher>(), command);
         }
 
-        /// <summary>Where this object is becomes a goal of Nav2's action.</summary>
+        /// <summary>The place of this object becomes a goal of Nav2's action.</summary>
         [MenuItem(Path + "Navigate To Pose", false, Priority)]
         public static void NavigateToPose(MenuCommand command)
         {

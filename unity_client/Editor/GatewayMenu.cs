@@ -32,7 +32,7 @@ namespace Ros2Gateway.Editor
             Finish(new GameObject("Topic Publisher", typeof(TopicPublisher)), command);
         }
 
-        /// <summary>What a camera of the scene sees, for ROS.</summary>
+        /// <summary>The view of a camera of the scene, for ROS.</summary>
         [MenuItem(Path + "Texture Publisher", false, Priority)]
         public static void Texture(MenuCommand command)
         {
@@ -78,7 +78,7 @@ namespace Ros2Gateway.Editor
             Finish(hud.AddComponent<ConnectionHud>(), command);
         }
 
-        /// <summary>What follows a robot's odometry.</summary>
+        /// <summary>Follows a robot's odometry.</summary>
         [MenuItem(Path + "Digital Twin", false, Priority)]
         public static void Twin(MenuCommand command)
         {
@@ -87,7 +87,7 @@ namespace Ros2Gateway.Editor
             Finish(twin.AddComponent<DigitalTwin>(), command);
         }
 
-        /// <summary>What a laser scanner measures, as points.</summary>
+        /// <summary>The points of a laser scanner.</summary>
         [MenuItem(Path + "Laser Scan", false, Priority)]
         public static void LaserScan(MenuCommand command)
         {

@@ -23,7 +23,7 @@ namespace Ros2Gateway.Editor
         private const int HeadBytes = 512; // the mark is in the first line
         private const string AssemblyDefinition = ".asmdef"; // the project's own once it is there
 
-        // what a gateway calls its files must not lead out of the folder
+        // the file names of a gateway must not lead out of the folder
         private static readonly Regex FileName = new Regex(@"^[A-Za-z0-9_]+(\.[A-Za-z0-9_]+)*\.(cs|asmdef)$");
         private static readonly Regex Command = new Regex(
             Regex.Escape(Mark) + @"csharp (?:--complete )?(?:--asmdef (?<assembly>\S+) )?(?<types>[^;]*);");
@@ -49,7 +49,7 @@ namespace Ros2Gateway.Editor
             }
         }
 
-        /// <summary>What was asked for the last time: types, or patterns such as <c>pkg/*</c>.</summary>
+        /// <summary>The last request: types, or patterns such as <c>pkg/*</c>.</summary>
         public IReadOnlyList<string> Types { get; private set; }
 
         /// <summary>The name of the assembly.</summary>

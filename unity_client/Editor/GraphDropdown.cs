@@ -5,7 +5,7 @@ using System.Collections.Generic;
 namespace Ros2Gateway.Editor
 {
     /// <summary>
-    /// The topics that there are now, with their types, for a dropdown. Or why there are none.
+    /// The present topics with their types for a dropdown, or why they are missing.
     /// </summary>
     public sealed class GraphDropdown : IDisposable
     {
@@ -24,7 +24,7 @@ namespace Ros2Gateway.Editor
             _problem = Words();
         }
 
-        /// <summary>What is shown has changed.</summary>
+        /// <summary>The content has changed.</summary>
         public event Action Changed;
 
         /// <summary>

@@ -11,7 +11,7 @@ namespace Ros2Gateway.Editor
     /// </summary>
     public sealed class RobotTypes : IDisposable
     {
-        private const int MaxUses = 3; // what a line of a window holds
+        private const int MaxUses = 3; // as many as a line of a window holds
 
         private readonly EditorClient _client;
         private readonly List<string> _installed = new List<string>();
@@ -28,7 +28,7 @@ namespace Ros2Gateway.Editor
             Problem = Words();
         }
 
-        /// <summary>What is shown has changed.</summary>
+        /// <summary>The content has changed.</summary>
         public event Action Changed;
 
         /// <summary>

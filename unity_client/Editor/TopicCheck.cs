@@ -4,7 +4,7 @@ using Ros2Gateway.Messages;
 
 namespace Ros2Gateway.Editor
 {
-    /// <summary>What is wrong with a topic or its type, in words. Null where nothing is.</summary>
+    /// <summary>The problem of a topic or its type, in words, or null.</summary>
     public static class TopicCheck
     {
         private static readonly Regex Name =

@@ -7,7 +7,7 @@ using UnityEngine;
 namespace Ros2Gateway.Editor
 {
     /// <summary>
-    /// What the inspectors of subscribers and publishers share: a topic from the live graph, a type from the
+    /// The common part of the inspectors of subscribers and publishers: a topic from the live graph, a type from the
     /// catalogue, and what is wrong with them.
     /// </summary>
     public abstract class TopicInspector : UnityEditor.Editor
@@ -25,7 +25,7 @@ namespace Ros2Gateway.Editor
         /// <summary>Whether the type may be left to the gateway.</summary>
         protected abstract bool TypeMayBeEmpty { get; }
 
-        /// <summary>Draws it. What is chosen can be undone.</summary>
+        /// <summary>Draws it. A choice can be undone.</summary>
         public override void OnInspectorGUI()
         {
             serializedObject.Update();

@@ -9,7 +9,7 @@ using UnityEngine;
 
 namespace Ros2Gateway.Editor.Tests
 {
-    /// <summary>What the inspectors show, pumped as the editor does it.</summary>
+    /// <summary>The inspectors' texts, pumped as the editor does it.</summary>
     [TestFixture]
     public sealed class EditorClientTests
     {

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 namespace Ros2Gateway
 {
-    /// <summary>What a publisher asks for beyond topic and type.</summary>
+    /// <summary>The options of a publisher beyond topic and type.</summary>
     public sealed class AdvertiseOptions
     {
         /// <summary>As in ROS: 10.</summary>
         public const int DefaultQueue = 10;
 
         /// <summary>
-        /// How many messages may wait for the network from frame to frame, the oldest being dropped. What was
-        /// published within the last two frames waits next to them, up to 1024 messages and 1 MiB. 1 is always the
+        /// How many messages may wait for the network from frame to frame, before the oldest is dropped. Messages
+        /// of the last two frames wait in addition, up to 1024 messages and 1 MiB. 1 is always the
         /// newest alone, and so it is on a topic that moves a robot, whatever this says: a command that waited is a
         /// command for a robot that is elsewhere by now.
         /// </summary>

@@ -14,7 +14,7 @@ namespace Ros2Gateway
         private readonly TaskCompletionSource<T> _source = new TaskCompletionSource<T>();
         private CancellationTokenRegistration _registration;
 
-        /// <param name="what">What is awaited, for people: "call_service /reset".</param>
+        /// <param name="what">Its name, for people: "call_service /reset".</param>
         internal AwaitedReply(AwaitedTasks all, string what, CancellationToken cancellation)
         {
             _all = all;
@@ -28,7 +28,7 @@ namespace Ros2Gateway
             get { return _source.Task; }
         }
 
-        /// <summary>What a token that is cancelled does, on the thread that cancels it.</summary>
+        /// <summary>Called when the token is cancelled, on the thread that cancels it.</summary>
         internal void OnCancelled(Action action)
         {
             _registration = _cancellation.Register(action);

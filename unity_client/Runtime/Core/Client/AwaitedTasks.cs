@@ -10,7 +10,7 @@ namespace Ros2Gateway
         void Abandon(string errorText);
     }
 
-    /// <summary>What is awaited of a client, so that all of it ends with the client. Any thread.</summary>
+    /// <summary>The awaited tasks of a client, so that they end with the client. Any thread.</summary>
     internal sealed class AwaitedTasks
     {
         private const string Closed = "the client was disposed";

@@ -3,7 +3,7 @@ using System;
 
 namespace Ros2Gateway
 {
-    /// <summary>What ROS time is now, by the gateway's clock: learnt from each ping.</summary>
+    /// <summary>The present ROS time by the gateway's clock, learnt from each ping.</summary>
     /// <remarks>
     /// Of the newest pings the one that came back fastest counts (as in NTP, RFC 5905, section 10): half
     /// of its round trip bounds the error.
@@ -12,7 +12,7 @@ namespace Ros2Gateway
     {
         private const int Samples = 16; // half a minute of heartbeats: a clock drifts by under 2 ms in that
 
-        private const double DriftSeconds = 0.01; // what clocks may drift apart in the meantime, amply
+        private const double DriftSeconds = 0.01; // clocks drift apart less than this in that time
 
         private readonly object _gate = new object();
         private readonly Clock _clock;
@@ -68,7 +68,7 @@ namespace Ros2Gateway
 
         /// <summary>A ping has come back.</summary>
         /// <param name="sent">When it left, in milliseconds of our clock.</param>
-        /// <param name="rosSeconds">What the gateway's ROS clock showed in the meantime.</param>
+        /// <param name="rosSeconds">The time of the gateway's ROS clock in between.</param>
         internal void Add(double sent, double rosSeconds)
         {
             double now = _clock.Precise;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 namespace Ros2Gateway
 {
-    /// <summary>Where a client stands with its gateway.</summary>
+    /// <summary>The state of a client's connection.</summary>
     public enum ConnectionState
     {
         /// <summary>Not connected, and not trying to be.</summary>

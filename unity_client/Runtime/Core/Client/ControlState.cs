@@ -3,7 +3,7 @@ using Ros2Gateway.Json;
 
 namespace Ros2Gateway
 {
-    /// <summary>What the gateway does with a robot now.</summary>
+    /// <summary>The present motion of a robot, by the gateway.</summary>
     public enum RobotMotion
     {
         /// <summary>Nothing is known.</summary>
@@ -48,7 +48,7 @@ namespace Ros2Gateway
         Lost,
     }
 
-    /// <summary>Who drives a robot, and whether it may be driven. As of one moment.</summary>
+    /// <summary>The driver of a robot, and whether it may be driven, at one moment.</summary>
     public sealed class ControlState
     {
         private readonly string _text;
@@ -61,7 +61,7 @@ namespace Ros2Gateway
         /// </summary>
         public readonly bool IsKnown;
 
-        /// <summary>What the robot is told to do.</summary>
+        /// <summary>The command that the robot gets.</summary>
         public readonly RobotMotion Motion;
 
         /// <summary>Whether it was stopped, and stays so until a command of zero is published.</summary>
@@ -110,7 +110,7 @@ namespace Ros2Gateway
             _text = Refusal ?? StatusText();
         }
 
-        /// <summary>What people should know of it, in a few words.</summary>
+        /// <summary>The state for people, in a few words.</summary>
         public override string ToString()
         {
             return _text;

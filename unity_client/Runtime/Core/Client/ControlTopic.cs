@@ -3,7 +3,7 @@ using System;
 
 namespace Ros2Gateway
 {
-    /// <summary>What is known of one topic that may move a robot, and who in this client wants to know it.</summary>
+    /// <summary>The state of one topic that may move a robot, and its listeners in this client.</summary>
     internal sealed class ControlTopic
     {
         private const string NotKnown = "not known yet who drives";

@@ -16,7 +16,7 @@ namespace Ros2Gateway
     /// </remarks>
     public sealed partial class GatewayClient : IDisposable
     {
-        private const int TickMilliseconds = 50; // what is due is seconds away: this is soon enough
+        private const int TickMilliseconds = 50; // timeouts take seconds: this is soon enough
         private const int GoodbyeMilliseconds = 200; // a LAN takes one. A scene that ends must not hang
 
         private readonly GatewayOptions _options;
@@ -40,7 +40,7 @@ namespace Ros2Gateway
         private int _isStatePosted;
         private int _isDisposed;
 
-        /// <summary>A client that is not connected yet. What is opened before is opened with the connection.</summary>
+        /// <summary>A client that is not connected yet. Topics can be opened before: they open with the connection.</summary>
         public GatewayClient(GatewayOptions options)
         {
             _options = options;
@@ -83,14 +83,14 @@ namespace Ros2Gateway
             remove { _mailbox.Heard.Remove(value); }
         }
 
-        /// <summary>Where the gateway is. Another address counts from the next attempt to connect on.</summary>
+        /// <summary>The address of the gateway. Another one counts from the next attempt to connect.</summary>
         public string Address
         {
             get { return _options.Address; }
             set { _options.Address = value; }
         }
 
-        /// <summary>What the gateway asks for, if it does. Like <see cref="Address"/>.</summary>
+        /// <summary>The token for the gateway, if it needs one. Like <see cref="Address"/>.</summary>
         public string Token
         {
             set { _options.Token = value; }
@@ -102,7 +102,7 @@ namespace Ros2Gateway
             get { return Volatile.Read(ref _isDisposed) == 1; }
         }
 
-        /// <summary>Where the client stands with its gateway.</summary>
+        /// <summary>The state of the connection.</summary>
         public ConnectionState State
         {
             get { return _link.State; }
@@ -149,7 +149,7 @@ namespace Ros2Gateway
         }
 
         /// <summary>
-        /// Says goodbye once what was published has left, or after 0.2 s. What was opened stays, for the next
+        /// Says goodbye once published messages have left, or after 0.2 s. Topics stay open, for the next
         /// <see cref="Connect"/>.
         /// </summary>
         public void Disconnect()
@@ -173,11 +173,11 @@ namespace Ros2Gateway
                 _outbox.WaitUntilEmpty(GoodbyeMilliseconds);
             }
             _link.Disconnect();
-            _mailbox.Post("ConnectAsync", TellConnecting); // where it was suspended before, no change of state tells them
+            _mailbox.Post("ConnectAsync", TellConnecting); // if it was suspended before, no change of state tells them
         }
 
         /// <summary>
-        /// Disconnects for good, and calls no handler any more. What is awaited fails. Returns when the goodbye is
+        /// Disconnects for good, and no longer calls handlers. Awaited tasks fail. Returns when the goodbye is
         /// through, mostly at once, or after 0.4 s.
         /// </summary>
         public void Dispose()
@@ -502,7 +502,7 @@ namespace Ros2Gateway
             _outbox.Post(frame);
         }
 
-        /// <summary>What the parts tell the whole, so that none of it is public.</summary>
+        /// <summary>The calls of the parts to the client, so that they are not public.</summary>
         private sealed class Core : ILinkOwner, IInboxOwner
         {
             private readonly GatewayClient _client;

@@ -22,7 +22,7 @@ namespace Ros2Gateway
         /// <summary>How severe it is.</summary>
         public readonly EventLevel Level;
 
-        /// <summary>What happened, where, and what to do.</summary>
+        /// <summary>The event in words: what happened, where, and what to do.</summary>
         public readonly string Text;
 
         /// <summary>For programs: the gateway's code (not_found, bad_type ...), or "client" for the client's own.</summary>

@@ -3,7 +3,7 @@ using System;
 
 namespace Ros2Gateway
 {
-    /// <summary>Where the gateway is, and how long the client waits for it.</summary>
+    /// <summary>The address of the gateway, and how long the client waits for it.</summary>
     public sealed class GatewayOptions
     {
         /// <summary>ws://HOST:PORT, or wss://. 9090 is the gateway's default port.</summary>

@@ -59,10 +59,10 @@ namespace Ros2Gateway
         /// <summary>Whether the handler of its result throws what went wrong, where the application catches it.</summary>
         internal bool IsAwaited { get; set; }
 
-        /// <summary>What a handler of its result handles, for people.</summary>
+        /// <summary>The name of its result, for people.</summary>
         internal string ResultName { get; private set; }
 
-        /// <summary>What a handler of its feedback handles, for people.</summary>
+        /// <summary>The name of its feedback, for people.</summary>
         internal string FeedbackName { get; private set; }
 
         /// <summary>Asks for it to be cancelled. Whether it was, its result tells.</summary>
@@ -102,7 +102,7 @@ namespace Ros2Gateway
         /// <summary>Succeeded, canceled or aborted. Unknown where there is no result.</summary>
         public readonly GoalStatus Status;
 
-        /// <summary>What the server returned. In all three of these cases there is one.</summary>
+        /// <summary>The result of the server. In all three of these cases there is one.</summary>
         public readonly TResult Value;
 
         /// <summary>Why there is no result. Null where there is one.</summary>

@@ -26,7 +26,7 @@ namespace Ros2Gateway
         private CancellationTokenRegistration _registration;
         private Goal _goal; // null if it was cancelled before it was sent
         private TaskCompletionSource<bool> _next; // of who waits for feedback
-        private TFeedback _feedback; // the newest. What nobody looked at makes room for it
+        private TFeedback _feedback; // the newest. It replaces unread feedback
         private bool _hasFeedback;
 
         internal GoalTask(AwaitedTasks all, string action, CancellationToken cancellation)
@@ -180,7 +180,7 @@ namespace Ros2Gateway
             _end.TrySetCanceled(_cancellation);
         }
 
-        // Who goes through the feedback must not miss that there is no result.
+        // A caller that reads the feedback must not miss that there is no result.
         private void EndOf(TaskCompletionSource<bool> next)
         {
             if (_end.Task.IsCanceled)

@@ -46,7 +46,7 @@ namespace Ros2Gateway
             }
             else
             {
-                Post(); // what is known goes to the new one as well
+                Post(); // the new one also gets the known graph
             }
         }
 

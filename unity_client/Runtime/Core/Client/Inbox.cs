@@ -4,7 +4,7 @@ using Ros2Gateway.Json;
 
 namespace Ros2Gateway
 {
-    /// <summary>What frames tell the client itself.</summary>
+    /// <summary>The calls of frames to the client itself.</summary>
     internal interface IInboxOwner
     {
         /// <summary>A heartbeat is back: when it left (our clock, ms), and what ROS time was in the meantime (s).</summary>
@@ -73,7 +73,7 @@ namespace Ros2Gateway
         private double _rosSeconds;
         private bool _result;
         private int _status;
-        private int _payloadAt; // where msg, values, args or changes begin
+        private int _payloadAt; // the start of msg, values, args or changes
         private bool _isDelivered;
 
         internal Inbox(
@@ -93,7 +93,7 @@ namespace Ros2Gateway
             _reports = reports;
         }
 
-        /// <summary>Reads one frame. Whatever is wrong with it becomes an event, never an exception.</summary>
+        /// <summary>Reads one frame. A fault in it becomes an event, never an exception.</summary>
         internal void Read(byte[] buffer, int count)
         {
             Forget();
@@ -332,7 +332,7 @@ namespace Ros2Gateway
         {
             if (_request == "unsubscribe" && _code == "not_found")
             {
-                return; // what the gateway has refused, or forgotten, needs no end
+                return; // a refused or forgotten request needs no end
             }
             string text = _payloadAt == Absent ? "" : Truncate(Payload().ReadString(), ErrorTextCharacters);
             string topic = _id == null ? null : _subscriptions.TopicOf(_id) ?? _publishers.TopicOf(_id);
@@ -495,7 +495,7 @@ namespace Ros2Gateway
             return _topic == null ? "" : Truncate(_topic, NameCharacters) + ": ";
         }
 
-        // What a peer sends is repeated in part only.
+        // Only a part of a peer's text is repeated.
         private static string Truncate(string text, int characters)
         {
             return text.Length <= characters ? text : text.Substring(0, characters) + "...";

@@ -4,7 +4,7 @@ using System.Threading;
 
 namespace Ros2Gateway
 {
-    /// <summary>What a link tells its client. On any thread, never two at once for one connection.</summary>
+    /// <summary>The calls of a link to its client. On any thread, never two at once for one connection.</summary>
     internal interface ILinkOwner
     {
         /// <summary>A connection stands: restore what was open. Within the link's lock, as is OnDown.</summary>
@@ -35,7 +35,7 @@ namespace Ros2Gateway
         private const int RoleRemoved = 4403;
         private const int Normal = 1000; // RFC 6455, 7.4.1
 
-        // Who accepts and keeps silent costs a socket with each attempt, which .NET cannot take back: after
+        // A server that accepts and stays silent costs a socket with each attempt, which .NET cannot take back: after
         // so many in a row, a quarter of an hour, they become rare, 60 in an hour. Whether it accepted is not
         // told, so a robot that is out of reach counts like that as well.
         private const int ManyAttempts = 120;
@@ -339,7 +339,7 @@ namespace Ros2Gateway
             return code == 0 ? "" : " (" + code + ")";
         }
 
-        /// <summary>One transport. What an abandoned one still has to say is not heard.</summary>
+        /// <summary>One transport. The words of an abandoned one are ignored.</summary>
         private sealed class Attempt : ITransportListener
         {
             internal readonly ITransport Transport;

@@ -16,7 +16,7 @@ namespace Ros2Gateway
         private volatile Listener[] _all = new Listener[0]; // replaced, never changed
         private Listener _last; // null without one
 
-        /// <param name="what">What they are, for people: "listener of events".</param>
+        /// <param name="what">Their name, for people: "listener of events".</param>
         internal Listeners(FaultReport report, string what)
         {
             _report = report;
@@ -42,7 +42,7 @@ namespace Ros2Gateway
         }
 
         /// <summary>Sets what is called after all that are added: the list of the Inspector.</summary>
-        /// <param name="what">What it is, for people: "listener of On Message".</param>
+        /// <param name="what">Its name, for people: "listener of On Message".</param>
         internal void SetLast(string what, Action<T> listener)
         {
             _last = new Listener(what, listener, listener);

@@ -5,7 +5,7 @@ using System.Diagnostics;
 
 namespace Ros2Gateway
 {
-    /// <summary>What waits for the application's own thread: answers, events, and subscriptions with messages.</summary>
+    /// <summary>The queue for the application's thread: answers, events, and subscriptions with messages.</summary>
     internal sealed class Mailbox
     {
         // Screenfuls of log. More than this between two frames of the application is one fault repeated.
@@ -41,7 +41,7 @@ namespace Ros2Gateway
         }
 
         /// <summary>Has an action done by the next pump.</summary>
-        /// <param name="what">What it handles, for people: "call_service /reset".</param>
+        /// <param name="what">Its name, for people: "call_service /reset".</param>
         internal void Post(string what, Action action)
         {
             lock (_gate)
@@ -139,7 +139,7 @@ namespace Ros2Gateway
         private int PumpOnce(double budgetMilliseconds)
         {
             _watch.Restart();
-            // What comes while handlers run waits for the next time: no handler can keep us here forever.
+            // Messages that arrive while handlers run wait for the next time: no handler can keep us here forever.
             int actions;
             int events;
             lock (_gate)

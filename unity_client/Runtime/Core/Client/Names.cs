@@ -18,7 +18,7 @@ namespace Ros2Gateway
         /// or an action of another type, which would take fields that it does not find for zero.
         /// </summary>
         /// <param name="what">"request" or "goal".</param>
-        /// <param name="suffix">What follows the type in the name of the message's own: "_Request".</param>
+        /// <param name="suffix">The end of the message's own type name: "_Request".</param>
         internal static void WriteArguments(JsonWriter frame, IMessage message, string what, string typeMember, string suffix)
         {
             if (message == null)

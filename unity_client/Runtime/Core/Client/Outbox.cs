@@ -6,10 +6,10 @@ using Ros2Gateway.Json;
 
 namespace Ros2Gateway
 {
-    /// <summary>What waits to be sent: requests in order, and a short queue per publisher next to them.</summary>
+    /// <summary>The queue for the network: requests in order, and a short queue per publisher.</summary>
     /// <remarks>
     /// One frame at a time is with the transport, so what else waits can still be dropped for something
-    /// newer. Requests go first. Queues take turns. What the transport has taken may wait on in the system's
+    /// newer. Requests go first. Queues take turns. Frames in the transport may wait on in the system's
     /// buffers, where nothing can be dropped: so queues are held while the gateway leaves a ping unanswered,
     /// or a robot would carry out seconds of commands at once when a network comes back. Any thread.
     /// </remarks>
@@ -48,10 +48,10 @@ namespace Ros2Gateway
             MaxFrameBytes = int.MaxValue;
         }
 
-        /// <summary>What the gateway takes. It closes a connection that sends more.</summary>
+        /// <summary>The largest frame for the gateway, which closes a connection that sends more.</summary>
         internal int MaxFrameBytes { get; set; }
 
-        /// <summary>From now on requests go here. What waited for another transport is gone.</summary>
+        /// <summary>From now on requests go here. The queue for another transport is gone.</summary>
         internal void Attach(ITransport transport)
         {
             lock (_gate)
@@ -70,7 +70,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>Nothing goes anywhere. What waits is dropped.</summary>
+        /// <summary>Nothing goes anywhere. The queue is dropped.</summary>
         internal void Detach()
         {
             lock (_gate)

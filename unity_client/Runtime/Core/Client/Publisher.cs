@@ -10,7 +10,7 @@ namespace Ros2Gateway
         // A refusal without a known end is asked for again after so long: soon enough not to miss a deadline.
         private const int AskAgainMilliseconds = 250;
 
-        // What resets a trip is told by a change of state. If that was lost on the way, this ends the waiting.
+        // A change of state tells when a stop is reset. If that was lost on the way, this ends the waiting.
         private const int ResetMilliseconds = 300;
 
         private readonly Publishers _publishers;
@@ -83,7 +83,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>What is known of the robot that this may move. Null for messages that move none.</summary>
+        /// <summary>The state of the robot that this may move. Null for messages that move none.</summary>
         internal ControlTopic Control { get; set; }
 
         internal string Id { get; private set; }
@@ -136,7 +136,7 @@ namespace Ros2Gateway
             return refusal == null;
         }
 
-        /// <summary>Publishes no longer on this topic. What was taken over still goes.</summary>
+        /// <summary>Publishes no longer on this topic. Accepted messages still go.</summary>
         public void Dispose()
         {
             if (!IsDisposed)
@@ -155,7 +155,7 @@ namespace Ros2Gateway
         /// <summary>Sends what was latched, on a new connection.</summary>
         internal void Restore()
         {
-            if (_latched != null && !MovesARobot) // what moved it once must not move it again
+            if (_latched != null && !MovesARobot) // a command that moved it once must not move it again
             {
                 _publishers.SendLatched(_latched);
             }

@@ -83,7 +83,7 @@ namespace Ros2Gateway
             }
         }
 
-        /// <summary>Drops what waits, but for what may come late and the publisher's own end.</summary>
+        /// <summary>Drops the queue, except messages that may be late and the publisher's end.</summary>
         internal void Drop()
         {
             lock (_waiting)

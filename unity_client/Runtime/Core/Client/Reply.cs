@@ -35,7 +35,7 @@ namespace Ros2Gateway
         }
 
         /// <summary>The value.</summary>
-        /// <exception cref="GatewayException">There is none.</exception>
+        /// <exception cref="GatewayException">It is missing.</exception>
         public T OrThrow()
         {
             if (!Ok)
@@ -49,7 +49,7 @@ namespace Ros2Gateway
     /// <summary>A request failed. The text is the gateway's, or the client's own.</summary>
     public sealed class GatewayException : Exception
     {
-        /// <param name="errorText">What was wrong, where, and what to do.</param>
+        /// <param name="errorText">The error in words: what happened, where, and what to do.</param>
         public GatewayException(string errorText)
             : base(errorText)
         {

@@ -5,7 +5,7 @@ using Ros2Gateway.Json;
 
 namespace Ros2Gateway
 {
-    /// <summary>What was asked of the gateway and is not answered yet. Every request is answered, once.</summary>
+    /// <summary>The requests without an answer yet. Every request is answered once.</summary>
     internal sealed class Requests
     {
         // As many calls as the gateway keeps for one client, those under way and those that wait.
@@ -42,7 +42,7 @@ namespace Ros2Gateway
         }
 
         /// <summary>Sends a request. *Done* is called while the client is pumped. Returns its id.</summary>
-        /// <param name="what">What it is, for people: "call_service /reset".</param>
+        /// <param name="what">Its name, for people: "call_service /reset".</param>
         /// <param name="write">Writes the members after op and id.</param>
         /// <param name="read">Reads the answer: its values, or the whole frame where it has none.</param>
         /// <param name="isAwaited">Whether *done* throws what went wrong, where the application catches it.</param>

@@ -5,11 +5,11 @@ using Ros2Gateway.Json;
 namespace Ros2Gateway
 {
     /// <summary>
-    /// Who drives the robot behind a command topic, whether it may be driven, and the means to stop it and to
+    /// The driver of the robot behind a command topic, whether it may be driven, and the means to stop it and to
     /// take or release control. It survives reconnections and ends with <see cref="Dispose"/>.
     /// </summary>
     /// <remarks>
-    /// Nobody needs this to drive: whoever commands first has control, and loses it two seconds after the last
+    /// You do not need this to drive: the first client to send a command has control, and loses it two seconds after the last
     /// command. Control that was taken by <see cref="Acquire"/> is taken back after a reconnection if nobody
     /// else has it then. Methods may be called from any thread.
     /// </remarks>
@@ -64,7 +64,7 @@ namespace Ros2Gateway
         }
 
         /// <summary>
-        /// Takes control, also from another client: what that one moves is stopped first. Commands keep it, zeros,
+        /// Takes control, also from another client: first the gateway stops its robot. Commands keep it, zeros,
         /// too. After two seconds without any it is free.
         /// </summary>
         public void Acquire(Action<Reply<ControlState>> done = null)
@@ -72,14 +72,14 @@ namespace Ros2Gateway
             Send("acquire_control", done);
         }
 
-        /// <summary>Gives control back. What moves is stopped.</summary>
+        /// <summary>Gives control back. A moving robot stops.</summary>
         public void Release(Action<Reply<ControlState>> done = null)
         {
             _controls.GiveBack(_topic);
             Send("release_control", done);
         }
 
-        /// <summary>Calls no handler any more. Who has control is not changed by this.</summary>
+        /// <summary>Calls no handler any more. This does not change who has control.</summary>
         public void Dispose()
         {
             if (!_isDisposed)

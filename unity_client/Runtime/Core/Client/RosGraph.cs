@@ -5,7 +5,7 @@ using Ros2Gateway.Json;
 
 namespace Ros2Gateway
 {
-    /// <summary>What there is in ROS: topics, services and actions with their types, and nodes. Never changes.</summary>
+    /// <summary>The ROS graph: topics, services and actions with their types, and nodes. Never changes.</summary>
     public sealed class RosGraph
     {
         private static readonly string[] Nothing = new string[0];

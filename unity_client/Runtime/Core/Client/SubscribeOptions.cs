@@ -3,15 +3,15 @@ using Ros2Gateway.Json;
 
 namespace Ros2Gateway
 {
-    /// <summary>What a subscription asks for beyond topic and type.</summary>
+    /// <summary>The options of a subscription beyond topic and type.</summary>
     public sealed class SubscribeOptions
     {
         /// <summary>As in ROS: 10.</summary>
         public const int DefaultQueue = 10;
 
         /// <summary>
-        /// How many messages may wait for the application from frame to frame, the oldest being dropped. What came
-        /// within the last two frames waits next to them, up to 1024 messages and 1 MiB. 1 is always the newest alone:
+        /// How many messages may wait for the application from frame to frame, before the oldest is dropped. Messages
+        /// of the last two frames wait in addition, up to 1024 messages and 1 MiB. 1 is always the newest alone:
         /// for pictures, scans, and poses that only place something.
         /// </summary>
         public int Queue = DefaultQueue;
@@ -32,7 +32,7 @@ namespace Ros2Gateway
         public bool? Binary;
 
         /// <summary>
-        /// What pictures of sensor_msgs/msg/Image should be like. Null for the gateway's defaults. The format png makes
+        /// The form of images of sensor_msgs/msg/Image. Null for the gateway's defaults. The format png makes
         /// nav_msgs/msg/OccupancyGrid smaller on its way as well.
         /// </summary>
         public ImageOptions Image;
@@ -93,7 +93,7 @@ namespace Ros2Gateway
         }
     }
 
-    /// <summary>Quality of service in ROS' words. What is null or 0 is left to the gateway.</summary>
+    /// <summary>Quality of service in ROS' words. Null or 0 leaves a value to the gateway.</summary>
     public sealed class QosOptions
     {
         /// <summary>"reliable", "best_effort" or "best_available".</summary>

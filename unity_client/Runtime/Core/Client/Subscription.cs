@@ -136,7 +136,7 @@ namespace Ros2Gateway
         }
 
         /// <summary>
-        /// Takes the oldest message that waits. False if none does. Any thread. Where messages are used again it is
+        /// Takes the oldest message that waits. False if none does. Any thread. If messages are used again it is
         /// the caller's until the next one is taken.
         /// </summary>
         public bool TryTake(out T message)

@@ -8,10 +8,10 @@ namespace Ros2Gateway
     /// <summary>All subscriptions of a client, by topic.</summary>
     internal sealed class Subscriptions
     {
-        // What the gateway lets wait for a client on a topic. More may wait here.
+        // The longest queue of the gateway for a client on a topic. More may wait here.
         private const int MaxGatewayQueue = 1024;
 
-        // Where binary frames save most: base64 is a third longer than its octets, and a float as text takes 35
+        // The types for which binary frames save most: base64 is a third longer than its octets, and a float as text takes 35
         // times as long to read.
         private static readonly string[] MostlyArrays =
         {
@@ -128,7 +128,7 @@ namespace Ros2Gateway
         }
 
         // All to one topic: the gateway serves them by one stream with the shortest of their queues and the newest
-        // one's pictures, so each has to ask for the longest and the largest. What it has already with the same
+        // one's pictures, so each has to ask for the longest and the largest. A message with the same
         // id it replaces.
         private void Send(Subscription[] subscriptions)
         {
@@ -138,7 +138,7 @@ namespace Ros2Gateway
                 queue = Math.Max(queue, subscription.Options.Queue);
             }
             queue = Math.Min(queue, MaxGatewayQueue);
-            // Whoever asks for a number gets that many, however old. Left to itself the gateway keeps a burst
+            // A client that asks for a number gets that many, however old. Left to itself the gateway keeps a burst
             // whole, and of what a slow link cannot take the newest.
             queue = queue > 1 && queue <= SubscribeOptions.DefaultQueue ? 0 : queue;
             int width = Largest(subscriptions, image => image.MaxWidth);

@@ -18,7 +18,7 @@ namespace Ros2Gateway
     {
         private const int FirstBufferBytes = 64 * 1024; // most frames. Larger ones make it grow
         private const int PieceBytes = 32 * 1024; // so that a slow link shows progress: 1 Mbit/s does it in 0.3 s
-        private const int RetainedBufferBytes = 1024 * 1024; // what one rare huge frame needed is given back,
+        private const int RetainedBufferBytes = 1024 * 1024; // the buffer of one rare huge frame is given back,
         private const int FramesUntilRare = 1000; // once so many were smaller: a cloud at 1 Hz next to what a robot says
         private const int GoodbyeMilliseconds = 1000; // how long a peer may take to answer a close frame
 

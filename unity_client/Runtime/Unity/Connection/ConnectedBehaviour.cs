@@ -24,7 +24,7 @@ namespace Ros2Gateway.Unity
         private bool _isListening;
 
         /// <summary>
-        /// The connection that is used. Null without one. What is set is used at once, and null lets the
+        /// The connection that is used. Null without one. A new value is used at once, and null lets the
         /// component look for one by itself.
         /// </summary>
         public GatewayConnection Connection
@@ -37,7 +37,7 @@ namespace Ros2Gateway.Unity
             set
             {
                 _connection = value;
-                _gateway = ""; // who sets it knows which robot is meant
+                _gateway = ""; // the caller knows which robot is meant
                 Choose();
             }
         }

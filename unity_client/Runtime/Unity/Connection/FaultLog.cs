@@ -20,7 +20,7 @@ namespace Ros2Gateway.Unity
             }
         }
 
-        /// <summary>The component, for people. What is destroyed has no name of its own any more.</summary>
+        /// <summary>The component, for people. A destroyed one has lost its name.</summary>
         internal static string Name(Component component)
         {
             return component.GetType().Name + (component == null ? "" : " on " + component.name);

@@ -9,8 +9,8 @@ namespace Ros2Gateway.Unity
     /// <summary>The scene's connection: connects while it is enabled, and calls all handlers in Update.</summary>
     /// <remarks>
     /// Components that are given no connection find this one by themselves, whichever of them comes first, and take
-    /// another when it is destroyed. What moves robots, and what was given this one, takes only another to the same
-    /// address. Disabling it disconnects, enabling it connects again. What was subscribed and
+    /// another when it is destroyed. Drivers, and components that were given this one, take only another to the same
+    /// address. Disabling it disconnects, enabling it connects again. Topics that were subscribed or
     /// advertised stays until it is destroyed. While the application is paused (a headset that is put down, a
     /// desktop window without *Run In Background* that is left) it is disconnected.
     /// </remarks>
@@ -52,7 +52,7 @@ namespace Ros2Gateway.Unity
         private readonly Listeners<bool> _inspector; // the lists of the Inspector
         private GatewayClient _client;
         private string _token = ""; // from code, and so in no scene
-        private string _givenToken = ""; // what the client has from here. It may have got another since
+        private string _givenToken = ""; // the client's token from here. It may have another by now
         private float _pumpMilliseconds = 4;
         private bool _wasConnected;
         private bool _isLeaving;
@@ -132,7 +132,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Where the gateway is. Another address, for instance from a text field, counts when the component is
+        /// The address of the gateway. Another one, for instance from a text field, counts when the component is
         /// enabled the next time. An empty one is that of the settings.
         /// </summary>
         public string Address
@@ -142,7 +142,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// What the gateway asks for, if it does: from code, for what is to be in no asset and no build. It goes before that
+        /// The token for the gateway, set from code, so that it is in no asset and no build. It goes before that
         /// of the settings unless it is empty. Like <see cref="Address"/>.
         /// </summary>
         public string Token
@@ -150,7 +150,7 @@ namespace Ros2Gateway.Unity
             set { _token = value ?? ""; }
         }
 
-        /// <summary>What several scenes share. Like <see cref="Address"/>.</summary>
+        /// <summary>The settings that several scenes share. Like <see cref="Address"/>.</summary>
         public GatewaySettings Settings
         {
             get { return _settings; }
@@ -177,7 +177,7 @@ namespace Ros2Gateway.Unity
             get { return _client != null ? _client.Address : Address; }
         }
 
-        /// <summary>What a client of this connection is made with.</summary>
+        /// <summary>The options for a client of this connection.</summary>
         public GatewayOptions Options()
         {
             GatewayOptions options = _settings != null ? _settings.Options() : new GatewayOptions();
@@ -278,7 +278,7 @@ namespace Ros2Gateway.Unity
             {
                 return;
             }
-            _isLeaving = true; // whoever hears of it may destroy this
+            _isLeaving = true; // a listener may destroy this
             try
             {
                 _leaving.Call(this);

@@ -3,7 +3,7 @@ using UnityEngine;
 
 namespace Ros2Gateway.Unity
 {
-    /// <summary>Where the gateway is, as an asset that several scenes share.</summary>
+    /// <summary>The address of the gateway, as an asset that several scenes share.</summary>
     [CreateAssetMenu(menuName = "ROS 2 Gateway/Settings", fileName = "GatewaySettings")]
     public sealed class GatewaySettings : ScriptableObject
     {
@@ -11,7 +11,7 @@ namespace Ros2Gateway.Unity
         [Tooltip("ws://HOST:PORT, as the gateway prints it when it starts")]
         public string Address = "ws://localhost:9090";
 
-        /// <summary>What the gateway asks for, if it does.</summary>
+        /// <summary>The token for the gateway, if it needs one.</summary>
         [Tooltip("Leave empty unless the gateway needs one. It becomes part of the build: prefer to set it at run time")]
         public string Token = "";
 

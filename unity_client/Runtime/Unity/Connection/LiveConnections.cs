@@ -21,7 +21,7 @@ namespace Ros2Gateway.Unity
         /// The connection that a component uses: its own choice. Else one that is enabled, of its scene rather than
         /// of another. Else one that is disabled. Null without one.
         /// </summary>
-        /// <param name="present">What it uses now. It stays with that as long as nothing is better.</param>
+        /// <param name="present">The one that it uses now. It stays with that as long as nothing is better.</param>
         /// <param name="gateway">The only address that will do without a choice. Null for any.</param>
         internal static GatewayConnection Best(
             Component user, GatewayConnection chosen, GatewayConnection present, string gateway = null)
@@ -56,7 +56,7 @@ namespace Ros2Gateway.Unity
         /// </summary>
         internal static string Only(GatewayConnection chosen, GatewayConnection present, string gateway)
         {
-            // What is destroyed equals null, and yet has a reference.
+            // A destroyed object equals null, and yet has a reference.
             return !ReferenceEquals(chosen, null) && chosen.IsOver ? chosen.Gateway
                 : Connections.Contains(present) ? present.Gateway : gateway;
         }
@@ -94,7 +94,7 @@ namespace Ros2Gateway.Unity
         /// <summary>A connection was enabled, disabled or destroyed: everyone looks again.</summary>
         internal static void Tell()
         {
-            foreach (ConnectedBehaviour user in Users.ToArray()) // who is told may come and go
+            foreach (ConnectedBehaviour user in Users.ToArray()) // listeners may come and go
             {
                 try
                 {

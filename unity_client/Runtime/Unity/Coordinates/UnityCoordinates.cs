@@ -74,7 +74,7 @@ namespace Ros2Gateway.Unity
             return new Pose<TFrame>(pose.position.FromUnity<TFrame>(), pose.rotation.FromUnity<TFrame>());
         }
 
-        /// <summary>Where a Transform is in the world, in the frame asked for.</summary>
+        /// <summary>The pose of a Transform in the world, in the frame asked for.</summary>
         public static Pose<TFrame> ToPose<TFrame>(this Transform transform)
             where TFrame : struct, IFrame
         {

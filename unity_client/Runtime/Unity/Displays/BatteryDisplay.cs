@@ -72,7 +72,7 @@ namespace Ros2Gateway.Unity
             get { return _onLow; }
         }
 
-        /// <summary>What is shown, and where.</summary>
+        /// <summary>The text, and its places.</summary>
         public TextOutput Output
         {
             get { return _text; }

@@ -50,7 +50,7 @@ namespace Ros2Gateway.Unity
         /// <summary>How many kilobytes (1000 bytes) came each second, lately.</summary>
         public float KilobytesPerSecond { get; private set; }
 
-        /// <summary>What is shown, and where.</summary>
+        /// <summary>The text, and its places.</summary>
         public TextOutput Output
         {
             get { return _text; }

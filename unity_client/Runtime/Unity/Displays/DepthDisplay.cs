@@ -37,7 +37,7 @@ namespace Ros2Gateway.Unity
         private PointMesh _mesh;
         private DepthPoints _points;
 
-        /// <summary>What is further away is left out, in metres. 0 for no limit. From the next picture on.</summary>
+        /// <summary>Points further away are left out, in metres. 0 for no limit. From the next image on.</summary>
         public float MaxRange
         {
             get { return _maxRange; }

@@ -52,7 +52,7 @@ namespace Ros2Gateway.Unity
             get { return false; }
         }
 
-        /// <summary>Where it stands in its frame: the origin. Asked for in each Update that places it.</summary>
+        /// <summary>Its place in its frame: the origin. Asked for in each Update that places it.</summary>
         protected virtual Pose PoseInFrame()
         {
             return Pose.identity;
@@ -62,7 +62,7 @@ namespace Ros2Gateway.Unity
         protected override void OnEnable()
         {
             base.OnEnable();
-            FrameId = FrameId ?? ""; // what was drawn before is still there, and stands in its frame
+            FrameId = FrameId ?? ""; // the former drawing is still there, and stands in its frame
             FrameProblem = null;
             _found = FixedFrame.For(this, _fixedFrame);
         }

@@ -4,7 +4,7 @@ using UnityEngine;
 
 namespace Ros2Gateway.Unity
 {
-    /// <summary>What may show or send the newest message alone, so that no other need wait for it.</summary>
+    /// <summary>A component that may show or send only the newest message, so that no other has to wait.</summary>
     internal interface INewestOnly
     {
         /// <summary>Whether it does so. Else it needs every message.</summary>

@@ -8,17 +8,17 @@ namespace Ros2Gateway.Unity
     /// <summary>How a scan is drawn.</summary>
     public enum LaserScanStyle
     {
-        /// <summary>What the beams hit, a pixel each.</summary>
+        /// <summary>The points that the beams hit, a pixel each.</summary>
         Points,
 
-        /// <summary>What the beams hit, joined where neighbours seem to hit the same thing.</summary>
+        /// <summary>The points that the beams hit, joined if neighbours seem to hit the same thing.</summary>
         Outline,
 
         /// <summary>The beams, from the sensor to what they hit.</summary>
         Beams,
     }
 
-    /// <summary>What the colours of a scan tell.</summary>
+    /// <summary>The meaning of the colours of a scan.</summary>
     public enum LaserScanColoring
     {
         /// <summary>How far away something is: the near colour at 0, the far one at the limit.</summary>
@@ -65,14 +65,14 @@ namespace Ros2Gateway.Unity
             set { _style = value; }
         }
 
-        /// <summary>What the colours tell, from the next scan on.</summary>
+        /// <summary>The meaning of the colours, from the next scan on.</summary>
         public LaserScanColoring Coloring
         {
             get { return _coloring; }
             set { _coloring = value; }
         }
 
-        /// <summary>What is further away is left out, in metres. 0 for the scanner's own limit.</summary>
+        /// <summary>Points further away are left out, in metres. 0 for the scanner's own limit.</summary>
         public float MaxRange
         {
             get { return _maxRange; }

@@ -61,7 +61,7 @@ namespace Ros2Gateway.Unity
         private bool _isChanged;
         private float _next;
 
-        /// <summary>What is less severe is left out, from now on.</summary>
+        /// <summary>Less severe lines are left out, from now on.</summary>
         public LogLevel MinLevel
         {
             get { return _minLevel; }
@@ -75,7 +75,7 @@ namespace Ros2Gateway.Unity
             set { _maxLines = value; }
         }
 
-        /// <summary>What is shown, and where.</summary>
+        /// <summary>The text, and its places.</summary>
         public TextOutput Output
         {
             get { return _text; }

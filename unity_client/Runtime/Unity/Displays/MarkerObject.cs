@@ -61,7 +61,7 @@ namespace Ros2Gateway.Unity
             return problem;
         }
 
-        /// <summary>Puts it where its frame is. What nobody knows a place for is not drawn.</summary>
+        /// <summary>Puts it where its frame is. Without a known place it is not drawn.</summary>
         /// <param name="fixedFrame">Null: the parent is the frame.</param>
         internal void Place(FixedFrame fixedFrame, Camera camera)
         {
@@ -118,7 +118,7 @@ namespace Ros2Gateway.Unity
                 _text = holder.GetComponent<TextMesh>();
                 _text.anchor = TextAnchor.MiddleCenter;
                 _text.fontSize = TextResolution;
-                _text.richText = false; // whoever publishes markers should not style the application
+                _text.richText = false; // publishers of markers should not style the application
             }
             _text.text = marker.text;
             _text.characterSize = TextSize * (float)marker.scale.z;

@@ -10,7 +10,7 @@ namespace Ros2Gateway.Unity
         internal Color32[] Colors = new Color32[0];
         internal int[] Indices = new int[0];
 
-        /// <summary>Makes room. What was there is lost.</summary>
+        /// <summary>Makes room. The former content is lost.</summary>
         internal void Reserve(int points, int indices)
         {
             if (Positions.Length < points)

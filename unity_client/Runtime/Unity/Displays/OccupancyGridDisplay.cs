@@ -31,7 +31,7 @@ namespace Ros2Gateway.Unity
         private Material _material;
         private Texture2D _texture;
 
-        /// <summary>What cells look like, from the next message on.</summary>
+        /// <summary>The look of cells, from the next message on.</summary>
         public OccupancyGridColors Colors
         {
             get { return _colors; }
@@ -64,7 +64,7 @@ namespace Ros2Gateway.Unity
             _mesh.name = name;
             GetComponent<MeshFilter>().sharedMesh = _mesh;
             MeshRenderer renderer = GetComponent<MeshRenderer>();
-            // one of its own: the texture must not get into a material of the project
+            // a separate one: the texture must not get into a material of the project
             _material = renderer.sharedMaterial == null
                 ? DisplayMaterials.Flat() : new Material(renderer.sharedMaterial);
             renderer.sharedMaterial = _material;

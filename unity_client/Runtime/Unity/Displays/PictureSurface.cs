@@ -6,10 +6,10 @@ using UnityEngine.UI;
 
 namespace Ros2Gateway.Unity
 {
-    /// <summary>What a picture is shown on: the Renderer or the RawImage next to a display.</summary>
+    /// <summary>The surface for an image: the Renderer or the RawImage next to a display.</summary>
     internal sealed class PictureSurface
     {
-        // What a Quad of the built-in pipeline has: lit, as no picture should be, and pink in URP.
+        // The shader of a Quad of the built-in pipeline: lit, as no image should be, and pink in URP.
         private const string DefaultMaterial = "Default-Material";
 
         // The same of URP, by its shader as well, as the name is a common one. A build cannot ask the pipeline for it.

@@ -5,7 +5,7 @@ using UnityEngine;
 
 namespace Ros2Gateway.Unity
 {
-    /// <summary>Where in the bytes of a sensor_msgs/msg/PointCloud2 a point and its colour are.</summary>
+    /// <summary>The places of a point and its colour in the bytes of a sensor_msgs/msg/PointCloud2.</summary>
     internal struct PointCloudLayout
     {
         private const int FieldBytes = 4; // float32, or a colour in as many
@@ -21,7 +21,7 @@ namespace Ros2Gateway.Unity
         private long _rowStep;
         private long _pointStep;
 
-        /// <summary>How many points there are. What the data have no room for is not counted.</summary>
+        /// <summary>The number of points. Points beyond the data are not counted.</summary>
         internal long Count { get; private set; }
 
         /// <summary>Whether the data end before the points that the message speaks of.</summary>
@@ -62,7 +62,7 @@ namespace Ros2Gateway.Unity
             return null;
         }
 
-        /// <summary>Reads a point. False if it is none (NaN), or beyond the data.</summary>
+        /// <summary>Reads a point. False if it is NaN, or beyond the data.</summary>
         internal bool TryGet(long index, out Vector3<Flu> point, out Color32 color)
         {
             point = default(Vector3<Flu>);

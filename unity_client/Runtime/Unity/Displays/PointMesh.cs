@@ -25,7 +25,7 @@ namespace Ros2Gateway.Unity
 
         /// <param name="display">Has a MeshFilter and a MeshRenderer next to it.</param>
         /// <param name="isSolid">Whether triangles are drawn, which hide each other.</param>
-        /// <param name="staging">That several meshes share. Null for one of its own.</param>
+        /// <param name="staging">That several meshes share. Null for a separate one.</param>
         internal PointMesh(Component display, bool isSolid = false, MeshStaging staging = null)
         {
             _staging = staging ?? new MeshStaging();
@@ -58,7 +58,7 @@ namespace Ros2Gateway.Unity
             get { return _staging.Indices; }
         }
 
-        /// <summary>Makes room. What was there is lost.</summary>
+        /// <summary>Makes room. The former content is lost.</summary>
         internal void Reserve(int points, int indices)
         {
             _staging.Reserve(points, indices);

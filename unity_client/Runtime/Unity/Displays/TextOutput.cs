@@ -18,7 +18,7 @@ namespace Ros2Gateway.Unity
     }
 
     /// <summary>
-    /// Where a display writes: a TextMesh Pro, Text or TextMesh next to or below it, and whoever listens.
+    /// The places where a display writes: a TextMesh Pro, Text or TextMesh next to or below it, and all listeners.
     /// </summary>
     [Serializable]
     public sealed class TextOutput

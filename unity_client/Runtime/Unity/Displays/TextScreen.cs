@@ -22,7 +22,7 @@ namespace Ros2Gateway.Unity
         private IMessage _waiting;
         private float _next;
 
-        /// <summary>What is shown, and where.</summary>
+        /// <summary>The text, and its places.</summary>
         public TextOutput Output
         {
             get { return _text; }

@@ -12,7 +12,7 @@ namespace Ros2Gateway.Unity
     public abstract class TopicDisplay<T> : MonoBehaviour, INewestOnly
         where T : class, IMessage
     {
-        private const int MaxWarnings = 8; // what is wrong with so many messages is wrong with all
+        private const int MaxWarnings = 8; // a fault in this many messages is a fault in all
 
         private readonly List<string> _warnings = new List<string>();
 
@@ -27,7 +27,7 @@ namespace Ros2Gateway.Unity
         public TopicSubscriber Subscriber { get; private set; }
 
         /// <summary>
-        /// How long ago the message came that is shown, in seconds. Infinite before the first. What could not
+        /// How long ago the message came that is shown, in seconds. Infinite before the first. A message that could not
         /// be shown does not count.
         /// </summary>
         public float AgeSeconds
@@ -100,7 +100,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Begins to listen. Overriders call it. What the subscriber has received already, such as a map, which is sent
+        /// Begins to listen. Overriders call it. A message that the subscriber has already, such as a map, which is sent
         /// once, comes in Update. An Image Screen waits for the next picture.
         /// </summary>
         protected virtual void OnEnable()
@@ -163,7 +163,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>Receives what came before this was enabled, as old as it is.</summary>
-        /// <param name="next">What comes now, and may be the same message. Or null.</param>
+        /// <param name="next">The message that arrives now, which may be the same, or null.</param>
         private void ReceiveEarlier(IMessage next)
         {
             IMessage earlier = _earlier;

@@ -11,7 +11,7 @@ namespace Ros2Gateway.Unity
     /// Publishes commands as the topic takes them, Twist or TwistStamped, and nothing before it is known which.
     /// It knows whether the robot may still be moving by them: after a connection was lost in the middle of driving,
     /// the first thing that the robot hears is zero. And when the application freezes in the middle of driving, a
-    /// timer of its own sends zero. Where the gateway has stopped the robot, zeros that are sent once nobody pushes
+    /// separate timer sends zero. If the gateway has stopped the robot, zeros that are sent once nobody pushes
     /// any more allow to drive on.
     /// </summary>
     internal sealed class DriveOutput : IDisposable
@@ -64,19 +64,19 @@ namespace Ros2Gateway.Unity
             get { return Missing == null; }
         }
 
-        /// <summary>What is missing for a command to go, in words, or null.</summary>
+        /// <summary>The reason why no command can go, in words, or null.</summary>
         internal string Missing
         {
             get { return _isUp && _client.IsConnected ? _type.Reason : "connection lost"; }
         }
 
-        /// <summary>What is published, pkg/msg/Name. Null while it is not known.</summary>
+        /// <summary>The type that is published, pkg/msg/Name. Null while it is not known.</summary>
         internal string Type
         {
             get { return _type.Name; }
         }
 
-        /// <summary>Who drives, and whether the robot may be driven.</summary>
+        /// <summary>The driver, and whether the robot may be driven.</summary>
         internal ControlState Control
         {
             get { return _control.State; }
@@ -121,7 +121,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Stops the robot, even if another client drives. Where the gateway knows of no robot behind the topic by a zero.
+        /// Stops the robot, even if another client drives. If the gateway knows no robot behind the topic, it sends a zero.
         /// </summary>
         internal void Stop()
         {

@@ -4,7 +4,7 @@ using Ros2Gateway.Drive;
 namespace Ros2Gateway.Unity
 {
     /// <summary>
-    /// Where a <see cref="TeleopDriver"/> learns what a person wants. Asked once per frame.
+    /// Tells a <see cref="TeleopDriver"/> the wishes of a person. Asked once per frame.
     /// </summary>
     public interface IDriveInput
     {

@@ -23,7 +23,7 @@ namespace Ros2Gateway.Unity
     [AddComponentMenu("ROS 2 Gateway/Target Driver")]
     public sealed class TargetDriver : ConnectedBehaviour
     {
-        // A robot that was stopped may drive again 0.25 s after a zero. What takes longer has other reasons.
+        // A robot that was stopped may drive again 0.25 s after a zero. A longer wait has other reasons.
         private const double LetGoSeconds = 2;
 
         [SerializeField]
@@ -120,7 +120,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Who drives, what has stopped the robot and what to do about it, in words for people. As of the last frame.
+        /// The state in words for people: who drives, what stopped the robot, and what to do about it. As of the last frame.
         /// </summary>
         public string Status
         {
@@ -134,7 +134,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// What is published, geometry_msgs/msg/Twist or TwistStamped, as the gateway says that the topic has. Null
+        /// The published type, geometry_msgs/msg/Twist or TwistStamped, as the gateway reports it. Null
         /// before it is known, and until then nothing moves.
         /// </summary>
         public string CommandType
@@ -151,7 +151,7 @@ namespace Ros2Gateway.Unity
             set { _topic = value; }
         }
 
-        /// <summary>Where poses come from. Like <see cref="Topic"/>.</summary>
+        /// <summary>The topic of the poses. Like <see cref="Topic"/>.</summary>
         public string OdometryTopic
         {
             get { return _odometryTopic; }
@@ -159,7 +159,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// A subscriber of the odometry to share. Null for one of its own. Like <see cref="Topic"/>.
+        /// A subscriber of the odometry to share. Null for a separate one. Like <see cref="Topic"/>.
         /// </summary>
         public TopicSubscriber Odometry
         {
@@ -167,7 +167,7 @@ namespace Ros2Gateway.Unity
             set { _odometry = value; }
         }
 
-        /// <summary>Where the odometry's frame is in the scene. Null for the world's origin.</summary>
+        /// <summary>The place of the odometry's frame in the scene. Null for the world's origin.</summary>
         public Transform Origin
         {
             get { return _origin; }
@@ -191,7 +191,7 @@ namespace Ros2Gateway.Unity
             set { _stopsWithoutFocus = value; }
         }
 
-        /// <summary>What the robot may do. Like <see cref="Topic"/>.</summary>
+        /// <summary>The limits of the robot. Like <see cref="Topic"/>.</summary>
         public DriveSettings Settings
         {
             get { return _settings; }
@@ -210,7 +210,7 @@ namespace Ros2Gateway.Unity
             get { return _onFailed; }
         }
 
-        /// <summary>What it is doing.</summary>
+        /// <summary>The present activity.</summary>
         public DriveState State
         {
             get { return _drive == null ? DriveState.Idle : _drive.State; }
@@ -229,7 +229,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Drives to a point of the scene, its height being ignored. What was the target before is no longer.
+        /// Drives to a point of the scene, and ignores its height. It replaces the former target.
         /// False, and nothing happens, while there is no connection, no robot is known that takes commands, or the
         /// component is disabled. False as well, for a point that is not finite.
         /// </summary>
@@ -256,7 +256,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Tells the robot to stand, whatever it does and whoever drives it, another client as well, and takes the
+        /// Stops the robot, even if another client drives, and takes the
         /// target away.
         /// </summary>
         public void Stop(string reason)
@@ -270,7 +270,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Takes the target away, and lets the robot stand if a driver of this connection drove it. What another
+        /// Takes the target away, and lets the robot stand if a driver of this connection drove it. A robot that another
         /// client does goes on.
         /// </summary>
         public void Abandon(string reason)
@@ -321,7 +321,7 @@ namespace Ros2Gateway.Unity
             else
             {
                 _subscription = connection.Client.Subscribe<OdometryMsg>(
-                    _odometryTopic, Take, new SubscribeOptions { Queue = 1 }); // where it is, not where it was
+                    _odometryTopic, Take, new SubscribeOptions { Queue = 1 }); // the present place, not a former one
             }
         }
 
@@ -337,7 +337,7 @@ namespace Ros2Gateway.Unity
             {
                 GiveUp(_output.Missing ?? "connection lost");
             }
-            if (_output != null) // who is told may disable this
+            if (_output != null) // a listener may disable this
             {
                 TellStatus(_output.Status);
             }

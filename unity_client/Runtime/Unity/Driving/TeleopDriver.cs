@@ -9,7 +9,7 @@ namespace Ros2Gateway.Unity
     /// Drives a robot by keys: a velocity while one is held, zero on release. The robot is told to stand, and
     /// held keys must be pressed again, when the window loses the focus, the application pauses, the component
     /// is disabled or STOP is pressed. While there is no connection nothing is published, and a new one
-    /// resumes no motion. Where the gateway has stopped the robot, or another client drives it, <see
+    /// resumes no motion. If the gateway has stopped the robot, or another client drives it, <see
     /// cref="Status"/> says so, and keys must be let go before it drives on.
     /// </summary>
     [AddComponentMenu("ROS 2 Gateway/Teleop Driver")]
@@ -67,7 +67,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Who drives, what has stopped the robot and what to do about it, in words for people. As of the last frame.
+        /// The state in words for people: who drives, what stopped the robot, and what to do about it. As of the last frame.
         /// </summary>
         public string Status
         {
@@ -81,7 +81,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// What is published, geometry_msgs/msg/Twist or TwistStamped, as the gateway says that the topic has. Null
+        /// The published type, geometry_msgs/msg/Twist or TwistStamped, as the gateway reports it. Null
         /// before it is known, and until then nothing moves.
         /// </summary>
         public string CommandType
@@ -110,7 +110,7 @@ namespace Ros2Gateway.Unity
             set { _angularSpeed = value; }
         }
 
-        /// <summary>Where keys come from. The arrow keys and space, unless it is set.</summary>
+        /// <summary>The source of keys. The arrow keys and space, unless it is set.</summary>
         public IDriveInput Input
         {
             get { return _input ?? (_input = DriveInputs.Keyboard()); }
@@ -118,7 +118,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Tells the robot to stand, whatever it does and whoever drives it, another client as well. Held keys must be
+        /// Stops the robot, even if another client drives. Held keys must be
         /// pressed again. For a key, and for a button's list of what to call.
         /// </summary>
         public void Stop()

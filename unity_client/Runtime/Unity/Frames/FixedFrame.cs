@@ -5,7 +5,7 @@ using UnityEngine;
 namespace Ros2Gateway.Unity
 {
     /// <summary>
-    /// The Transform is the origin of a ROS frame, such as map. What is below it in the hierarchy is placed by the
+    /// The Transform is the origin of a ROS frame, such as map. Its children in the hierarchy are placed by the
     /// transforms that the robot publishes.
     /// </summary>
     [AddComponentMenu("ROS 2 Gateway/Fixed Frame")]
@@ -49,7 +49,7 @@ namespace Ros2Gateway.Unity
             return chosen != null ? chosen : component.GetComponentInParent<FixedFrame>();
         }
 
-        /// <summary>Where a frame is, in the axes of this Transform. The newest that is known.</summary>
+        /// <summary>The newest known pose of a frame, in the axes of this Transform.</summary>
         /// <param name="age">How long ago it came, in seconds. 0 for what does not move.</param>
         /// <param name="problem">Why nothing, or nothing new, is known. Null while all is well.</param>
         /// <returns>Whether there is a pose. It is watched from the first question on.</returns>
@@ -87,7 +87,7 @@ namespace Ros2Gateway.Unity
                 transform.TransformPoint(pose.position), transform.rotation * pose.rotation);
         }
 
-        /// <summary>Where a Transform is in this frame, in ROS' axes.</summary>
+        /// <summary>The pose of a Transform in this frame, in ROS' axes.</summary>
         public Pose<Flu> PoseOf(Transform what)
         {
             Pose pose = new Pose(

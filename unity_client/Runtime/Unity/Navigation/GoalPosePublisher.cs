@@ -5,7 +5,7 @@ using UnityEngine;
 namespace Ros2Gateway.Unity
 {
     /// <summary>
-    /// Publishes where something is as a goal, on /goal_pose: what RViz' "2D Goal Pose" does. Who wants to know
+    /// Publishes where something is as a goal, on /goal_pose: as RViz' "2D Goal Pose" does. To know
     /// how it ends takes a Navigate To Pose.
     /// </summary>
     [AddComponentMenu("ROS 2 Gateway/Goal Pose Publisher")]
@@ -45,7 +45,7 @@ namespace Ros2Gateway.Unity
             set { _frame = value; }
         }
 
-        /// <summary>Makes the place of this object the goal. What a button calls.</summary>
+        /// <summary>Makes the place of this object the goal. For a button.</summary>
         public void Publish()
         {
             Publish(transform);

@@ -8,7 +8,7 @@ namespace Ros2Gateway.Unity
     /// <summary>Poses of the scene as ROS takes them.</summary>
     internal static class GoalPoses
     {
-        /// <summary>Where a Transform is in a fixed frame. The stamp is left to the gateway, which knows ROS' clock.</summary>
+        /// <summary>The pose of a Transform in a fixed frame. The stamp is left to the gateway, which knows ROS' clock.</summary>
         /// <param name="fixedFrame">Null: then the scene's origin is that of *frame*.</param>
         internal static PoseStampedMsg Of(Transform place, FixedFrame fixedFrame, string frame)
         {

@@ -104,7 +104,7 @@ namespace Ros2Gateway.Unity
             get { return _open.Exists(goal => !goal.IsDone); }
         }
 
-        /// <summary>What the action server has said last of the goal of <see cref="GoalStatus"/>. Null before that.</summary>
+        /// <summary>The last feedback of the action server on the goal of <see cref="GoalStatus"/>. Null before that.</summary>
         public NavigateToPoseFeedback Feedback { get; private set; }
 
         /// <summary>Called when a goal was reached, from the Inspector's list.</summary>
@@ -119,7 +119,7 @@ namespace Ros2Gateway.Unity
             get { return _onEnded; }
         }
 
-        /// <summary>Sends the robot to this object. What a button calls.</summary>
+        /// <summary>Sends the robot to this object. For a button.</summary>
         public void Send()
         {
             Send(transform);
@@ -139,7 +139,7 @@ namespace Ros2Gateway.Unity
                 behavior_tree = _behaviorTree,
             };
             Feedback = null;
-            Goal sent = null; // what comes of an older goal is not news
+            Goal sent = null; // the result of an older goal is not news
             sent = Connection.Client.SendGoal<NavigateToPoseFeedback, NavigateToPoseResult>(
                 _action, goal, feedback => Hear(sent, feedback), result => End(sent, result));
             _goal = sent;

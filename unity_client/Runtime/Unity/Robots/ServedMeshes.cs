@@ -12,7 +12,7 @@ namespace Ros2Gateway.Unity
     /// <remarks>
     /// One file is fetched at a time, and the one before it read and drawn in the meantime: on a thread of the pool, where
     /// there are threads, except the upload, of a part in each frame. A connection that is lost, or comes late, is
-    /// waited for. What the gateway refuses is asked for again after the others, as it may have had too much to do. Both
+    /// waited for. A refused file is asked for again after the others, because the gateway may have been busy. Both
     /// end after three attempts for a file.
     /// </remarks>
     internal sealed class ServedMeshes : IDisposable
@@ -47,7 +47,7 @@ namespace Ros2Gateway.Unity
         private volatile bool _isAtWork;
 
         /// <param name="warn">Gets what is wrong with a mesh, in words.</param>
-        /// <param name="maxTriangles">Of all that is drawn. What is beyond stays a small box.</param>
+        /// <param name="maxTriangles">Of all that is drawn. Further meshes stay small boxes.</param>
         internal ServedMeshes(Action<string> warn, int maxTriangles)
         {
             _warn = warn;

@@ -40,7 +40,7 @@ namespace Ros2Gateway.Unity
         private GatewaySettings _settings;
         private List<Material> _colored = new List<Material>(); // not readonly, as only so it survives a reload of scripts
 
-        /// <summary>Where the gateway is. Before the scene is active.</summary>
+        /// <summary>The address of the gateway. Before the scene is active.</summary>
         public string Address
         {
             get { return _address; }
@@ -53,7 +53,7 @@ namespace Ros2Gateway.Unity
             get { return _odometryTopic; }
         }
 
-        /// <summary>Where velocities are sent to.</summary>
+        /// <summary>The topic of the velocities.</summary>
         protected string CommandTopic
         {
             get { return _commandTopic; }

@@ -7,7 +7,7 @@ namespace Ros2Gateway.Unity
     /// <summary>How sure delivery should be.</summary>
     public enum Reliability
     {
-        /// <summary>What the publishers offer. For a publisher, reliable.</summary>
+        /// <summary>The offer of the publishers. For a publisher, reliable.</summary>
         Automatic,
 
         /// <summary>Sent again until it has arrived.</summary>
@@ -17,10 +17,10 @@ namespace Ros2Gateway.Unity
         BestEffort,
     }
 
-    /// <summary>What late subscribers get.</summary>
+    /// <summary>The messages that late subscribers get.</summary>
     public enum Durability
     {
-        /// <summary>What the publishers offer. For a publisher, volatile.</summary>
+        /// <summary>The offer of the publishers. For a publisher, volatile.</summary>
         Automatic,
 
         /// <summary>Nothing of what was said before.</summary>
@@ -38,7 +38,7 @@ namespace Ros2Gateway.Unity
         [Tooltip("Automatic takes what the publishers offer")]
         public Reliability Reliability;
 
-        /// <summary>What late subscribers get.</summary>
+        /// <summary>The messages that late subscribers get.</summary>
         [Tooltip("Automatic takes what the publishers offer")]
         public Durability Durability;
 

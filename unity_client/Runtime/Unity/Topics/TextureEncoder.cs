@@ -3,7 +3,7 @@ using UnityEngine;
 
 namespace Ros2Gateway.Unity
 {
-    /// <summary>Makes JPEGs of textures, scaled down to fit. What it needs for that it uses again.</summary>
+    /// <summary>Makes JPEGs of textures, scaled down to fit. It uses its buffers again.</summary>
     internal sealed class TextureEncoder
     {
         private Texture2D _scaled;

@@ -11,7 +11,7 @@ namespace Ros2Gateway.Unity
     [RequireComponent(typeof(TopicPublisher))]
     public sealed class TexturePublisher : MonoBehaviour, INewestOnly
     {
-        private const int DepthBits = 24; // what Unity's own cameras use
+        private const int DepthBits = 24; // as Unity's own cameras
 
         [SerializeField]
         [Tooltip("A camera for this alone: it renders into a texture instead of to the screen")]
@@ -50,7 +50,7 @@ namespace Ros2Gateway.Unity
             set { _camera = value; }
         }
 
-        /// <summary>What is published without a camera.</summary>
+        /// <summary>The texture that is published without a camera.</summary>
         public Texture Source
         {
             get { return _source; }
@@ -58,7 +58,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Whether the camera is rendered only when a picture is due, if it has no target texture of its own. Before the
+        /// Whether the camera is rendered only when a picture is due, if it has no target texture. Before the
         /// component is enabled.
         /// </summary>
         public bool RendersOnDemand

@@ -11,7 +11,7 @@ namespace Ros2Gateway.Unity
 {
     /// <summary>
     /// Makes JPEGs of textures without waiting for the GPU, and encodes them on another thread: the main thread only
-    /// copies pixels. One at a time. What it needs for that it uses again.
+    /// copies pixels. One at a time. It uses its buffers again.
     /// </summary>
     internal sealed class TextureReadback
     {

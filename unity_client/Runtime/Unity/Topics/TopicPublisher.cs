@@ -93,7 +93,7 @@ namespace Ros2Gateway.Unity
             set { _rate = value; }
         }
 
-        /// <summary>What is published at <see cref="Rate"/>: a message as JSON.</summary>
+        /// <summary>The message that is published at <see cref="Rate"/>, as JSON.</summary>
         public string Message
         {
             get { return _message; }
@@ -101,7 +101,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// What is published at <see cref="Rate"/> instead of <see cref="Message"/>, unless it is null. Headers
+        /// The message that is published at <see cref="Rate"/> instead of <see cref="Message"/>, unless it is null. Headers
         /// with a stamp of 0 get the time at which it is published.
         /// </summary>
         public IMessage Fields
@@ -146,7 +146,7 @@ namespace Ros2Gateway.Unity
         }
 
         /// <summary>
-        /// Publishes a message that is written as JSON. False, and the console says why, if it is none.
+        /// Publishes a message that is written as JSON. False, and the console says why, if it is not a message.
         /// </summary>
         public bool PublishJson(string json)
         {
@@ -156,7 +156,7 @@ namespace Ros2Gateway.Unity
 
         /// <summary>
         /// Publishes a picture as JPEG, if <see cref="Rate"/> allows it now. The type must be
-        /// sensor_msgs/msg/CompressedImage. Where the GPU can be read without waiting for it, the picture follows
+        /// sensor_msgs/msg/CompressedImage. If the GPU can be read without waiting for it, the image follows
         /// some frames later, with the time of this call, and is encoded on another thread. A call until then
         /// returns false. Elsewhere (WebGL, OpenGL ES of old phones), and once five pictures in a row could not be read
         /// so, this waits for the GPU, and encodes.

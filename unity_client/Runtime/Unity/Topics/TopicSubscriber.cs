@@ -184,7 +184,7 @@ namespace Ros2Gateway.Unity
             }
         }
 
-        /// <summary>What the Inspector's list calls.</summary>
+        /// <summary>The Inspector's list of calls.</summary>
         public MessageEvent OnMessage
         {
             get { return _onMessage; }
@@ -217,7 +217,7 @@ namespace Ros2Gateway.Unity
         /// <inheritdoc/>
         protected override void Bind(GatewayConnection connection)
         {
-            LastTime = -1; // what came by another connection may be of another robot
+            LastTime = -1; // messages of another connection may be of another robot
             SubscribeOptions options = new SubscribeOptions
             {
                 Queue = _queue > 0 ? _queue : QueueDefault.Beside(this, SubscribeOptions.DefaultQueue),
@@ -232,7 +232,7 @@ namespace Ros2Gateway.Unity
             if (_isPicture)
             {
                 options.Image = Picture();
-                create = NewPicture(); // what the gateway makes of an Image
+                create = NewPicture(); // the gateway's form of an Image
             }
             else if (type == CompressedImageMsg.Type)
             {

@@ -11,7 +11,7 @@ namespace Ros2Gateway.Unity
     /// </summary>
     public static class UnstampedMessage
     {
-        /// <summary>What a message says.</summary>
+        /// <summary>The content of a message.</summary>
         public static DynamicMessage Of(IMessage message)
         {
             JsonWriter writer = new JsonWriter();

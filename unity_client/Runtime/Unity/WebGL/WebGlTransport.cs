@@ -19,9 +19,9 @@ namespace Ros2Gateway.Unity
     {
         private const int InboxBytes = 64 * 1024 * 1024; // four of the largest messages, 20 s of a camera
         private const int PollBytes = 1024 * 1024; // about 8 ms to parse, half a frame of the player's time
-        private const int SendBytes = 256 * 1024; // what the browser may hold: more would only be late
+        private const int SendBytes = 256 * 1024; // for the browser to hold: more would only be late
         private const int FirstBufferBytes = 64 * 1024; // most frames. Larger ones make it grow
-        private const int RetainedBufferBytes = 1024 * 1024; // what one rare huge frame needed is given back,
+        private const int RetainedBufferBytes = 1024 * 1024; // the buffer of one rare huge frame is given back,
         private const int FramesUntilRare = 1000; // once so many were smaller: a cloud at 1 Hz next to what a robot says
         private const int ReasonBytes = 512; // a close frame's 123, or the browser's words
 
