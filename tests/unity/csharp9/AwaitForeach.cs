@@ -4,7 +4,7 @@ using System.Threading.Tasks;
 using Ros2Gateway;
 using Ros2Gateway.Messages;
 
-/// <summary>What Mono's compiler does not know, and Unity's does.</summary>
+/// <summary>A feature that Mono's compiler does not know, and Unity's does.</summary>
 public static class AwaitForeach
 {
     public static async Task<GoalStatus> Follow(GatewayClient client, CancellationToken token)

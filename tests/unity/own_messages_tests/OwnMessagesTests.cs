@@ -124,7 +124,7 @@ namespace Ros2Gateway.OwnMessages.Tests
             CollectionAssert.AreEqual(new sbyte[] { -1, 0, 100 }, answer.map.data);
         }
 
-        /// <summary>What Unity does when it starts.</summary>
+        /// <summary>The start of Unity.</summary>
         private static void Load()
         {
             const BindingFlags Anything = BindingFlags.Static | BindingFlags.Public | BindingFlags.NonPublic;

@@ -118,7 +118,7 @@ namespace Ros2Gateway.Reach
             }
         }
 
-        // what .NET and Unity have refers to no message
+        // types of .NET and Unity refer to no message
         private static bool IsOurs(Type type)
         {
             string name = type.Assembly.GetName().Name;

@@ -12,7 +12,7 @@ namespace Ros2Gateway.Runner
     /// result. <c>--List</c> prints the names as JSON. <c>--Serve</c> runs what it reads.</summary>
     public static class Program
     {
-        private const double TestTimeoutS = 240;  // a deadlock is one, and a busy machine is none
+        private const double TestTimeoutS = 240;  // a deadlock takes longer, and a busy machine does not
 
         public static int Main(string[] arguments)
         {

@@ -61,7 +61,7 @@ namespace Ros2Gateway.Runner
 
         public string Message { get; private set; }
 
-        /// <summary>What the test wrote and logged.</summary>
+        /// <summary>The output and the log of the test.</summary>
         public string Output { get; set; }
 
         public double Seconds { get; set; }

@@ -118,7 +118,7 @@ namespace Ros2Gateway.Samples.Tests
         public IEnumerator A_headset_and_its_controllers_are_taken_as_soon_as_they_are_there()
         {
             yield return Begin();
-            _control.Input = null; // what the scene chooses by itself
+            _control.Input = null; // the scene chooses one by itself
             yield return null;
             XrDevices.Set(XRNode.Head, CommonUsages.centerEyePosition, new Vector3(0.1f, 1.7f, 0));
             XrDevices.Set(XRNode.Head, CommonUsages.centerEyeRotation, Quaternion.Euler(0, 20, 0));
@@ -288,7 +288,7 @@ namespace Ros2Gateway.Samples.Tests
             yield return _demo.Reset(_client, _twin);
         }
 
-        /// <summary>Waits. What a busy machine has ended, as commands came late, is begun again, as whoever points would.</summary>
+        /// <summary>Waits. If a busy machine has ended it because commands came late, begins again, as a user would.</summary>
         private IEnumerator UntilDriven(System.Func<bool> holds, string what)
         {
             yield return _demo.Until(

@@ -7,7 +7,7 @@ using UnityEngine;
 
 namespace Ros2Gateway.Stage.Tests
 {
-    /// <summary>What must be seen to fail.</summary>
+    /// <summary>A test that has to fail.</summary>
     [TestFixture]
     [Category("Failing")]
     public class FailingTest

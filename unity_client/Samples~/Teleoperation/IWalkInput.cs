@@ -3,7 +3,7 @@ using UnityEngine;
 
 namespace Ros2Gateway.Samples.Teleoperation
 {
-    /// <summary>Where a <see cref="PlayerWalk"/> learns where its player goes and looks.</summary>
+    /// <summary>Tells a <see cref="PlayerWalk"/> where its player goes and looks.</summary>
     public interface IWalkInput
     {
         /// <summary>To the right and ahead, each from -1 to 1.</summary>

@@ -39,7 +39,7 @@ namespace Ros2Gateway.Samples.Teleoperation
             get { return Keyboard.current != null && Keyboard.current.escapeKey.wasPressedThisFrame; }
         }
 #elif ENABLE_LEGACY_INPUT_MANAGER
-        private const float PixelsPerUnit = 20; // what the Input Manager's axes make of a mouse by default
+        private const float PixelsPerUnit = 20; // the scale of the Input Manager's axes for a mouse by default
 
         /// <inheritdoc/>
         public Vector2 Move

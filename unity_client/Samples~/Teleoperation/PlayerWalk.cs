@@ -33,7 +33,7 @@ namespace Ros2Gateway.Samples.Teleoperation
             set { _eyes = value; }
         }
 
-        /// <summary>Where walking comes from. WASD and the mouse, unless it is set.</summary>
+        /// <summary>The source of walking. WASD and the mouse, unless it is set.</summary>
         public IWalkInput Input
         {
             get { return _input ?? (_input = new KeyboardWalkInput()); }

@@ -3,13 +3,13 @@ using UnityEngine;
 
 namespace Ros2Gateway.Samples.XrTarget
 {
-    /// <summary>Where an <see cref="XrTargetControl"/> learns what its user points at and wants.</summary>
+    /// <summary>Tells an <see cref="XrTargetControl"/> where its user points, and what the user wants.</summary>
     public interface IPointerInput
     {
         /// <summary>Whether there is someone: false once a headset that was worn is taken off.</summary>
         bool IsUserPresent { get; }
 
-        /// <summary>What is pointed along, in the world.</summary>
+        /// <summary>The ray of the pointer, in the world.</summary>
         Ray Pointer { get; }
 
         /// <summary>Whether the robot is sent to what is pointed at: true in one frame.</summary>

@@ -135,7 +135,7 @@ namespace Ros2Gateway.Samples.XrTarget
 
         private void OnDisable()
         {
-            // What is referred to may be someone else's as well: it is left enabled.
+            // Others may use the same action: it is left enabled.
             foreach (InputAction action in _own)
             {
                 action.Disable();

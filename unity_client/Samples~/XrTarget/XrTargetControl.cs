@@ -42,14 +42,14 @@ namespace Ros2Gateway.Samples.XrTarget
         private bool _wasPresent;
         private float _readyAt;
 
-        /// <summary>What drives the robot.</summary>
+        /// <summary>The driver of the robot.</summary>
         public TargetDriver Driver
         {
             get { return _driver; }
             set { _driver = value; }
         }
 
-        /// <summary>What is moved by teleporting.</summary>
+        /// <summary>The object that teleporting moves.</summary>
         public Transform Rig
         {
             get { return _rig; }
@@ -71,7 +71,7 @@ namespace Ros2Gateway.Samples.XrTarget
         }
 
         /// <summary>
-        /// Where pointing comes from: a component next to this one (such as XrActionInput), else a headset's
+        /// The source of pointing: a component next to this one (such as XrActionInput), else a headset's
         /// controllers or the mouse, unless it is set.
         /// </summary>
         public IPointerInput Input

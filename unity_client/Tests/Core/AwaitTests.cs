@@ -9,7 +9,7 @@ using Ros2Gateway.Messages.StdSrvs;
 
 namespace Ros2Gateway.Tests
 {
-    /// <summary>What is awaited goes on where the client is pumped, with the answer or with the reason.</summary>
+    /// <summary>Awaiting code goes on where the client is pumped, with the answer or with the reason.</summary>
     [TestFixture]
     [Category("Gateway")]
     public sealed class AwaitTests

@@ -5,7 +5,7 @@ using Ros2Gateway.Messages.StdMsgs;
 
 namespace Ros2Gateway.Tests
 {
-    /// <summary>Whatever comes or happens is an event: no exception, no dead reader.</summary>
+    /// <summary>Any bad input is an event: no exception, no dead reader.</summary>
     [TestFixture]
     [Category("Gateway")]
     public sealed class BadInputTests

@@ -5,7 +5,7 @@ using Ros2Gateway.Json;
 
 namespace Ros2Gateway.Tests
 {
-    /// <summary>What no gateway sends, and the reader refuses in words.</summary>
+    /// <summary>Frames that no gateway sends, and that the reader refuses in words.</summary>
     [TestFixture]
     public sealed class CborReaderTests
     {

@@ -142,7 +142,7 @@ namespace Ros2Gateway.Tests
                 && Math.Abs(odometry.twist.twist.angular.z) < Standing;
         }
 
-        /// <summary>Where the simulation says that the robot is in its room.</summary>
+        /// <summary>The place of the robot in its room, by the simulation.</summary>
         private static PlanarPose Truth(Live live)
         {
             Reply<JsonValue>? reply = null;

@@ -6,7 +6,7 @@ using Ros2Gateway.Drive;
 namespace Ros2Gateway.Tests
 {
     /// <summary>
-    /// Where poses come from and commands go: a simulation in here, or a robot behind a gateway.
+    /// The source of poses, and the target of commands: a simulation in here, or a robot behind a gateway.
     /// </summary>
     public interface IDrivenRobot
     {

@@ -211,7 +211,7 @@ namespace Ros2Gateway.Tests
             for (int repetitions = (zeros - 1) / 258; repetitions > 0; repetitions--)
             {
                 put(0xA3, 8); // 258 times
-                put(0, 5); // what was the byte before
+                put(0, 5); // the byte before
             }
             put(0, 7);
             List<byte> png = new List<byte> { 137, 80, 78, 71, 13, 10, 26, 10 };

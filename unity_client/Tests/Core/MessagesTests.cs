@@ -171,7 +171,7 @@ namespace Ros2Gateway.Tests
             return writer.ToString();
         }
 
-        /// <summary>A message of one's own, which the catalogue does not know.</summary>
+        /// <summary>A message class of an application, which the catalogue does not know.</summary>
         private sealed class Goals : IMessage
         {
             public string RosType

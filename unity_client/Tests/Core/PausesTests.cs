@@ -25,7 +25,7 @@ namespace Ros2Gateway.Tests
             }
         }
 
-        // What gives up by itself after 5 s does so between two ticks. What never does is forgotten after 10.
+        // A transport that gives up by itself after 5 s does so between two ticks. One that never does is forgotten after 10.
         [TestCase(5001, 5001)]
         [TestCase(Never, 10000)]
         public void WhatAcceptsAndKeepsSilentIsAskedRarelyInTheEnd(long closedAfter, long takes)

@@ -9,7 +9,7 @@ using Ros2Gateway.Messages.StdMsgs;
 
 namespace Ros2Gateway.Tests
 {
-    /// <summary>What waits where, and what is dropped, over a network that a test holds.</summary>
+    /// <summary>The queues, and their drops, over a network that a test holds.</summary>
     [TestFixture]
     public sealed class QueueTests
     {

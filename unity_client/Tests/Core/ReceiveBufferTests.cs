@@ -8,7 +8,7 @@ using Ros2Gateway.Messages.SensorMsgs;
 
 namespace Ros2Gateway.Tests
 {
-    /// <summary>What a transport keeps for frames: its own buffer, which listeners see.</summary>
+    /// <summary>The buffer that a transport keeps for frames, which listeners see.</summary>
     [TestFixture]
     [Category("Gateway")]
     public sealed class ReceiveBufferTests

@@ -6,7 +6,7 @@ using Ros2Gateway.Messages.StdSrvs;
 
 namespace Ros2Gateway.Tests
 {
-    /// <summary>A line to a live gateway is cut again and again. What was open is open again.</summary>
+    /// <summary>A line to a live gateway is cut again and again. Topics are open again.</summary>
     [TestFixture]
     [Category("Gateway")]
     public sealed class ReconnectionTests

@@ -9,7 +9,7 @@ using Ros2Gateway.Messages.StdMsgs;
 
 namespace Ros2Gateway.Tests
 {
-    /// <summary>Who drives, what stops, and what a refused publisher is told. Through a live gateway.</summary>
+    /// <summary>Drivers, stops, and the words for a refused publisher, through a live gateway.</summary>
     [TestFixture]
     [Category("Gateway")]
     public sealed class RobotControlTests
@@ -182,7 +182,7 @@ namespace Ros2Gateway.Tests
                     () => odometry != null && Math.Abs(odometry.twist.twist.linear.x) < 1e-3, "for the robot to stand");
                 Reset(live, control, commands);
                 Drive(live, control, commands);
-                // Who drives may stop without a trip.
+                // A driver may stop without a trip.
                 Answered<string[]>(live, control.Stop);
                 Assert.IsFalse(control.State.IsTripped);
                 Assert.IsTrue(commands.Publish(Ahead()));
@@ -365,7 +365,7 @@ namespace Ros2Gateway.Tests
                 live.Until(() => told > 0 && second.State.IsKnown, "for the state");
                 control.Dispose();
                 control.Dispose();
-                Answered<string[]>(live, second.Stop); // whatever the two made was answered before
+                Answered<string[]>(live, second.Stop); // the entities of both were answered before
                 Assert.AreEqual(0, live.Events.FindAll(one => one.Level == EventLevel.Error).Count);
                 int before = told;
                 Publisher<TwistMsg> commands = live.Client.Advertise<TwistMsg>(Topic);

@@ -6,7 +6,7 @@ using Ros2Gateway.Drive;
 namespace Ros2Gateway.Tests
 {
     /// <summary>
-    /// A base with two driven wheels in time of its own: limited accelerations, odometry that is late, noisy
+    /// A base with two driven wheels in its own time: limited accelerations, odometry that is late, noisy
     /// and comes at 30 Hz, commands that are late too.
     /// </summary>
     public sealed class SimulatedBase : IDrivenRobot

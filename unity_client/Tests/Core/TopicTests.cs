@@ -273,7 +273,7 @@ namespace Ros2Gateway.Tests
                 long before = live.Client.BytesReceived;
                 live.Until(() => pictures >= 20, "for pictures");
                 double share = (double)(live.Client.BytesReceived - before) / octets;
-                // base64 takes a third more. What comes next to pictures, such as answers to pings, is little
+                // base64 takes a third more. Other frames, such as answers to pings, are small
                 Assert.AreEqual(isBinary, share < 1.2, share + " bytes for an octet");
             }
         }

@@ -8,7 +8,7 @@ using UnityEngine.TestTools;
 
 namespace Ros2Gateway.Unity.Tests
 {
-    /// <summary>What a frame allocates on the main thread, once everything has its size.</summary>
+    /// <summary>The allocations of a frame on the main thread, once everything has its size.</summary>
     [TestFixture]
     public sealed class AllocationTests
     {
@@ -58,7 +58,7 @@ namespace Ros2Gateway.Unity.Tests
             yield return _scene.Until(
                 () => pictures >= WarmUp && scans >= WarmUp && poses >= WarmUp, "for messages of all kinds");
             yield return _scene.Until(() => connection.Client.RosClock.IsKnown, "for a ping");
-            // what grows as more comes at once than ever before may grow again on a busy machine
+            // a buffer that grows with a burst may grow again on a busy machine
             long allocated = -1;
             for (int part = 0; part < Parts && allocated != 0; part++)
             {

@@ -16,7 +16,7 @@ namespace Ros2Gateway.Unity.Tests
 
         private const int TimeoutMilliseconds = 120000; // a machine may be busy with other things
 
-        /// <summary>What was logged, of any level.</summary>
+        /// <summary>The log, of any level.</summary>
         internal readonly List<string> Logged = new List<string>();
 
         private readonly List<Object> _made = new List<Object>();

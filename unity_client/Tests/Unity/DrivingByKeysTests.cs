@@ -10,7 +10,7 @@ using UnityEngine.TestTools;
 namespace Ros2Gateway.Unity.Tests
 {
     /// <summary>
-    /// What a second client hears of a Teleop Driver. Each test ends with a turn that marks the end.
+    /// The commands of a Teleop Driver, as a second client hears them. Each test ends with a turn that marks the end.
     /// </summary>
     [TestFixture]
     [Category("Gateway")]

@@ -35,12 +35,12 @@ namespace Ros2Gateway.Unity.Tests
         internal readonly GatewayClient Observer;
         internal readonly List<DriveCommand> Heard = new List<DriveCommand>();
 
-        /// <summary>What else a test does while it waits.</summary>
+        /// <summary>Called while a test waits.</summary>
         internal Action EachFrame = delegate { };
 
         private readonly List<Object> _made = new List<Object>();
 
-        /// <param name="topic">What is observed, as Twist. Null for nothing.</param>
+        /// <param name="topic">The observed topic, of Twist. Null for nothing.</param>
         /// <param name="path">"/through" for a line that "cut" cuts. Empty for the gateway itself.</param>
         internal DrivingScene(string topic, string path = "")
         {

@@ -269,7 +269,7 @@ namespace Ros2Gateway.Unity.Tests
             return driver;
         }
 
-        /// <summary>What other tests have left behind is gone: nobody drives, and everybody may.</summary>
+        /// <summary>The traces of other tests are gone: nobody drives, and everybody may.</summary>
         private IEnumerator Clear()
         {
             yield return _scene.Until(

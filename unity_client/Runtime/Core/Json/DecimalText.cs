@@ -6,7 +6,7 @@ namespace Ros2Gateway.Json
     /// <summary>Writes numbers as JSON has them, into a buffer with room for them.</summary>
     internal static class DecimalText
     {
-        /// <summary>What the longest number takes: sign, 17 digits, point and zeros before or an exponent.
+        /// <summary>The length of the longest number: sign, 17 digits, point and zeros before or an exponent.
         /// </summary>
         internal const int LongestNumber = 32;
 

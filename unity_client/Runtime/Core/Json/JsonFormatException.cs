@@ -20,7 +20,7 @@ namespace Ros2Gateway.Json
         /// <summary>The member that is wrong (<c>poses[3].x</c>), empty at the top.</summary>
         public string Path { get; }
 
-        /// <summary>Where in the buffer reading stopped, in bytes from its start.</summary>
+        /// <summary>The place in the buffer where reading stopped, in bytes from its start.</summary>
         public int Position { get; }
     }
 }

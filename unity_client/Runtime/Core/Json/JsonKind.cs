@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 namespace Ros2Gateway.Json
 {
-    /// <summary>What a JSON value is.</summary>
+    /// <summary>The kind of a JSON value.</summary>
     public enum JsonKind
     {
         /// <summary>Members by name.</summary>

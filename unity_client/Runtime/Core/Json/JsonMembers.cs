@@ -26,7 +26,7 @@ namespace Ros2Gateway.Json
             }
         }
 
-        /// <summary>Returns the index of a name, <see cref="Unknown"/> if it is none of these.</summary>
+        /// <summary>Returns the index of a name, <see cref="Unknown"/> if it is not among these.</summary>
         public int IndexOf(string name)
         {
             for (int i = 0; i < _names.Length; i++)

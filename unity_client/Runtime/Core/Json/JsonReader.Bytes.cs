@@ -43,7 +43,7 @@ namespace Ros2Gateway.Json
         }
 
         /// <summary>Reads octets into a buffer, in whose place a longer one is put if it is too short.</summary>
-        /// <returns>How many they are. What is behind them in the buffer is of earlier ones.</returns>
+        /// <returns>Their number. Bytes behind them in the buffer are of earlier ones.</returns>
         public virtual int ReadBytes(ref byte[] buffer)
         {
             if (Kind == JsonKind.String)
@@ -78,7 +78,7 @@ namespace Ros2Gateway.Json
             _position = closing + 1;
             if (count == NoBase64)
             {
-                // Some writers escape the slash, which base64 has. Or it is none, or no JSON.
+                // Some writers escape the slash, which base64 has. Or it is not base64, or not JSON.
                 _position = quote + 1;
                 count = DecodeBase64(DecodeString(), ref octets, isExact);
             }
@@ -118,7 +118,7 @@ namespace Ros2Gateway.Json
             byte[] octets = RoomForBytes(decoded, length, isExact);
             byte[] values = Base64Values;
             int to = 0;
-            int seen = 0; // all values together: has the bit 64 as soon as one was none
+            int seen = 0; // all values together: has the bit 64 as soon as one was invalid
             int whole = padding == 0 ? end : end - 4;
             for (int i = start; i < whole; i += 4)
             {

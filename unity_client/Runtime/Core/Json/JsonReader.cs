@@ -10,19 +10,19 @@ namespace Ros2Gateway.Json
     /// wins.
     /// </summary>
     /// <remarks>
-    /// A client's subscriptions may get the same values as CBOR. What reads them is of this class as well, so
+    /// A client's subscriptions may get the same values as CBOR. Their reader is of this class as well, so
     /// messages do not notice.
     /// </remarks>
     public partial class JsonReader
     {
         private readonly Level[] _levels;
-        /// <summary>What is read, from <see cref="_position"/> to before <see cref="_end"/>.</summary>
+        /// <summary>The bytes to read, from <see cref="_position"/> to before <see cref="_end"/>.</summary>
         private protected byte[] _buffer = Array.Empty<byte>();
 
-        /// <summary>Where the next byte is read.</summary>
+        /// <summary>The place of the next byte.</summary>
         private protected int _position;
 
-        /// <summary>Where what is read ends.</summary>
+        /// <summary>The end of the bytes to read.</summary>
         private protected int _end;
 
         private int _depth;
@@ -33,14 +33,14 @@ namespace Ros2Gateway.Json
             _levels = new Level[maxDepth + 1];
         }
 
-        /// <summary>Where the next byte is read, from the start of the buffer.</summary>
+        /// <summary>The place of the next byte, from the start of the buffer.</summary>
         public int Position
         {
             get { return _position; }
         }
 
         /// <summary>The kind of the value that comes next. Nothing is consumed but white space.</summary>
-        /// <exception cref="JsonFormatException">What comes next begins no value.</exception>
+        /// <exception cref="JsonFormatException">The next bytes do not begin a value.</exception>
         public virtual JsonKind Kind
         {
             get

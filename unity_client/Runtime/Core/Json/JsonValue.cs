@@ -17,7 +17,7 @@ namespace Ros2Gateway.Json
         private static readonly JsonValue[] NoItems = new JsonValue[0];
 
         /// <summary>
-        /// What an indexer returns where nothing is. Its kind is <see cref="JsonKind.End"/>.
+        /// The result of an indexer without a value. Its kind is <see cref="JsonKind.End"/>.
         /// </summary>
         public static readonly JsonValue Missing = new JsonValue(JsonKind.End);
 
@@ -43,7 +43,7 @@ namespace Ros2Gateway.Json
             _kind = kind;
         }
 
-        /// <summary>What this value is.</summary>
+        /// <summary>The kind of this value.</summary>
         public JsonKind Kind
         {
             get { return _kind; }

@@ -18,7 +18,7 @@ namespace Ros2Gateway.Json
         private int _count;
         private bool _needsComma;
 
-        /// <summary>What was written, in its first <see cref="Count"/> bytes. Another array after the next
+        /// <summary>The written bytes, the first <see cref="Count"/> of them. Another array after the next
         /// write that it has no room for.</summary>
         public byte[] Buffer
         {

@@ -4,13 +4,13 @@ using Ros2Gateway.Messages.NavMsgs;
 
 namespace Ros2Gateway.Maps
 {
-    /// <summary>What the cells of a grid look like.</summary>
+    /// <summary>The look of the cells of a grid.</summary>
     public enum OccupancyGridColors
     {
         /// <summary>A map on paper: free is white, occupied black, unknown a greenish grey.</summary>
         Map,
 
-        /// <summary>Costs over a map: free is clear, then blue to red. Where a robot would hit is purple and cyan.</summary>
+        /// <summary>Costs over a map: free is clear, then blue to red. Obstacles are purple and cyan.</summary>
         Costmap,
     }
 
@@ -38,7 +38,7 @@ namespace Ros2Gateway.Maps
         /// <summary>Rows.</summary>
         public int Height { get; private set; }
 
-        /// <summary>How many cells a side share a pixel: 1, but for grids of more than <see cref="MaxSide"/>.</summary>
+        /// <summary>How many cells a side share a pixel: 1, except for grids of more than <see cref="MaxSide"/>.</summary>
         public int CellsPerPixel { get; private set; }
 
         /// <summary>Red, green, blue and alpha of each pixel. Of exactly the size, and used again.</summary>
@@ -78,7 +78,7 @@ namespace Ros2Gateway.Maps
             return null;
         }
 
-        /// <summary>What is wrong with a grid, or null.</summary>
+        /// <summary>The fault of a grid, or null.</summary>
         public static string ProblemOf(OccupancyGridMsg grid)
         {
             if (grid.info == null || grid.data == null)

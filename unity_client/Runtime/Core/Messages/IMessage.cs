@@ -5,7 +5,7 @@ namespace Ros2Gateway
 {
     /// <summary>
     /// A ROS message that reads itself from JSON and writes itself, without reflection. The classes of the
-    /// list of message types are generated. A class of one's own works everywhere that they do.
+    /// list of message types are generated. Your classes work everywhere that they do.
     /// </summary>
     public interface IMessage
     {

@@ -5,7 +5,7 @@ using Ros2Gateway.Json;
 
 namespace Ros2Gateway.Messages
 {
-    /// <summary>What the generated messages have in common where they nest others.</summary>
+    /// <summary>The common part of generated messages that nest others.</summary>
     public static class NestedMessages
     {
         /// <summary>Makes an array of new messages: a field of fixed length has no null in it.</summary>
@@ -21,7 +21,7 @@ namespace Ros2Gateway.Messages
         }
 
         /// <summary>Reads an array of messages.</summary>
-        /// <param name="reader">Where the array comes next.</param>
+        /// <param name="reader">Before the array.</param>
         /// <param name="create">Makes an empty message. A delegate, because <c>new T()</c> is
         /// reflection.</param>
         /// <param name="length">How many there must be. -1 takes any number.</param>

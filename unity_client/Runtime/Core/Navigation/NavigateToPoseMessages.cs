@@ -60,13 +60,13 @@ namespace Ros2Gateway.Navigation
         }
     }
 
-    /// <summary>What nav2_msgs/action/NavigateToPose says on the way.</summary>
+    /// <summary>The feedback of nav2_msgs/action/NavigateToPose.</summary>
     public sealed class NavigateToPoseFeedback : IMessage
     {
         private static readonly JsonMembers Members = new JsonMembers(
             "current_pose", "navigation_time", "estimated_time_remaining", "number_of_recoveries", "distance_remaining");
 
-        /// <summary>Where the robot is.</summary>
+        /// <summary>The place of the robot.</summary>
         public PoseStampedMsg current_pose = new PoseStampedMsg();
 
         /// <summary>How long it has been on its way.</summary>
@@ -144,7 +144,7 @@ namespace Ros2Gateway.Navigation
         /// <summary>0 for none. Others are those of Nav2's planner and controller.</summary>
         public ushort error_code;
 
-        /// <summary>What went wrong, in Nav2's words, from Kilted on.</summary>
+        /// <summary>The error, in Nav2's words, from Kilted on.</summary>
         public string error_msg = "";
 
         /// <inheritdoc/>

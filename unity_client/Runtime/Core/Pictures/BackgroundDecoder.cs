@@ -114,7 +114,7 @@ namespace Ros2Gateway.Pictures
         }
     }
 
-    /// <summary>A picture of <see cref="BackgroundDecoder"/>: its pixels, or why there are none.</summary>
+    /// <summary>A picture of <see cref="BackgroundDecoder"/>: its pixels, or why they are missing.</summary>
     public sealed class DecodedPicture
     {
         private byte[] _compressed = Array.Empty<byte>();
@@ -138,10 +138,10 @@ namespace Ros2Gateway.Pictures
         /// <summary>Like <see cref="Width"/>.</summary>
         public int Height { get; private set; }
 
-        /// <summary>What the message calls its format.</summary>
+        /// <summary>The format, by the message.</summary>
         public string Format { get; private set; }
 
-        /// <summary>What is wrong with it. Null if it was decoded, or <see cref="IsOther"/>.</summary>
+        /// <summary>The error. Null if it was decoded, or <see cref="IsOther"/>.</summary>
         public string Error { get; private set; }
 
         /// <summary>Whether it is not a baseline JPEG: a PNG, or progressive. Unity's own decoder may know it.</summary>

@@ -37,7 +37,7 @@ namespace Ros2Gateway.Pictures
             get { return _png.Height; }
         }
 
-        /// <summary>Sets how much the camera sees from left to right, in radians. What is not a view is a quarter turn.</summary>
+        /// <summary>Sets how much the camera sees from left to right, in radians. An invalid view becomes a quarter turn.</summary>
         public void View(double horizontal)
         {
             double half = horizontal > 0 && horizontal < Math.PI ? horizontal / 2 : Math.PI / 4;

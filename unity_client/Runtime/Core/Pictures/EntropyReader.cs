@@ -71,7 +71,7 @@ namespace Ros2Gateway.Pictures
         }
 
         /// <summary>Ends the scan, or a part of it.</summary>
-        /// <returns>Where the code of the marker is that follows, or where the data end.</returns>
+        /// <returns>The place of the next marker's code, or the end of the data.</returns>
         internal int End()
         {
             int left = _count - _invented;
@@ -79,7 +79,7 @@ namespace Ros2Gateway.Pictures
             {
                 throw new JpegFormatException(left / 8 + " bytes of data or more belong to no block", _at);
             }
-            // what was not read yet begins with the marker, if all was read that belongs to the blocks
+            // the unread bytes begin with the marker, if all bytes of the blocks were read
             int at = _at;
             if (at < _end && _jpeg[at] != 0xFF)
             {

@@ -22,9 +22,9 @@ namespace Ros2Gateway.Pictures
         internal readonly byte[] Symbols = new byte[256];
 
         /// <summary>Takes over a table as a DHT segment has it.</summary>
-        /// <param name="at">Where the 16 counts begin. The caller has made sure that they are there.</param>
-        /// <param name="end">Where the segment ends.</param>
-        /// <returns>Where the table ends.</returns>
+        /// <param name="at">The start of the 16 counts. The caller has made sure that they are there.</param>
+        /// <param name="end">The end of the segment.</param>
+        /// <returns>The end of the table.</returns>
         internal int Read(byte[] jpeg, int at, int end)
         {
             int counts = at - 1; // so that the count of a length is at the length

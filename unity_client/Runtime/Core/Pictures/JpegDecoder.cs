@@ -7,8 +7,8 @@ namespace Ros2Gateway.Pictures
     /// Decodes baseline JPEGs (ISO/IEC 10918-1), grey or in colours, to the pixels that libjpeg makes of them.
     /// </summary>
     /// <remarks>
-    /// For any thread, one picture at a time. What it needs it keeps for the next picture: of pictures of one
-    /// size only the first allocates. What one may make it allocate is bounded by <see cref="MaxPixels"/>, and
+    /// For any thread, one picture at a time. It keeps its buffers for the next picture: of pictures of one
+    /// size only the first allocates. The most that it allocates is bounded by <see cref="MaxPixels"/>, and
     /// by its bytes: where they are too few for its pixels, it is refused before.
     /// </remarks>
     public sealed class JpegDecoder
@@ -38,7 +38,7 @@ namespace Ros2Gateway.Pictures
 
         /// <summary>Decodes a JPEG to RGBA, four bytes a pixel, the bottom row first, as textures have it.</summary>
         /// <param name="count">How many bytes of the array are the JPEG's.</param>
-        /// <param name="pixels">Where the pixels go. Replaced by a longer array if it is too short.</param>
+        /// <param name="pixels">The array for the pixels. Replaced by a longer array if it is too short.</param>
         /// <exception cref="JpegNotSupportedException">It is not a baseline JPEG of <see cref="MaxPixels"/> or less.
         /// </exception>
         /// <exception cref="JpegFormatException">It is damaged, or no JPEG. Nothing was written.</exception>

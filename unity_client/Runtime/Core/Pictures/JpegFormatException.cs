@@ -13,14 +13,14 @@ namespace Ros2Gateway.Pictures
             Offset = offset;
         }
 
-        /// <summary>Where, counted from 0.</summary>
+        /// <summary>The place, counted from 0.</summary>
         public int Offset { get; private set; }
     }
 
     /// <summary>A JPEG that may be right, but of a kind that <see cref="JpegDecoder"/> does not read.</summary>
     public sealed class JpegNotSupportedException : JpegFormatException
     {
-        /// <summary>What it is, and where that is said.</summary>
+        /// <summary>The fault, and its place.</summary>
         public JpegNotSupportedException(string errorText, int offset)
             : base(errorText, offset)
         {

@@ -4,7 +4,7 @@ using System;
 namespace Ros2Gateway.Pictures
 {
     /// <summary>
-    /// What a JPEG says between its blocks (ISO/IEC 10918-1, annex B): tables, size, components, scans.
+    /// The headers of a JPEG (ISO/IEC 10918-1, annex B): tables, size, components, scans.
     /// </summary>
     internal sealed class JpegHeaders
     {
@@ -58,7 +58,7 @@ namespace Ros2Gateway.Pictures
         /// <summary>How many components the picture has. 0 until they are read.</summary>
         internal int Count { get; private set; }
 
-        /// <summary>Where the size is said.</summary>
+        /// <summary>The place of the size.</summary>
         internal int SizeAt { get; private set; }
 
         /// <summary>How many components the scan has.</summary>
@@ -98,7 +98,7 @@ namespace Ros2Gateway.Pictures
         }
 
         /// <summary>Begins with another JPEG, whose last byte is before *end*.</summary>
-        /// <returns>Where the first marker's code is.</returns>
+        /// <returns>The place of the first marker's code.</returns>
         internal int Begin(byte[] jpeg, int end)
         {
             _jpeg = jpeg;
@@ -116,8 +116,8 @@ namespace Ros2Gateway.Pictures
         }
 
         /// <summary>Reads segments up to the next scan.</summary>
-        /// <param name="at">Where the code of a marker is.</param>
-        /// <returns>Where the scan's data begin.</returns>
+        /// <param name="at">The place of a marker's code.</param>
+        /// <returns>The start of the scan's data.</returns>
         internal int ReadToScan(int at)
         {
             while (true)

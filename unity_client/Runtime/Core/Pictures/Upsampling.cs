@@ -5,7 +5,7 @@ namespace Ros2Gateway.Pictures
 {
     /// <summary>Makes rows of a component as wide as the picture.</summary>
     /// <remarks>
-    /// Where a sample stands for two, it counts three quarters and its neighbour one, each way: libjpeg's
+    /// If a sample stands for two, it counts three quarters and its neighbour one, each way: libjpeg's
     /// "fancy upsampling", to the last bit. Other ratios repeat samples.
     /// </remarks>
     internal sealed class Upsampling
@@ -15,7 +15,7 @@ namespace Ros2Gateway.Pictures
         private byte[] _row = Array.Empty<byte>();
 
         /// <summary>Finds a row of the picture in a component.</summary>
-        /// <param name="at">Where it begins in the array that is returned. Samples for the picture's width follow.</param>
+        /// <param name="at">Its start in the returned array. Samples for the picture's width follow.</param>
         internal byte[] Row(JpegComponent component, int row, out int at)
         {
             at = row / component.VerticalScale * component.Stride;

@@ -70,7 +70,7 @@ namespace Ros2Gateway.Robots
             return new Affine(product);
         }
 
-        /// <summary>Where a point comes to.</summary>
+        /// <summary>The new place of a point.</summary>
         /// <param name="values">Has x, y, z from there on.</param>
         internal Vector3<Flu> Place(float[] values, int at)
         {

@@ -22,7 +22,7 @@ namespace Ros2Gateway.Robots
         private readonly Func<XmlElement, XmlElement> _source;
         private readonly Dictionary<XmlElement, float[]> _positions = new Dictionary<XmlElement, float[]>();
 
-        /// <param name="source">What an element refers to by its source.</param>
+        /// <param name="source">The target of an element's source.</param>
         /// <exception cref="MeshException">In words.</exception>
         internal ColladaGeometry(XmlElement geometry, Func<XmlElement, XmlElement> source)
         {

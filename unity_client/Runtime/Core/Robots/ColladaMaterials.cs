@@ -15,7 +15,7 @@ namespace Ros2Gateway.Robots
         private readonly Dictionary<XmlElement, Dictionary<string, XmlElement>> _bound
             = new Dictionary<XmlElement, Dictionary<string, XmlElement>>(); // by instances of geometries
 
-        /// <param name="referred">What an element refers to by an attribute.</param>
+        /// <param name="referred">The target of an element's attribute.</param>
         internal ColladaMaterials(
             Dictionary<string, XmlElement> byId, Func<XmlElement, string, XmlElement> referred)
         {

@@ -50,7 +50,7 @@ namespace Ros2Gateway.Robots
 
         private static WordReader Words(string text)
         {
-            return new WordReader(Encoding.ASCII.GetBytes(text)); // what is not ASCII is not a number
+            return new WordReader(Encoding.ASCII.GetBytes(text)); // text outside ASCII is not a number
         }
 
         private static MeshException Unexpected(string where, string expected, WordReader words)

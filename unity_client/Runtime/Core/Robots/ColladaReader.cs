@@ -41,7 +41,7 @@ namespace Ros2Gateway.Robots
         }
 
         /// <summary>Reads a file.</summary>
-        /// <exception cref="MeshException">It is none, in words.</exception>
+        /// <exception cref="MeshException">It is invalid, in words.</exception>
         public static TriangleMesh Read(byte[] collada)
         {
             if (collada == null || collada.Length == 0)

@@ -53,11 +53,11 @@ namespace Ros2Gateway.Robots
         /// <summary>Its name, which is that of its frame as well.</summary>
         public string Name { get; private set; }
 
-        /// <summary>What it looks like.</summary>
+        /// <summary>Its look.</summary>
         public IReadOnlyList<RobotVisual> Visuals { get; private set; }
     }
 
-    /// <summary>What a part of a link is shaped like.</summary>
+    /// <summary>The shape of a part of a link.</summary>
     public enum RobotShape
     {
         /// <summary>A box. Its size is along its own axes.</summary>
@@ -85,7 +85,7 @@ namespace Ros2Gateway.Robots
             Color = color;
         }
 
-        /// <summary>What it is shaped like.</summary>
+        /// <summary>Its shape.</summary>
         public RobotShape Shape { get; private set; }
 
         /// <summary>In metres. Of a mesh, the factors by which it is larger than its file.</summary>
@@ -94,7 +94,7 @@ namespace Ros2Gateway.Robots
         /// <summary>The address of the mesh, mostly package://.... Empty for other shapes.</summary>
         public string Mesh { get; private set; }
 
-        /// <summary>Where its middle is.</summary>
+        /// <summary>The place of its middle.</summary>
         public Pose<Flu> Origin { get; private set; }
 
         /// <summary>Its colour.</summary>

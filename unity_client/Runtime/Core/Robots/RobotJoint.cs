@@ -16,7 +16,7 @@ namespace Ros2Gateway.Robots
         Sliding,
     }
 
-    /// <summary>What joins two links, and how the one moves in the other's frame.</summary>
+    /// <summary>A joint of two links, and how one moves in the other's frame.</summary>
     public sealed class RobotJoint
     {
         private readonly Pose<Flu> _origin;
@@ -58,7 +58,7 @@ namespace Ros2Gateway.Robots
         /// <summary>... and this added.</summary>
         public double Offset { get; private set; }
 
-        /// <summary>Where the child is in its parent's frame. A position that is not finite counts as 0.</summary>
+        /// <summary>The pose of the child in its parent's frame. A position that is not finite counts as 0.</summary>
         public Pose<Flu> PoseAt(double position)
         {
             double by = double.IsNaN(position) || double.IsInfinity(position) ? 0 : position;

@@ -18,7 +18,7 @@ namespace Ros2Gateway.Robots
         private const int CornersBytes = 36;
 
         /// <summary>Reads a file.</summary>
-        /// <exception cref="MeshException">It is none, in words.</exception>
+        /// <exception cref="MeshException">It is invalid, in words.</exception>
         public static TriangleMesh Read(byte[] stl)
         {
             if (stl == null || stl.Length == 0)
@@ -58,7 +58,7 @@ namespace Ros2Gateway.Robots
             }
             long count = BitConverter.ToUInt32(stl, HeaderBytes - 4); // little-endian, as all that Unity runs on
             long bytes = HeaderBytes + TriangleBytes * count;
-            // Some programs append a line. What is as long as a triangle should have been counted.
+            // Some programs append a line. More bytes than a triangle's should have been counted.
             if (bytes > stl.Length || stl.Length - bytes >= TriangleBytes)
             {
                 throw new MeshException(

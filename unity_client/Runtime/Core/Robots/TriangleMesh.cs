@@ -48,13 +48,13 @@ namespace Ros2Gateway.Robots
         /// <summary>Adds triangles to a buffer until it has no room: scaled, then placed, and lit from above.</summary>
         /// <param name="first">The first triangle to add.</param>
         /// <param name="scale">Factors along x, y and z. A negative one mirrors.</param>
-        /// <param name="color">Of triangles that have none of their own.</param>
+        /// <param name="color">Of triangles without a colour.</param>
         /// <returns>The first triangle that is left. <see cref="TriangleCount"/> if none is.</returns>
         /// <exception cref="MeshException">A corner is farther away than float32 goes.</exception>
         public int AddTo(MeshBuffer buffer, int first, Pose<Flu> origin, Vector3<Flu> scale, Rgba color)
         {
             bool isMirrored = (scale.x < 0) ^ (scale.y < 0) ^ (scale.z < 0);
-            // a normal is scaled by the inverse factors: but for its length, by the product of the other two
+            // a normal is scaled by the inverse factors: except for its length, by the product of the other two
             double side = isMirrored ? -1 : 1;
             Vector3<Flu> normalScale = new Vector3<Flu>(
                 side * scale.y * scale.z, side * scale.x * scale.z, side * scale.x * scale.y);

@@ -39,7 +39,7 @@ namespace Ros2Gateway.Robots
         }
 
         /// <summary>Reads a description.</summary>
-        /// <exception cref="UrdfException">It is none, in words.</exception>
+        /// <exception cref="UrdfException">It is invalid, in words.</exception>
         public static RobotDescription Read(string urdf)
         {
             return new UrdfReader().ReadRobot(Root(urdf));
@@ -203,7 +203,7 @@ namespace Ros2Gateway.Robots
             return root;
         }
 
-        /// <summary>Joints from the root on. What is not reached hangs in a circle.</summary>
+        /// <summary>Joints from the root on. Joints that are not reached hang in a circle.</summary>
         private List<RobotJoint> Sorted(string root)
         {
             Dictionary<string, List<RobotJoint>> byParent = new Dictionary<string, List<RobotJoint>>();

@@ -52,7 +52,7 @@ namespace Ros2Gateway.Robots
             }
         }
 
-        /// <summary>Where the first word may begin: behind a byte order mark of UTF-8.</summary>
+        /// <summary>The earliest place of the first word: behind a byte order mark of UTF-8.</summary>
         internal static int Start(byte[] text)
         {
             return text.Length >= 3 && text[0] == 0xEF && text[1] == 0xBB && text[2] == 0xBF ? 3 : 0;

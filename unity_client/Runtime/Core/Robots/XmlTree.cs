@@ -24,7 +24,7 @@ namespace Ros2Gateway.Robots
         }
 
         /// <summary>Reads a whole document.</summary>
-        /// <exception cref="XmlException">It is none.</exception>
+        /// <exception cref="XmlException">It is not XML.</exception>
         internal static XmlElement Root(XmlReader reader)
         {
             XmlDocument document = new XmlDocument { XmlResolver = null };

@@ -23,7 +23,7 @@ namespace Ros2Gateway.Shapes
         }
 
         /// <summary>Builds what a marker looks like.</summary>
-        /// <returns>What is wrong with it, or what of it is not shown. Null if nothing.</returns>
+        /// <returns>The fault, or the part that is not shown. Null without one.</returns>
         public static string Build(MarkerMsg marker, MeshBuffer mesh)
         {
             mesh.Clear(KindOf(marker.type));

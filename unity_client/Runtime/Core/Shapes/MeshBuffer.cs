@@ -3,7 +3,7 @@ using System;
 
 namespace Ros2Gateway.Shapes
 {
-    /// <summary>What three or two or one of the indices of a <see cref="MeshBuffer"/> make.</summary>
+    /// <summary>The meaning of the indices of a <see cref="MeshBuffer"/>: three, two or one make a part.</summary>
     public enum MeshKind
     {
         /// <summary>Three are a triangle. Clockwise, seen from its front.</summary>
@@ -39,7 +39,7 @@ namespace Ros2Gateway.Shapes
             set { _room = Math.Max(0, Math.Min(value, MaxVertices)); }
         }
 
-        /// <summary>What the indices make.</summary>
+        /// <summary>The meaning of the indices.</summary>
         public MeshKind Kind { get; private set; }
 
         /// <summary>How many vertices there are.</summary>

@@ -27,7 +27,7 @@ namespace Ros2Gateway.Shapes
             this.a = a;
         }
 
-        /// <summary>From shares of 1. What is beyond is cut, NaN is 0.</summary>
+        /// <summary>From shares of 1. Values beyond are cut, NaN is 0.</summary>
         public static Rgba Of(double r, double g, double b, double a)
         {
             return new Rgba(Byte(r), Byte(g), Byte(b), Byte(a));

@@ -10,7 +10,7 @@ namespace Ros2Gateway.Thesis
     /// </content>
     public static partial class Ros2Library
     {
-        // Where a sender says what stands in a header.
+        // If a sender fills in a header.
         private static bool Stamp(
             string call, string topic, HeaderMsg header, uint sec, uint nanosec, string frame_id)
         {

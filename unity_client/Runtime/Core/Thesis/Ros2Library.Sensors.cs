@@ -76,7 +76,7 @@ namespace Ros2Gateway.Thesis
         /// <param name="frame_id_size">How many bytes fit. Becomes how many were written, as the sizes of all texts.</param>
         /// <param name="cell_amount">
         /// How many cells both arrays take. Becomes how many were written. With 0 none are, and the arrays may be
-        /// null. Where the robot tells fewer temperatures than voltages, or the other way round, the rest is NaN.
+        /// null. If the robot tells fewer temperatures than voltages, or the other way round, the rest is NaN.
         /// </param>
         /// <returns>False without one, or if it does not fit: then it stays, and a debug message says why.</returns>
         public static bool poll_battery_state(

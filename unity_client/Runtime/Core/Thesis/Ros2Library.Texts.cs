@@ -19,7 +19,7 @@ namespace Ros2Gateway.Thesis
             return Stamp("send_header", topic, header, sec, nanosec, frame_id) && send(topic, header);
         }
 
-        /// <summary>Sends a header. Where nobody set its stamp it gets the time at which it arrives.</summary>
+        /// <summary>Sends a header. Without a stamp it gets the time at which it arrives.</summary>
         public static bool send_header(string topic, HeaderMsg header)
         {
             return send(topic, header);

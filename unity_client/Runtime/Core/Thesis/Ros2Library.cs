@@ -13,16 +13,16 @@ namespace Ros2Gateway.Thesis
     /// </summary>
     /// <remarks>
     /// The library was one per process, and scenes call it as such: this class alone in the package holds
-    /// static state. Every call returns at once and none throws. What fails returns false, and
+    /// static state. Every call returns at once and none throws. A call that fails returns false, and
     /// <see cref="poll_debug_message"/> says why. Types are the numbers of the list of message types. Any thread.
     /// </remarks>
     public static partial class Ros2Library
     {
-        private const int MaxDebugMessages = 100; // what a debug screen shows, and some more
+        private const int MaxDebugMessages = 100; // more than a debug screen shows
 
         private const int MaxDepth = 1024; // of a ROS subscription, as the gateway has it
 
-        // What the library handed out pixel by pixel.
+        // The library handed these out pixel by pixel.
         private const string ImageType = "sensor_msgs/msg/Image";
 
         private static readonly object Gate = new object();
@@ -34,12 +34,12 @@ namespace Ros2Gateway.Thesis
         private static string _prefix = "";
         private static string _lastDebugMessage; // a poll that fails in every frame is one piece of news
 
-        /// <summary>Where the gateway is. What is set counts from the next <see cref="ros2_init"/> on.</summary>
+        /// <summary>The address of the gateway. A change counts from the next <see cref="ros2_init"/> on.</summary>
         public static GatewayOptions Options = new GatewayOptions();
 
         /// <summary>Begins to connect. Called again it does nothing. True in both cases.</summary>
         /// <param name="prefix">
-        /// What the names of the nodes begin with. They are the gateway's, which takes it as <c>--node-prefix</c>.
+        /// The start of the names of the nodes. They are the gateway's, which takes it as <c>--node-prefix</c>.
         /// A debug message tells if it has another one. Debug messages begin with it as well.
         /// </param>
         public static bool ros2_init(string prefix = "")

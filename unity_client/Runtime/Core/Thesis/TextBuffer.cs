@@ -5,7 +5,7 @@ using System.Text;
 namespace Ros2Gateway.Thesis
 {
     /// <summary>
-    /// Where a poll writes a text: a StringBuilder or a byte array, as a DllImport of the time declared a char*.
+    /// The place for the text of a poll: a StringBuilder or a byte array, as a DllImport of the time declared a char*.
     /// </summary>
     public struct TextBuffer
     {

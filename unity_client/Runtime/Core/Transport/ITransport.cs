@@ -5,12 +5,12 @@ namespace Ros2Gateway
 {
     /// <summary>One attempt to connect and, if it succeeds, the connection. Used once.</summary>
     /// <remarks>
-    /// Where there are threads the listener is called from background ones. Where there are none
+    /// With threads the listener is called from background ones. Without threads
     /// (WebGL) from within <see cref="Poll"/>, <see cref="TrySend"/> and <see cref="Close"/>.
     /// </remarks>
     public interface ITransport : IDisposable
     {
-        /// <summary>Begins to connect and returns at once. What the network does is told to the listener.</summary>
+        /// <summary>Begins to connect and returns at once. The listener is told about the network.</summary>
         void Open(Uri address, ITransportListener listener);
 
         /// <summary>Sends one text frame, or returns false: not open, or the last one is still under way.</summary>
@@ -27,7 +27,7 @@ namespace Ros2Gateway
         void Close(int code, string reason);
     }
 
-    /// <summary>What a transport tells. All but OnSent never overlap. Nothing comes after OnClosed.</summary>
+    /// <summary>The events of a transport. All but OnSent never overlap. Nothing comes after OnClosed.</summary>
     public interface ITransportListener
     {
         /// <summary>The connection stands.</summary>

@@ -115,7 +115,7 @@ namespace Ros2Gateway
             }
             catch (Exception error)
             {
-                // Whatever it is, it is the end of this connection, and told in words.
+                // Any error is the end of this connection, and told in words.
                 reason = ErrorText(error);
             }
             Volatile.Write(ref _isOpen, 0);

@@ -167,7 +167,7 @@ namespace UnityEngine
             return true;
         }
 
-        /// <summary>Ends it. Who overrides it ends what belongs to it first.</summary>
+        /// <summary>Ends it. An overrider first ends its own parts.</summary>
         internal virtual void Die()
         {
             IsDestroyed = true;

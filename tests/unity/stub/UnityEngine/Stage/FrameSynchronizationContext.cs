@@ -5,7 +5,7 @@ using System.Threading;
 
 namespace UnityEngine.Stage
 {
-    /// <summary>Where continuations wait for the next frame, as in Unity: who blocks the main thread on a
+    /// <summary>The queue of continuations for the next frame, as in Unity: a caller that blocks the main thread on a
     /// task that continues there waits forever.</summary>
     internal sealed class FrameSynchronizationContext : SynchronizationContext
     {
@@ -49,7 +49,7 @@ namespace UnityEngine.Stage
             int count;
             lock (_posted)
             {
-                count = _posted.Count;  // what these post waits for the next frame
+                count = _posted.Count;  // their posts wait for the next frame
             }
             for (int i = 0; i < count; i++)
             {

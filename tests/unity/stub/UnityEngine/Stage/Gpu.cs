@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 namespace UnityEngine.Stage
 {
-    /// <summary>What the graphics card can do.</summary>
+    /// <summary>The abilities of the graphics card.</summary>
     public static class Gpu
     {
         /// <summary>Whether it can be read without waiting for it.</summary>

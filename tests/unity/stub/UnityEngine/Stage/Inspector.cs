@@ -7,7 +7,7 @@ namespace UnityEngine.Stage
     /// <summary>Someone in front of an inspector: what is clicked, typed and read.</summary>
     public static class Inspector
     {
-        /// <summary>What the menu that was shown last offers, and what each item does. Null for those that
+        /// <summary>The items of the menu that was shown last, with their actions. Null for those that
         /// are disabled.</summary>
         public static readonly Dictionary<string, Action> Menu = new Dictionary<string, Action>();
 

@@ -5,7 +5,7 @@ using System.Text.RegularExpressions;
 
 namespace UnityEngine.Stage
 {
-    /// <summary>What a test may log: as in Unity's Test Framework an error that was not expected fails
+    /// <summary>The log that a test may write: as in Unity's Test Framework an error that was not expected fails
     /// it.</summary>
     public static class LogExpectations
     {
@@ -90,7 +90,7 @@ namespace UnityEngine.Stage
         {
             lock (Lock)
             {
-                // what was logged before it was expected counts as well
+                // earlier lines also count
                 string earlier = Unexpected.Find(
                     entry => entry.StartsWith("[" + expectation.Type + "] ", StringComparison.Ordinal)
                         && expectation.Matches(entry.Substring(entry.IndexOf(' ') + 1)));

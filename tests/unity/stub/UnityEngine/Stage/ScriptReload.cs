@@ -5,7 +5,7 @@ using System.Reflection;
 
 namespace UnityEngine.Stage
 {
-    /// <summary>What a component has left when the editor reloads scripts in Play: what Unity can serialize, private
+    /// <summary>The fields that a component keeps when the editor reloads scripts in Play: those that Unity can serialize, private
     /// fields as well. Null becomes an empty text, list or object. All else is as the constructor makes it.</summary>
     internal static class ScriptReload
     {

@@ -16,7 +16,7 @@ namespace UnityEngine
     {
     }
 
-    /// <summary>There are none.</summary>
+    /// <summary>Always empty.</summary>
     public static class SubsystemManager
     {
         public static void GetSubsystems<T>(List<T> subsystems) where T : ISubsystem
